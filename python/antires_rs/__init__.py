@@ -1,0 +1,75 @@
+"""Antiresonances from responses alone, model updating and damage location with them.
+
+>>> import antires_rs as ar
+>>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
+>>> chain.antiresonances(0, 0).round(3)
+array([2.2  , 5.758])
+
+See ARCHITECTURE.md for the map of the package, and :mod:`antires_rs.cases` for complete studies.
+"""
+
+from . import cases
+from ._core import __version__
+from .antiresonance_set import AntiresonanceSet
+from .exceptions import (
+    AntiresError,
+    AntiresWarning,
+    InternalError,
+    InvalidInputError,
+    MissingDependencyError,
+    NumericalError,
+    ObjectiveError,
+    UnsuitableDataError,
+)
+from .identification import identify_antiresonances
+from .modal_set import ModalSet
+from .models import MassSpringChain, MatrixModel
+from .optimizer import History, IslandGA, OptimizeResult
+from .parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
+from .rational import RationalFit, fit_rational
+from .results import DamageResult, FrequencyTable, UpdateResult
+from .signals import FrequencyResponse, Recording
+from .spectra import frf, transmissibility, transmissibility_sum
+from .stabilization import StabilizationDiagram, stabilization
+from .updating import DamagePenalty, UpdatingProblem, assess_damage, update
+
+__all__ = [
+    "AntiresError",
+    "AntiresWarning",
+    "AntiresonanceSet",
+    "DamagePenalty",
+    "DamageResult",
+    "FrequencyResponse",
+    "FrequencyTable",
+    "History",
+    "InternalError",
+    "InvalidInputError",
+    "IslandGA",
+    "MassSpringChain",
+    "MatrixModel",
+    "MissingDependencyError",
+    "ModalSet",
+    "NumericalError",
+    "ObjectiveError",
+    "OptimizeResult",
+    "Parameter",
+    "RationalFit",
+    "Recording",
+    "StabilizationDiagram",
+    "UnsuitableDataError",
+    "UpdateResult",
+    "UpdatingProblem",
+    "__version__",
+    "assess_damage",
+    "cases",
+    "fit_rational",
+    "frf",
+    "identify_antiresonances",
+    "mass_factor",
+    "stabilization",
+    "stiffness_factor",
+    "stiffness_reduction",
+    "transmissibility",
+    "transmissibility_sum",
+    "update",
+]

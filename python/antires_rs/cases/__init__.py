@@ -1,0 +1,5 @@
+"""Complete studies: a model, its virtual experiment, and the truth to compare with."""
+
+from .chain8 import Chain8, chain8
+
+__all__ = ["Chain8", "chain8"]

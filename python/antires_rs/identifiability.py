@@ -1,0 +1,123 @@
+"""What the data can tell about the parameters, and what they cannot.
+
+Two questions. Which directions of the parameter space leave every measured antiresonance where it
+is (the null space of the residuals' Jacobian: the common scale of K and M, a mass that no
+antiresonance sees)? And how small may a damage be before the penalties outweigh what it explains?
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ._validation import FloatArray
+from .antiresonance_set import AntiresonanceSet
+
+if TYPE_CHECKING:
+    from .updating import UpdatingProblem
+
+__all__ = ["Identifiability", "identifiability", "smallest_visible"]
+
+#: Step of the central differences, relative to the range of a parameter: the residuals carry
+#: rounding of about 1e-13, so this leaves some 1e-8 of error.
+_STEP = 1e-5
+#: A direction whose residuals move less than this per unit of bound range is not seen.
+_UNSEEN = 1e-5
+#: A parameter takes part in an unseen direction from this share of it on.
+_SHARE = 0.15
+
+
+@dataclass(frozen=True)
+class Identifiability:
+    """Rank and null space of the residuals' Jacobian at a solution, scaled by the bounds.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Parameters.
+    sensitivity : ndarray, (n,)
+        Norm of each parameter's column: change of the residuals over its bound range.
+    rank : int
+        Number of parameter combinations that the data determine.
+    unseen : ndarray, (n - rank, n)
+        Orthonormal combinations that they do not.
+    """
+
+    names: tuple[str, ...]
+    sensitivity: FloatArray
+    rank: int
+    unseen: FloatArray
+
+    @property
+    def notes(self) -> list[str]:
+        """Sentences for the reader; none when every parameter is determined."""
+        n = len(self.names)
+        blind = self.sensitivity <= _UNSEEN
+        notes = []
+        if np.any(blind):
+            names = ", ".join(name for name, b in zip(self.names, blind, strict=True) if b)
+            notes.append(f"Not seen by any measured antiresonance: {names}. The value found is arbitrary.")
+        mixed = n - self.rank - int(blind.sum())
+        if mixed > 0:
+            # Share of each parameter in the unseen combinations that are not single parameters.
+            share = np.sqrt(np.sum(self.unseen**2, axis=0))
+            names = ", ".join(name for name, s, b in zip(self.names, share, blind, strict=True)
+                              if s > _SHARE and not b)
+            notes.append(f"The data determine {self.rank} of {n} parameter combinations; {mixed} common "
+                         f"scale(s) among {names} cannot be told: only their ratios are known.")
+        return notes
+
+
+def identifiability(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
+    """Rank and null space at ``x``, from central differences of the residuals."""
+    low, high = problem.bounds.T
+    width = np.where(high > low, high - low, 1.0)
+    jacobian = np.empty((problem.measured_hz.size, len(x)))
+    for j in range(len(x)):
+        step = np.zeros(len(x))
+        step[j] = _STEP * width[j]
+        # Straight from the core: a step below the snap threshold must not be snapped away.
+        ahead, behind = (problem._core.pairs(x + s * step) for s in (1.0, -1.0))
+        change = (ahead**2 - behind**2) / problem.measured_hz**2 / (2.0 * _STEP)
+        jacobian[:, j] = np.where(np.isfinite(change), change, 0.0)
+    _, singular, rows = np.linalg.svd(jacobian, full_matrices=True)
+    rank = int(np.count_nonzero(singular > _UNSEEN))
+    return Identifiability(tuple(problem.names), np.linalg.norm(jacobian, axis=0), rank, rows[rank:])
+
+
+def smallest_visible(problem: UpdatingProblem) -> list[float]:
+    """Smallest value of each stiffness reduction that the objective prefers to no damage.
+
+    The structure is taken to be the nominal model with that one reduction, measured exactly at the
+    same dofs and in the same band. Infinity where no value up to the bound is preferred.
+    """
+    penalty = problem.penalty
+    band_hz = float(problem.measured_hz.max())
+    dofs = [int(d) for d in problem.measured]
+
+    def gain(index: int, beta: float) -> float:
+        """What the damage explains, less what it costs."""
+        x = np.zeros(len(problem.parameters))
+        x[index] = beta
+        zeros = problem.model_at(x).antiresonances(dofs, problem.excitation, f_max_hz=band_hz)
+        exact = AntiresonanceSet(problem.excitation, dict(zip(dofs, zeros, strict=True)))
+        if not any(len(freq) for freq in zeros):
+            return -1.0
+        undamaged = type(problem)(problem.model, problem.parameters, exact).cost(np.zeros_like(x))
+        return undamaged - (penalty.gamma1 * beta + penalty.gamma2 if penalty else 0.0)
+
+    visible = []
+    for index, (_, high) in enumerate(problem.bounds):
+        grid = np.linspace(0.01, high, 40)
+        first = next((i for i, beta in enumerate(grid) if gain(index, beta) > 0), None)
+        if first is None:
+            visible.append(float("inf"))
+            continue
+        low, top = (grid[first - 1] if first else 0.0), grid[first]
+        while top - low > 1e-3:
+            middle = 0.5 * (low + top)
+            low, top = (low, middle) if gain(index, middle) > 0 else (middle, top)
+        visible.append(float(top))
+    return visible

@@ -1,0 +1,402 @@
+"""Structural models: a chain of masses and springs, or any K and M.
+
+Thin, typed wrappers over the Rust core, which owns the matrices, the eigenproblems and the
+antiresonances. SI units; degrees of freedom zero-based.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from ._validation import ComplexArray, FloatArray, choice, finite_scalar, integer, real_array, reject
+from .exceptions import AntiresWarning
+from .modal_set import ModalSet
+
+if TYPE_CHECKING:
+    from .signals import Recording
+
+__all__ = ["MassSpringChain", "MatrixModel", "StructuralModel"]
+
+Method = Literal["modal", "pencil"]
+Motion = Literal["accelerance", "mobility", "receptance"]
+
+
+class StructuralModel:
+    """What every model can do. Build a :class:`MassSpringChain` or a :class:`MatrixModel`."""
+
+    _core: _core.Model
+
+    @property
+    def n_dof(self) -> int:
+        """Number of degrees of freedom."""
+        return self._core.n_dof
+
+    def _with_core(self, core: _core.Model) -> Self:
+        """Return a model of this class around other core matrices (an updated state)."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        other._core = core
+        return other
+
+    def element_label(self, element: int) -> str:
+        """Name of stiffness term ``element`` in tables and pictures, counted from 1 as users do."""
+        return f"element {element + 1}"
+
+    def mass_label(self, term: int) -> str:
+        """Name of mass term ``term`` in tables, counted from 1 as users do."""
+        return f"mass {term + 1}"
+
+    @property
+    def default_elements(self) -> list[int]:
+        """Stiffness terms that :func:`assess_damage` looks at unless told otherwise."""
+        return list(range(self._core.n_stiffness_terms))
+
+    def modes(self, n_modes: int | None = None, f_max_hz: float | None = None) -> ModalSet:
+        """Undamped resonances and mass-normalised shapes.
+
+        Parameters
+        ----------
+        n_modes : int, optional
+            Keep the lowest ``n_modes``.
+        f_max_hz : float, optional
+            Keep those up to this frequency.
+
+        Returns
+        -------
+        ModalSet
+            ``freq_hz`` (n_modes,) ascending, ``shapes`` (n_modes, n_dof). Rigid-body modes at 0 Hz.
+
+        Raises
+        ------
+        NumericalError
+            K and M share a motion with neither mass nor stiffness, or M is indefinite.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> ar.MassSpringChain([1.0, 1.0], [500.0]).modes().freq_hz.round(3)
+        array([0.   , 5.033])
+        """
+        freq, shapes = self._core.modes()
+        keep = len(freq) if n_modes is None else integer("n_modes", n_modes, low=1)
+        if f_max_hz is not None:
+            limit = finite_scalar("f_max_hz", f_max_hz, low=0.0, unit="Hz")
+            keep = min(keep, int(np.count_nonzero(~(freq > limit))))
+        return ModalSet(freq[:keep], shapes[:, :keep].T, dofs=range(self.n_dof))
+
+    def frf(self, response: int | Sequence[int], excitation: int, freq_hz: Any, *, damping_ratio: Any,
+            kind: Motion = "accelerance") -> ComplexArray:
+        r"""Frequency response by modal superposition.
+
+        .. math:: H_{ik}(\omega) = \sum_r \frac{\phi_{ir}\phi_{kr}}{\omega_r^2 - \omega^2
+                  + 2 j \zeta_r \omega_r \omega}
+
+        Parameters
+        ----------
+        response : int or sequence of int
+            Response dof(s).
+        excitation : int
+            Dof of the force.
+        freq_hz : array_like, (n_freq,)
+            Frequencies in Hz, not negative.
+        damping_ratio : float or array_like, (n_modes,)
+            Modal damping ratio, one for all modes or one each; 0.01 is 1 %.
+        kind : {'accelerance', 'mobility', 'receptance'}
+            Acceleration, velocity or displacement over force.
+
+        Returns
+        -------
+        ndarray of complex
+            (n_freq,) for one response, (n_responses, n_freq) for a sequence.
+
+        Raises
+        ------
+        InvalidInputError
+            A dof outside the model, a negative frequency or damping, an unknown kind.
+
+        Notes
+        -----
+        Ewins, Modal Testing, 2nd ed. (2000), section 2.4.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> chain = ar.MassSpringChain([1.0, 1.0], [500.0])
+        >>> abs(chain.frf(0, 0, [3.5588], damping_ratio=0.01)).round(3)   # its antiresonance
+        array([0.02])
+        """
+        freq = real_array("freq_hz", freq_hz, ndim=1, wanted="an array (n_freq,) of frequencies in Hz")
+        if freq.min() < 0:
+            reject("freq_hz", f"{freq.min():g} Hz", "no negative frequency")
+        choice("kind", kind, ("accelerance", "mobility", "receptance"))
+        rows = self._core.frf(self._dofs("response", response), self._dof("excitation", excitation),
+                              freq, self._damping(damping_ratio), kind)
+        return rows[0] if np.ndim(response) == 0 else rows
+
+    def antiresonances(self, response: int | Sequence[int], excitation: int, *,
+                       f_max_hz: float | None = None, method: Method = "modal",
+                       include_cancelled: bool = False) -> Any:
+        r"""Antiresonant frequencies: positive real roots of ``det(K_ik - w**2 M_ik) = 0``.
+
+        Row ``i`` (the response) and column ``k`` (the excitation) are deleted.
+
+        Parameters
+        ----------
+        response : int or sequence of int
+            Response dof(s).
+        excitation : int
+            Dof of the force.
+        f_max_hz : float, optional
+            Highest frequency wanted; all by default.
+        method : {'modal', 'pencil'}
+            ``'modal'`` takes one symmetric eigenproblem for all responses and brackets the zeros of the
+            modal series, with proof that none is missed; ``'pencil'`` solves each deleted pencil by QZ.
+            Both return the same set.
+        include_cancelled : bool
+            Return also the roots that coincide with a resonance which response or excitation does not
+            see (residue below 1e-12 of the largest). The FRF shows no dip there.
+
+        Returns
+        -------
+        ndarray, (n,)
+            Hz, ascending; a list of arrays for a sequence of responses. Dropped are roots that are
+            infinite or zero at working precision (first-order uncertainty above 1e-3 of their own
+            distance from there), negative, or complex (imaginary part above 1e-9 of the modulus). Every
+            QZ root is checked on the matrices to a backward error of 1e-10.
+
+        Raises
+        ------
+        InvalidInputError
+            A dof outside the model or an unknown method.
+        NumericalError
+            An eigenproblem that cannot be solved.
+
+        Warns
+        -----
+        AntiresWarning
+            The response is not connected to the excitation: H is identically zero.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
+        >>> [zeros.round(3).tolist() for zeros in chain.antiresonances([0, 1, 2], 0)]
+        [[2.2, 5.758], [3.559], []]
+        """
+        choice("method", method, ("modal", "pencil"))
+        limit = np.inf if f_max_hz is None else finite_scalar(
+            "f_max_hz", f_max_hz, low=0.0, low_open=True, unit="Hz")
+        dofs = self._dofs("response", response)
+        found = self._core.antiresonances(dofs, self._dof("excitation", excitation), limit, method,
+                                          bool(include_cancelled))
+        for dof, (_, identically_zero) in zip(dofs, found, strict=True):
+            if identically_zero:
+                warnings.warn(f"response dof {dof} is not connected to excitation dof {excitation}: "
+                              "H is identically zero and has no antiresonance.", AntiresWarning, stacklevel=2)
+        zeros = [freq for freq, _ in found]
+        return zeros[0] if np.ndim(response) == 0 else zeros
+
+    def simulate(self, *, excitation: int, fs_hz: float, duration_s: float, damping_ratio: Any,
+                 band_hz: tuple[float, float] | None = None, noise: float = 0.0,
+                 responses: Sequence[int] | None = None,
+                 rng: int | np.random.Generator | None = None) -> Recording:
+        """Record the accelerations of a virtual test under one random force.
+
+        Parameters
+        ----------
+        excitation : int
+            Dof of the force.
+        fs_hz : float
+            Sampling rate.
+        duration_s : float
+            Length of the record.
+        damping_ratio : float or array_like, (n_modes,)
+            Modal damping ratio.
+        band_hz : (float, float), optional
+            Band of the force; all up to half the sampling rate by default.
+        noise : float
+            Standard deviation of white sensor noise, as a fraction of each channel's own rms.
+        responses : sequence of int, optional
+            Dofs of the accelerometers; all by default.
+        rng : int or numpy.random.Generator, optional
+            Randomness.
+
+        Returns
+        -------
+        Recording
+            Accelerations (n_responses, n_samples) of a unit-rms force, which is kept in ``.force``.
+            Synthesised in the frequency domain over a longer record: no integration error, not periodic.
+
+        Raises
+        ------
+        InvalidInputError
+            A rate or duration that is not positive, a band above half the rate, a dof outside the model.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> chain = ar.MassSpringChain([1.0, 1.0], [500.0])
+        >>> chain.simulate(excitation=0, fs_hz=50.0, duration_s=10.0, damping_ratio=0.01, rng=0)
+        Recording(2 channels x 500 samples, 50 Hz, 10 s, force recorded)
+        """
+        from .simulation import simulate
+        dofs = list(range(self.n_dof)) if responses is None else self._dofs("responses", responses)
+        self._damping(damping_ratio)
+        elastic = [f for f in self._core.modes()[0] if f > 0]
+        return simulate(self, responses=dofs, excitation=self._dof("excitation", excitation), fs_hz=fs_hz,
+                        duration_s=duration_s, damping_ratio=damping_ratio,
+                        lowest_hz=min(elastic, default=0.0), band_hz=band_hz, noise=noise, rng=rng)
+
+    def _dof(self, name: str, value: Any) -> int:
+        return integer(name, value, low=0, high=self.n_dof - 1)
+
+    def _dofs(self, name: str, value: Any) -> list[int]:
+        if np.ndim(value) == 0:
+            return [self._dof(name, value)]
+        values = [self._dof(f"{name}[{i}]", v) for i, v in enumerate(value)]
+        if not values:
+            reject(name, "an empty sequence", "at least one dof")
+        return values
+
+    def _damping(self, value: Any) -> FloatArray:
+        n_modes = self._core.modes()[0].size
+        wanted = f"one damping ratio of at least 0, or {n_modes} of them, one for each mode"
+        ratio = np.atleast_1d(real_array("damping_ratio", value, ndim=None, wanted=wanted))
+        if ratio.ndim != 1 or ratio.size not in (1, n_modes) or ratio.min() < 0:
+            reject("damping_ratio", value, wanted)
+        return ratio
+
+
+class MassSpringChain(StructuralModel):
+    """Masses in a row, joined by springs, optionally with a spring to ground at either end.
+
+    Parameters
+    ----------
+    masses_kg : array_like, (n,)
+        Positive masses.
+    springs_n_per_m : array_like, (n - 1,)
+        Positive stiffnesses of the springs between neighbours.
+    ground_first_n_per_m, ground_last_n_per_m : float
+        Springs from the first and the last mass to ground; 0 leaves that end free.
+
+    Raises
+    ------
+    InvalidInputError
+        A mass or spring that is not positive, or counts that do not fit.
+
+    Notes
+    -----
+    Elements 0 to n - 2 are the springs between the masses; the ground springs are elements n - 1 and n.
+    Matrices are dense ``ndarray``. The eight-mass chain of Meruane, J. Sound Vib. 332 (2013) 807-820, is
+    :func:`antires_rs.cases.chain8`.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> ar.MassSpringChain([1.0, 2.0], [500.0]).stiffness()
+    array([[ 500., -500.],
+           [-500.,  500.]])
+    """
+
+    def __init__(self, masses_kg: Any, springs_n_per_m: Any, *, ground_first_n_per_m: float = 0.0,
+                 ground_last_n_per_m: float = 0.0) -> None:
+        masses = real_array("masses_kg", masses_kg, ndim=1, wanted="an array (n,) of masses in kg")
+        springs = np.zeros(0) if np.size(springs_n_per_m) == 0 else real_array(
+            "springs_n_per_m", springs_n_per_m, ndim=1, wanted="an array (n - 1,) of stiffnesses in N/m")
+        self._core = _core.Model.chain(masses, springs,
+                                       finite_scalar("ground_first_n_per_m", ground_first_n_per_m),
+                                       finite_scalar("ground_last_n_per_m", ground_last_n_per_m))
+
+    def element_label(self, element: int) -> str:
+        """``spring 1`` to ``spring n-1`` between the masses, then the two ground springs."""
+        between = self.n_dof - 1
+        return f"spring {element + 1}" if element < between else (
+            "first ground spring" if element == between else "last ground spring")
+
+    @property
+    def default_elements(self) -> list[int]:
+        """The springs between the masses; ground springs only on request."""
+        return list(range(self.n_dof - 1))
+
+    def stiffness(self) -> FloatArray:
+        """Stiffness matrix, (n, n), N/m."""
+        return self._core.stiffness()
+
+    def mass(self) -> FloatArray:
+        """Mass matrix, (n, n), kg."""
+        return self._core.mass()
+
+    def __repr__(self) -> str:
+        return f"MassSpringChain({self.n_dof} masses)"
+
+
+class MatrixModel(StructuralModel):
+    """Stiffness and mass from any finite-element code, with the terms that parameters may scale.
+
+    Parameters
+    ----------
+    stiffness, mass : array_like or scipy.sparse, (n, n)
+        Symmetric nominal matrices; the mass may be singular (massless dofs).
+    stiffness_terms, mass_terms : sequence of array_like or scipy.sparse, (n, n)
+        Contribution of each element (or group) to the matrix. A parameter with factor s turns K into
+        ``K + (s - 1) K_i``; the terms need not add up to K.
+
+    Raises
+    ------
+    InvalidInputError
+        A matrix that is not square, symmetric and finite, of another size, or a negative mass.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> spring = 500.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    >>> model = ar.MatrixModel(spring, np.eye(2), stiffness_terms=[spring])
+    >>> model.antiresonances(0, 0).round(3)
+    array([3.559])
+    """
+
+    def __init__(self, stiffness: Any, mass: Any, *, stiffness_terms: Iterable[Any] = (),
+                 mass_terms: Iterable[Any] = ()) -> None:
+        k = _dense("stiffness", stiffness)
+        self._core = _core.Model.from_matrices(
+            k, _dense("mass", mass),
+            [_term(f"stiffness_terms[{i}]", t, len(k)) for i, t in enumerate(stiffness_terms)],
+            [_term(f"mass_terms[{i}]", t, len(k)) for i, t in enumerate(mass_terms)])
+
+    def stiffness(self) -> Any:
+        """Stiffness matrix as ``scipy.sparse.csc_array``, (n, n), N/m."""
+        return _sparse(self._core.stiffness())
+
+    def mass(self) -> Any:
+        """Mass matrix as ``scipy.sparse.csc_array``, (n, n), kg."""
+        return _sparse(self._core.mass())
+
+    def __repr__(self) -> str:
+        return (f"MatrixModel({self.n_dof} dofs, {self._core.n_stiffness_terms} stiffness terms, "
+                f"{self._core.n_mass_terms} mass terms)")
+
+
+def _sparse(dense: FloatArray) -> Any:
+    from scipy.sparse import csc_array
+    return csc_array(dense)
+
+
+def _dense(name: str, matrix: Any) -> FloatArray:
+    array = matrix.toarray() if hasattr(matrix, "toarray") else matrix
+    return real_array(name, array, ndim=2, wanted="a square matrix (n, n), dense or scipy.sparse")
+
+
+def _term(name: str, matrix: Any, n: int) -> tuple[NDArray[np.uint32], NDArray[np.uint32], FloatArray]:
+    dense = _dense(name, matrix)
+    if dense.shape != (n, n):
+        reject(name, f"a matrix of shape {dense.shape}", f"shape ({n}, {n}), as the stiffness")
+    if not np.allclose(dense, dense.T, rtol=0, atol=1e-9 * np.abs(dense).max()):
+        reject(name, "a matrix that is not symmetric", "a symmetric term")
+    rows, cols = np.nonzero(dense)
+    return rows.astype(np.uint32), cols.astype(np.uint32), np.ascontiguousarray(dense[rows, cols])

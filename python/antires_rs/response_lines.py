@@ -1,0 +1,151 @@
+"""Every kind of source brought to one form: a complex vector of responses a line.
+
+The vector is known up to a factor a line, which cancels in every quotient. On the FRF route the force is one more
+row, so that FRFs are transmissibilities to the force. Channels are scaled to equal noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ._validation import ComplexArray, FloatArray, reject
+from .exceptions import UnsuitableDataError
+from .rankone import response_vectors
+from .segment_length import choose_nperseg
+from .signals import FrequencyResponse, Recording
+from .spectra import CrossSpectra, cross_spectra, two_channel
+from .transient import is_transient, require_stationary, transient_spectra
+
+# Row index of the force in ``Lines.vectors``: the last.
+FORCE = -1
+# The SNR given to lines of data whose noise cannot be known; above the cap of the weights.
+UNKNOWN_SNR = 1e12
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Response vectors ``(n_rows, n_freq)``, of unit norm at every line, and their ``snr``, (n_freq,)."""
+
+    freq_hz: FloatArray
+    vectors: ComplexArray
+    snr: FloatArray
+    added_decay_per_s: float = 0.0
+
+    def quotients(self, row: int) -> tuple[ComplexArray, FloatArray]:
+        """All other rows over one row, and the sum of their squared magnitudes."""
+        own = self.vectors[row]
+        # A line at which the row vanishes would divide by zero; its weight will be nil.
+        own = np.where(np.abs(own) < 1e-12, 1e-12, own)
+        others = np.delete(self.vectors, row, axis=0) / own
+        return others, np.sum(np.abs(others)**2, axis=0)
+
+
+def lines_of_recording(rec: Recording, band_hz: tuple[float, float], *, use_force: bool, nperseg: int | None,
+                       noverlap: int | None, window: Any, method: str, estimator: str,
+                       ) -> Callable[[int], Lines]:
+    """Response vectors of a record; the argument is the row that will be divided by."""
+    transient = method == "transient" or (method == "auto" and is_transient(rec))
+    if transient:
+        kind = window if isinstance(window, str) and window in ("rectangular", "exponential") else "auto"
+        spectra = transient_spectra(rec, window=kind, include_force=use_force)
+    else:
+        if method == "auto":
+            require_stationary(rec)
+        length = choose_nperseg(rec, band_hz) if nperseg is None else nperseg
+        spectra = cross_spectra(rec, nperseg=length, noverlap=noverlap, window=window, include_force=use_force)
+    spectra = _cut(spectra, band_hz)
+    auto = np.einsum("fii->i", spectra.matrix).real
+    if not auto.all():
+        dead = int(np.flatnonzero(auto == 0.0)[0])
+        name = f"dof {rec.dofs[dead]!r}" if dead < rec.n_channels else "the force"
+        raise UnsuitableDataError(f"source: got no signal at all from {name} in the band; wanted a live channel. "
+                                  "Leave the dead channel out of the Recording.")
+    vectors, snr = response_vectors(spectra.matrix, spectra.noise)
+    noise = spectra.noise if spectra.noise is not None else _noise(spectra.matrix, vectors)
+    scale = np.sqrt(noise)[:, None]
+    if use_force:
+        # A force cell is far quieter than the responses: what a line is worth, the responses tell.
+        snr = response_vectors(spectra.matrix[:, :FORCE, :FORCE], None if spectra.noise is None
+                               else spectra.noise[:FORCE])[1]
+
+    def lines(row: int) -> Lines:
+        own = vectors if estimator == "rank1" else two_channel(
+            spectra.matrix, row % vectors.shape[0], estimator)[0]
+        own = own / scale
+        if use_force:
+            own[FORCE] *= _middling(own[:FORCE] / own[FORCE])
+        return Lines(spectra.freq_hz, _unit(own), snr, spectra.added_decay_per_s)
+
+    return lines
+
+
+def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, use_force: bool) -> Lines:
+    """Response vectors of measured FRFs or transmissibilities."""
+    inside = _inside(resp.freq_hz, band_hz)
+    freq, values = resp.freq_hz[inside], resp.values[:, inside]
+    power = np.mean(np.abs(values)**2, axis=1)
+    if not power.all():
+        dead = resp.dofs[int(np.flatnonzero(power == 0.0)[0])]
+        raise UnsuitableDataError(f"source: got zeros only for dof {dead!r} in the band; wanted a live channel. "
+                                  "Leave the dead channel out of the FrequencyResponse.")
+    if resp.kind == "transmissibility":
+        if use_force:
+            reject("route", "'frf' with a source of transmissibilities", "'transmissibility'",
+                   "Transmissibilities do not hold the FRFs.")
+        # A transmissibility's own magnitude says nothing about its signal-to-noise ratio.
+        return Lines(freq, _unit(values), np.full(freq.size, UNKNOWN_SNR))
+    noise = _roughness(values, power)
+    scaled = values / np.sqrt(noise)[:, None]
+    snr = np.mean(np.abs(scaled)**2, axis=0)
+    if use_force:
+        scaled = np.vstack([scaled, np.full((1, freq.size), _middling(scaled))])
+    return Lines(freq, _unit(scaled), snr)
+
+
+def _middling(frfs: ComplexArray) -> float:
+    """A force of this size weighs as much as all responses together at the median line."""
+    return float(np.median(np.linalg.norm(frfs, axis=0)))
+
+
+def _noise(matrix: ComplexArray, vectors: ComplexArray) -> FloatArray:
+    """Relative noise power of every channel: what the dominant vector leaves of the diagonal."""
+    norm = np.linalg.norm(vectors, axis=0)
+    unit = vectors / norm
+    auto = np.einsum("fii->if", matrix).real
+    along = np.einsum("if,fji,jf->f", unit, matrix, unit.conj(), optimize=True).real
+    left = np.median(np.maximum(auto - along * np.abs(unit)**2, 0.0), axis=1)
+    return np.maximum(left, 1e-12 * auto.mean(axis=1))
+
+
+def _roughness(values: ComplexArray, power: FloatArray) -> FloatArray:
+    """Noise power of every curve from its second differences (6 times that of white noise)."""
+    if values.shape[1] < 8:
+        return power
+    second = values[:, 2:] - 2.0 * values[:, 1:-1] + values[:, :-2]
+    # The median of abs()**2 of complex Gaussian noise is ln 2 of its mean.
+    noise = np.median(np.abs(second)**2, axis=1) / (6.0 * np.log(2.0))
+    return np.asarray(np.maximum(noise, 1e-12 * power))
+
+
+def _unit(vectors: ComplexArray) -> ComplexArray:
+    norm = np.linalg.norm(vectors, axis=0)
+    return np.asarray(vectors / np.where(norm > 0.0, norm, 1.0))
+
+
+def _inside(freq_hz: FloatArray, band_hz: tuple[float, float]) -> Any:
+    # Zero frequency is no line of a vibration test: means are removed, accelerations vanish.
+    inside = (freq_hz >= band_hz[0]) & (freq_hz <= band_hz[1]) & (freq_hz > 0.0)
+    if inside.sum() < 8:
+        reject("band_hz", f"({band_hz[0]:g}, {band_hz[1]:g}) Hz with {int(inside.sum())} lines in it",
+               "a band with at least 8 frequency lines", "Widen the band, or use longer segments.")
+    return inside
+
+
+def _cut(spectra: CrossSpectra, band_hz: tuple[float, float]) -> CrossSpectra:
+    inside = _inside(spectra.freq_hz, band_hz)
+    return CrossSpectra(spectra.freq_hz[inside], spectra.matrix[inside], spectra.n_averages, spectra.noise,
+                        spectra.added_decay_per_s)

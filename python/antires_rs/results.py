@@ -1,0 +1,215 @@
+"""Results of updating and of damage assessment: numbers, tables, pictures, and what they do not tell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._validation import FloatArray
+from .identifiability import Identifiability, identifiability, smallest_visible
+
+if TYPE_CHECKING:
+    import os
+
+    from .models import StructuralModel
+    from .optimizer import History, OptimizeResult
+    from .updating import UpdatingProblem
+
+__all__ = ["DamageResult", "FrequencyTable", "UpdateResult"]
+
+
+@dataclass(frozen=True)
+class FrequencyTable:
+    """Measured antiresonances beside those of the model, before and after.
+
+    Attributes
+    ----------
+    dof : ndarray of int, (m,)
+        Response dof.
+    measured_hz, before_hz, after_hz : ndarray, (m,)
+        Frequencies; NaN where the model has no partner.
+    """
+
+    dof: FloatArray
+    measured_hz: FloatArray
+    before_hz: FloatArray
+    after_hz: FloatArray
+
+    @property
+    def before_percent(self) -> FloatArray:
+        """Difference of the nominal model, ``100 (f_A / f_E - 1)``, (m,)."""
+        return 100.0 * (self.before_hz / self.measured_hz - 1.0)
+
+    @property
+    def after_percent(self) -> FloatArray:
+        """Difference of the updated model, ``100 (f_A / f_E - 1)``, (m,)."""
+        return 100.0 * (self.after_hz / self.measured_hz - 1.0)
+
+    @property
+    def largest_before_percent(self) -> float:
+        """Largest absolute difference before."""
+        return float(np.nanmax(np.abs(self.before_percent)))
+
+    @property
+    def largest_after_percent(self) -> float:
+        """Largest absolute difference after."""
+        return float(np.nanmax(np.abs(self.after_percent)))
+
+    def __str__(self) -> str:
+        lines = ["response   measured      before             after",
+                 "     dof         Hz          Hz       %          Hz       %"]
+        rows = zip(self.dof, self.measured_hz, self.before_hz, self.before_percent, self.after_hz,
+                   self.after_percent, strict=True)
+        lines += [f"{dof:8d} {measured:10.3f}  {before:10.3f} {db:+7.2f}  {after:10.3f} {da:+7.2f}"
+                  for dof, measured, before, db, after, da in rows]
+        lines.append(f"largest difference: {self.largest_before_percent:.2f} % before, "
+                     f"{self.largest_after_percent:.2f} % after")
+        return "\n".join(lines)
+
+
+class UpdateResult:
+    """An updated model and how it came about.
+
+    Attributes
+    ----------
+    x : ndarray, (n,)
+        Parameter values, in the order of ``problem.names``.
+    fun : float
+        Objective at ``x``.
+    success : bool
+        Whether the search ended by its own rule rather than by a budget or an interruption.
+    status, message : str
+        Why it ended; see :class:`OptimizeResult`.
+    nfev, nit : int
+        Evaluations and generations.
+    history : History
+        Best cost by generation and island.
+    search : OptimizeResult
+        The search itself, with the final populations.
+    problem : UpdatingProblem
+    seed : int
+        Master seed in force.
+    """
+
+    def __init__(self, problem: UpdatingProblem, search: OptimizeResult, seed: int) -> None:
+        self.problem, self.search, self.seed = problem, search, seed
+        self.x, self.fun = search.x, search.fun
+        self.success, self.status, self.message = search.success, search.status, search.message
+        self.nfev, self.nit = search.nfev, search.nit
+
+    @property
+    def history(self) -> History:
+        """Best cost by generation and island."""
+        return self.search.history
+
+    @cached_property
+    def model(self) -> StructuralModel:
+        """The model with the parameters found."""
+        return self.problem.model_at(self.x)
+
+    @cached_property
+    def table(self) -> FrequencyTable:
+        """Measured, before and after, one row a measured antiresonance."""
+        problem = self.problem
+        return FrequencyTable(problem.measured_dofs, problem.measured_hz,
+                              problem.paired_hz(problem.nominal), problem.paired_hz(self.x))
+
+    @cached_property
+    def identifiability(self) -> Identifiability:
+        """What the data can and cannot tell about the parameters, at the solution."""
+        return identifiability(self.problem, self.x)
+
+    @property
+    def at_bound(self) -> list[str]:
+        """Names of the parameters that ended on a bound other than their nominal value."""
+        low, high = self.problem.bounds.T
+        on = ((self.x <= low) | (self.x >= high)) & (self.x != self.problem.nominal) & (low < high)
+        return [name for name, hit in zip(self.problem.names, on, strict=True) if hit]
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader should know before trusting the numbers."""
+        notes = [] if self.success else [f"The search did not finish: {self.message}"]
+        if self.at_bound:
+            notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
+        return notes + self.identifiability.notes
+
+    def summary(self) -> str:
+        """Parameters, frequencies and notes as text."""
+        width = max(len(name) for name in self.problem.names)
+        values = [f"{name:<{width}}  {value:9.4f}   [{low:g}, {high:g}]"
+                  for name, value, (low, high) in zip(self.problem.names, self.x, self.problem.bounds,
+                                                      strict=True)]
+        head = (f"J = {self.fun:.6g} after {self.nfev:,} evaluations, {self.nit} generations: {self.status} "
+                f"({self.message})")
+        notes = [f"note: {note}" for note in self.notes]
+        return "\n".join([head, "", *values, "", str(self.table), *([""] if notes else []), *notes])
+
+    def plot(self, ax: Any = None) -> Any:
+        """Antiresonance differences before and after updating; see :mod:`antires_rs.plotting`."""
+        from .plotting import plot_differences
+        return plot_differences(self.table, ax=ax)
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Write one self-contained HTML file: tables, pictures, notes, versions and seed."""
+        from .report import write_report
+        write_report(self, path)
+
+    def __repr__(self) -> str:
+        return (f"{type(self).__name__}({self.status}, J = {self.fun:.4g}, largest difference "
+                f"{self.table.largest_before_percent:.2f} % before, "
+                f"{self.table.largest_after_percent:.2f} % after)")
+
+
+class DamageResult(UpdateResult):
+    """Damage found: an :class:`UpdateResult` whose ``x`` holds the severities beta."""
+
+    @property
+    def elements(self) -> list[int]:
+        """Candidate elements, zero-based, in the order of ``x``."""
+        return [p.terms[0] for p in self.problem.parameters]
+
+    @property
+    def severity(self) -> dict[int, float]:
+        """Stiffness loss beta of each element; exactly 0 where there is no damage."""
+        return {element: float(beta) for element, beta in zip(self.elements, self.x, strict=True)}
+
+    @cached_property
+    def detectable(self) -> dict[int, float]:
+        """Smallest beta of each element that would be seen; infinity where none would.
+
+        Below it the penalties cost more than the damage explains, on exact data, so that an
+        undamaged structure is the better answer to the objective.
+        """
+        return dict(zip(self.elements, smallest_visible(self.problem), strict=True))
+
+    @property
+    def damaged(self) -> list[int]:
+        """Elements with damage, the worst first."""
+        return sorted((e for e, beta in self.severity.items() if beta > 0), key=lambda e: -self.severity[e])
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader should know before trusting the numbers."""
+        label = self.problem.model.element_label
+        notes = super().notes
+        visible = [(e, b) for e, b in self.detectable.items() if np.isfinite(b)]
+        hidden = [label(e) for e, b in self.detectable.items() if not np.isfinite(b)]
+        if visible:
+            worst = max(visible, key=lambda pair: pair[1])
+            notes.append(f"Damage below {100 * min(b for _, b in visible):.0f} % to {100 * worst[1]:.0f} % "
+                         f"({label(worst[0])}) would come out as undamaged: with gamma1, gamma2 it costs "
+                         "more than it explains.")
+        if hidden:
+            notes.append(f"No damage of {', '.join(hidden)} can be seen from these antiresonances.")
+        if self.problem.penalty is not None and self.problem.penalty.snap > 0:
+            notes.append(f"Severities below {self.problem.penalty.snap:g} were set to exactly 0.")
+        return notes
+
+    def plot(self, ax: Any = None) -> Any:
+        """Damage bar chart; see :mod:`antires_rs.plotting`."""
+        from .plotting import plot_damage
+        return plot_damage(self, ax=ax)

@@ -1,0 +1,229 @@
+"""What is measured: time records and frequency responses, as immutable values.
+
+Arrays are channels first, ``(n_channels, n_samples)`` and ``(n_outputs, n_freq)``; frequencies are in
+Hz. A dof is named by an integer or a string. Both classes copy what they are given and make the copy
+read-only, so that no result can change after it was computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._validation import (ComplexArray, FloatArray, choice, complex_array, dof_labels, finite_scalar,
+                          real_array, reject)
+
+__all__ = ["FrequencyResponse", "Recording"]
+
+ResponseKind = Literal["frf", "transmissibility"]
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """Read-only copy."""
+    copy = np.array(array, order="C")
+    copy.setflags(write=False)
+    return copy
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Recording:
+    """Responses recorded together on one clock.
+
+    Parameters
+    ----------
+    responses : array_like, (n_channels, n_samples)
+        One row a channel. Accelerations, velocities or displacements; all of one kind.
+    fs_hz : float
+        Sampling rate in Hz.
+    dofs : iterable of int or str, optional
+        Name of each channel's degree of freedom. Default ``0, 1, ...``.
+    force : array_like, (n_samples,), optional
+        The exciting force, if it was measured. Antiresonances do not need it.
+
+    Attributes
+    ----------
+    responses, fs_hz, dofs, force
+        As given, arrays read-only.
+    n_channels, n_samples : int
+    duration_s : float
+
+    Raises
+    ------
+    InvalidInputError
+        Wrong shapes, NaN, fewer than two samples, a rate that is not positive, or labels that do not fit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.signals import Recording
+    >>> Recording(np.zeros((2, 1024)) + 1.0, 512.0, dofs=["tip", "root"])
+    Recording(2 channels, 2 s at 512 Hz, dofs=('tip', 'root'), no force)
+    """
+
+    responses: FloatArray
+    fs_hz: float
+    dofs: tuple[Any, ...]
+    force: FloatArray | None
+
+    def __init__(self, responses: Any, fs_hz: float, dofs: Iterable[Any] | None = None,
+                 force: Any | None = None) -> None:
+        wanted = "a real array (n_channels, n_samples), one row a channel"
+        array = real_array("responses", responses, ndim=2, wanted=wanted)
+        if array.shape[1] < 2:
+            reject("responses", f"an array of shape {array.shape}", wanted + " with at least two samples",
+                   "Transpose it if channels are in the columns.")
+        if array.shape[0] > array.shape[1]:
+            reject("responses", f"an array of shape {array.shape}", wanted + " with more samples than channels",
+                   "Transpose it: channels come first.")
+        put = object.__setattr__  # the one place where a frozen value is filled
+        put(self, "responses", frozen(array))
+        put(self, "fs_hz", finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz"))
+        put(self, "dofs", dof_labels("dofs", dofs, array.shape[0]))
+        if force is not None:
+            wanted = f"a real array ({array.shape[1]},), one value for each sample of responses"
+            force = real_array("force", force, ndim=1, wanted=wanted)
+            if force.size != array.shape[1]:
+                reject("force", f"{force.size} samples", wanted)
+            force = frozen(force)
+        put(self, "force", force)
+
+    @property
+    def n_channels(self) -> int:
+        """Number of response channels."""
+        return int(self.responses.shape[0])
+
+    @property
+    def n_samples(self) -> int:
+        """Samples per channel."""
+        return int(self.responses.shape[1])
+
+    @property
+    def duration_s(self) -> float:
+        """Length of the record in seconds, ``n_samples / fs_hz``."""
+        return self.n_samples / self.fs_hz
+
+    def __repr__(self) -> str:
+        force = "no force" if self.force is None else "with force"
+        return (f"Recording({self.n_channels} channels, {self.duration_s:g} s at {self.fs_hz:g} Hz, "
+                f"dofs={self.dofs}, {force})")
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class FrequencyResponse:
+    """Frequency responses, or transmissibilities, of several dofs to one excitation.
+
+    Parameters
+    ----------
+    freq_hz : array_like, (n_freq,)
+        Strictly ascending, not negative.
+    values : array_like, (n_outputs, n_freq)
+        Complex. A vector is taken as one output.
+    dofs : iterable of int or str, optional
+        Name of each output. Default ``0, 1, ...``.
+    kind : {"frf", "transmissibility"}
+        FRFs ``H_pk`` to the one force at k, or transmissibilities ``T_pj = X_p / X_j``.
+    reference : int or str, optional
+        For a transmissibility the dof j, which must be among ``dofs`` (its row is ones).
+    coherence : array_like, (n_outputs, n_freq), optional
+        Ordinary coherence of each value, 0 to 1.
+
+    Attributes
+    ----------
+    freq_hz, values, dofs, kind, reference, coherence
+        As given, arrays read-only.
+    n_outputs, n_freq : int
+
+    Raises
+    ------
+    InvalidInputError
+        Wrong shapes, NaN, frequencies that do not ascend, or a reference that does not fit the kind.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.signals import FrequencyResponse
+    >>> freq = np.linspace(1.0, 10.0, 19)
+    >>> FrequencyResponse(freq, [1 / (25 - freq**2 + 1j), 1 / (36 - freq**2 + 1j)], dofs=[3, 7])
+    FrequencyResponse(frf, 2 outputs, 19 lines 1-10 Hz, dofs=(3, 7))
+    """
+
+    freq_hz: FloatArray
+    values: ComplexArray
+    dofs: tuple[Any, ...]
+    kind: ResponseKind
+    reference: Any | None
+    coherence: FloatArray | None
+
+    def __init__(self, freq_hz: Any, values: Any, dofs: Iterable[Any] | None = None,
+                 kind: ResponseKind = "frf", reference: Any | None = None,
+                 coherence: Any | None = None) -> None:
+        freq = check_freq("freq_hz", freq_hz)
+        wanted = f"a complex array (n_outputs, {freq.size}), one row an output, one column a frequency"
+        array = complex_array("values", values, ndim=None, wanted=wanted)
+        array = array[None, :] if array.ndim == 1 else array
+        if array.ndim != 2 or array.shape[1] != freq.size:
+            reject("values", f"an array of shape {array.shape}", wanted)
+        labels = dof_labels("dofs", dofs, array.shape[0])
+        choice("kind", kind, ("frf", "transmissibility"))
+        if kind == "transmissibility" and reference not in labels:
+            reject("reference", reference, f"the reference dof j of the transmissibilities, one of {labels}",
+                   "Include the row of ones of the reference itself.")
+        if kind == "transmissibility":
+            own = array[labels.index(reference)]
+            if np.abs(own - 1.0).max() > 1e-6:
+                reject("values", f"a row of the reference {reference!r} that is not one everywhere",
+                       f"T_jj = 1 in row {labels.index(reference)}", "Divide all rows by the reference's row.")
+        if kind == "frf" and reference is not None:
+            reject("reference", reference, "None for kind='frf'", "Only transmissibilities have a reference.")
+        if coherence is not None:
+            wanted = f"a real array of the shape of values, {array.shape}, from 0 to 1"
+            coherence = real_array("coherence", coherence, ndim=None, wanted=wanted)
+            coherence = coherence[None, :] if coherence.ndim == 1 else coherence
+            if coherence.shape != array.shape:
+                reject("coherence", f"an array of shape {coherence.shape}", wanted)
+            # Rounding may push an exact coherence a few ulps over one.
+            if coherence.min() < 0.0 or coherence.max() > 1.0 + 1e-9:
+                reject("coherence", f"values from {coherence.min():g} to {coherence.max():g}", wanted)
+            coherence = frozen(np.minimum(coherence, 1.0))
+        put = object.__setattr__
+        put(self, "freq_hz", frozen(freq))
+        put(self, "values", frozen(array))
+        put(self, "dofs", labels)
+        put(self, "kind", kind)
+        put(self, "reference", reference)
+        put(self, "coherence", coherence)
+
+    @property
+    def n_outputs(self) -> int:
+        """Number of outputs (rows of ``values``)."""
+        return int(self.values.shape[0])
+
+    @property
+    def n_freq(self) -> int:
+        """Number of frequency lines."""
+        return int(self.freq_hz.size)
+
+    def __repr__(self) -> str:
+        to = "" if self.reference is None else f", reference={self.reference!r}"
+        return (f"FrequencyResponse({self.kind}, {self.n_outputs} outputs, {self.n_freq} lines "
+                f"{self.freq_hz[0]:g}-{self.freq_hz[-1]:g} Hz, dofs={self.dofs}{to})")
+
+
+def check_freq(name: str, value: Any) -> FloatArray:
+    """Frequency axis: at least two lines, strictly ascending, not negative."""
+    wanted = "a real array (n_freq,) in Hz, at least two lines, strictly ascending, not negative"
+    freq = real_array(name, value, ndim=1, wanted=wanted)
+    if freq.size < 2:
+        reject(name, f"{freq.size} line", wanted)
+    if freq[0] < 0.0:
+        reject(name, f"{freq[0]:g} Hz as the first line", wanted)
+    falls = np.flatnonzero(np.diff(freq) <= 0.0)
+    if falls.size:
+        i = int(falls[0])
+        reject(name, f"{freq[i]:g} Hz followed by {freq[i + 1]:g} Hz at index {i}", wanted,
+               "Sort the lines and drop repeated ones.")
+    return freq

@@ -1,0 +1,330 @@
+r"""Order sweep, stability marks and the automatic choice of what is physical.
+
+A pole is *stable* if the next lower order has one within 1 % in frequency and 10 % in damping. A value is
+accepted if more than ten consecutive orders are stable, and if the pole acts on the curve.
+
+The second test is a pole's *dominance*: its own peak, norm(residues) / abs(Re s), over the norm of the fitted
+curve at that frequency. A superfluous pole sits on a zero and cancels. On simulated records of an 8-mass chain
+(0 to 5 % noise) true poles had at least 0.90, superfluous ones that survived ten rows at most 6e-4; the limit
+of 0.05 lies between. With that test the damping tolerance can be 10 %, which finds 1.5 values of 28
+more at 5 % noise than the customary 5 % does, and costs no false one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ._validation import ComplexArray, FloatArray, finite_scalar, integer, reject
+from .forsythe import Basis
+from .rational import NestedFit, prepare
+from .signals import frozen
+
+__all__ = ["StabilizationDiagram", "stabilization"]
+
+
+@dataclass(frozen=True)
+class Rule:
+    """When a pole is stable, and when a chain of them is accepted."""
+
+    freq_tol: float = 0.01
+    damping_tol: float = 0.10
+    min_rows: int = 10
+    max_damping: float = 0.10
+    min_dominance: float = 0.05
+
+    def checked(self) -> Rule:
+        """Same rule, or an error that names the bad option."""
+        finite_scalar("freq_tol", self.freq_tol, low=0.0, high=0.5, low_open=True)
+        finite_scalar("damping_tol", self.damping_tol, low=0.0, high=1.0, low_open=True)
+        integer("min_rows", self.min_rows, low=1)
+        finite_scalar("max_damping", self.max_damping, low=0.0, high=1.0, low_open=True)
+        finite_scalar("min_dominance", self.min_dominance, low=0.0)
+        return self
+
+
+@dataclass(frozen=True, repr=False)
+class StabilizationDiagram:
+    """Poles of every order, which of them are stable, and the values accepted.
+
+    Attributes
+    ----------
+    orders : (n_orders,) int
+    freq_hz, damping_ratio, stable : tuple of n_orders arrays
+        Poles of each order inside the band, left half plane, by ascending frequency.
+    identified : (n,) Hz
+        Accepted values, ascending.
+    identified_damping : (n,)
+        Their damping ratios.
+    rows, spread, dominance : (n,)
+        Scores of each accepted value: consecutive orders, relative standard deviation over them, share
+        of the curve.
+    background_freq_hz, background : (n_freq,)
+        ``abs(sum over outputs)`` of the data, for drawing behind the poles.
+    band_hz : (low, high)
+    """
+
+    orders: FloatArray
+    freq_hz: tuple[FloatArray, ...]
+    damping_ratio: tuple[FloatArray, ...]
+    stable: tuple[Any, ...]
+    identified: FloatArray
+    identified_damping: FloatArray
+    rows: FloatArray
+    spread: FloatArray
+    dominance: FloatArray
+    background_freq_hz: FloatArray
+    background: FloatArray
+    band_hz: tuple[float, float]
+
+    def plot(self, ax: Any | None = None) -> Any:
+        """Draw order against frequency with matplotlib; returns the axes."""
+        from .plotting import plot_stabilization  # matplotlib only when a picture is wanted
+        return plot_stabilization(self, ax=ax)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{f:.4g}" for f in self.identified)
+        return (f"StabilizationDiagram(orders {self.orders[0]:.0f}-{self.orders[-1]:.0f}, "
+                f"band {self.band_hz[0]:g}-{self.band_hz[1]:g} Hz, identified [{values}] Hz)")
+
+
+def stabilization(freq_hz: Any, values: Any, *, max_order: int = 60, min_order: int = 2,
+                  band_hz: Sequence[float] | None = None, weights: Any | None = None, freq_tol: float = 0.01,
+                  damping_tol: float = 0.10, min_rows: int = 10, max_damping: float = 0.10,
+                  min_dominance: float = 0.05) -> StabilizationDiagram:
+    """Fit rational functions of rising order and keep the poles that stay.
+
+    Parameters
+    ----------
+    freq_hz : array_like, (n_freq,)
+    values : array_like, (n_freq,) or (n_outputs, n_freq)
+        Complex curves with common poles. For the antiresonances of dof j: the transmissibilities T_pj.
+    max_order, min_order : int
+        Orders in s, step one. The highest must exceed the true order by ``min_rows`` and some.
+    band_hz : (low, high), optional
+        Lines fitted, and limits of the poles kept.
+    weights : array_like, (n_freq,), optional
+        See :func:`~antires_rs.rational.fit_rational`.
+    freq_tol, damping_tol : float
+        Relative change from order to order up to which a pole is stable.
+    min_rows : int
+        Accepted are poles stable in *more than* this many consecutive orders.
+    max_damping : float
+        Poles with more damping are dropped, as are those with none.
+    min_dominance : float
+        Least share of the curve at the pole's own frequency, see the module. 0 switches the test off.
+
+    Returns
+    -------
+    StabilizationDiagram
+
+    Raises
+    ------
+    InvalidInputError
+        Malformed data or options; a band outside the data or with too few lines.
+
+    Notes
+    -----
+    The rule of V. Meruane, J. Sound Vib. 332 (2013) 807-820 (there 5 % in damping). Chains follow the
+    "low" solutions; each of their poles is then replaced by the nearest pole of the "norm" solution if that
+    lies within ``freq_tol``, and the value is the median over the chain.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.stabilization import stabilization
+    >>> f = np.linspace(1.0, 20.0, 400)
+    >>> rng = np.random.default_rng(1)
+    >>> t = 25 / (5**2 - f**2 + 0.1j * f) + 100 / (10**2 - f**2 + 0.2j * f)
+    >>> t = t + 1e-3 * (rng.standard_normal(400) + 1j * rng.standard_normal(400))
+    >>> stabilization(f, t, max_order=30).identified.round(2).tolist()
+    [5.0, 10.0]
+    """
+    rule = Rule(freq_tol, damping_tol, min_rows, max_damping, min_dominance).checked()
+    max_order = integer("max_order", max_order, low=2)
+    min_order = integer("min_order", min_order, low=1)
+    if max_order - min_order < min_rows:
+        reject("max_order", max_order, f"at least min_order + min_rows = {min_order + min_rows}",
+               "A value is accepted only when more than min_rows consecutive orders agree.")
+    freq, array, weight = prepare(freq_hz, values, max_order, band_hz, weights, "max_order")
+    band = (float(freq[0]), float(freq[-1])) if band_hz is None else (float(band_hz[0]), float(band_hz[1]))
+    sweep = PoleSweep(NestedFit(freq, array, weight, max_order))
+    return diagram(sweep, range(min_order, max_order + 1), band, rule, freq, np.abs(array.sum(axis=0)))
+
+
+class PoleSweep:
+    """Roots of the common denominator, order by order.
+
+    A sweep answers three questions of an order: the roots under "low", those under "norm", and the dominance
+    of a root. :class:`ZeroSweep` answers the same for one numerator.
+    """
+
+    def __init__(self, nested: NestedFit) -> None:
+        self.nested = nested
+        self._gram: dict[int, FloatArray] = {}
+        self._low: dict[int, FloatArray] = {}
+        self._norm: dict[int, FloatArray] = {}
+        self._norm_roots: dict[int, ComplexArray] = {}
+
+    def _solution(self, order: int, norm: bool) -> FloatArray:
+        store = self._norm if norm else self._low
+        if order not in store:
+            if order not in self._gram:
+                self._gram[order] = self.nested.gram(order)
+            gram = self._gram[order]
+            store[order] = np.linalg.eigh(gram)[1][:, 0] if norm else self.nested.denominator(gram)
+        return store[order]
+
+    def roots(self, order: int, norm: bool = False) -> ComplexArray:
+        """All roots in rad/s."""
+        return self.nested.poles(self._solution(order, norm))
+
+    def norm_roots(self, order: int) -> ComplexArray:
+        """Roots under "norm", kept: every chain asks for them."""
+        if order not in self._norm_roots:
+            self._norm_roots[order] = self.roots(order, norm=True)
+        return self._norm_roots[order]
+
+    def dominance(self, order: int, s: complex) -> float:
+        """Share of the root's own peak in the fitted curves at its frequency."""
+        d = self._solution(order, False)
+        return _dominance((self.nested.numerator_basis, self.nested.numerators(d)),
+                          (self.nested.denominator_basis, d), s / (2 * np.pi * self.nested.scale_hz))
+
+
+class ZeroSweep(PoleSweep):
+    """Roots of one numerator of a joint fit; solutions are shared with the ``parent`` sweep."""
+
+    def __init__(self, parent: PoleSweep, output: int) -> None:
+        self.nested, self.output = parent.nested, output
+        self._gram, self._low, self._norm = parent._gram, parent._low, parent._norm
+        self._norm_roots = {}
+
+    def roots(self, order: int, norm: bool = False) -> ComplexArray:
+        """All roots in rad/s."""
+        return self.nested.zeros(self._solution(order, norm), self.output)
+
+    def dominance(self, order: int, s: complex) -> float:
+        """Share of the root's own peak in the reciprocal of the fitted curve."""
+        d = self._solution(order, False)
+        numerator = self.nested.numerators(d)[self.output]
+        return _dominance((self.nested.denominator_basis, d[None, :]), (self.nested.numerator_basis, numerator),
+                          s / (2 * np.pi * self.nested.scale_hz))
+
+
+def _dominance(above: tuple[Basis, FloatArray], below: tuple[Basis, FloatArray], s: complex) -> float:
+    """Norm of residues / abs(Re s), over the norm of above/below at i Im s."""
+    order = below[1].size - 1
+    step = 1e-6 * abs(s)  # central difference: error 1e-12 of a derivative that needs two digits
+    points = np.array([s + step, s - step, s, 1j * s.imag])
+    denominator = below[0].at(points, order) @ below[1]
+    numerator = above[0].at(points[2:], order) @ above[1].T
+    slope = (denominator[0] - denominator[1]) / (2 * step)
+    residue = np.linalg.norm(numerator[0]) / max(abs(slope), 1e-300)
+    curve = np.linalg.norm(numerator[1]) / max(abs(denominator[3]), 1e-300)
+    return float(residue / max(abs(s.real) * curve, 1e-300))
+
+
+def diagram(sweep: PoleSweep, orders: range, band: tuple[float, float], rule: Rule, freq_hz: FloatArray,
+            background: FloatArray, added_decay_per_s: float = 0.0) -> StabilizationDiagram:
+    """Sweep, link, select. ``added_decay_per_s`` is the exponential window's, taken off every root at the end."""
+    rows = [_physical(sweep.roots(order), band, rule.max_damping, added_decay_per_s) for order in orders]
+    chains, stable = _link(rows, rule)
+    accepted = []
+    for chain in chains:
+        # n poles in a row are n - 1 stable orders and the one they start from.
+        if len(chain) - 1 <= rule.min_rows:
+            continue
+        members = [(orders[row], rows[row][i]) for row, i in chain]
+        dominance = float(np.median([sweep.dominance(order, s) for order, s in members[::4]]))
+        if dominance >= rule.min_dominance:
+            accepted.append(_Value(sweep, members, dominance, rule.freq_tol, added_decay_per_s))
+    accepted = _merge(accepted, rule)
+    rows = [s + added_decay_per_s for s in rows]
+    sizes = [np.abs(s) for s in rows]
+    return StabilizationDiagram(
+        orders=frozen(np.array(orders)),
+        freq_hz=tuple(frozen(size / (2 * np.pi)) for size in sizes),
+        damping_ratio=tuple(frozen(-s.real / size) for s, size in zip(rows, sizes, strict=True)),
+        stable=tuple(frozen(mark) for mark in stable),
+        identified=frozen(np.array([v.freq_hz for v in accepted])),
+        identified_damping=frozen(np.array([v.damping for v in accepted])),
+        rows=frozen(np.array([v.rows for v in accepted], dtype=np.int64)),
+        spread=frozen(np.array([v.spread for v in accepted])),
+        dominance=frozen(np.array([v.dominance for v in accepted])),
+        background_freq_hz=frozen(freq_hz), background=frozen(background), band_hz=band)
+
+
+def _physical(s: ComplexArray, band: tuple[float, float], max_damping: float, added: float) -> ComplexArray:
+    """Upper half, left half plane, in the band, lightly damped; ascending."""
+    size = np.abs(s)
+    freq = size / (2 * np.pi)
+    keep = (s.imag > 0) & (s.real < 0) & (-s.real - added <= max_damping * size) & (freq >= band[0]) & (freq <= band[1])
+    return s[keep][np.argsort(freq[keep], kind="stable")]
+
+
+def _link(rows: list[ComplexArray], rule: Rule) -> tuple[list[list[tuple[int, int]]], list[Any]]:
+    """Chains of (row, index) over consecutive orders, one to one, best pairs first; and the stable marks."""
+    chains: list[list[tuple[int, int]]] = []
+    marks: list[Any] = []
+    before: list[list[tuple[int, int]]] = []
+    for row, s in enumerate(rows):
+        own: list[list[tuple[int, int]] | None] = [None] * s.size
+        mark = np.zeros(s.size, dtype=bool)
+        if row and s.size and rows[row - 1].size:
+            size, old_size = np.abs(s), np.abs(rows[row - 1])
+            damping, old_damping = -s.real / size, -rows[row - 1].real / old_size
+            d_freq = np.abs(size[:, None] / old_size - 1.0) / rule.freq_tol
+            d_damping = np.abs(damping[:, None] / old_damping - 1.0) / rule.damping_tol
+            cost = np.where((d_freq <= 1.0) & (d_damping <= 1.0), d_freq + d_damping, np.inf)
+            for _ in range(min(cost.shape)):
+                i, k = divmod(int(np.argmin(cost)), cost.shape[1])
+                if not np.isfinite(cost[i, k]):
+                    break
+                own[i], mark[i] = before[k], True
+                cost[i, :], cost[:, k] = np.inf, np.inf
+        before = []
+        for i, chain in enumerate(own):
+            if chain is None:
+                chain = []
+                chains.append(chain)
+            chain.append((row, i))
+            before.append(chain)
+        marks.append(mark)
+    return chains, marks
+
+
+class _Value:
+    """One accepted chain and its refined value."""
+
+    def __init__(self, sweep: PoleSweep, members: list[tuple[int, complex]], dominance: float, tol: float,
+                 added: float) -> None:
+        refined = []
+        for order, s in members:
+            others = sweep.norm_roots(order)
+            near = others[np.argmin(np.abs(others - s))] if others.size else s
+            refined.append(near if abs(near - s) <= tol * abs(s) else s)
+        roots = np.array(refined) + added
+        size = np.abs(roots)
+        self.freq_hz = float(np.median(size)) / (2 * np.pi)
+        self.damping = float(np.median(-roots.real / size))
+        self.rows = len(members)
+        self.spread = float(np.std(size) / np.median(size))
+        self.dominance = dominance
+        self.orders = {order for order, _ in members}
+
+
+def _merge(values: list[_Value], rule: Rule) -> list[_Value]:
+    """Interrupted chains of one pole become one; chains that live side by side are two poles."""
+    kept: list[_Value] = []
+    for value in sorted(values, key=lambda v: v.freq_hz):
+        last = kept[-1] if kept else None
+        if last is not None and value.freq_hz - last.freq_hz <= rule.freq_tol * value.freq_hz \
+                and len(value.orders & last.orders) <= rule.min_rows:
+            kept[-1] = max(last, value, key=lambda v: v.rows)
+        else:
+            kept.append(value)
+    return kept

@@ -1,0 +1,4 @@
+//! One element a file: its matrix as data, its formula beside it.
+
+pub mod lumped;
+pub mod spring;

@@ -1,0 +1,17 @@
+//! Structural models: K(p) and M(p) as sums of element terms.
+//!
+//! ```text
+//! K(p) = K + Σ_i (s_i(p) − 1) K_i        M(p) = M + Σ_i (s_i(p) − 1) M_i
+//! ```
+//!
+//! K, M [n x n] are the nominal matrices, K_i and M_i the contribution of element i (a *term*), s_i
+//! the product of the factors that the parameters give to it. Damage: s_i = 1 − β_i. The nominal
+//! matrices come back bit for bit at s = 1.
+//!
+//! SI units throughout: kg, N/m, m, rad/s; degrees of freedom are zero-based.
+
+pub mod chain;
+pub mod elements;
+pub mod model;
+pub mod parameters;
+pub mod term;

@@ -1,0 +1,49 @@
+//! A term: the sparse, symmetric contribution of one element (or group) to K or M.
+
+use faer::Mat;
+use nalgebra::SMatrix;
+
+/// Entries (row, column, value) of a symmetric matrix, both triangles stored.
+#[derive(Debug, Clone, Default)]
+pub struct Term {
+    entries: Vec<(u32, u32, f64)>,
+}
+
+impl Term {
+    /// Term of an element whose local dofs are the global `dofs`.
+    #[must_use]
+    pub fn from_element<const N: usize>(dofs: &[usize; N], matrix: &SMatrix<f64, N, N>) -> Self {
+        let mut entries = Vec::with_capacity(N * N);
+        for (i, &row) in dofs.iter().enumerate() {
+            for (j, &col) in dofs.iter().enumerate() {
+                entries.push((row as u32, col as u32, matrix[(i, j)]));
+            }
+        }
+        Self { entries }
+    }
+
+    /// Term from explicit entries, both triangles given.
+    #[must_use]
+    pub fn from_entries(entries: Vec<(u32, u32, f64)>) -> Self {
+        Self { entries }
+    }
+
+    /// The entries (row, column, value).
+    #[must_use]
+    pub fn entries(&self) -> &[(u32, u32, f64)] {
+        &self.entries
+    }
+
+    /// True when the term contributes nothing.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        self.entries.iter().all(|e| e.2 == 0.0)
+    }
+
+    /// target += factor · term.
+    pub fn add_to(&self, target: &mut Mat<f64>, factor: f64) {
+        for &(row, col, value) in &self.entries {
+            target[(row as usize, col as usize)] += factor * value;
+        }
+    }
+}

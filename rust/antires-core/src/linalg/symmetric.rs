@@ -1,0 +1,269 @@
+//! K φ = λ M φ with K, M symmetric and M positive semi-definite.
+//!
+//! Two reductions to a standard symmetric problem, chosen by M:
+//!
+//! - M well-conditioned: M = L Lᵀ, L⁻¹ K L⁻ᵀ q = λ q, φ = L⁻ᵀ q. A diagonal M needs no factor.
+//! - M singular or nearly so (massless dofs): with σ > 0 and K + σM = L Lᵀ,
+//!   L⁻¹ M L⁻ᵀ q = μ q, λ = 1/μ − σ, φ = L⁻ᵀ q / √μ. The directions with μ = 0 carry no mass; they
+//!   have no finite λ but add a constant Σ ψψᵀ, ψ = L⁻ᵀ q, to the receptance:
+//!
+//! ```text
+//! (K − xM)⁻¹ = Σ_finite φ φᵀ / (λ − x) + Σ_infinite ψ ψᵀ
+//! ```
+//!
+//! Conventions: λ ascending, φᵀ M φ = 1, columns are modes. |λ| below
+//! [`zero_eigenvalue`](super::tolerances::zero_eigenvalue) is returned as exactly 0.
+//!
+//! Reference: Golub & Van Loan, Matrix Computations, 4th ed., section 8.7.
+
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Mat, MatRef, Par};
+
+use super::tolerances::{INFINITE_MODE, MASS_PIVOT_RATIO, zero_eigenvalue};
+use crate::error::{Error, Result};
+
+/// Solver of K φ = λ M φ for one size, with its working memory; reuse it between evaluations.
+pub struct SymmetricSolver {
+    n: usize,
+    reduced: Mat<f64>,
+    factor: Mat<f64>,
+    rotated: Mat<f64>,
+    inverse_root_mass: Vec<f64>,
+    raw: Vec<f64>,
+    memory: MemBuffer,
+    eigenvalues: Vec<f64>,
+    vectors: Mat<f64>,
+    /// Shift σ of the massless path, with the largest μ; none when M was reduced directly.
+    shift: Option<(f64, f64)>,
+}
+
+impl SymmetricSolver {
+    /// Reserves the memory for `n` degrees of freedom.
+    #[must_use]
+    pub fn new(n: usize) -> Self {
+        let requirement = StackReq::any_of(&[
+            self_adjoint_evd_scratch::<f64>(
+                n,
+                ComputeEigenvectors::Yes,
+                Par::Seq,
+                Default::default(),
+            ),
+            cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()),
+        ]);
+        Self {
+            n,
+            reduced: Mat::zeros(n, n),
+            factor: Mat::zeros(n, n),
+            rotated: Mat::zeros(n, n),
+            inverse_root_mass: vec![0.0; n],
+            raw: vec![0.0; n],
+            memory: MemBuffer::new(requirement),
+            eigenvalues: Vec::with_capacity(n),
+            vectors: Mat::zeros(n, n),
+            shift: None,
+        }
+    }
+
+    /// Absolute uncertainty of an eigenvalue near `lambda`: n ulp of what was decomposed.
+    #[must_use]
+    pub fn uncertainty(&self, lambda: f64) -> f64 {
+        let ulps = self.n as f64 * f64::EPSILON;
+        match self.shift {
+            None => ulps * self.raw[self.n - 1].abs().max(self.raw[0].abs()),
+            Some((sigma, largest_mu)) => ulps * largest_mu * (lambda + sigma).powi(2),
+        }
+    }
+
+    /// Finite eigenvalues λ of the last [`solve`](Self::solve), ascending.
+    #[must_use]
+    pub fn eigenvalues(&self) -> &[f64] {
+        &self.eigenvalues
+    }
+
+    /// Vectors of the last [`solve`](Self::solve): the mass-normalised φ in the order of
+    /// [`eigenvalues`](Self::eigenvalues), then the massless ψ.
+    #[must_use]
+    pub fn vectors(&self) -> MatRef<'_, f64> {
+        self.vectors.as_ref()
+    }
+
+    /// Solves for all modes.
+    ///
+    /// # Errors
+    /// [`Error::Numerical`] when K and M share a null vector (a dof with neither stiffness nor mass),
+    /// when M is indefinite, or when the eigensolver does not converge.
+    pub fn solve(&mut self, stiffness: MatRef<'_, f64>, mass: MatRef<'_, f64>) -> Result<()> {
+        self.shift = None;
+        if self.scale_by_diagonal_mass(stiffness, mass) {
+            return self.finish_diagonal();
+        }
+        if self.factorize(mass) && self.pivot_ratio() >= MASS_PIVOT_RATIO {
+            self.reduce(stiffness);
+            return self.finish_regular();
+        }
+        self.solve_shifted(stiffness, mass)
+    }
+
+    /// For a well-conditioned diagonal M: `reduced` = M^(-1/2) K M^(-1/2).
+    fn scale_by_diagonal_mass(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) -> bool {
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+        for j in 0..self.n {
+            for i in 0..j {
+                if m[(i, j)] != 0.0 {
+                    return false;
+                }
+            }
+            least = least.min(m[(j, j)]);
+            most = most.max(m[(j, j)]);
+        }
+        if least <= MASS_PIVOT_RATIO * most {
+            return false;
+        }
+        for i in 0..self.n {
+            self.inverse_root_mass[i] = m[(i, i)].sqrt().recip();
+        }
+        for j in 0..self.n {
+            for i in j..self.n {
+                self.reduced[(i, j)] =
+                    k[(i, j)] * self.inverse_root_mass[i] * self.inverse_root_mass[j];
+            }
+        }
+        true
+    }
+
+    fn finish_diagonal(&mut self) -> Result<()> {
+        self.decompose()?;
+        for j in 0..self.n {
+            for i in 0..self.n {
+                self.vectors[(i, j)] = self.rotated[(i, j)] * self.inverse_root_mass[i];
+            }
+        }
+        self.keep_all_eigenvalues();
+        Ok(())
+    }
+
+    fn finish_regular(&mut self) -> Result<()> {
+        self.decompose()?;
+        self.unreduce();
+        self.vectors.copy_from(&self.rotated);
+        self.keep_all_eigenvalues();
+        Ok(())
+    }
+
+    /// The massless path: M q = μ (K + σM) q.
+    fn solve_shifted(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) -> Result<()> {
+        let trace = |a: MatRef<'_, f64>| (0..self.n).map(|i| a[(i, i)]).sum::<f64>();
+        let (trace_k, trace_m) = (trace(k), trace(m));
+        let sigma = if trace_m > 0.0 && trace_k > 0.0 { 1e-3 * trace_k / trace_m } else { 1.0 };
+        let shifted = Mat::from_fn(self.n, self.n, |i, j| k[(i, j)] + sigma * m[(i, j)]);
+        if !self.factorize(shifted.as_ref()) || self.pivot_ratio() < 1e-14 {
+            return Err(Error::Numerical {
+                what: "modes of (K, M)".into(),
+                detail: "M is singular and K + sigma M is not positive definite: some motion has neither \
+                         mass nor stiffness, or a matrix is indefinite. Remove or constrain that dof."
+                    .into(),
+            });
+        }
+        self.reduce(m);
+        self.decompose()?;
+        self.unreduce();
+        let largest = self.raw[self.n - 1];
+        let threshold = INFINITE_MODE * self.n as f64 * largest;
+        if self.raw[0] < -1e3 * threshold {
+            return Err(Error::Numerical {
+                what: "modes of (K, M)".into(),
+                detail: format!(
+                    "the mass matrix is indefinite: the pair has the eigenvalue {:e} relative to {largest:e}",
+                    self.raw[0]
+                ),
+            });
+        }
+        self.shift = Some((sigma, largest));
+        // μ descending is λ ascending; the massless directions (smallest μ) go last.
+        self.eigenvalues.clear();
+        for j in 0..self.n {
+            let source = self.n - 1 - j;
+            let mu = self.raw[source];
+            let finite = mu > threshold;
+            let scale = if finite { mu.sqrt().recip() } else { 1.0 };
+            for i in 0..self.n {
+                self.vectors[(i, j)] = self.rotated[(i, source)] * scale;
+            }
+            if finite {
+                self.eigenvalues.push(mu.recip() - sigma);
+            }
+        }
+        // The digits of λ near zero are those of σ, not of the largest λ.
+        let zero = zero_eigenvalue(self.n, sigma);
+        self.eigenvalues.iter_mut().filter(|l| l.abs() <= zero).for_each(|l| *l = 0.0);
+        Ok(())
+    }
+
+    fn keep_all_eigenvalues(&mut self) {
+        let largest = self.raw.iter().fold(0.0_f64, |a, l| a.max(l.abs()));
+        let zero = zero_eigenvalue(self.n, largest);
+        self.eigenvalues.clear();
+        self.eigenvalues
+            .extend(self.raw.iter().map(|&l| if l.abs() <= zero { 0.0 } else { l }));
+    }
+
+    /// `factor` = L of the given matrix; false when it is not positive definite.
+    fn factorize(&mut self, a: MatRef<'_, f64>) -> bool {
+        self.factor.copy_from(a);
+        cholesky_in_place(
+            self.factor.as_mut(),
+            Default::default(),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+            Default::default(),
+        )
+        .is_ok()
+    }
+
+    /// Smallest over largest squared pivot of `factor`.
+    fn pivot_ratio(&self) -> f64 {
+        let (least, most) = (0..self.n)
+            .map(|i| self.factor[(i, i)])
+            .fold((f64::INFINITY, 0.0_f64), |(lo, hi), p| (lo.min(p), hi.max(p)));
+        (least / most).powi(2)
+    }
+
+    /// `reduced` = L⁻¹ A L⁻ᵀ for symmetric A.
+    fn reduce(&mut self, a: MatRef<'_, f64>) {
+        self.reduced.copy_from(a);
+        solve_lower_triangular_in_place(self.factor.as_ref(), self.reduced.as_mut(), Par::Seq);
+        self.rotated.copy_from(self.reduced.transpose());
+        solve_lower_triangular_in_place(self.factor.as_ref(), self.rotated.as_mut(), Par::Seq);
+        self.reduced.copy_from(&self.rotated);
+    }
+
+    /// `rotated` = L⁻ᵀ `rotated`.
+    fn unreduce(&mut self) {
+        solve_upper_triangular_in_place(
+            self.factor.as_ref().transpose(),
+            self.rotated.as_mut(),
+            Par::Seq,
+        );
+    }
+
+    /// `reduced` = `rotated` diag(`raw`) `rotated`ᵀ.
+    fn decompose(&mut self) -> Result<()> {
+        self_adjoint_evd(
+            self.reduced.as_ref(),
+            faer::diag::DiagMut::from_slice_mut(&mut self.raw),
+            Some(self.rotated.as_mut()),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+            Default::default(),
+        )
+        .map_err(|_| Error::Numerical {
+            what: "symmetric eigenproblem".into(),
+            detail: "the QR iteration did not converge; check K and M for extreme values".into(),
+        })
+    }
+}

@@ -1,0 +1,20 @@
+//! Modes, frequency responses, and antiresonances.
+//!
+//! With x = ω² and mass-normalised modes φ_r of K φ = λ M φ,
+//!
+//! ```text
+//! H_ik(x) = Σ_r φ_ir φ_kr / (λ_r − x) + d_ik
+//! ```
+//!
+//! is the receptance between response dof i and excitation dof k; d is zero unless some dofs carry no
+//! mass. Its positive real zeros are the antiresonances, and equally the roots of
+//! det(K_ik − x M_ik) = 0 with row i and column k deleted, since that determinant is
+//! ± det(K − x M) H_ik(x). Hence two routes that must agree: [`antiresonances`].
+
+pub mod antiresonances;
+pub mod bracket;
+pub mod enclosure;
+pub mod frf;
+pub mod modes;
+pub mod receptance;
+pub mod secular;

@@ -1,0 +1,104 @@
+//! One receptance as partial fractions: H_ik(x) = Σ c_r / (λ_r − x) + d.
+//!
+//! Eigenvalues that coincide at working precision share one pole, whose residue is the sum over
+//! their eigenspace (the parts depend on the basis, the sum does not). A pole whose residue is below
+//! [`NEGLIGIBLE_RESIDUE`] of the largest is not seen by i or k: the mode has a node there, the FRF
+//! shows neither peak nor dip, and the pencil has a root on it, a *cancelled* one.
+
+use crate::linalg::symmetric::SymmetricSolver;
+
+/// Below this fraction of the largest residue a pole is cancelled. Measured gap: residues that
+/// vanish by symmetry come out below 1e-16, all others above 1e-8.
+pub const NEGLIGIBLE_RESIDUE: f64 = 1e-12;
+
+/// Largest residue, relative to |φ_i||φ_k|, at which the whole receptance is zero at working precision.
+const IDENTICALLY_ZERO: f64 = 1e-14;
+
+/// Eigenvalues closer than this many times their uncertainty are repeated.
+const REPEATED: f64 = 32.0;
+
+/// Partial fractions of one receptance.
+#[derive(Debug, Clone, Default)]
+pub struct Receptance {
+    /// Poles λ seen by both dofs, strictly ascending.
+    pub poles: Vec<f64>,
+    /// Residues φ_i φ_k, one a pole.
+    pub residues: Vec<f64>,
+    /// Constant part, from massless directions.
+    pub constant: f64,
+    /// Eigenvalues at which the deleted pencil has a root that cancels, ascending, with multiplicity.
+    pub cancelled: Vec<f64>,
+    /// Absolute error to be expected of one residue.
+    pub residue_error: f64,
+    /// True when nothing of H_ik is left at working precision.
+    pub is_zero: bool,
+}
+
+impl Receptance {
+    /// Forms the partial fractions between dofs `i` and `k` from a solved eigenproblem.
+    pub fn form(&mut self, solver: &SymmetricSolver, i: usize, k: usize) {
+        let (lambda, phi) = (solver.eigenvalues(), solver.vectors());
+        let n = phi.nrows();
+        self.poles.clear();
+        self.residues.clear();
+        self.cancelled.clear();
+        let (mut size_i, mut size_k) = (0.0_f64, 0.0_f64);
+        let mut group_start = 0;
+        for r in 0..lambda.len() {
+            let (a, b) = (phi[(i, r)], phi[(k, r)]);
+            size_i = size_i.max(a.abs());
+            size_k = size_k.max(b.abs());
+            let repeated = r > 0
+                && lambda[r] - lambda[r - 1]
+                    <= REPEATED * solver.uncertainty(lambda[r].abs().max(lambda[r - 1].abs()));
+            if repeated {
+                // The eigenspace adds m − 1 roots on the pole, whatever its residue.
+                self.cancelled.push(lambda[group_start]);
+                if let Some(c) = self.residues.last_mut() {
+                    *c += a * b;
+                }
+            } else {
+                group_start = r;
+                self.poles.push(lambda[r]);
+                self.residues.push(a * b);
+            }
+        }
+        self.constant = (lambda.len()..n).map(|r| phi[(i, r)] * phi[(k, r)]).sum();
+        let scale = size_i * size_k;
+        let largest = self.residues.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        self.residue_error = n as f64 * f64::EPSILON * scale;
+        self.is_zero = largest <= IDENTICALLY_ZERO * scale && self.constant == 0.0;
+        self.drop_negligible(NEGLIGIBLE_RESIDUE * largest);
+        if self.constant.abs() <= self.residue_error {
+            self.constant = 0.0;
+        }
+    }
+
+    fn drop_negligible(&mut self, threshold: f64) {
+        let mut kept = 0;
+        for r in 0..self.poles.len() {
+            if self.residues[r].abs() <= threshold {
+                self.cancelled.push(self.poles[r]);
+            } else {
+                self.poles[kept] = self.poles[r];
+                self.residues[kept] = self.residues[r];
+                kept += 1;
+            }
+        }
+        self.poles.truncate(kept);
+        self.residues.truncate(kept);
+        self.cancelled.sort_by(f64::total_cmp);
+    }
+
+    /// H at x.
+    #[must_use]
+    pub fn value(&self, x: f64) -> f64 {
+        self.poles.iter().zip(&self.residues).map(|(l, c)| c / (l - x)).sum::<f64>() + self.constant
+    }
+
+    /// dH/dx at x.
+    #[must_use]
+    pub fn slope(&self, x: f64) -> f64 {
+        self.poles.iter().zip(&self.residues).map(|(l, c)| c / (l - x).powi(2)).sum()
+    }
+}

@@ -1,0 +1,299 @@
+//! What a search reports: its progress while it runs, its outcome when it ends.
+
+use super::crossover::Crossover;
+use super::population::Population;
+use crate::error::Error;
+use crate::rng::RngState;
+
+/// Why a caller's hook asks the search to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interrupt {
+    /// The user: Ctrl-C.
+    User,
+    /// The time allowed is over.
+    TimeLimit,
+    /// The caller's callback has seen enough.
+    Callback,
+}
+
+/// Why a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// The islands' bests agree in every gene.
+    Agreed,
+    /// The islands' bests agreed in cost at several successive migrations, not in genes: a flat
+    /// valley, many `x` explain the data equally well.
+    CostAgreed,
+    /// The only island found no improvement; there is no other to agree with.
+    Stagnated,
+    /// Between two migrations not one new candidate arose, and still the bests disagree: the
+    /// populations have collapsed.
+    Collapsed,
+    /// The budget of evaluations is spent.
+    MaxEvaluations,
+    /// The budget of generations is spent.
+    MaxGenerations,
+    /// The time allowed is over.
+    TimeLimit,
+    /// The user interrupted.
+    Interrupted,
+    /// The callback asked to stop.
+    Callback,
+}
+
+impl Status {
+    /// Whether the search ended by itself, by its own rules for having finished.
+    pub fn success(self) -> bool {
+        matches!(self, Self::Agreed | Self::CostAgreed | Self::Stagnated)
+    }
+
+    /// The status in a word or two: `agreed`, `cost agreed`, `stagnated`, `collapsed`, `budget` (of
+    /// evaluations, generations or time), `interrupted` or `callback`.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Agreed => "agreed",
+            Self::CostAgreed => "cost agreed",
+            Self::Stagnated => "stagnated",
+            Self::Collapsed => "collapsed",
+            Self::MaxEvaluations | Self::MaxGenerations | Self::TimeLimit => "budget",
+            Self::Interrupted => "interrupted",
+            Self::Callback => "callback",
+        }
+    }
+
+    /// The status in a sentence.
+    pub fn message(self) -> &'static str {
+        match self {
+            Self::Agreed => "The islands' best individuals agree in their genes.",
+            Self::CostAgreed => {
+                "The islands' best individuals agree in cost but not in genes: \
+                 several solutions are equally good."
+            }
+            Self::Stagnated => "The only island found no further improvement.",
+            Self::Collapsed => {
+                "The populations collapsed: no new candidate arises, yet the islands' best \
+                 individuals disagree. Raise the mutation probability or the population."
+            }
+            Self::MaxEvaluations => {
+                "The budget of evaluations was spent before the islands agreed."
+            }
+            Self::MaxGenerations => {
+                "The budget of generations was spent before the islands agreed."
+            }
+            Self::TimeLimit => "The time limit was reached before the islands agreed.",
+            Self::Interrupted => "Interrupted by the user; this is the best found until then.",
+            Self::Callback => "Stopped by the callback; this is the best found until then.",
+        }
+    }
+}
+
+impl From<Interrupt> for Status {
+    fn from(interrupt: Interrupt) -> Self {
+        match interrupt {
+            Interrupt::User => Self::Interrupted,
+            Interrupt::TimeLimit => Self::TimeLimit,
+            Interrupt::Callback => Self::Callback,
+        }
+    }
+}
+
+/// What an island is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IslandState {
+    /// It proposes a generation at a time.
+    Searching,
+    /// It found no improvement for a while and waits for the others.
+    Waiting,
+}
+
+/// One island, seen from outside while the search runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IslandProgress {
+    /// Its lowest cost.
+    pub best_cost: f64,
+    /// What it is doing.
+    pub state: IslandState,
+}
+
+/// The search after a generation.
+#[derive(Debug, Clone, Copy)]
+pub struct Progress<'a> {
+    /// Generations completed; 0 after the initial populations.
+    pub generation: usize,
+    /// Evaluations so far.
+    pub evaluations: usize,
+    /// Migrations so far.
+    pub migrations: usize,
+    /// The lowest cost so far.
+    pub best_cost: f64,
+    /// The candidate it belongs to.
+    pub best_x: &'a [f64],
+    /// The islands in order.
+    pub islands: &'a [IslandProgress],
+}
+
+/// A question to the caller: shall the search stop?
+pub type ShouldStop<'a> = dyn FnMut() -> Option<Interrupt> + 'a;
+
+/// A caller's view of every generation, and its chance to stop the search.
+pub type OnProgress<'a> = dyn FnMut(&Progress<'_>) -> Option<Interrupt> + 'a;
+
+/// What the caller wants to be asked and told; the default is nothing.
+#[derive(Default)]
+pub struct Hooks<'a> {
+    /// Asked after every generation, and every few candidates or milliseconds while one is
+    /// evaluated; always on the calling thread. Must be quick: a microsecond, not a millisecond.
+    pub should_stop: Option<&'a mut ShouldStop<'a>>,
+    /// Told of every generation, the initial one included.
+    pub progress: Option<&'a mut OnProgress<'a>>,
+}
+
+impl Hooks<'_> {
+    /// Asks whether to stop.
+    pub(super) fn poll(&mut self) -> Option<Interrupt> {
+        self.should_stop.as_mut().and_then(|ask| ask())
+    }
+
+    /// Reports a generation.
+    pub(super) fn report(&mut self, progress: &Progress<'_>) -> Option<Interrupt> {
+        self.progress.as_mut().and_then(|tell| tell(progress))
+    }
+}
+
+/// How the search went: a record per generation, the initial populations' first.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct History {
+    pub(super) n_islands: usize,
+    pub(super) evaluations: Vec<usize>,
+    pub(super) best_costs: Vec<f64>,
+    pub(super) migrations: Vec<usize>,
+}
+
+impl History {
+    /// The number of records: generations + 1, or 0 where the initial one was interrupted.
+    pub fn len(&self) -> usize {
+        self.evaluations.len()
+    }
+
+    /// Whether there is no record.
+    pub fn is_empty(&self) -> bool {
+        self.evaluations.is_empty()
+    }
+
+    /// The number of islands.
+    pub fn n_islands(&self) -> usize {
+        self.n_islands
+    }
+
+    /// Evaluations up to and with each generation.
+    pub fn evaluations(&self) -> &[usize] {
+        &self.evaluations
+    }
+
+    /// Each generation's lowest cost per island: a row per generation, a column per island.
+    pub fn best_costs(&self) -> &[f64] {
+        &self.best_costs
+    }
+
+    /// The islands' lowest costs at record `generation`.
+    pub fn islands(&self, generation: usize) -> &[f64] {
+        &self.best_costs[generation * self.n_islands..][..self.n_islands]
+    }
+
+    /// The lowest cost of all islands at record `generation`; it never rises with it.
+    pub fn best(&self, generation: usize) -> f64 {
+        let islands = self.islands(generation).iter();
+        islands.copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The generation after which each migration took place.
+    pub fn migrations(&self) -> &[usize] {
+        &self.migrations
+    }
+}
+
+/// An island at the end of the search.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FinalIsland {
+    /// Its crossover operator.
+    pub crossover: Crossover,
+    /// What it was doing.
+    pub state: IslandState,
+    /// Its individuals and their costs.
+    pub population: Population,
+    /// Where its random stream stands: behind the last generation proposed, completed or not.
+    pub rng: RngState,
+}
+
+/// The result of a search.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// The best candidate found.
+    pub x: Vec<f64>,
+    /// Its cost; `+inf` where no evaluation gave a finite one.
+    pub fun: f64,
+    /// Evaluations made, those of an interrupted generation included.
+    pub nfev: usize,
+    /// Generations completed after the initial one.
+    pub nit: usize,
+    /// Migrations.
+    pub migrations: usize,
+    /// Why the search ended.
+    pub status: Status,
+    /// Every generation's record.
+    pub history: History,
+    /// The islands after the last completed generation.
+    pub islands: Vec<FinalIsland>,
+}
+
+/// Why a search has no outcome.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Failure<F> {
+    /// The problem or the options are unusable.
+    #[error(transparent)]
+    Input(#[from] Error),
+    /// The evaluator failed; its fault as it was.
+    #[error("the evaluation of the objective function failed")]
+    Evaluation(F),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [Status; 9] = [
+        Status::Agreed,
+        Status::CostAgreed,
+        Status::Stagnated,
+        Status::Collapsed,
+        Status::MaxEvaluations,
+        Status::MaxGenerations,
+        Status::TimeLimit,
+        Status::Interrupted,
+        Status::Callback,
+    ];
+
+    #[test]
+    fn every_status_says_something_of_its_own() {
+        for (i, status) in ALL.iter().enumerate() {
+            assert!(status.message().ends_with('.'));
+            assert!(ALL[..i].iter().all(|s| s.message() != status.message()));
+        }
+        let budgets = ALL.iter().filter(|s| s.label() == "budget").count();
+        assert_eq!(budgets, 3);
+        assert_eq!(ALL.iter().filter(|s| s.success()).count(), 3);
+    }
+
+    #[test]
+    fn a_history_is_read_by_generation() {
+        let history = History {
+            n_islands: 2,
+            evaluations: vec![10, 18],
+            best_costs: vec![3.0, 4.0, 3.0, 2.0],
+            migrations: vec![1],
+        };
+        assert_eq!(history.len(), 2);
+        assert_eq!(history.islands(1), [3.0, 2.0]);
+        assert_eq!((history.best(0), history.best(1)), (3.0, 2.0));
+    }
+}

@@ -1,0 +1,149 @@
+//! Individuals and their costs: a `P x n` matrix of genes, row by row, and `P` costs.
+//!
+//! Of equal costs the lower index ranks first, so every order here is total.
+
+use std::cmp::Ordering;
+
+/// The individuals of one island.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Population {
+    n_genes: usize,
+    genes: Vec<f64>,
+    costs: Vec<f64>,
+}
+
+impl Population {
+    /// `size` individuals of `n_genes` zeros, not evaluated yet: their cost is `+inf`.
+    pub(super) fn new(size: usize, n_genes: usize) -> Self {
+        Self {
+            n_genes,
+            genes: vec![0.0; size * n_genes],
+            costs: vec![f64::INFINITY; size],
+        }
+    }
+
+    /// The number of individuals, `P`.
+    pub fn len(&self) -> usize {
+        self.costs.len()
+    }
+
+    /// Whether there is no individual.
+    pub fn is_empty(&self) -> bool {
+        self.costs.is_empty()
+    }
+
+    /// The number of genes of each individual, `n`.
+    pub fn n_genes(&self) -> usize {
+        self.n_genes
+    }
+
+    /// All genes, individual after individual.
+    pub fn genes(&self) -> &[f64] {
+        &self.genes
+    }
+
+    /// All costs; `+inf` where never evaluated, or not finite.
+    pub fn costs(&self) -> &[f64] {
+        &self.costs
+    }
+
+    /// The genes of individual `i`.
+    #[inline]
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.genes[i * self.n_genes..][..self.n_genes]
+    }
+
+    /// The cost of individual `i`.
+    #[inline]
+    pub fn cost(&self, i: usize) -> f64 {
+        self.costs[i]
+    }
+
+    /// The individual of the lowest cost; of several the first.
+    pub fn best(&self) -> usize {
+        let mut best = 0;
+        for i in 1..self.len() {
+            if self.costs[i] < self.costs[best] {
+                best = i;
+            }
+        }
+        best
+    }
+
+    /// The individual of the highest cost; of several the last.
+    pub(super) fn worst(&self) -> usize {
+        let mut worst = 0;
+        for i in 1..self.len() {
+            if self.costs[i] >= self.costs[worst] {
+                worst = i;
+            }
+        }
+        worst
+    }
+
+    /// Writes the individuals' indices to `ranking`, best first.
+    pub(super) fn rank(&self, ranking: &mut Vec<usize>) {
+        ranking.clear();
+        ranking.extend(0..self.len());
+        ranking.sort_unstable_by(|&i, &j| self.compare(i, j));
+    }
+
+    /// Whether individual `i` ranks before, like or after individual `j`.
+    pub(super) fn compare(&self, i: usize, j: usize) -> Ordering {
+        self.costs[i].total_cmp(&self.costs[j]).then(i.cmp(&j))
+    }
+
+    /// The genes of individual `i`, to be written.
+    pub(super) fn row_mut(&mut self, i: usize) -> &mut [f64] {
+        &mut self.genes[i * self.n_genes..][..self.n_genes]
+    }
+
+    /// The genes of individuals `i` and `i + 1`, to be written.
+    pub(super) fn pair_mut(&mut self, i: usize) -> (&mut [f64], &mut [f64]) {
+        self.genes[i * self.n_genes..][..2 * self.n_genes].split_at_mut(self.n_genes)
+    }
+
+    /// Sets the cost of individual `i`, which must not be `NaN`.
+    pub(super) fn set_cost(&mut self, i: usize, cost: f64) {
+        debug_assert!(!cost.is_nan());
+        self.costs[i] = cost;
+    }
+
+    /// Replaces individual `i`.
+    pub(super) fn replace(&mut self, i: usize, genes: &[f64], cost: f64) {
+        self.row_mut(i).copy_from_slice(genes);
+        self.set_cost(i, cost);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn population(costs: &[f64]) -> Population {
+        let mut population = Population::new(costs.len(), 2);
+        for (i, &cost) in costs.iter().enumerate() {
+            population.replace(i, &[i as f64, 10.0 * i as f64], cost);
+        }
+        population
+    }
+
+    #[test]
+    fn ranking_is_by_cost_then_index() {
+        let inf = f64::INFINITY;
+        let population = population(&[3.0, 1.0, inf, 1.0, inf]);
+        let mut ranking = vec![9];
+        population.rank(&mut ranking);
+        assert_eq!(ranking, [1, 3, 0, 2, 4]);
+        assert_eq!((population.best(), population.worst()), (1, 4));
+    }
+
+    #[test]
+    fn rows_are_where_they_were_put() {
+        let mut population = population(&[0.0, 1.0, 2.0]);
+        assert_eq!(population.row(2), [2.0, 20.0]);
+        let (first, second) = population.pair_mut(1);
+        assert_eq!((&*first, &*second), (&[1.0, 10.0][..], &[2.0, 20.0][..]));
+        assert_eq!(population.genes(), [0.0, 0.0, 1.0, 10.0, 2.0, 20.0]);
+    }
+}

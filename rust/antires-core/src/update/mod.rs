@@ -1,0 +1,15 @@
+//! Model updating: measured antiresonances against those of the model.
+//!
+//! ```text
+//! e = ω_A² / ω_E² − 1                                       Eq. 11 (printed with a wrong exponent)
+//! J = Σ |e| + γ₁ Σ β + γ₂ count(β > 0)                      Eqs. 12, 15-17
+//! ```
+//!
+//! A analytic, E experimental; the penalties apply to stiffness reductions only. This is the one
+//! place where the models meet the optimizer.
+//!
+//! Source: Meruane, J. Sound Vib. 332 (2013) 807-820.
+
+pub mod objective;
+pub mod pairing;
+pub mod penalties;

@@ -1,0 +1,232 @@
+//! The antiresonance objective J(x).
+
+use crate::error::{Error, Result};
+use crate::fem::model::{Model, connected};
+use crate::fem::parameters::{Assembly, Parameter, Quantity};
+use crate::modal::antiresonances::{AntiresonanceSolver, Query, Route};
+use crate::optimize::Objective;
+
+use super::pairing::{UNPAIRED, nearest, residual};
+use super::penalties::Penalty;
+
+/// The model's antiresonances are computed to this multiple of the highest measured frequency, so
+/// that the edge of the band cuts off no partner.
+pub const BAND_MARGIN: f64 = 1.5;
+
+/// Largest threshold below which a severity may be snapped to zero.
+pub const LARGEST_SNAP: f64 = 1e-3;
+
+/// Measured antiresonances of one response.
+#[derive(Debug, Clone)]
+pub struct Target {
+    /// Response dof.
+    pub dof: usize,
+    /// Antiresonant frequencies [Hz].
+    pub freq_hz: Vec<f64>,
+}
+
+/// J(x) for one model, one parameter set and one measurement.
+pub struct AntiresonanceObjective {
+    model: Model,
+    parameters: Vec<Parameter>,
+    excitation: usize,
+    targets: Vec<Target>,
+    penalty: Option<Penalty>,
+    snap: f64,
+    query: Query,
+    connected: Vec<bool>,
+}
+
+/// Working memory of one thread.
+pub struct Workspace {
+    assembly: Assembly,
+    solver: AntiresonanceSolver,
+    analytic_hz: Vec<f64>,
+}
+
+impl AntiresonanceObjective {
+    /// Joins a model, its parameters and a measurement.
+    ///
+    /// `penalty` applies to the stiffness reductions among the parameters; severities below `snap`
+    /// count as exactly zero.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] when a dof or a term is outside the model, no antiresonance was
+    /// measured, one is not positive, or `snap` is outside [0, 1e-3].
+    pub fn new(
+        model: Model,
+        parameters: Vec<Parameter>,
+        excitation: usize,
+        targets: Vec<Target>,
+        penalty: Option<Penalty>,
+        snap: f64,
+    ) -> Result<Self> {
+        model.check_dof("excitation", excitation)?;
+        for target in &targets {
+            model.check_dof("measured", target.dof)?;
+            if let Some(f) = target.freq_hz.iter().find(|f| !(f.is_finite() && **f > 0.0)) {
+                return Err(Error::input(
+                    "measured",
+                    format!("{f} Hz at dof {}", target.dof),
+                    "positive, finite frequencies",
+                ));
+            }
+        }
+        let highest = targets.iter().flat_map(|t| &t.freq_hz).fold(0.0_f64, |m, &f| m.max(f));
+        if highest == 0.0 {
+            return Err(Error::input("measured", "no antiresonance", "at least one")
+                .remedy("Identify in a wider band, or measure at more dofs."));
+        }
+        if !(0.0..=LARGEST_SNAP).contains(&snap) {
+            return Err(Error::input("snap", snap, format!("a threshold in [0, {LARGEST_SNAP}]")));
+        }
+        if parameters.is_empty() {
+            return Err(Error::input("parameters", "none", "at least one parameter"));
+        }
+        check_terms(&model, &parameters)?;
+        let connected = targets
+            .iter()
+            .map(|t| connected(model.stiffness(), model.mass(), t.dof, excitation))
+            .collect();
+        Ok(Self {
+            model,
+            parameters,
+            excitation,
+            targets,
+            penalty,
+            snap,
+            query: Query {
+                route: Route::Modal,
+                f_max_hz: BAND_MARGIN * highest,
+                include_cancelled: false,
+            },
+            connected,
+        })
+    }
+
+    /// Number of parameters.
+    #[must_use]
+    pub fn n_parameters(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// The parameters in the order of x.
+    #[must_use]
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// The model at parameter values `x`, as its own nominal state.
+    ///
+    /// # Errors
+    /// Those of [`Model::at`].
+    pub fn model_at(&self, x: &[f64]) -> Result<Model> {
+        self.model.at(&self.parameters, x)
+    }
+
+    /// The analytic partner [Hz] of each measured value, target by target; none where the model has
+    /// no antiresonance.
+    ///
+    /// # Errors
+    /// Those of the eigenproblem.
+    pub fn pairs(&self, x: &[f64], ws: &mut Workspace) -> Result<Vec<Option<f64>>> {
+        let mut out = Vec::new();
+        self.each_pair(x, ws, |paired, _| out.push(paired))?;
+        Ok(out)
+    }
+
+    fn each_pair(
+        &self,
+        x: &[f64],
+        ws: &mut Workspace,
+        mut visit: impl FnMut(Option<f64>, f64),
+    ) -> Result<()> {
+        ws.assembly.form(&self.model, &self.parameters, x);
+        ws.solver.set_matrices(ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref())?;
+        for (target, &connected) in self.targets.iter().zip(&self.connected) {
+            ws.analytic_hz.clear();
+            if connected && !target.freq_hz.is_empty() {
+                ws.solver.modal(target.dof, self.excitation, &self.query, &mut ws.analytic_hz);
+            }
+            for &measured in &target.freq_hz {
+                visit(nearest(&ws.analytic_hz, measured), measured);
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of measured antiresonances.
+    #[must_use]
+    pub fn n_measured(&self) -> usize {
+        self.targets.iter().map(|t| t.freq_hz.len()).sum()
+    }
+
+    fn is_reduction(&self, index: usize) -> bool {
+        self.parameters[index].quantity == Quantity::StiffnessReduction
+    }
+}
+
+impl Objective for AntiresonanceObjective {
+    type Workspace = Workspace;
+
+    fn workspace(&self) -> Workspace {
+        Workspace {
+            assembly: Assembly::new(&self.model),
+            solver: AntiresonanceSolver::new(self.model.n_dof()),
+            analytic_hz: Vec::with_capacity(self.model.n_dof()),
+        }
+    }
+
+    /// J(x). Where the eigenproblem fails, every measured value counts as unpaired, so that J stays
+    /// finite for every x in bounds.
+    fn cost(&self, x: &[f64], ws: &mut Workspace) -> f64 {
+        let mut snapped = x.to_vec();
+        self.repair(&mut snapped);
+        let mut misfit = 0.0;
+        let solved =
+            self.each_pair(&snapped, ws, |paired, measured| misfit += residual(paired, measured).abs());
+        if solved.is_err() {
+            misfit = UNPAIRED * self.n_measured() as f64;
+        }
+        let beta = snapped.iter().enumerate().filter(|(i, _)| self.is_reduction(*i)).map(|(_, &b)| b);
+        misfit + self.penalty.map_or(0.0, |p| p.of(beta))
+    }
+
+    /// Negligible severities become exactly zero.
+    fn repair(&self, x: &mut [f64]) {
+        if self.snap > 0.0 {
+            for (i, value) in x.iter_mut().enumerate() {
+                if self.is_reduction(i) && value.abs() < self.snap {
+                    *value = 0.0;
+                }
+            }
+        }
+    }
+}
+
+fn check_terms(model: &Model, parameters: &[Parameter]) -> Result<()> {
+    for (i, parameter) in parameters.iter().enumerate() {
+        let (terms, kind) = match parameter.quantity {
+            Quantity::MassFactor => (model.mass_terms(), "mass"),
+            _ => (model.stiffness_terms(), "stiffness"),
+        };
+        for &term in &parameter.terms {
+            if term >= terms.len() {
+                return Err(Error::input(
+                    format!("parameters[{i}]"),
+                    format!("{kind} term {term}"),
+                    format!("a term below {}", terms.len()),
+                ));
+            }
+        }
+        if parameter.terms.iter().all(|&t| terms[t].is_zero()) {
+            return Err(Error::input(
+                format!("parameters[{i}]"),
+                format!("{kind} term(s) {:?}, which are zero in this model", parameter.terms),
+                "a parameter that changes the model",
+            )
+            .remedy("Give the spring or mass a nominal value, or leave the parameter out."));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,91 @@
+//! The one way in and out: detach, guard against panics, map errors, watch for Ctrl-C and time.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
+
+use antires_core::error::Error;
+use antires_core::optimize::Interrupt;
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::import_exception;
+use pyo3::prelude::*;
+
+import_exception!(antires_rs.exceptions, InternalError);
+import_exception!(antires_rs.exceptions, InvalidInputError);
+import_exception!(antires_rs.exceptions, NumericalError);
+import_exception!(antires_rs.exceptions, ObjectiveError);
+
+/// How often signals are looked at: often enough for a person, seldom enough to cost nothing.
+const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
+
+/// The Python exception of a core error.
+pub fn to_python(error: Error) -> PyErr {
+    let message = error.to_string();
+    match error {
+        Error::InvalidInput { .. } => InvalidInputError::new_err(message),
+        Error::Numerical { .. } => NumericalError::new_err(message),
+        Error::Objective(_) => ObjectiveError::new_err(message),
+        _ => InternalError::new_err(message),
+    }
+}
+
+/// Runs `work` detached from the interpreter. A panic becomes an `InternalError`.
+pub fn guarded<T: Send>(py: Python<'_>, work: impl FnOnce() -> PyResult<T> + Send) -> PyResult<T> {
+    py.detach(|| catch_unwind(AssertUnwindSafe(work))).unwrap_or_else(|panic| {
+        let text = panic
+            .downcast_ref::<String>()
+            .map(String::as_str)
+            .or_else(|| panic.downcast_ref::<&str>().copied())
+            .unwrap_or("no message");
+        Err(InternalError::new_err(format!(
+            "internal error in the Rust core: {text}. This is a bug of antires_rs; please report the call."
+        )))
+    })
+}
+
+/// [`guarded`] for work that fails with a core error.
+pub fn run<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> antires_core::error::Result<T> + Send,
+) -> PyResult<T> {
+    guarded(py, || work().map_err(to_python))
+}
+
+/// Watches for Ctrl-C and for a deadline while the core works.
+pub struct Watch {
+    deadline: Option<Instant>,
+    next_look: Instant,
+    /// What a signal handler or a callback raised, other than Ctrl-C.
+    pub raised: Option<PyErr>,
+}
+
+impl Watch {
+    /// Starts now; `max_seconds` from now is the deadline.
+    pub fn start(max_seconds: Option<f64>) -> Self {
+        let now = Instant::now();
+        let limit = max_seconds.and_then(|s| Duration::try_from_secs_f64(s).ok());
+        Self { deadline: limit.and_then(|l| now.checked_add(l)), next_look: now, raised: None }
+    }
+
+    /// What asks for a stop now, if anything.
+    pub fn poll(&mut self) -> Option<Interrupt> {
+        let now = Instant::now();
+        if self.deadline.is_some_and(|deadline| now >= deadline) {
+            return Some(Interrupt::TimeLimit);
+        }
+        if now < self.next_look {
+            return None;
+        }
+        self.next_look = now + SIGNAL_INTERVAL;
+        Python::attach(|py| py.check_signals()).err().map(|error| self.stop_for(error))
+    }
+
+    /// Ctrl-C ends a run with the best so far; any other exception is raised once the run has ended.
+    pub fn stop_for(&mut self, error: PyErr) -> Interrupt {
+        let user = Python::attach(|py| error.is_instance_of::<PyKeyboardInterrupt>(py));
+        if user {
+            return Interrupt::User;
+        }
+        self.raised.get_or_insert(error);
+        Interrupt::Callback
+    }
+}

@@ -1,0 +1,22 @@
+//! `antires_rs._core`: the doorway between Python and antires-core.
+//!
+//! Every function here extracts its arguments, detaches from the interpreter, calls the core and
+//! converts the result. The Python package above it owns names, defaults and documentation.
+
+use pyo3::prelude::*;
+
+mod convert;
+mod doorway;
+mod model;
+mod objective;
+mod optimizer;
+
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<model::Model>()?;
+    module.add_class::<objective::AntiresonanceObjective>()?;
+    module.add_function(wrap_pyfunction!(optimizer::minimize, module)?)?;
+    module.add_function(wrap_pyfunction!(optimizer::island_options, module)?)?;
+    Ok(())
+}

@@ -1,0 +1,153 @@
+//! Models: matrices, modes, frequency responses, antiresonances.
+
+use antires_core::error::Error;
+use antires_core::fem::chain::mass_spring_chain;
+use antires_core::fem::model::Model as CoreModel;
+use antires_core::modal::antiresonances::{Query, Route, antiresonances};
+use antires_core::modal::frf::{Motion, frequency_response};
+use antires_core::modal::modes::modes;
+use numpy::ndarray::Array2;
+use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::convert::{TermArrays, array, matrix, terms};
+use crate::doorway::{run, to_python};
+
+type PyModes<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
+
+/// A structural model of the core.
+#[pyclass(frozen, module = "antires_rs._core")]
+pub struct Model {
+    pub core: CoreModel,
+}
+
+#[pymethods]
+impl Model {
+    /// Masses in a row with springs between them and to ground.
+    #[staticmethod]
+    fn chain(
+        masses_kg: PyReadonlyArray1<'_, f64>,
+        springs_n_per_m: PyReadonlyArray1<'_, f64>,
+        ground_first_n_per_m: f64,
+        ground_last_n_per_m: f64,
+    ) -> PyResult<Self> {
+        let core = mass_spring_chain(
+            &masses_kg.as_array().to_vec(),
+            &springs_n_per_m.as_array().to_vec(),
+            ground_first_n_per_m,
+            ground_last_n_per_m,
+        )
+        .map_err(to_python)?;
+        Ok(Self { core })
+    }
+
+    /// Nominal matrices and the terms they contain.
+    #[staticmethod]
+    fn from_matrices(
+        stiffness: PyReadonlyArray2<'_, f64>,
+        mass: PyReadonlyArray2<'_, f64>,
+        stiffness_terms: Vec<TermArrays<'_>>,
+        mass_terms: Vec<TermArrays<'_>>,
+    ) -> PyResult<Self> {
+        let core = CoreModel::new(
+            matrix(&stiffness),
+            matrix(&mass),
+            terms(&stiffness_terms),
+            terms(&mass_terms),
+        )
+        .map_err(to_python)?;
+        Ok(Self { core })
+    }
+
+    #[getter]
+    fn n_dof(&self) -> usize {
+        self.core.n_dof()
+    }
+
+    #[getter]
+    fn n_stiffness_terms(&self) -> usize {
+        self.core.stiffness_terms().len()
+    }
+
+    #[getter]
+    fn n_mass_terms(&self) -> usize {
+        self.core.mass_terms().len()
+    }
+
+    /// K, (n, n).
+    fn stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        array(py, self.core.stiffness())
+    }
+
+    /// M, (n, n).
+    fn mass<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        array(py, self.core.mass())
+    }
+
+    /// Frequencies (m,) and mass-normalised shapes (n, m).
+    fn modes<'py>(&self, py: Python<'py>) -> PyResult<PyModes<'py>> {
+        let solved = run(py, || modes(&self.core))?;
+        Ok((solved.freq_hz.into_pyarray(py), array(py, solved.shapes.as_ref())))
+    }
+
+    /// Frequency responses (n_responses, n_freq).
+    fn frf<'py>(
+        &self,
+        py: Python<'py>,
+        responses: Vec<usize>,
+        excitation: usize,
+        freq_hz: PyReadonlyArray1<'_, f64>,
+        damping_ratio: PyReadonlyArray1<'_, f64>,
+        kind: &str,
+    ) -> PyResult<Bound<'py, PyArray2<Complex64>>> {
+        let motion = match kind {
+            "receptance" => Motion::Receptance,
+            "mobility" => Motion::Mobility,
+            "accelerance" => Motion::Accelerance,
+            _ => {
+                let wanted = "'receptance', 'mobility' or 'accelerance'";
+                return Err(to_python(Error::input("kind", format!("{kind:?}"), wanted)));
+            }
+        };
+        let (freq, damping) = (freq_hz.as_array().to_vec(), damping_ratio.as_array().to_vec());
+        let values = run(py, || {
+            for &dof in &responses {
+                self.core.check_dof("response", dof)?;
+            }
+            self.core.check_dof("excitation", excitation)?;
+            frequency_response(&self.core, &responses, excitation, &freq, &damping, motion)
+        })?;
+        let columns = freq.len();
+        Ok(Array2::from_shape_fn((responses.len(), columns), |(i, j)| {
+            let (re, im) = values[i * columns + j];
+            Complex64::new(re, im)
+        })
+        .into_pyarray(py))
+    }
+
+    /// For each response: antiresonances (m,) in Hz, and whether H is identically zero.
+    fn antiresonances<'py>(
+        &self,
+        py: Python<'py>,
+        responses: Vec<usize>,
+        excitation: usize,
+        f_max_hz: f64,
+        method: &str,
+        include_cancelled: bool,
+    ) -> PyResult<Vec<(Bound<'py, PyArray1<f64>>, bool)>> {
+        let route = match method {
+            "modal" => Route::Modal,
+            "pencil" => Route::Pencil,
+            _ => {
+                return Err(to_python(Error::input(
+                    "method",
+                    format!("{method:?}"),
+                    "'modal' or 'pencil'",
+                )));
+            }
+        };
+        let query = Query { route, f_max_hz, include_cancelled };
+        let found = run(py, || antiresonances(&self.core, &responses, excitation, &query))?;
+        Ok(found.into_iter().map(|a| (a.freq_hz.into_pyarray(py), a.identically_zero)).collect())
+    }
+}

@@ -1,0 +1,264 @@
+//! The island search on a Python objective, and what both searches share.
+
+use std::ops::ControlFlow;
+
+use antires_core::error::Error;
+use antires_core::optimize::{
+    Agreement, Bounds, Candidates, Crossover, Evaluator, Failure, Hooks, Interrupt, IslandOptions,
+    IslandState, Outcome, Progress, minimize as minimize_core,
+};
+use numpy::ndarray::{Array2, Array3};
+use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::doorway::{ObjectiveError, Watch, guarded, to_python};
+
+/// Sets the fields of [`IslandOptions`] that the dictionary names, and writes them all out again:
+/// the list of fields stands here once.
+macro_rules! option_fields {
+    ($options:expr, $dict:expr, $($field:ident),+ $(,)?) => {
+        $(if let Some(value) = $dict.get_item(stringify!($field))? {
+            $options.$field = value.extract()?;
+        })+
+    };
+}
+
+fn read_options(dict: &Bound<'_, PyDict>) -> PyResult<IslandOptions> {
+    let mut options = IslandOptions::default();
+    option_fields!(
+        options, dict, islands, population, crossover_probability, mutation_probability,
+        selection_pressure, patience, improvement_tolerance, gene_tolerance, cost_tolerance,
+        cost_floor, cost_migrations, max_evaluations, max_generations,
+    );
+    if let Some(value) = dict.get_item("agreement")? {
+        options.agreement = Agreement::from_name(&value.extract::<String>()?).map_err(to_python)?;
+    }
+    if let Some(value) = dict.get_item("crossovers")? {
+        options.crossovers = value
+            .extract::<Vec<String>>()?
+            .iter()
+            .map(|name| Crossover::from_name(name))
+            .collect::<Result<_, Error>>()
+            .map_err(to_python)?;
+    }
+    let known = write_options(dict.py(), &options)?;
+    for key in dict.keys() {
+        if !known.contains(&key)? {
+            let names: Vec<String> = known.keys().extract()?;
+            let error = Error::input("option", key.to_string(), format!("one of {}", names.join(", ")));
+            return Err(to_python(error));
+        }
+    }
+    options.validate().map_err(to_python)?;
+    Ok(options)
+}
+
+fn write_options<'py>(py: Python<'py>, options: &IslandOptions) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    macro_rules! write {
+        ($($field:ident),+ $(,)?) => { $(dict.set_item(stringify!($field), options.$field)?;)+ };
+    }
+    write!(islands, population, crossover_probability, mutation_probability);
+    write!(selection_pressure, patience, improvement_tolerance, gene_tolerance, cost_tolerance);
+    write!(cost_floor, cost_migrations, max_evaluations, max_generations);
+    dict.set_item("agreement", options.agreement.name())?;
+    let names: Vec<&str> = options.crossovers.iter().map(|c| c.name()).collect();
+    dict.set_item("crossovers", names)?;
+    Ok(dict)
+}
+
+/// The options with defaults filled in; refuses unknown names and values out of range.
+#[pyfunction]
+pub fn island_options<'py>(
+    py: Python<'py>,
+    options: &Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyDict>> {
+    write_options(py, &read_options(options)?)
+}
+
+/// One search: its problem, its settings, and whoever watches it.
+pub struct Search {
+    bounds: Bounds,
+    guesses: Vec<Vec<f64>>,
+    options: IslandOptions,
+    seed: u64,
+    watch: Watch,
+    on_progress: Option<Py<PyAny>>,
+}
+
+impl Search {
+    pub fn new(
+        lower: &PyReadonlyArray1<'_, f64>,
+        upper: &PyReadonlyArray1<'_, f64>,
+        guesses: Vec<Vec<f64>>,
+        options: &Bound<'_, PyDict>,
+        seed: u64,
+        max_seconds: Option<f64>,
+        on_progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let bounds = Bounds::new(lower.as_array().to_vec(), upper.as_array().to_vec());
+        Ok(Self {
+            bounds: bounds.map_err(to_python)?,
+            guesses,
+            options: read_options(options)?,
+            seed,
+            watch: Watch::start(max_seconds),
+            on_progress,
+        })
+    }
+
+    /// Calls `search` with the hooks in place; raises what a callback raised.
+    pub fn run(
+        &mut self,
+        search: impl FnOnce(
+            &Bounds,
+            &[Vec<f64>],
+            &IslandOptions,
+            u64,
+            &mut Hooks<'_>,
+        ) -> PyResult<Outcome>,
+    ) -> PyResult<Outcome> {
+        let on_progress = self.on_progress.as_ref();
+        let watch = std::cell::RefCell::new(&mut self.watch);
+        let mut should_stop = || watch.borrow_mut().poll();
+        let mut progress = |p: &Progress<'_>| {
+            let callback = on_progress?;
+            match Python::attach(|py| report(py, callback, p)) {
+                Ok(true) => Some(Interrupt::Callback),
+                Ok(false) => None,
+                Err(error) => Some(watch.borrow_mut().stop_for(error)),
+            }
+        };
+        let mut hooks =
+            Hooks { should_stop: Some(&mut should_stop), progress: Some(&mut progress) };
+        let outcome = search(&self.bounds, &self.guesses, &self.options, self.seed, &mut hooks)?;
+        match self.watch.raised.take() {
+            Some(error) => Err(error),
+            None => Ok(outcome),
+        }
+    }
+}
+
+/// Calls the callback with the state of the search; true asks for a stop.
+fn report(py: Python<'_>, callback: &Py<PyAny>, progress: &Progress<'_>) -> PyResult<bool> {
+    let state = PyDict::new(py);
+    state.set_item("nit", progress.generation)?;
+    state.set_item("nfev", progress.evaluations)?;
+    state.set_item("migrations", progress.migrations)?;
+    state.set_item("fun", progress.best_cost)?;
+    state.set_item("x", progress.best_x.to_vec().into_pyarray(py))?;
+    let islands: Vec<(f64, &str)> =
+        progress.islands.iter().map(|i| (i.best_cost, state_name(i.state))).collect();
+    state.set_item("islands", islands)?;
+    callback.call1(py, (state,))?.extract::<Option<bool>>(py).map(|stop| stop == Some(true))
+}
+
+fn state_name(state: IslandState) -> &'static str {
+    match state {
+        IslandState::Searching => "searching",
+        IslandState::Waiting => "waiting",
+    }
+}
+
+/// A Python function of all candidates of a generation.
+struct PythonEvaluator {
+    function: Py<PyAny>,
+}
+
+impl Evaluator for PythonEvaluator {
+    type Fault = PyErr;
+
+    fn evaluate(
+        &mut self,
+        candidates: Candidates<'_>,
+        costs: &mut [f64],
+        poll: &mut dyn FnMut() -> Option<Interrupt>,
+    ) -> Result<ControlFlow<Interrupt>, PyErr> {
+        let shape = (candidates.len(), candidates.n_genes());
+        let answer = Python::attach(|py| -> PyResult<Vec<f64>> {
+            let rows = Array2::from_shape_vec(shape, candidates.as_slice().to_vec())
+                .map_err(|e| ObjectiveError::new_err(e.to_string()))?;
+            let rows: Bound<'_, PyArray2<f64>> = rows.into_pyarray(py);
+            self.function.call1(py, (rows,))?.extract(py)
+        });
+        match answer {
+            Ok(values) if values.len() == costs.len() => costs.copy_from_slice(&values),
+            Ok(values) => {
+                return Err(ObjectiveError::new_err(format!(
+                    "fun: got {} costs; wanted {}, one for each candidate.",
+                    values.len(),
+                    costs.len()
+                )));
+            }
+            Err(error) if Python::attach(|py| error.is_instance_of::<PyKeyboardInterrupt>(py)) => {
+                return Ok(ControlFlow::Break(Interrupt::User));
+            }
+            Err(error) => return Err(error),
+        }
+        Ok(poll().map_or(ControlFlow::Continue(()), ControlFlow::Break))
+    }
+}
+
+/// Searches the box for the least value of a Python function of (m, n) candidates.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub fn minimize<'py>(
+    py: Python<'py>,
+    function: Py<PyAny>,
+    lower: PyReadonlyArray1<'_, f64>,
+    upper: PyReadonlyArray1<'_, f64>,
+    guesses: Vec<Vec<f64>>,
+    options: &Bound<'py, PyDict>,
+    seed: u64,
+    max_seconds: Option<f64>,
+    on_progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let mut search = Search::new(&lower, &upper, guesses, options, seed, max_seconds, on_progress)?;
+    let outcome = guarded(py, || {
+        let mut evaluator = PythonEvaluator { function };
+        search.run(|bounds, guesses, options, seed, hooks| {
+            minimize_core(&mut evaluator, bounds, guesses, options, seed, hooks).map_err(
+                |failure| match failure {
+                    Failure::Input(error) => to_python(error),
+                    Failure::Evaluation(error) => error,
+                },
+            )
+        })
+    })?;
+    outcome_to_python(py, &outcome)
+}
+
+/// The outcome as a dictionary of arrays and plain values.
+pub fn outcome_to_python<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("x", outcome.x.clone().into_pyarray(py))?;
+    dict.set_item("fun", outcome.fun)?;
+    dict.set_item("nfev", outcome.nfev)?;
+    dict.set_item("nit", outcome.nit)?;
+    dict.set_item("migrations", outcome.migrations)?;
+    dict.set_item("status", outcome.status.label())?;
+    dict.set_item("success", outcome.status.success())?;
+    dict.set_item("message", outcome.status.message())?;
+    let history = &outcome.history;
+    let shape = (history.len(), history.n_islands());
+    let best = Array2::from_shape_fn(shape, |(g, i)| history.islands(g)[i]);
+    dict.set_item("history_cost", best.into_pyarray(py))?;
+    let evaluations: Vec<u64> = history.evaluations().iter().map(|&e| e as u64).collect();
+    dict.set_item("history_nfev", evaluations.into_pyarray(py))?;
+    let migrations: Vec<u64> = history.migrations().iter().map(|&g| g as u64).collect();
+    dict.set_item("history_migrations", migrations.into_pyarray(py))?;
+    let islands = &outcome.islands;
+    let (size, n) = (islands[0].population.len(), outcome.x.len());
+    let genes = Array3::from_shape_fn((islands.len(), size, n), |(i, j, g)| {
+        islands[i].population.row(j)[g]
+    });
+    dict.set_item("populations", genes.into_pyarray(py))?;
+    let costs =
+        Array2::from_shape_fn((islands.len(), size), |(i, j)| islands[i].population.cost(j));
+    dict.set_item("population_costs", costs.into_pyarray(py))?;
+    let names: Vec<&str> = islands.iter().map(|i| i.crossover.name()).collect();
+    dict.set_item("crossovers", names)?;
+    Ok(dict)
+}
