@@ -3,7 +3,7 @@
 >>> import antires_rs as ar
 >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
 >>> chain.antiresonances(0, 0).round(3)
-array([2.2  , 5.758])
+array([2.199, 5.758])
 
 See ARCHITECTURE.md for the map of the package, and :mod:`antires_rs.cases` for complete studies.
 """

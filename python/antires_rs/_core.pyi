@@ -60,8 +60,8 @@ class AntiresonanceObjective:
         cls,
         model: Model,
         parameters: Sequence[tuple[str, Sequence[int]]],
-        excitation: int,
-        targets: Sequence[tuple[int, _Floats]],
+        targets: Sequence[tuple[int, int, _Floats]],
+        misfit: str,
         penalty: tuple[float, float] | None,
         snap: float,
     ) -> AntiresonanceObjective: ...

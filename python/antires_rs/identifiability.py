@@ -95,17 +95,17 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
     """
     penalty = problem.penalty
     band_hz = float(problem.measured_hz.max())
-    dofs = [int(d) for d in problem.measured]
 
     def gain(index: int, beta: float) -> float:
         """What the damage explains, less what it costs."""
         x = np.zeros(len(problem.parameters))
         x[index] = beta
-        zeros = problem.model_at(x).antiresonances(dofs, problem.excitation, f_max_hz=band_hz)
-        exact = AntiresonanceSet(problem.excitation, dict(zip(dofs, zeros, strict=True)))
-        if not any(len(freq) for freq in zeros):
+        damaged = problem.model_at(x)
+        exact = [AntiresonanceSet(s.excitation, dict(zip(s, damaged.antiresonances(
+            list(s), s.excitation, f_max_hz=band_hz), strict=True))) for s in problem.measured]
+        if not any(len(freq) for s in exact for freq in s.values()):
             return -1.0
-        undamaged = type(problem)(problem.model, problem.parameters, exact).cost(np.zeros_like(x))
+        undamaged = type(problem)(problem.model, problem.parameters, exact, misfit=problem.misfit).cost(np.zeros_like(x))
         return undamaged - (penalty.gamma1 * beta + penalty.gamma2 if penalty else 0.0)
 
     visible = []

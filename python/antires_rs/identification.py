@@ -3,9 +3,9 @@ r"""From what was measured to antiresonances.
 Under one force at k the transmissibility T_pj = X_p / X_j = N_pk / N_jk has the zeros of H_jk as its
 poles, whatever p: the resonances cancel, and the force is not needed. So for every dof j all T_pj are fitted
 jointly with a common denominator, the order is swept, and the poles that stay are the antiresonances of
-j. Everything starts from one complex vector of responses a line, known up to a factor that cancels: the dominant
-eigenvector of a record's spectral matrix, a column of FRFs, or transmissibilities to any one reference
-(T_pq = T_pj / T_qj). Hence one set of transmissibilities serves all dofs.
+j. Everything starts from one complex vector of responses a line, known up to a factor that cancels: the
+dominant eigenvector of a record's spectral matrix, a column of FRFs, or transmissibilities to any one
+reference (T_pq = T_pj / T_qj). Hence one set of transmissibilities serves all dofs.
 
 Lines are weighted by SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2): by what they are worth, but never so
 much that leakage rules.
@@ -22,11 +22,13 @@ import numpy as np
 
 from ._validation import FloatArray, choice, frequency_band, integer, reject
 from .antiresonance_set import AntiresonanceSet
+from .bands import join, windows
 from .exceptions import UnsuitableDataError
+from .persistence import add_persistent
 from .rational import NestedFit
 from .response_lines import FORCE, Lines, lines_of_recording, lines_of_response
 from .signals import FrequencyResponse, Recording
-from .stabilization import PoleSweep, Rule, StabilizationDiagram, ZeroSweep, diagram
+from .stabilization import PoleSweep, Rule, StabilizationDiagram, ZeroSweep, diagram, without_common
 
 __all__ = ["identify_antiresonances"]
 
@@ -40,7 +42,8 @@ def identify_antiresonances(
         dofs: Iterable[Any] | None = None, route: str = "transmissibility", nperseg: int | None = None,
         noverlap: int | None = None, window: Any = "hann", method: str = "auto", estimator: str = "rank1",
         max_order: int = 60, min_order: int = 2, freq_tol: float = 0.01, damping_tol: float = 0.10,
-        min_rows: int = 10, max_damping: float = 0.10, min_dominance: float = 0.05) -> AntiresonanceSet:
+        min_rows: int = 10, max_damping: float = 0.10, min_dominance: float = 0.05,
+        keep_common: bool = False) -> AntiresonanceSet:
     """Identify the antiresonances of every response, automatically.
 
     Parameters
@@ -56,32 +59,45 @@ def identify_antiresonances(
     route : {"transmissibility", "frf"}
         Poles of the transmissibilities (the force is never read), or zeros of the jointly fitted FRFs.
     nperseg : int, optional
-        Samples per Welch segment. Default: 8 over the narrow half-power bandwidth, at most the record over 7.5,
-        rounded to a power of two.
+        Samples per Welch segment. Default: 8 over the narrow half-power bandwidth, at most the record over
+        7.5, rounded to a power of two.
     noverlap, window
-        As for :func:`~antires_rs.spectra.cross_spectra`; for hits ``window`` may be "rectangular" or "exponential"
-        ("hann" there means: rectangular if the response dies, else exponential).
+        As for :func:`~antires_rs.spectra.cross_spectra`; for hits ``window`` may be "rectangular" or
+        "exponential" ("hann" there means: rectangular if the response dies, else exponential).
     method : {"auto", "welch", "transient"}
         How a record is averaged; "auto" looks at its energy profile.
     estimator : {"rank1", "h1", "h2", "hv"}
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
         :func:`~antires_rs.spectra.transmissibility` and :func:`~antires_rs.spectra.frf`.
     max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
-        As for :func:`~antires_rs.stabilization.stabilization`. With few lines in the band the highest order is
-        lowered to two thirds of their number.
+        As for :func:`~antires_rs.stabilization.stabilization`. With few lines in the band the highest order
+        is lowered to two thirds of their number.
+
+    keep_common : bool
+        Keep values that all of three or more channels share, see Notes.
 
     Returns
     -------
     AntiresonanceSet
-        Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.diagrams`` with the evidence. A dof without
-        any antiresonance in the band has an empty array.
+        Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.diagrams`` with the evidence. A dof
+        without any antiresonance in the band has an empty array.
 
     Raises
     ------
     InvalidInputError
         A malformed argument, a band outside the data, or too few lines in it.
     UnsuitableDataError
-        A single channel on the transmissibility route; no force on the FRF route; a hit that the record missed.
+        A single channel on the transmissibility route; no force on the FRF route; a hit that the record
+        missed.
+
+    Notes
+    -----
+    Near their noise, responses have antiresonances that are there in most orders but do not stand still;
+    they are accepted by a second rule (module ``persistence``) and marked in ``.diagrams[dof].persistent``.
+    An antiresonance that *all* channels share, when there are three or more, is not one of the responses: it
+    is the zero beside the pole of a mode that the force hardly excites (a force near a node, a local or
+    sideways mode). A model without that mode does not have it, and one with it has it cancelled; so it is
+    left out.
 
     Examples
     --------
@@ -127,19 +143,30 @@ def identify_antiresonances(
             return same
 
     found: dict[Any, StabilizationDiagram] = {}
-    if use_force:
-        lines = lines_for(FORCE)
-        sweep, orders, background = _sweep(lines, FORCE, min_order, max_order, rule)
-        for dof in wanted:
-            row = source.dofs.index(dof)
-            found[dof] = diagram(ZeroSweep(sweep, row), orders, band, rule, lines.freq_hz,
-                                 1.0 / np.maximum(np.abs(sweep.nested.values[row]), 1e-300), lines.added_decay_per_s)
-    else:
-        for dof in wanted:
-            row = source.dofs.index(dof)
-            lines = lines_for(row)
-            sweep, orders, background = _sweep(lines, row, min_order, max_order, rule)
-            found[dof] = diagram(sweep, orders, band, rule, lines.freq_hz, background, lines.added_decay_per_s)
+    shared: dict[int, tuple[PoleSweep, range, FloatArray]] = {}
+    # Dofs not asked for are looked at too: what all channels share is told only from all.
+    for row, dof in enumerate(source.dofs):
+        below = FORCE if use_force else row
+        lines = lines_for(below)
+        cut = windows(lines.freq_hz, band)
+        parts = []
+        for window_lines in cut:
+            part = lines.part(window_lines.first, window_lines.last)
+            if not use_force or window_lines.first not in shared:
+                shared[window_lines.first] = _sweep(part, below, min_order, max_order, rule)
+            sweep, orders, background = shared[window_lines.first]
+            if use_force:
+                background = 1.0 / np.maximum(np.abs(sweep.nested.values[row]), 1e-300)
+                sweep = ZeroSweep(sweep, row)
+            one = diagram(sweep, orders, window_lines.report_hz, rule, part.freq_hz, background,
+                          part.added_decay_per_s)
+            if part.snr_known:
+                one = add_persistent(one, sweep, rule, part.channel_snr(row), part.added_decay_per_s)
+            parts.append(one)
+        found[dof] = join(parts, cut, band, rule.freq_tol)
+    if not keep_common:
+        found = without_common(found, rule.freq_tol)
+    found = {dof: found[dof] for dof in wanted}
     return AntiresonanceSet(excitation, {dof: d.identified for dof, d in found.items()},
                             {dof: d.identified_damping for dof, d in found.items()}, diagrams=found)
 

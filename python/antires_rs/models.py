@@ -11,11 +11,11 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import _core
+from ._matrices import as_dense, as_sparse, as_term
 from ._validation import ComplexArray, FloatArray, choice, finite_scalar, integer, real_array, reject
-from .exceptions import AntiresWarning
+from .exceptions import AntiresWarning, NumericalError
 from .modal_set import ModalSet
 
 if TYPE_CHECKING:
@@ -74,8 +74,10 @@ class StructuralModel:
 
         Raises
         ------
+        InvalidInputError
+            No mode up to ``f_max_hz``.
         NumericalError
-            K and M share a motion with neither mass nor stiffness, or M is indefinite.
+            K and M share a motion with neither mass nor stiffness, or one of them is indefinite.
 
         Examples
         --------
@@ -84,10 +86,15 @@ class StructuralModel:
         array([0.   , 5.033])
         """
         freq, shapes = self._core.modes()
+        if np.isnan(freq).any():
+            raise NumericalError("modes of (K, M) failed: the stiffness is indefinite, so that "
+                                 f"{np.isnan(freq).sum()} motion(s) grow without bound. Check its signs.")
         keep = len(freq) if n_modes is None else integer("n_modes", n_modes, low=1)
         if f_max_hz is not None:
             limit = finite_scalar("f_max_hz", f_max_hz, low=0.0, unit="Hz")
-            keep = min(keep, int(np.count_nonzero(~(freq > limit))))
+            keep = min(keep, int(np.count_nonzero(freq <= limit)))
+            if keep == 0:
+                reject("f_max_hz", f"{limit:g} Hz", f"at least the first resonance, {freq[0]:.6g} Hz")
         return ModalSet(freq[:keep], shapes[:, :keep].T, dofs=range(self.n_dof))
 
     def frf(self, response: int | Sequence[int], excitation: int, freq_hz: Any, *, damping_ratio: Any,
@@ -129,7 +136,7 @@ class StructuralModel:
         >>> import antires_rs as ar
         >>> chain = ar.MassSpringChain([1.0, 1.0], [500.0])
         >>> abs(chain.frf(0, 0, [3.5588], damping_ratio=0.01)).round(3)   # its antiresonance
-        array([0.02])
+        array([0.014])
         """
         freq = real_array("freq_hz", freq_hz, ndim=1, wanted="an array (n_freq,) of frequencies in Hz")
         if freq.min() < 0:
@@ -185,9 +192,9 @@ class StructuralModel:
         Examples
         --------
         >>> import antires_rs as ar
-        >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
+        >>> chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
         >>> [zeros.round(3).tolist() for zeros in chain.antiresonances([0, 1, 2], 0)]
-        [[2.2, 5.758], [3.559], []]
+        [[1.666, 5.375], [2.516], []]
         """
         choice("method", method, ("modal", "pencil"))
         limit = np.inf if f_max_hz is None else finite_scalar(
@@ -243,7 +250,7 @@ class StructuralModel:
         >>> import antires_rs as ar
         >>> chain = ar.MassSpringChain([1.0, 1.0], [500.0])
         >>> chain.simulate(excitation=0, fs_hz=50.0, duration_s=10.0, damping_ratio=0.01, rng=0)
-        Recording(2 channels x 500 samples, 50 Hz, 10 s, force recorded)
+        Recording(2 channels, 10 s at 50 Hz, dofs=(0, 1), with force)
         """
         from .simulation import simulate
         dofs = list(range(self.n_dof)) if responses is None else self._dofs("responses", responses)
@@ -363,40 +370,20 @@ class MatrixModel(StructuralModel):
 
     def __init__(self, stiffness: Any, mass: Any, *, stiffness_terms: Iterable[Any] = (),
                  mass_terms: Iterable[Any] = ()) -> None:
-        k = _dense("stiffness", stiffness)
+        k = as_dense("stiffness", stiffness)
         self._core = _core.Model.from_matrices(
-            k, _dense("mass", mass),
-            [_term(f"stiffness_terms[{i}]", t, len(k)) for i, t in enumerate(stiffness_terms)],
-            [_term(f"mass_terms[{i}]", t, len(k)) for i, t in enumerate(mass_terms)])
+            k, as_dense("mass", mass),
+            [as_term(f"stiffness_terms[{i}]", t, len(k)) for i, t in enumerate(stiffness_terms)],
+            [as_term(f"mass_terms[{i}]", t, len(k)) for i, t in enumerate(mass_terms)])
 
     def stiffness(self) -> Any:
         """Stiffness matrix as ``scipy.sparse.csc_array``, (n, n), N/m."""
-        return _sparse(self._core.stiffness())
+        return as_sparse(self._core.stiffness())
 
     def mass(self) -> Any:
         """Mass matrix as ``scipy.sparse.csc_array``, (n, n), kg."""
-        return _sparse(self._core.mass())
+        return as_sparse(self._core.mass())
 
     def __repr__(self) -> str:
         return (f"MatrixModel({self.n_dof} dofs, {self._core.n_stiffness_terms} stiffness terms, "
                 f"{self._core.n_mass_terms} mass terms)")
-
-
-def _sparse(dense: FloatArray) -> Any:
-    from scipy.sparse import csc_array
-    return csc_array(dense)
-
-
-def _dense(name: str, matrix: Any) -> FloatArray:
-    array = matrix.toarray() if hasattr(matrix, "toarray") else matrix
-    return real_array(name, array, ndim=2, wanted="a square matrix (n, n), dense or scipy.sparse")
-
-
-def _term(name: str, matrix: Any, n: int) -> tuple[NDArray[np.uint32], NDArray[np.uint32], FloatArray]:
-    dense = _dense(name, matrix)
-    if dense.shape != (n, n):
-        reject(name, f"a matrix of shape {dense.shape}", f"shape ({n}, {n}), as the stiffness")
-    if not np.allclose(dense, dense.T, rtol=0, atol=1e-9 * np.abs(dense).max()):
-        reject(name, "a matrix that is not symmetric", "a symmetric term")
-    rows, cols = np.nonzero(dense)
-    return rows.astype(np.uint32), cols.astype(np.uint32), np.ascontiguousarray(dense[rows, cols])

@@ -13,11 +13,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ._validation import finite_scalar, integer, reject
+from ._validation import choice, finite_scalar, integer, reject
 
 __all__ = ["Parameter", "mass_factor", "stiffness_factor", "stiffness_reduction"]
 
 Quantity = Literal["stiffness_reduction", "stiffness_factor", "mass_factor"]
+
+_QUANTITIES: tuple[Quantity, ...] = ("stiffness_reduction", "stiffness_factor", "mass_factor")
 
 #: Largest stiffness loss by default: a lost element would leave the structure in two parts.
 LARGEST_REDUCTION = 0.99
@@ -40,6 +42,14 @@ class Parameter:
     quantity: Quantity
     terms: tuple[int, ...]
     bounds: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        choice("quantity", self.quantity, _QUANTITIES)
+        if not isinstance(self.terms, tuple) or not self.terms:
+            reject("terms", self.terms, "a tuple of at least one zero-based term")
+        for i, term in enumerate(self.terms):
+            integer(f"terms[{i}]", term, low=0)
+        _bounds(self.bounds, self.quantity)
 
     @property
     def nominal(self) -> float:
@@ -77,7 +87,7 @@ def stiffness_reduction(elements: Any, *, bounds: tuple[float, float] = (0.0, LA
     >>> len(ar.stiffness_reduction(range(7)))
     7
     """
-    return _build("stiffness_reduction", elements, bounds, together, 0.0, 1.0)
+    return _build("stiffness_reduction", elements, bounds, together)
 
 
 def stiffness_factor(elements: Any, *, bounds: tuple[float, float], together: bool = False) -> Any:
@@ -107,7 +117,7 @@ def stiffness_factor(elements: Any, *, bounds: tuple[float, float], together: bo
     >>> ar.stiffness_factor([0, 1], bounds=(0.8, 1.2), together=True)
     Parameter(quantity='stiffness_factor', terms=(0, 1), bounds=(0.8, 1.2))
     """
-    return _build("stiffness_factor", elements, bounds, together, 0.0, np.inf)
+    return _build("stiffness_factor", elements, bounds, together)
 
 
 def mass_factor(terms: Any, *, bounds: tuple[float, float], together: bool = False) -> Any:
@@ -137,11 +147,11 @@ def mass_factor(terms: Any, *, bounds: tuple[float, float], together: bool = Fal
     >>> ar.mass_factor(0, bounds=(0.9, 1.1))
     Parameter(quantity='mass_factor', terms=(0,), bounds=(0.9, 1.1))
     """
-    return _build("mass_factor", terms, bounds, together, 0.0, np.inf)
+    return _build("mass_factor", terms, bounds, together)
 
 
-def _build(quantity: Quantity, terms: Any, bounds: Any, together: bool, low: float, high: float) -> Any:
-    limits = _bounds(bounds, quantity, low, high)
+def _build(quantity: Quantity, terms: Any, bounds: Any, together: bool) -> Any:
+    limits = _bounds(bounds, quantity)
     if np.ndim(terms) == 0:
         return Parameter(quantity, (integer("elements", terms, low=0),), limits)
     indices = [integer(f"elements[{i}]", t, low=0) for i, t in enumerate(terms)]
@@ -155,13 +165,14 @@ def _build(quantity: Quantity, terms: Any, bounds: Any, together: bool, low: flo
     return built[0] if together else built
 
 
-def _bounds(bounds: Any, quantity: Quantity, low: float, high: float) -> tuple[float, float]:
+def _bounds(bounds: Any, quantity: Quantity) -> tuple[float, float]:
     factor = quantity != "stiffness_reduction"
     wanted = ("a pair (lower, upper) with 0 < lower <= upper" if factor
               else "a pair (lower, upper) with 0 <= lower <= upper <= 1")
     if np.shape(bounds) != (2,):
         reject("bounds", bounds, wanted)
-    lower, upper = (finite_scalar(f"bounds[{i}]", b, low=low, high=high, low_open=factor)
+    lower, upper = (finite_scalar(f"bounds[{i}]", b, low=0.0,
+                                  high=np.inf if factor else 1.0, low_open=factor)
                     for i, b in enumerate(bounds))
     if lower > upper:
         reject("bounds", (lower, upper), wanted, "Swap them.")

@@ -21,8 +21,8 @@ LEAST_NOISE = 1e-6
 def response_vectors(matrix: ComplexArray, noise: FloatArray | None = None) -> tuple[ComplexArray, FloatArray]:
     """Dominant vectors, (n_channels, n_freq) in the channels' units, and signal-to-noise power, (n_freq,).
 
-    ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n). ``noise`` is each channel's noise power in the
-    same units; where it is not known it is estimated from what the vector leaves of the diagonal.
+    ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n). ``noise`` is each channel's noise power in
+    the same units; where it is not known it is estimated from what the vector leaves of the diagonal.
     """
     n = matrix.shape[1]
     auto = np.einsum("fii->fi", matrix).real

@@ -1,6 +1,7 @@
 """Every kind of source brought to one form: a complex vector of responses a line.
 
-The vector is known up to a factor a line, which cancels in every quotient. On the FRF route the force is one more
+The vector is known up to a factor a line, which cancels in every quotient. On the FRF route the force is one
+more
 row, so that FRFs are transmissibilities to the force. Channels are scaled to equal noise.
 """
 
@@ -24,6 +25,8 @@ from .transient import is_transient, require_stationary, transient_spectra
 FORCE = -1
 # The SNR given to lines of data whose noise cannot be known; above the cap of the weights.
 UNKNOWN_SNR = 1e12
+# Lines over which the noise of measured curves is taken to be constant.
+NOISE_LINES = 31
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,20 @@ class Lines:
     vectors: ComplexArray
     snr: FloatArray
     added_decay_per_s: float = 0.0
+
+    def part(self, first: int, last: int) -> Lines:
+        """Some of the lines."""
+        return Lines(self.freq_hz[first:last], self.vectors[:, first:last], self.snr[first:last],
+                     self.added_decay_per_s)
+
+    @property
+    def snr_known(self) -> bool:
+        """False for transmissibilities, whose magnitude says nothing about noise."""
+        return bool(self.snr[0] < UNKNOWN_SNR)
+
+    def channel_snr(self, row: int) -> FloatArray:
+        """Signal-to-noise power of one row."""
+        return self.snr * np.abs(self.vectors[row])**2
 
     def quotients(self, row: int) -> tuple[ComplexArray, FloatArray]:
         """All other rows over one row, and the sum of their squared magnitudes."""
@@ -65,12 +82,14 @@ def lines_of_recording(rec: Recording, band_hz: tuple[float, float], *, use_forc
         raise UnsuitableDataError(f"source: got no signal at all from {name} in the band; wanted a live channel. "
                                   "Leave the dead channel out of the Recording.")
     vectors, snr = response_vectors(spectra.matrix, spectra.noise)
-    noise = spectra.noise if spectra.noise is not None else _noise(spectra.matrix, vectors)
+    if transient:
+        noise, snr = _noise_of_curves(_joined(vectors, auto_by_line=np.einsum("fii->f", spectra.matrix).real))
+    else:
+        noise = _noise(spectra.matrix, vectors)
+        if use_force:
+            # A force cell is far quieter than the responses: what a line is worth, the responses tell.
+            snr = response_vectors(spectra.matrix[:, :FORCE, :FORCE])[1]
     scale = np.sqrt(noise)[:, None]
-    if use_force:
-        # A force cell is far quieter than the responses: what a line is worth, the responses tell.
-        snr = response_vectors(spectra.matrix[:, :FORCE, :FORCE], None if spectra.noise is None
-                               else spectra.noise[:FORCE])[1]
 
     def lines(row: int) -> Lines:
         own = vectors if estimator == "rank1" else two_channel(
@@ -98,9 +117,8 @@ def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, 
                    "Transmissibilities do not hold the FRFs.")
         # A transmissibility's own magnitude says nothing about its signal-to-noise ratio.
         return Lines(freq, _unit(values), np.full(freq.size, UNKNOWN_SNR))
-    noise = _roughness(values, power)
+    noise, snr = _noise_of_curves(values)
     scaled = values / np.sqrt(noise)[:, None]
-    snr = np.mean(np.abs(scaled)**2, axis=0)
     if use_force:
         scaled = np.vstack([scaled, np.full((1, freq.size), _middling(scaled))])
     return Lines(freq, _unit(scaled), snr)
@@ -121,14 +139,40 @@ def _noise(matrix: ComplexArray, vectors: ComplexArray) -> FloatArray:
     return np.maximum(left, 1e-12 * auto.mean(axis=1))
 
 
+def _joined(vectors: ComplexArray, auto_by_line: FloatArray) -> ComplexArray:
+    """Vectors with their magnitude restored and each line's free phase turned to agree with its neighbour's."""
+    unit = _unit(vectors)
+    step = np.angle(np.sum(unit[:, :-1].conj() * unit[:, 1:], axis=0))
+    turn = np.concatenate([[0.0], np.cumsum(step)])
+    return np.asarray(unit * np.sqrt(auto_by_line) * np.exp(-1j * turn))
+
+
+def _noise_of_curves(values: ComplexArray) -> tuple[FloatArray, FloatArray]:
+    """Typical noise power of every curve, and the signal-to-noise power of every line, from roughness alone.
+
+    A single hit, or a given FRF, has no averages to tell its noise. What is rough from line to line is noise,
+    or an error of another kind that the fit should not follow either (a joint that slips, a drifting mode).
+    """
+    local = _roughness(values, np.mean(np.abs(values)**2, axis=1))
+    noise = np.median(local, axis=1)
+    snr = np.sum(np.abs(values)**2 / noise[:, None], axis=0) / np.sum(local / noise[:, None], axis=0)
+    return noise, snr
+
+
 def _roughness(values: ComplexArray, power: FloatArray) -> FloatArray:
-    """Noise power of every curve from its second differences (6 times that of white noise)."""
-    if values.shape[1] < 8:
-        return power
-    second = values[:, 2:] - 2.0 * values[:, 1:-1] + values[:, :-2]
+    """Local noise power of every curve, (n_outputs, n_freq): second differences, 6 times that of white noise.
+
+    At a sharp resonance the curve itself bends within a line; there the noise comes out too high, which only
+    keeps the few lines of the peak from ruling the fit.
+    """
+    from scipy.ndimage import median_filter  # slow to import
+    if values.shape[1] < NOISE_LINES:
+        return np.repeat(power[:, None], values.shape[1], axis=1)
+    second = np.abs(values[:, 2:] - 2.0 * values[:, 1:-1] + values[:, :-2])**2
+    second = np.concatenate([second[:, :1], second, second[:, -1:]], axis=1)
     # The median of abs()**2 of complex Gaussian noise is ln 2 of its mean.
-    noise = np.median(np.abs(second)**2, axis=1) / (6.0 * np.log(2.0))
-    return np.asarray(np.maximum(noise, 1e-12 * power))
+    noise = median_filter(second, size=(1, NOISE_LINES), mode="nearest") / (6.0 * np.log(2.0))
+    return np.asarray(np.maximum(noise, 1e-12 * power[:, None]))
 
 
 def _unit(vectors: ComplexArray) -> ComplexArray:

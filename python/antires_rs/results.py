@@ -27,13 +27,14 @@ class FrequencyTable:
 
     Attributes
     ----------
-    dof : ndarray of int, (m,)
-        Response dof.
+    dof, excitation : ndarray of int, (m,)
+        Response and force, zero-based.
     measured_hz, before_hz, after_hz : ndarray, (m,)
         Frequencies; NaN where the model has no partner.
     """
 
     dof: FloatArray
+    excitation: FloatArray
     measured_hz: FloatArray
     before_hz: FloatArray
     after_hz: FloatArray
@@ -59,12 +60,12 @@ class FrequencyTable:
         return float(np.nanmax(np.abs(self.after_percent)))
 
     def __str__(self) -> str:
-        lines = ["response   measured      before             after",
-                 "     dof         Hz          Hz       %          Hz       %"]
-        rows = zip(self.dof, self.measured_hz, self.before_hz, self.before_percent, self.after_hz,
-                   self.after_percent, strict=True)
-        lines += [f"{dof:8d} {measured:10.3f}  {before:10.3f} {db:+7.2f}  {after:10.3f} {da:+7.2f}"
-                  for dof, measured, before, db, after, da in rows]
+        lines = ["    H_ik   measured      before             after",
+                 " (i, k)         Hz          Hz       %          Hz       %"]
+        rows = zip(self.dof, self.excitation, self.measured_hz, self.before_hz, self.before_percent,
+                   self.after_hz, self.after_percent, strict=True)
+        lines += [f"{i:4d},{k:2d} {measured:10.3f}  {before:10.3f} {db:+7.2f}  {after:10.3f} {da:+7.2f}"
+                  for i, k, measured, before, db, after, da in rows]
         lines.append(f"largest difference: {self.largest_before_percent:.2f} % before, "
                      f"{self.largest_after_percent:.2f} % after")
         return "\n".join(lines)
@@ -114,7 +115,7 @@ class UpdateResult:
     def table(self) -> FrequencyTable:
         """Measured, before and after, one row a measured antiresonance."""
         problem = self.problem
-        return FrequencyTable(problem.measured_dofs, problem.measured_hz,
+        return FrequencyTable(problem.measured_dofs, problem.measured_excitations, problem.measured_hz,
                               problem.paired_hz(problem.nominal), problem.paired_hz(self.x))
 
     @cached_property
@@ -153,10 +154,10 @@ class UpdateResult:
         from .plotting import plot_differences
         return plot_differences(self.table, ax=ax)
 
-    def report(self, path: str | os.PathLike[str]) -> None:
-        """Write one self-contained HTML file: tables, pictures, notes, versions and seed."""
+    def report(self, path: str | os.PathLike[str], **options: Any) -> None:
+        """Write one self-contained HTML file; for ``options`` see :func:`antires_rs.report.write_report`."""
         from .report import write_report
-        write_report(self, path)
+        write_report(self, path, **options)
 
     def __repr__(self) -> str:
         return (f"{type(self).__name__}({self.status}, J = {self.fun:.4g}, largest difference "

@@ -23,9 +23,9 @@ def choose_nperseg(rec: Recording, band_hz: tuple[float, float]) -> int:
     """Samples per segment from the record's length and the sharpness of its resonances.
 
     The rule: 8 / (narrow half-power bandwidth), at most the record over 7.5; rounded to the nearest power of
-    two. The bandwidth is the lower quartile of those of the peaks that stand 10 dB over the median of the summed,
-    channel-normalised power spectrum in the band, measured with the longest segments allowed. For the 8-mass
-    chain with 1 % damping at 512 Hz: 16 s of a record of 120 s and more, 8 s of one of 60 s.
+    two. The bandwidth is the lower quartile of those of the peaks that stand 10 dB over the median of the
+    summed, channel-normalised power spectrum in the band, measured with the longest segments allowed. For
+    the 8-mass chain with 1 % damping at 512 Hz: 16 s of a record of 120 s and more, 8 s of one of 60 s.
     """
     longest = min(rec.n_samples / SEGMENTS, rec.n_samples)
     n_long = _power_of_two(longest)

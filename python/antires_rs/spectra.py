@@ -172,8 +172,9 @@ def transmissibility(rec: Recording, reference: Any, *, nperseg: int | None = No
     nperseg, noverlap, window, method
         As for :func:`frf`.
     estimator : {"h1", "h2", "hv", "rank1"}
-        ``S_jp / S_jj``, ``S_pp / S_pj``, total least squares on the pair (scaled to unit rms), or the dominant
-        eigenvector of the whole matrix scaled to equal noise. "rank1" is best near the antiresonances of j.
+        ``S_jp / S_jj``, ``S_pp / S_pj``, total least squares on the pair (scaled to unit rms), or the
+        dominant eigenvector of the whole matrix scaled to equal noise. "rank1" is best near the
+        antiresonances of j.
 
     Returns
     -------

@@ -4,16 +4,16 @@ A pole is *stable* if the next lower order has one within 1 % in frequency and 1
 accepted if more than ten consecutive orders are stable, and if the pole acts on the curve.
 
 The second test is a pole's *dominance*: its own peak, norm(residues) / abs(Re s), over the norm of the fitted
-curve at that frequency. A superfluous pole sits on a zero and cancels. On simulated records of an 8-mass chain
-(0 to 5 % noise) true poles had at least 0.90, superfluous ones that survived ten rows at most 6e-4; the limit
-of 0.05 lies between. With that test the damping tolerance can be 10 %, which finds 1.5 values of 28
+curve at that frequency. A superfluous pole sits on a zero and cancels. On simulated records of an 8-mass
+chain (0 to 5 % noise) true poles had at least 0.90, superfluous ones that survived ten rows at most 6e-4;
+the limit of 0.05 lies between. With that test the damping tolerance can be 10 %, which finds 1.5 values of 28
 more at 5 % noise than the customary 5 % does, and costs no false one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -62,6 +62,9 @@ class StabilizationDiagram:
     rows, spread, dominance : (n,)
         Scores of each accepted value: consecutive orders, relative standard deviation over them, share
         of the curve.
+    persistent : (n,) bool
+        True for values accepted because most orders have them, not because ten in a row agree
+        (:func:`~antires_rs.identification.identify_antiresonances` only).
     background_freq_hz, background : (n_freq,)
         ``abs(sum over outputs)`` of the data, for drawing behind the poles.
     band_hz : (low, high)
@@ -76,6 +79,7 @@ class StabilizationDiagram:
     rows: FloatArray
     spread: FloatArray
     dominance: FloatArray
+    persistent: Any
     background_freq_hz: FloatArray
     background: FloatArray
     band_hz: tuple[float, float]
@@ -167,7 +171,7 @@ class PoleSweep:
         self._gram: dict[int, FloatArray] = {}
         self._low: dict[int, FloatArray] = {}
         self._norm: dict[int, FloatArray] = {}
-        self._norm_roots: dict[int, ComplexArray] = {}
+        self._roots: dict[tuple[int, bool], ComplexArray] = {}
 
     def _solution(self, order: int, norm: bool) -> FloatArray:
         store = self._norm if norm else self._low
@@ -179,17 +183,16 @@ class PoleSweep:
         return store[order]
 
     def roots(self, order: int, norm: bool = False) -> ComplexArray:
-        """All roots in rad/s."""
-        return self.nested.poles(self._solution(order, norm))
+        """All roots in rad/s, kept: several tests ask for them."""
+        if (order, norm) not in self._roots:
+            self._roots[order, norm] = self._find(self._solution(order, norm))
+        return self._roots[order, norm]
 
-    def norm_roots(self, order: int) -> ComplexArray:
-        """Roots under "norm", kept: every chain asks for them."""
-        if order not in self._norm_roots:
-            self._norm_roots[order] = self.roots(order, norm=True)
-        return self._norm_roots[order]
+    def _find(self, solution: FloatArray) -> ComplexArray:
+        return self.nested.poles(solution)
 
-    def dominance(self, order: int, s: complex) -> float:
-        """Share of the root's own peak in the fitted curves at its frequency."""
+    def dominances(self, order: int, s: ComplexArray) -> FloatArray:
+        """Share of each root's own peak in the fitted curves at its frequency."""
         d = self._solution(order, False)
         return _dominance((self.nested.numerator_basis, self.nested.numerators(d)),
                           (self.nested.denominator_basis, d), s / (2 * np.pi * self.nested.scale_hz))
@@ -201,37 +204,36 @@ class ZeroSweep(PoleSweep):
     def __init__(self, parent: PoleSweep, output: int) -> None:
         self.nested, self.output = parent.nested, output
         self._gram, self._low, self._norm = parent._gram, parent._low, parent._norm
-        self._norm_roots = {}
+        self._roots = {}
 
-    def roots(self, order: int, norm: bool = False) -> ComplexArray:
-        """All roots in rad/s."""
-        return self.nested.zeros(self._solution(order, norm), self.output)
+    def _find(self, solution: FloatArray) -> ComplexArray:
+        return self.nested.zeros(solution, self.output)
 
-    def dominance(self, order: int, s: complex) -> float:
-        """Share of the root's own peak in the reciprocal of the fitted curve."""
+    def dominances(self, order: int, s: ComplexArray) -> FloatArray:
+        """Share of each root's own peak in the reciprocal of the fitted curve."""
         d = self._solution(order, False)
         numerator = self.nested.numerators(d)[self.output]
         return _dominance((self.nested.denominator_basis, d[None, :]), (self.nested.numerator_basis, numerator),
                           s / (2 * np.pi * self.nested.scale_hz))
 
 
-def _dominance(above: tuple[Basis, FloatArray], below: tuple[Basis, FloatArray], s: complex) -> float:
+def _dominance(above: tuple[Basis, FloatArray], below: tuple[Basis, FloatArray], s: ComplexArray) -> FloatArray:
     """Norm of residues / abs(Re s), over the norm of above/below at i Im s."""
-    order = below[1].size - 1
-    step = 1e-6 * abs(s)  # central difference: error 1e-12 of a derivative that needs two digits
-    points = np.array([s + step, s - step, s, 1j * s.imag])
+    order, n = below[1].size - 1, s.size
+    step = 1e-6 * np.abs(s)  # central difference: error 1e-12 of a derivative that needs two digits
+    points = np.concatenate([s + step, s - step, s, 1j * s.imag])
     denominator = below[0].at(points, order) @ below[1]
-    numerator = above[0].at(points[2:], order) @ above[1].T
-    slope = (denominator[0] - denominator[1]) / (2 * step)
-    residue = np.linalg.norm(numerator[0]) / max(abs(slope), 1e-300)
-    curve = np.linalg.norm(numerator[1]) / max(abs(denominator[3]), 1e-300)
-    return float(residue / max(abs(s.real) * curve, 1e-300))
+    numerator = np.linalg.norm(above[0].at(points[2 * n:], order) @ above[1].T, axis=1)
+    slope = np.abs(denominator[:n] - denominator[n:2 * n]) / (2 * step)
+    residue = numerator[:n] / np.maximum(slope, 1e-300)
+    curve = numerator[n:] / np.maximum(np.abs(denominator[3 * n:]), 1e-300)
+    return np.asarray(residue / np.maximum(np.abs(s.real) * curve, 1e-300))
 
 
 def diagram(sweep: PoleSweep, orders: range, band: tuple[float, float], rule: Rule, freq_hz: FloatArray,
             background: FloatArray, added_decay_per_s: float = 0.0) -> StabilizationDiagram:
     """Sweep, link, select. ``added_decay_per_s`` is the exponential window's, taken off every root at the end."""
-    rows = [_physical(sweep.roots(order), band, rule.max_damping, added_decay_per_s) for order in orders]
+    rows = [_physical(sweep.roots(order), band, rule, added_decay_per_s) for order in orders]
     chains, stable = _link(rows, rule)
     accepted = []
     for chain in chains:
@@ -239,7 +241,7 @@ def diagram(sweep: PoleSweep, orders: range, band: tuple[float, float], rule: Ru
         if len(chain) - 1 <= rule.min_rows:
             continue
         members = [(orders[row], rows[row][i]) for row, i in chain]
-        dominance = float(np.median([sweep.dominance(order, s) for order, s in members[::4]]))
+        dominance = float(np.median([sweep.dominances(order, np.array([s]))[0] for order, s in members[::4]]))
         if dominance >= rule.min_dominance:
             accepted.append(_Value(sweep, members, dominance, rule.freq_tol, added_decay_per_s))
     accepted = _merge(accepted, rule)
@@ -255,14 +257,15 @@ def diagram(sweep: PoleSweep, orders: range, band: tuple[float, float], rule: Ru
         rows=frozen(np.array([v.rows for v in accepted], dtype=np.int64)),
         spread=frozen(np.array([v.spread for v in accepted])),
         dominance=frozen(np.array([v.dominance for v in accepted])),
+        persistent=frozen(np.zeros(len(accepted), dtype=bool)),
         background_freq_hz=frozen(freq_hz), background=frozen(background), band_hz=band)
 
 
-def _physical(s: ComplexArray, band: tuple[float, float], max_damping: float, added: float) -> ComplexArray:
+def _physical(s: ComplexArray, band: tuple[float, float], rule: Rule, added: float) -> ComplexArray:
     """Upper half, left half plane, in the band, lightly damped; ascending."""
     size = np.abs(s)
     freq = size / (2 * np.pi)
-    keep = (s.imag > 0) & (s.real < 0) & (-s.real - added <= max_damping * size) & (freq >= band[0]) & (freq <= band[1])
+    keep = (s.imag > 0) & (s.real < 0) & (-s.real - added <= rule.max_damping * size) & (freq >= band[0]) & (freq <= band[1])
     return s[keep][np.argsort(freq[keep], kind="stable")]
 
 
@@ -304,7 +307,7 @@ class _Value:
                  added: float) -> None:
         refined = []
         for order, s in members:
-            others = sweep.norm_roots(order)
+            others = sweep.roots(order, norm=True)
             near = others[np.argmin(np.abs(others - s))] if others.size else s
             refined.append(near if abs(near - s) <= tol * abs(s) else s)
         roots = np.array(refined) + added
@@ -314,17 +317,31 @@ class _Value:
         self.rows = len(members)
         self.spread = float(np.std(size) / np.median(size))
         self.dominance = dominance
-        self.orders = {order for order, _ in members}
 
 
 def _merge(values: list[_Value], rule: Rule) -> list[_Value]:
-    """Interrupted chains of one pole become one; chains that live side by side are two poles."""
+    """Chains closer than the tolerance are one pole, interrupted or split by noise; the longest speaks for it."""
     kept: list[_Value] = []
     for value in sorted(values, key=lambda v: v.freq_hz):
         last = kept[-1] if kept else None
-        if last is not None and value.freq_hz - last.freq_hz <= rule.freq_tol * value.freq_hz \
-                and len(value.orders & last.orders) <= rule.min_rows:
+        if last is not None and value.freq_hz - last.freq_hz <= rule.freq_tol * value.freq_hz:
             kept[-1] = max(last, value, key=lambda v: v.rows)
         else:
             kept.append(value)
     return kept
+
+
+def without_common(found: dict[Any, StabilizationDiagram], tol: float) -> dict[Any, StabilizationDiagram]:
+    """Diagrams less the values that every one of three or more dofs has within ``tol``."""
+    if len(found) < 3:
+        return found
+
+    def shared(value: float) -> bool:
+        return all(d.identified.size and np.abs(d.identified / value - 1.0).min() <= tol for d in found.values())
+
+    left = {}
+    for dof, d in found.items():
+        own = np.array([not shared(value) for value in d.identified], dtype=bool)
+        fields = ("identified", "identified_damping", "rows", "spread", "dominance", "persistent")
+        left[dof] = replace(d, **{name: frozen(getattr(d, name)[own]) for name in fields})
+    return left

@@ -138,7 +138,8 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
     events = []
     for i, b in enumerate(hits):
         stop = hits[i + 1] * block if i + 1 < len(hits) else rec.n_samples
-        # Anti-alias filters ring before the hit: start a little earlier, but not inside the last event's tail.
+        # Anti-alias filters ring before the hit: start a little earlier, but not inside the last event's
+        # tail.
         early = max(4 * block, (stop - b * block) // 50)
         start = max(0, b * block - early)
         events.append((start, b * block, stop))
@@ -194,7 +195,8 @@ def transient_spectra(rec: Recording, *, window: str = "auto", include_force: bo
     for i, event in enumerate(events):
         piece = data[:, event.start:event.stop] - offset
         t = (np.arange(piece.shape[1]) - (event.hit - event.start)) / rec.fs_hz
-        # The same exponential before the hit too: the window must be one exponential for its shift to be exact.
+        # The same exponential before the hit too: the window must be one exponential for its shift to be
+        # exact.
         taper = np.exp(-decay * t)
         energy += float(taper @ taper) / len(events)
         spectra[:, i] = np.fft.rfft(piece * taper, length)

@@ -9,20 +9,22 @@ of Eq. 11 put right) is evaluated in the Rust core:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from . import _core
 from ._progress import watched
-from ._validation import FloatArray, finite_scalar, integer, real_array, reject
+from ._validation import FloatArray, choice, finite_scalar, integer, real_array, reject
 from .antiresonance_set import AntiresonanceSet
 from .models import StructuralModel
 from .optimizer import IslandGA, OptimizeResult, guesses, seed_of, thread_count
 from .parameters import Parameter, stiffness_reduction
 from .results import DamageResult, UpdateResult
+
+Misfit = Literal["absolute", "squared", "largest"]
 
 __all__ = ["DamagePenalty", "UpdatingProblem", "assess_damage", "update"]
 
@@ -59,8 +61,12 @@ class UpdatingProblem:
         The nominal model. Measured dofs are its zero-based dofs.
     parameters : sequence of Parameter
         Unknowns, from :func:`stiffness_factor`, :func:`mass_factor`, :func:`stiffness_reduction`.
-    measured : AntiresonanceSet
-        Measured antiresonances; each is paired, at every evaluation, with the model's nearest.
+    measured : AntiresonanceSet or sequence of AntiresonanceSet
+        Measured antiresonances, one set for each position of the force; each value is paired, at every
+        evaluation, with the model's nearest of the same response and force.
+    misfit : {'absolute', 'squared', 'largest'}
+        Sum of abs(e), the paper's, which a few wrong values do not move; sum of e**2, which shares out a
+        contradiction that no model resolves; or the largest abs(e).
     penalty : DamagePenalty or (gamma1, gamma2), optional
         Applied to the stiffness reductions.
 
@@ -70,7 +76,8 @@ class UpdatingProblem:
     names : list of str
     measured_hz : ndarray, (m,)
         Measured values, dof by dof.
-    measured_dofs : ndarray, (m,)
+    measured_dofs, measured_excitations : ndarray of int, (m,)
+        Response and force of each.
 
     Raises
     ------
@@ -80,34 +87,38 @@ class UpdatingProblem:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
-    >>> measured = ar.AntiresonanceSet(0, {0: [2.1, 5.6], 1: [3.5]})
+    >>> chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
+    >>> measured = ar.AntiresonanceSet(0, {0: [1.6, 5.2], 1: [2.6]})
     >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
     >>> round(problem.cost([1.0, 1.0]), 3)
-    0.189
+    0.216
     """
 
     def __init__(self, model: StructuralModel, parameters: Iterable[Parameter] | Parameter,
-                 measured: AntiresonanceSet, *,
+                 measured: AntiresonanceSet | Sequence[AntiresonanceSet], *,
+                 misfit: Misfit = "absolute",
                  penalty: DamagePenalty | tuple[float, float] | None = None) -> None:
         if not isinstance(model, StructuralModel):
             reject("model", model, "a MassSpringChain or MatrixModel")
-        if not isinstance(measured, AntiresonanceSet):
-            reject("measured", measured, "an AntiresonanceSet")
         self.parameters = _parameters(parameters)
-        self.model, self.measured = model, measured
+        self.model, self.measured = model, _sets(measured)
         self.penalty = _penalty(penalty)
-        self.excitation = integer("measured.excitation", measured.excitation, low=0, high=model.n_dof - 1)
-        dofs = [integer("measured dof", dof, low=0, high=model.n_dof - 1) for dof in measured]
-        self.measured_hz = np.concatenate([np.empty(0), *measured.values()])
-        self.measured_dofs = np.repeat(dofs, [len(f) for f in measured.values()])
+        self.misfit = choice("misfit", misfit, ("absolute", "squared", "largest"))
+        targets = [(self._model_dof("measured dof", dof), self._model_dof("excitation", each.excitation),
+                    np.array(freq)) for each in self.measured for dof, freq in each.items()]
+        counts = [len(freq) for _, _, freq in targets]
+        self.measured_hz = np.concatenate([np.empty(0), *(freq for _, _, freq in targets)])
+        self.measured_dofs = np.repeat([dof for dof, _, _ in targets], counts)
+        self.measured_excitations = np.repeat([force for _, force, _ in targets], counts)
         self.bounds = np.array([p.bounds for p in self.parameters])
         self.names = [_name(model, p) for p in self.parameters]
         self._core = _core.AntiresonanceObjective(
-            model._core, [(p.quantity, list(p.terms)) for p in self.parameters], self.excitation,
-            [(dof, np.array(freq)) for dof, freq in zip(dofs, measured.values(), strict=True)],
+            model._core, [(p.quantity, list(p.terms)) for p in self.parameters], targets, misfit,
             (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None,
             self.penalty.snap if self.penalty else 0.0)
+
+    def _model_dof(self, name: str, label: Any) -> int:
+        return integer(name, label, low=0, high=self.model.n_dof - 1)
 
     @property
     def nominal(self) -> FloatArray:
@@ -186,9 +197,9 @@ def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
     Examples
     --------
     >>> import antires_rs as ar
-    >>> true = ar.MassSpringChain([1.0, 1.0, 1.0], [550.0, 480.0])
+    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
     >>> measured = ar.AntiresonanceSet(0, dict(enumerate(true.antiresonances([0, 1, 2], 0))))
-    >>> nominal = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
     >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
     >>> result = ar.update(problem, rng=0)
     >>> result.x.round(2)
@@ -200,7 +211,7 @@ def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
     return UpdateResult(problem, found, seed)
 
 
-def assess_damage(model: StructuralModel, measured: AntiresonanceSet, *, elements: Any = None,
+def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[AntiresonanceSet], *, elements: Any = None,
                   gamma1: float = 0.1, gamma2: float = 0.1, snap: float = 1e-3,
                   optimizer: IslandGA | None = None, rng: int | np.random.Generator | None = None,
                   workers: int | None = None,
@@ -212,8 +223,8 @@ def assess_damage(model: StructuralModel, measured: AntiresonanceSet, *, element
     ----------
     model : MassSpringChain or MatrixModel
         The undamaged structure, best updated first on an undamaged measurement.
-    measured : AntiresonanceSet
-        Antiresonances of the structure as it is now.
+    measured : AntiresonanceSet or sequence of AntiresonanceSet
+        Antiresonances of the structure as it is now, one set for each position of the force.
     elements : sequence of int, optional
         Candidate elements, zero-based. Default: all springs between masses, all stiffness terms.
     gamma1, gamma2 : float
@@ -268,6 +279,13 @@ def _search(problem: UpdatingProblem, optimizer: IslandGA | None, rng: Any, work
             problem.bounds[:, 0].copy(), problem.bounds[:, 1].copy(), guesses(x0, len(problem.parameters)),
             ga.options, seed, thread_count(workers), ga.max_seconds, watcher)
     return OptimizeResult._of(raw), seed
+
+
+def _sets(measured: Any) -> tuple[AntiresonanceSet, ...]:
+    sets = (measured,) if isinstance(measured, AntiresonanceSet) else measured
+    if not isinstance(sets, Sequence) or not sets or not all(isinstance(s, AntiresonanceSet) for s in sets):
+        reject("measured", measured, "an AntiresonanceSet, or one for each position of the force")
+    return tuple(sets)
 
 
 def _parameters(parameters: Iterable[Parameter] | Parameter) -> tuple[Parameter, ...]:

@@ -12,7 +12,11 @@ const SPRING: f64 = 56.7e3;
 const MASS: f64 = 0.4194;
 
 fn all(route: Route, include_cancelled: bool) -> Query {
-    Query { route, f_max_hz: f64::INFINITY, include_cancelled }
+    Query {
+        route,
+        f_max_hz: f64::INFINITY,
+        include_cancelled,
+    }
 }
 
 fn chain8() -> Model {
@@ -114,15 +118,23 @@ fn massless_dofs_are_served_by_both_routes_and_equal_the_condensed_chain() {
     let size = 2 * n - 1;
     let mut stiffness = Mat::<f64>::zeros(size, size);
     for (j, s) in springs.iter().enumerate() {
-        for (a, b, sign) in [(j, j, 1.0), (j + 1, j + 1, 1.0), (j, j + 1, -1.0), (j + 1, j, -1.0)] {
+        for (a, b, sign) in [
+            (j, j, 1.0),
+            (j + 1, j + 1, 1.0),
+            (j, j + 1, -1.0),
+            (j + 1, j, -1.0),
+        ] {
             stiffness[(a, b)] += sign * s;
         }
     }
-    let mass = Mat::from_fn(size, size, |i, j| if i == j && i % 2 == 0 { 1.0 } else { 0.0 });
+    let mass = Mat::from_fn(
+        size,
+        size,
+        |i, j| if i == j && i % 2 == 0 { 1.0 } else { 0.0 },
+    );
     let massless = Model::new(stiffness, mass, vec![], vec![]).unwrap();
     let chain = mass_spring_chain(&[1.0; 4], &[k; 3], 0.0, 0.0).unwrap();
-    let want: Vec<_> =
-        antiresonances(&chain, &[0, 1, 2, 3], 0, &all(Route::Modal, false)).unwrap();
+    let want: Vec<_> = antiresonances(&chain, &[0, 1, 2, 3], 0, &all(Route::Modal, false)).unwrap();
     for route in [Route::Modal, Route::Pencil] {
         let got = antiresonances(&massless, &[0, 2, 4, 6], 0, &all(route, false)).unwrap();
         for (g, w) in got.iter().zip(&want) {
@@ -131,13 +143,18 @@ fn massless_dofs_are_served_by_both_routes_and_equal_the_condensed_chain() {
     }
     // The massless joint beside the force: both routes again, whatever their number.
     let joint = |route| antiresonances(&massless, &[1], 0, &all(route, false)).unwrap();
-    assert_close(&joint(Route::Modal)[0].freq_hz, &joint(Route::Pencil)[0].freq_hz, 1e-9);
+    assert_close(
+        &joint(Route::Modal)[0].freq_hz,
+        &joint(Route::Pencil)[0].freq_hz,
+        1e-9,
+    );
     assert!(!joint(Route::Modal)[0].freq_hz.is_empty());
 }
 
 #[test]
 fn driving_point_zeros_interlace_the_resonances() {
-    let model = mass_spring_chain(&[1.0, 0.3, 2.0, 0.7, 1.1], &[1e4, 3e4, 2e4, 5e3], 7e3, 0.0).unwrap();
+    let model =
+        mass_spring_chain(&[1.0, 0.3, 2.0, 0.7, 1.1], &[1e4, 3e4, 2e4, 5e3], 7e3, 0.0).unwrap();
     let resonances = modes(&model).unwrap().freq_hz;
     for i in 0..5 {
         let zeros = antiresonances(&model, &[i], i, &all(Route::Modal, false)).unwrap();
@@ -205,8 +222,14 @@ fn terms_and_factors_reproduce_a_chain_built_directly() {
     use antires_core::fem::parameters::{Parameter, Quantity};
     let model = chain8();
     let parameters = [
-        Parameter { quantity: Quantity::StiffnessReduction, terms: vec![4] },
-        Parameter { quantity: Quantity::MassFactor, terms: vec![2] },
+        Parameter {
+            quantity: Quantity::StiffnessReduction,
+            terms: vec![4],
+        },
+        Parameter {
+            quantity: Quantity::MassFactor,
+            terms: vec![2],
+        },
     ];
     let damaged = model.at(&parameters, &[0.55, 1.1]).unwrap();
     let mut masses = vec![MASS; 8];

@@ -63,7 +63,11 @@ impl Watch {
     pub fn start(max_seconds: Option<f64>) -> Self {
         let now = Instant::now();
         let limit = max_seconds.and_then(|s| Duration::try_from_secs_f64(s).ok());
-        Self { deadline: limit.and_then(|l| now.checked_add(l)), next_look: now, raised: None }
+        Self {
+            deadline: limit.and_then(|l| now.checked_add(l)),
+            next_look: now,
+            raised: None,
+        }
     }
 
     /// What asks for a stop now, if anything.
@@ -76,7 +80,11 @@ impl Watch {
             return None;
         }
         self.next_look = now + SIGNAL_INTERVAL;
-        Python::attach(|py| py.check_signals()).err().map(|error| self.stop_for(error))
+        // Not the method itself: its lifetime is not general enough for `attach`.
+        #[allow(clippy::redundant_closure_for_method_calls)]
+        Python::attach(|py| py.check_signals())
+            .err()
+            .map(|error| self.stop_for(error))
     }
 
     /// Ctrl-C ends a run with the best so far; any other exception is raised once the run has ended.

@@ -3,6 +3,9 @@
 //! Every function here extracts its arguments, detaches from the interpreter, calls the core and
 //! converts the result. The Python package above it owns names, defaults and documentation.
 
+// PyO3 extracts arguments by value: that is its calling convention.
+#![allow(clippy::needless_pass_by_value)]
+
 use pyo3::prelude::*;
 
 mod convert;

@@ -87,7 +87,10 @@ impl Model {
     /// Frequencies (m,) and mass-normalised shapes (n, m).
     fn modes<'py>(&self, py: Python<'py>) -> PyResult<PyModes<'py>> {
         let solved = run(py, || modes(&self.core))?;
-        Ok((solved.freq_hz.into_pyarray(py), array(py, solved.shapes.as_ref())))
+        Ok((
+            solved.freq_hz.into_pyarray(py),
+            array(py, solved.shapes.as_ref()),
+        ))
     }
 
     /// Frequency responses (n_responses, n_freq).
@@ -109,7 +112,10 @@ impl Model {
                 return Err(to_python(Error::input("kind", format!("{kind:?}"), wanted)));
             }
         };
-        let (freq, damping) = (freq_hz.as_array().to_vec(), damping_ratio.as_array().to_vec());
+        let (freq, damping) = (
+            freq_hz.as_array().to_vec(),
+            damping_ratio.as_array().to_vec(),
+        );
         let values = run(py, || {
             for &dof in &responses {
                 self.core.check_dof("response", dof)?;
@@ -146,8 +152,17 @@ impl Model {
                 )));
             }
         };
-        let query = Query { route, f_max_hz, include_cancelled };
-        let found = run(py, || antiresonances(&self.core, &responses, excitation, &query))?;
-        Ok(found.into_iter().map(|a| (a.freq_hz.into_pyarray(py), a.identically_zero)).collect())
+        let query = Query {
+            route,
+            f_max_hz,
+            include_cancelled,
+        };
+        let found = run(py, || {
+            antiresonances(&self.core, &responses, excitation, &query)
+        })?;
+        Ok(found
+            .into_iter()
+            .map(|a| (a.freq_hz.into_pyarray(py), a.identically_zero))
+            .collect())
     }
 }

@@ -7,6 +7,7 @@ use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::optimize::{
     Candidates, Failure, Objective, ObjectiveEvaluator, evaluate_many, minimize as minimize_core,
 };
+use antires_core::update::misfit::Misfit;
 use antires_core::update::objective::{AntiresonanceObjective as CoreObjective, Target};
 use antires_core::update::penalties::Penalty;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
@@ -26,35 +27,64 @@ pub struct AntiresonanceObjective {
 
 #[pymethods]
 impl AntiresonanceObjective {
-    /// Parameters are (quantity, terms), targets (dof, frequencies), the penalty (gamma1, gamma2).
+    /// Parameters are (quantity, terms), targets (dof, excitation, frequencies), the penalty (gamma1, gamma2).
     #[new]
     fn new(
         model: &Model,
         parameters: Vec<(String, Vec<usize>)>,
-        excitation: usize,
-        targets: Vec<(usize, PyReadonlyArray1<'_, f64>)>,
+        targets: Vec<(usize, usize, PyReadonlyArray1<'_, f64>)>,
+        misfit: &str,
         penalty: Option<(f64, f64)>,
         snap: f64,
     ) -> PyResult<Self> {
         let parameters = parameters
             .into_iter()
-            .map(|(name, terms)| Ok(Parameter { quantity: quantity(&name)?, terms }))
+            .map(|(name, terms)| {
+                Ok(Parameter {
+                    quantity: quantity(&name)?,
+                    terms,
+                })
+            })
             .collect::<Result<_, Error>>()
             .map_err(to_python)?;
         let targets = targets
             .into_iter()
-            .map(|(dof, freq)| Target { dof, freq_hz: freq.as_array().to_vec() })
+            .map(|(dof, excitation, freq)| Target {
+                dof,
+                excitation,
+                freq_hz: freq.as_array().to_vec(),
+            })
             .collect();
+        let misfit = match misfit {
+            "absolute" => Misfit::Absolute,
+            "squared" => Misfit::Squared,
+            "largest" => Misfit::Largest,
+            _ => {
+                let wanted = "'absolute', 'squared' or 'largest'";
+                return Err(to_python(Error::input(
+                    "misfit",
+                    format!("{misfit:?}"),
+                    wanted,
+                )));
+            }
+        };
         let penalty = penalty.map(|(gamma1, gamma2)| Penalty { gamma1, gamma2 });
-        let core =
-            CoreObjective::new(model.core.clone(), parameters, excitation, targets, penalty, snap)
-                .map_err(to_python)?;
+        let core = CoreObjective::new(
+            model.core.clone(),
+            parameters,
+            targets,
+            misfit,
+            penalty,
+            snap,
+        )
+        .map_err(to_python)?;
         Ok(Self { core })
     }
 
     /// J at x (n,).
     fn cost(&self, x: PyReadonlyArray1<'_, f64>) -> f64 {
-        self.core.cost(&x.as_array().to_vec(), &mut self.core.workspace())
+        self.core
+            .cost(&x.as_array().to_vec(), &mut self.core.workspace())
     }
 
     /// x (n,) with negligible severities at zero: the point that is evaluated.
@@ -76,12 +106,19 @@ impl AntiresonanceObjective {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let x = x.as_array().to_vec();
         let pairs = run(py, || self.core.pairs(&x, &mut self.core.workspace()))?;
-        Ok(pairs.into_iter().map(|p| p.unwrap_or(f64::NAN)).collect::<Vec<_>>().into_pyarray(py))
+        Ok(pairs
+            .into_iter()
+            .map(|p| p.unwrap_or(f64::NAN))
+            .collect::<Vec<_>>()
+            .into_pyarray(py))
     }
 
     /// The model at x (n,).
     fn model_at(&self, x: PyReadonlyArray1<'_, f64>) -> PyResult<Model> {
-        let core = self.core.model_at(&x.as_array().to_vec()).map_err(to_python)?;
+        let core = self
+            .core
+            .model_at(&x.as_array().to_vec())
+            .map_err(to_python)?;
         Ok(Model { core })
     }
 
@@ -101,9 +138,9 @@ impl AntiresonanceObjective {
         })?;
         match costs {
             ControlFlow::Continue(costs) => Ok(costs.into_pyarray(py)),
-            ControlFlow::Break(_) => {
-                Err(watch.raised.unwrap_or_else(|| PyKeyboardInterrupt::new_err(())))
-            }
+            ControlFlow::Break(_) => Err(watch
+                .raised
+                .unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))),
         }
     }
 
@@ -121,7 +158,15 @@ impl AntiresonanceObjective {
         max_seconds: Option<f64>,
         on_progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let mut search = Search::new(&lower, &upper, guesses, options, seed, max_seconds, on_progress)?;
+        let mut search = Search::new(
+            &lower,
+            &upper,
+            guesses,
+            options,
+            seed,
+            max_seconds,
+            on_progress,
+        )?;
         let outcome = guarded(py, || {
             let mut evaluator = ObjectiveEvaluator::new(&self.core, threads).map_err(to_python)?;
             search.run(|bounds, guesses, options, seed, hooks| {
@@ -142,6 +187,10 @@ fn quantity(name: &str) -> Result<Quantity, Error> {
         "stiffness_reduction" => Ok(Quantity::StiffnessReduction),
         "stiffness_factor" => Ok(Quantity::StiffnessFactor),
         "mass_factor" => Ok(Quantity::MassFactor),
-        _ => Err(Error::input("quantity", format!("{name:?}"), "a known parameter quantity")),
+        _ => Err(Error::input(
+            "quantity",
+            format!("{name:?}"),
+            "a known parameter quantity",
+        )),
     }
 }

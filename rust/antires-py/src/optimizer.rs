@@ -28,9 +28,21 @@ macro_rules! option_fields {
 fn read_options(dict: &Bound<'_, PyDict>) -> PyResult<IslandOptions> {
     let mut options = IslandOptions::default();
     option_fields!(
-        options, dict, islands, population, crossover_probability, mutation_probability,
-        selection_pressure, patience, improvement_tolerance, gene_tolerance, cost_tolerance,
-        cost_floor, cost_migrations, max_evaluations, max_generations,
+        options,
+        dict,
+        islands,
+        population,
+        crossover_probability,
+        mutation_probability,
+        selection_pressure,
+        patience,
+        improvement_tolerance,
+        gene_tolerance,
+        cost_tolerance,
+        cost_floor,
+        cost_migrations,
+        max_evaluations,
+        max_generations,
     );
     if let Some(value) = dict.get_item("agreement")? {
         options.agreement = Agreement::from_name(&value.extract::<String>()?).map_err(to_python)?;
@@ -47,7 +59,11 @@ fn read_options(dict: &Bound<'_, PyDict>) -> PyResult<IslandOptions> {
     for key in dict.keys() {
         if !known.contains(&key)? {
             let names: Vec<String> = known.keys().extract()?;
-            let error = Error::input("option", key.to_string(), format!("one of {}", names.join(", ")));
+            let error = Error::input(
+                "option",
+                key.to_string(),
+                format!("one of {}", names.join(", ")),
+            );
             return Err(to_python(error));
         }
     }
@@ -60,9 +76,21 @@ fn write_options<'py>(py: Python<'py>, options: &IslandOptions) -> PyResult<Boun
     macro_rules! write {
         ($($field:ident),+ $(,)?) => { $(dict.set_item(stringify!($field), options.$field)?;)+ };
     }
-    write!(islands, population, crossover_probability, mutation_probability);
-    write!(selection_pressure, patience, improvement_tolerance, gene_tolerance, cost_tolerance);
-    write!(cost_floor, cost_migrations, max_evaluations, max_generations);
+    write!(
+        islands,
+        population,
+        crossover_probability, mutation_probability
+    );
+    write!(
+        selection_pressure,
+        patience,
+        improvement_tolerance, gene_tolerance, cost_tolerance
+    );
+    write!(
+        cost_floor,
+        cost_migrations,
+        max_evaluations, max_generations
+    );
     dict.set_item("agreement", options.agreement.name())?;
     let names: Vec<&str> = options.crossovers.iter().map(|c| c.name()).collect();
     dict.set_item("crossovers", names)?;
@@ -131,9 +159,17 @@ impl Search {
                 Err(error) => Some(watch.borrow_mut().stop_for(error)),
             }
         };
-        let mut hooks =
-            Hooks { should_stop: Some(&mut should_stop), progress: Some(&mut progress) };
-        let outcome = search(&self.bounds, &self.guesses, &self.options, self.seed, &mut hooks)?;
+        let mut hooks = Hooks {
+            should_stop: Some(&mut should_stop),
+            progress: Some(&mut progress),
+        };
+        let outcome = search(
+            &self.bounds,
+            &self.guesses,
+            &self.options,
+            self.seed,
+            &mut hooks,
+        )?;
         match self.watch.raised.take() {
             Some(error) => Err(error),
             None => Ok(outcome),
@@ -149,10 +185,16 @@ fn report(py: Python<'_>, callback: &Py<PyAny>, progress: &Progress<'_>) -> PyRe
     state.set_item("migrations", progress.migrations)?;
     state.set_item("fun", progress.best_cost)?;
     state.set_item("x", progress.best_x.to_vec().into_pyarray(py))?;
-    let islands: Vec<(f64, &str)> =
-        progress.islands.iter().map(|i| (i.best_cost, state_name(i.state))).collect();
+    let islands: Vec<(f64, &str)> = progress
+        .islands
+        .iter()
+        .map(|i| (i.best_cost, state_name(i.state)))
+        .collect();
     state.set_item("islands", islands)?;
-    callback.call1(py, (state,))?.extract::<Option<bool>>(py).map(|stop| stop == Some(true))
+    callback
+        .call1(py, (state,))?
+        .extract::<Option<bool>>(py)
+        .map(|stop| stop == Some(true))
 }
 
 fn state_name(state: IslandState) -> &'static str {
@@ -215,7 +257,15 @@ pub fn minimize<'py>(
     max_seconds: Option<f64>,
     on_progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let mut search = Search::new(&lower, &upper, guesses, options, seed, max_seconds, on_progress)?;
+    let mut search = Search::new(
+        &lower,
+        &upper,
+        guesses,
+        options,
+        seed,
+        max_seconds,
+        on_progress,
+    )?;
     let outcome = guarded(py, || {
         let mut evaluator = PythonEvaluator { function };
         search.run(|bounds, guesses, options, seed, hooks| {
@@ -255,8 +305,9 @@ pub fn outcome_to_python<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Bo
         islands[i].population.row(j)[g]
     });
     dict.set_item("populations", genes.into_pyarray(py))?;
-    let costs =
-        Array2::from_shape_fn((islands.len(), size), |(i, j)| islands[i].population.cost(j));
+    let costs = Array2::from_shape_fn((islands.len(), size), |(i, j)| {
+        islands[i].population.cost(j)
+    });
     dict.set_item("population_costs", costs.into_pyarray(py))?;
     let names: Vec<&str> = islands.iter().map(|i| i.crossover.name()).collect();
     dict.set_item("crossovers", names)?;

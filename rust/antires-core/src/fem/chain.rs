@@ -38,9 +38,10 @@ pub fn mass_spring_chain(
         )
         .remedy("Springs to ground go to ground_first_n_per_m and ground_last_n_per_m."));
     }
-    for (name, unit, values) in
-        [("masses_kg", "kg", masses_kg), ("springs_n_per_m", "N/m", springs_n_per_m)]
-    {
+    for (name, unit, values) in [
+        ("masses_kg", "kg", masses_kg),
+        ("springs_n_per_m", "N/m", springs_n_per_m),
+    ] {
         if let Some(i) = values.iter().position(|v| !(v.is_finite() && *v > 0.0)) {
             return Err(Error::input(
                 name,
@@ -54,19 +55,36 @@ pub fn mass_spring_chain(
         ("ground_last_n_per_m", ground_last_n_per_m),
     ] {
         if !(value.is_finite() && value >= 0.0) {
-            return Err(Error::input(name, format!("{value} N/m"), "a finite value of at least 0"));
+            return Err(Error::input(
+                name,
+                format!("{value} N/m"),
+                "a finite value of at least 0",
+            ));
         }
     }
-    let mut stiffness_terms: Vec<Term> =
-        springs_n_per_m.iter().enumerate().map(|(i, &k)| spring::between(i, i + 1, k)).collect();
+    let mut stiffness_terms: Vec<Term> = springs_n_per_m
+        .iter()
+        .enumerate()
+        .map(|(i, &k)| spring::between(i, i + 1, k))
+        .collect();
     stiffness_terms.push(spring::to_ground(0, ground_first_n_per_m));
     stiffness_terms.push(spring::to_ground(n - 1, ground_last_n_per_m));
-    let mass_terms: Vec<Term> =
-        masses_kg.iter().enumerate().map(|(i, &m)| lumped::at(i, m)).collect();
+    let mass_terms: Vec<Term> = masses_kg
+        .iter()
+        .enumerate()
+        .map(|(i, &m)| lumped::at(i, m))
+        .collect();
     let sum = |terms: &[Term]| {
         let mut matrix = Mat::zeros(n, n);
-        terms.iter().for_each(|term| term.add_to(&mut matrix, 1.0));
+        for term in terms {
+            term.add_to(&mut matrix, 1.0);
+        }
         matrix
     };
-    Model::new(sum(&stiffness_terms), sum(&mass_terms), stiffness_terms, mass_terms)
+    Model::new(
+        sum(&stiffness_terms),
+        sum(&mass_terms),
+        stiffness_terms,
+        mass_terms,
+    )
 }

@@ -40,7 +40,10 @@ impl Model {
                 "no negative mass",
             ));
         }
-        for (name, terms) in [("stiffness_terms", &stiffness_terms), ("mass_terms", &mass_terms)] {
+        for (name, terms) in [
+            ("stiffness_terms", &stiffness_terms),
+            ("mass_terms", &mass_terms),
+        ] {
             for (i, term) in terms.iter().enumerate() {
                 let outside = |e: &&(u32, u32, f64)| e.0 as usize >= n || e.1 as usize >= n;
                 if let Some(e) = term.entries().iter().find(outside) {
@@ -52,7 +55,12 @@ impl Model {
                 }
             }
         }
-        Ok(Self { stiffness, mass, stiffness_terms, mass_terms })
+        Ok(Self {
+            stiffness,
+            mass,
+            stiffness_terms,
+            mass_terms,
+        })
     }
 
     /// Number of degrees of freedom.
@@ -61,13 +69,13 @@ impl Model {
         self.stiffness.nrows()
     }
 
-    /// Nominal stiffness [N/m].
+    /// Nominal stiffness (N/m).
     #[must_use]
     pub fn stiffness(&self) -> MatRef<'_, f64> {
         self.stiffness.as_ref()
     }
 
-    /// Nominal mass [kg].
+    /// Nominal mass (kg).
     #[must_use]
     pub fn mass(&self) -> MatRef<'_, f64> {
         self.mass.as_ref()
@@ -97,7 +105,12 @@ impl Model {
                 .iter()
                 .zip(factors)
                 .map(|(term, f)| {
-                    Term::from_entries(term.entries().iter().map(|&(i, j, v)| (i, j, v * f)).collect())
+                    Term::from_entries(
+                        term.entries()
+                            .iter()
+                            .map(|&(i, j, v)| (i, j, v * f))
+                            .collect(),
+                    )
                 })
                 .collect()
         };
@@ -166,12 +179,19 @@ fn check_symmetric(name: &str, matrix: MatRef<'_, f64>, n: usize) -> Result<()> 
         for i in 0..n {
             let value = matrix[(i, j)];
             if !value.is_finite() {
-                return Err(Error::input(name, format!("{value} at ({i}, {j})"), "finite entries"));
+                return Err(Error::input(
+                    name,
+                    format!("{value} at ({i}, {j})"),
+                    "finite entries",
+                ));
             }
             if (value - matrix[(j, i)]).abs() > SYMMETRY * largest {
                 return Err(Error::input(
                     name,
-                    format!("{value:e} at ({i}, {j}) but {:e} at ({j}, {i})", matrix[(j, i)]),
+                    format!(
+                        "{value:e} at ({i}, {j}) but {:e} at ({j}, {i})",
+                        matrix[(j, i)]
+                    ),
                     "a symmetric matrix",
                 )
                 .remedy("Pass (A + A.T) / 2 if the difference is rounding."));

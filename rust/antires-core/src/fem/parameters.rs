@@ -35,9 +35,9 @@ pub struct Parameter {
 /// K and M at a parameter vector, with the memory to form them again.
 #[derive(Debug, Clone)]
 pub struct Assembly {
-    /// K(p) [N/m].
+    /// K(p) (N/m).
     pub stiffness: Mat<f64>,
-    /// M(p) [kg].
+    /// M(p) (kg).
     pub mass: Mat<f64>,
     stiffness_factors: Vec<f64>,
     mass_factors: Vec<f64>,

@@ -49,8 +49,8 @@ pub fn real_eigenvalues(
     let mut roots = Vec::with_capacity(candidates.len());
     for (j, &x) in candidates.iter().enumerate() {
         let close = |other: &f64| (other - x).abs() <= REPEATED_ROOT * x.abs();
-        let repeated = (j > 0 && close(&candidates[j - 1]))
-            || candidates.get(j + 1).is_some_and(close);
+        let repeated =
+            (j > 0 && close(&candidates[j - 1])) || candidates.get(j + 1).is_some_and(close);
         let checked = Verified::of(&a, &b, x)?;
         if checked.is_certain(x, n, repeated) {
             checked.require_small_residual(x)?;
@@ -65,8 +65,13 @@ fn qz_real_ratios(a: &Mat<f64>, b: &Mat<f64>) -> Result<Vec<f64>> {
     let n = a.nrows();
     let (mut re, mut im, mut beta) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     let none = ComputeEigenvectors::No;
-    let mut memory =
-        MemBuffer::new(gevd_scratch::<f64>(n, none, none, Par::Seq, Default::default()));
+    let mut memory = MemBuffer::new(gevd_scratch::<f64>(
+        n,
+        none,
+        none,
+        Par::Seq,
+        Default::default(),
+    ));
     gevd_real(
         a.clone().as_mut(),
         b.clone().as_mut(),
@@ -114,9 +119,14 @@ impl Verified {
                 continue;
             }
             let strength = (y.transpose() * a * &v).hypot(y.transpose() * b * &v);
-            return Ok(Self { condition: strength.max(f64::MIN_POSITIVE).recip(), residual });
+            return Ok(Self {
+                condition: strength.max(f64::MIN_POSITIVE).recip(),
+                residual,
+            });
         }
-        Err(failed(&format!("no vectors could be found for the eigenvalue {x:e} (scaled)")))
+        Err(failed(&format!(
+            "no vectors could be found for the eigenvalue {x:e} (scaled)"
+        )))
     }
 
     fn require_small_residual(&self, x: f64) -> Result<()> {
@@ -124,7 +134,9 @@ impl Verified {
             return Ok(());
         }
         let residual = self.residual;
-        Err(failed(&format!("the eigenvalue {x:e} (scaled) has a backward error of {residual:e}")))
+        Err(failed(&format!(
+            "the eigenvalue {x:e} (scaled) has a backward error of {residual:e}"
+        )))
     }
 
     fn is_certain(&self, x: f64, n: usize, repeated: bool) -> bool {

@@ -12,7 +12,7 @@
 //! ```
 //!
 //! Conventions: λ ascending, φᵀ M φ = 1, columns are modes. |λ| below
-//! [`zero_eigenvalue`](super::tolerances::zero_eigenvalue) is returned as exactly 0.
+//! [`zero_eigenvalue`] is returned as exactly 0.
 //!
 //! Reference: Golub & Van Loan, Matrix Computations, 4th ed., section 8.7.
 
@@ -159,7 +159,11 @@ impl SymmetricSolver {
     fn solve_shifted(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) -> Result<()> {
         let trace = |a: MatRef<'_, f64>| (0..self.n).map(|i| a[(i, i)]).sum::<f64>();
         let (trace_k, trace_m) = (trace(k), trace(m));
-        let sigma = if trace_m > 0.0 && trace_k > 0.0 { 1e-3 * trace_k / trace_m } else { 1.0 };
+        let sigma = if trace_m > 0.0 && trace_k > 0.0 {
+            1e-3 * trace_k / trace_m
+        } else {
+            1.0
+        };
         let shifted = Mat::from_fn(self.n, self.n, |i, j| k[(i, j)] + sigma * m[(i, j)]);
         if !self.factorize(shifted.as_ref()) || self.pivot_ratio() < 1e-14 {
             return Err(Error::Numerical {
@@ -200,7 +204,10 @@ impl SymmetricSolver {
         }
         // The digits of λ near zero are those of σ, not of the largest λ.
         let zero = zero_eigenvalue(self.n, sigma);
-        self.eigenvalues.iter_mut().filter(|l| l.abs() <= zero).for_each(|l| *l = 0.0);
+        self.eigenvalues
+            .iter_mut()
+            .filter(|l| l.abs() <= zero)
+            .for_each(|l| *l = 0.0);
         Ok(())
     }
 
@@ -208,8 +215,11 @@ impl SymmetricSolver {
         let largest = self.raw.iter().fold(0.0_f64, |a, l| a.max(l.abs()));
         let zero = zero_eigenvalue(self.n, largest);
         self.eigenvalues.clear();
-        self.eigenvalues
-            .extend(self.raw.iter().map(|&l| if l.abs() <= zero { 0.0 } else { l }));
+        self.eigenvalues.extend(
+            self.raw
+                .iter()
+                .map(|&l| if l.abs() <= zero { 0.0 } else { l }),
+        );
     }
 
     /// `factor` = L of the given matrix; false when it is not positive definite.
@@ -229,7 +239,9 @@ impl SymmetricSolver {
     fn pivot_ratio(&self) -> f64 {
         let (least, most) = (0..self.n)
             .map(|i| self.factor[(i, i)])
-            .fold((f64::INFINITY, 0.0_f64), |(lo, hi), p| (lo.min(p), hi.max(p)));
+            .fold((f64::INFINITY, 0.0_f64), |(lo, hi), p| {
+                (lo.min(p), hi.max(p))
+            });
         (least / most).powi(2)
     }
 

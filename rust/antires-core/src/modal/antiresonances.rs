@@ -3,7 +3,7 @@
 //! - The **modal route** takes one symmetric eigenproblem for all responses and brackets the zeros of
 //!   each receptance between its poles ([`secular`]). It is what the optimizer runs.
 //! - The **pencil route** deletes row i and column k and solves the general eigenproblem by QZ
-//!   ([`pencil`]). It is the reference.
+//!   ([`crate::linalg::pencil`]). It is the reference.
 //!
 //! Both leave out, by default, the roots that cancel against a pole ([`Receptance`]), since no
 //! measurement can show them. Dropped by both: roots that are infinite, negative, complex, or zero at
@@ -39,7 +39,7 @@ pub enum Route {
 pub struct Query {
     /// The route.
     pub route: Route,
-    /// Highest frequency [Hz], infinity for all.
+    /// Highest frequency (Hz), infinity for all.
     pub f_max_hz: f64,
     /// Whether roots that cancel against a pole are returned too.
     pub include_cancelled: bool,
@@ -48,7 +48,7 @@ pub struct Query {
 /// Antiresonances of one response.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Antiresonances {
-    /// Frequencies [Hz], ascending.
+    /// Frequencies (Hz), ascending.
     pub freq_hz: Vec<f64>,
     /// True when H_ik is identically zero: response and excitation are not connected.
     pub identically_zero: bool,
@@ -59,6 +59,7 @@ pub struct AntiresonanceSolver {
     modes: SymmetricSolver,
     receptance: Receptance,
     lambda: Vec<f64>,
+    scratch: Vec<f64>,
 }
 
 impl AntiresonanceSolver {
@@ -69,6 +70,7 @@ impl AntiresonanceSolver {
             modes: SymmetricSolver::new(n),
             receptance: Receptance::default(),
             lambda: Vec::new(),
+            scratch: Vec::new(),
         }
     }
 
@@ -80,7 +82,7 @@ impl AntiresonanceSolver {
         self.modes.solve(k, m)
     }
 
-    /// Modal route: antiresonances [Hz] of H_ik up to `f_max_hz`, appended to `freq_hz`.
+    /// Modal route: antiresonances (Hz) of H_ik up to `f_max_hz`, appended to `freq_hz`.
     /// Returns false when H_ik is identically zero at working precision.
     pub fn modal(&mut self, i: usize, k: usize, query: &Query, freq_hz: &mut Vec<f64>) -> bool {
         self.receptance.form(&self.modes, i, k);
@@ -90,18 +92,25 @@ impl AntiresonanceSolver {
         let floor = self.zero_root();
         let ceiling = eigenvalue(query.f_max_hz);
         self.lambda.clear();
-        secular::roots(&self.receptance, 0.0, ceiling, &mut self.lambda);
+        secular::roots(
+            &self.receptance,
+            0.0,
+            ceiling,
+            &mut self.lambda,
+            &mut self.scratch,
+        );
         self.lambda.retain(|&x| x > floor);
         if query.include_cancelled {
             let inside = |x: &&f64| **x > floor && **x <= ceiling;
-            self.lambda.extend(self.receptance.cancelled.iter().filter(inside));
+            self.lambda
+                .extend(self.receptance.cancelled.iter().filter(inside));
             self.lambda.sort_by(f64::total_cmp);
         }
         freq_hz.extend(self.lambda.iter().map(|&x| hertz(x)));
         true
     }
 
-    /// Pencil route: antiresonances [Hz] of H_ik up to `f_max_hz`, ascending.
+    /// Pencil route: antiresonances (Hz) of H_ik up to `f_max_hz`, ascending.
     fn pencil(
         &mut self,
         (k_mat, m_mat): (MatRef<'_, f64>, MatRef<'_, f64>),
@@ -168,5 +177,7 @@ pub fn antiresonances(
 /// The matrix without row `i` and column `k`.
 fn deleted(a: MatRef<'_, f64>, i: usize, k: usize) -> Mat<f64> {
     let n = a.nrows();
-    Mat::from_fn(n - 1, n - 1, |r, c| a[(r + usize::from(r >= i), c + usize::from(c >= k))])
+    Mat::from_fn(n - 1, n - 1, |r, c| {
+        a[(r + usize::from(r >= i), c + usize::from(c >= k))]
+    })
 }

@@ -6,15 +6,20 @@
 //! Σ c_r / (λ_r − x) = Σ_j a_j (x − m)^j,    a_j = Σ_r c_r s_r^(j+1),    |x − m| <= δ < 1 / |s_r|
 //! ```
 //!
-//! is cut after [`ORDER`] terms; the rest is bounded term by term by a geometric series in ρ_r = δ |s_r|.
+//! is cut after a few terms; the rest is bounded term by term by a geometric series in ρ_r = δ |s_r|.
 //! The a_j carry the cancellation between the terms, so the bounds are as narrow as f itself varies,
-//! however small f is against its terms. A pole at an end of the cell is kept out of the series: its
-//! term is monotone, and its end values bound it.
+//! however small f is against its terms.
+//!
+//! The poles at the ends of the cell stay out of the series. Over a cell of width w with poles at both
+//! ends, t = x − λ_a and A, B the moduli of the residues, their part has a closed least value,
+//!
+//! ```text
+//! min over 0 < t < w of  A / t^p + B / (w − t)^p  =  (A^(1/(p+1)) + B^(1/(p+1)))^(p+1) / w^p
+//! ```
+//!
+//! with p = 1, 2, 3 for f, f' and f''/2, wherever the two terms have one sign.
 
 use super::receptance::Receptance;
-
-/// Terms kept of the series.
-const ORDER: usize = 8;
 
 /// A cell between or beside poles; a pole at an end is named by its index.
 #[derive(Debug, Clone, Copy)]
@@ -41,12 +46,20 @@ impl Cell {
 
     /// Part of the cell left of `x`.
     pub fn left_of(self, x: f64) -> Self {
-        Self { b: x, pole_b: None, ..self }
+        Self {
+            b: x,
+            pole_b: None,
+            ..self
+        }
     }
 
     /// Part of the cell right of `x`.
     pub fn right_of(self, x: f64) -> Self {
-        Self { a: x, pole_a: None, ..self }
+        Self {
+            a: x,
+            pole_a: None,
+            ..self
+        }
     }
 
     /// True when the cell is a few ulp wide.
@@ -64,12 +77,21 @@ pub struct Range {
 
 impl Range {
     fn about(centre: f64, spread: f64) -> Self {
-        Self { low: centre - spread, high: centre + spread }
+        Self {
+            low: centre - spread,
+            high: centre + spread,
+        }
     }
 
-    fn add_monotone(&mut self, at_a: f64, at_b: f64) {
-        self.low += at_a.min(at_b);
-        self.high += at_a.max(at_b);
+    /// Adds a term that ranges from `nearest` away from zero, to infinity.
+    fn add_beyond(&mut self, nearest: f64) {
+        if nearest > 0.0 {
+            self.low += nearest;
+            self.high = f64::INFINITY;
+        } else {
+            self.high += nearest;
+            self.low = f64::NEG_INFINITY;
+        }
     }
 
     /// Some(positive) when zero is excluded by more than `pad`.
@@ -94,17 +116,17 @@ impl Range {
 pub struct Enclosure {
     /// Of f.
     pub value: Range,
-    /// Of f'.
-    pub slope: Range,
-    /// Of f'' / 2.
-    pub curvature: Range,
     /// Rounding error of f in the cell.
     pub noise: f64,
+    slope: Range,
+    curvature: Range,
+    ends: EndPoles,
 }
 
 impl Enclosure {
-    /// Bounds of `h` over `cell`.
-    pub fn of(h: &Receptance, cell: Cell) -> Self {
+    /// Bounds of `h` over `cell` from `ORDER` terms of the series. Few terms do between poles; more are
+    /// needed where f is small against its partial fractions.
+    pub fn of<const ORDER: usize>(h: &Receptance, cell: Cell) -> Self {
         let (middle, radius) = (0.5 * (cell.a + cell.b), 0.5 * (cell.b - cell.a));
         let mut a = [0.0; ORDER];
         let mut tail = [0.0; 3];
@@ -122,12 +144,11 @@ impl Enclosure {
             let rho = radius * s.abs();
             let rest = (1.0 - rho).max(f64::EPSILON).recip();
             let (p, last) = (ORDER as f64, rho.powi(ORDER as i32 - 2));
-            let (c, s) = (c.abs(), s.abs());
+            let (s, size) = (s.abs(), c.abs() * s.abs() * last * rest);
             // Σ_{j>=p} ρ^j and its first and (halved) second derivatives by ρ.
-            tail[0] += c * s * last * rho * rho * rest;
-            tail[1] += c * s * s * last * rho * rest * (p + rho * rest);
-            tail[2] += c * s * s * s * last * rest
-                * (0.5 * p * (p - 1.0) + rho * rest * (p + rho * rest));
+            tail[0] += size * rho * rho;
+            tail[1] += size * s * rho * (p + rho * rest);
+            tail[2] += size * s * s * (0.5 * p * (p - 1.0) + rho * rest * (p + rho * rest));
             reciprocals += s * rest;
         }
         let (mut spread, mut power) = (tail, 1.0);
@@ -138,32 +159,81 @@ impl Enclosure {
                 spread[1] += j as f64 * size;
             }
             if j >= 3 {
-                spread[2] += 0.5 * (j * (j - 1)) as f64 * a[j].abs() * power / radius;
+                spread[2] += 0.5 * (j * (j - 1)) as f64 * size / radius;
             }
             power *= radius;
         }
-        let mut out = Self {
-            value: Range::about(a[0] + h.constant, spread[0]),
+        let ends = EndPoles::of(h, cell);
+        let mut value = Range::about(a[0] + h.constant, spread[0]);
+        ends.add::<1>(&mut value);
+        Self {
+            value,
+            noise: f64::EPSILON * h.constant.abs() + h.residue_error * (reciprocals + ends.reach()),
             slope: Range::about(a[1], spread[1]),
             curvature: Range::about(a[2], spread[2]),
-            noise: f64::EPSILON * h.constant.abs() + h.residue_error * reciprocals,
-        };
-        for (end, at_left) in [(cell.pole_a, true), (cell.pole_b, false)] {
-            if let Some(r) = end {
-                out.add_end_pole(h, cell, r, at_left);
-            }
+            ends,
         }
-        out
     }
 
-    fn add_end_pole(&mut self, h: &Receptance, cell: Cell, r: usize, at_left: bool) {
-        let (pole, c) = (h.poles[r], h.residues[r]);
-        let far = (pole - if at_left { cell.b } else { cell.a }).recip();
-        let near = if at_left { f64::NEG_INFINITY } else { f64::INFINITY };
-        self.value.add_monotone(c * near, c * far);
-        self.slope.add_monotone(c * f64::INFINITY, c * far * far);
-        self.curvature.add_monotone(c * near, c * far * far * far);
-        self.noise += h.residue_error * far.abs();
+    /// Bounds of f'.
+    pub fn slope(&self) -> Range {
+        let mut range = self.slope;
+        self.ends.add::<2>(&mut range);
+        range
+    }
+
+    /// Bounds of f''/2.
+    pub fn curvature(&self) -> Range {
+        let mut range = self.curvature;
+        self.ends.add::<3>(&mut range);
+        range
+    }
+}
+
+/// Residues of the poles at the ends of a cell of width w; zero where there is none.
+#[derive(Debug, Clone, Copy)]
+struct EndPoles {
+    left: f64,
+    right: f64,
+    width: f64,
+}
+
+impl EndPoles {
+    fn of(h: &Receptance, cell: Cell) -> Self {
+        let residue = |pole: Option<usize>| pole.map_or(0.0, |r| h.residues[r]);
+        Self {
+            left: residue(cell.pole_a),
+            right: residue(cell.pole_b),
+            width: cell.b - cell.a,
+        }
+    }
+
+    /// Sum of 1 / |λ − x| of the end poles at their far ends.
+    fn reach(self) -> f64 {
+        f64::from(u8::from(self.left != 0.0) + u8::from(self.right != 0.0)) / self.width
+    }
+
+    /// Adds the range of the end terms of f (P = 1), f' (P = 2) or f''/2 (P = 3).
+    fn add<const P: i32>(self, range: &mut Range) {
+        // Left of x, λ − x = −t is negative: odd powers change the sign.
+        let left = if P == 2 { self.left } else { -self.left };
+        let right = self.right;
+        if left * right > 0.0 {
+            let power = self.width.powi(P);
+            let (a, b) = (left.abs(), right.abs());
+            let least = match P {
+                1 => (a.sqrt() + b.sqrt()).powi(2),
+                2 => (a.cbrt() + b.cbrt()).powi(3),
+                _ => (a.sqrt().sqrt() + b.sqrt().sqrt()).powi(4),
+            } / power;
+            range.add_beyond(least.copysign(left));
+        } else {
+            for term in [left, right] {
+                if term != 0.0 {
+                    range.add_beyond(term / self.width.powi(P));
+                }
+            }
+        }
     }
 }
 
@@ -185,29 +255,55 @@ mod tests {
         let h = receptance();
         for (a, b, pole_a, pole_b) in [
             (1.0, 2.0, Some(0), Some(1)),
+            (2.0, 3.5, Some(1), Some(2)),
+            (3.5, 7.0, Some(2), Some(3)),
             (1.2, 1.4, None, None),
             (2.0, 2.5, Some(1), None),
             (3.0, 3.5, None, Some(2)),
             (7.5, 30.0, None, None),
         ] {
-            let bounds = Enclosure::of(&h, Cell { a, b, pole_a, pole_b });
+            let cell = Cell {
+                a,
+                b,
+                pole_a,
+                pole_b,
+            };
+            let bounds = Enclosure::of::<5>(&h, cell);
+            let fine = Enclosure::of::<9>(&h, cell);
             for step in 1..200 {
                 let x = a + (b - a) * f64::from(step) / 200.0;
                 let (f, slope) = (h.value(x), h.slope(x));
-                let bend: f64 =
-                    h.poles.iter().zip(&h.residues).map(|(l, c)| c / (l - x).powi(3)).sum();
-                for (range, v) in
-                    [(bounds.value, f), (bounds.slope, slope), (bounds.curvature, bend)]
-                {
+                let bend: f64 = h
+                    .poles
+                    .iter()
+                    .zip(&h.residues)
+                    .map(|(l, c)| c / (l - x).powi(3))
+                    .sum();
+                for (range, v) in [
+                    (bounds.value, f),
+                    (bounds.slope(), slope),
+                    (bounds.curvature(), bend),
+                    (fine.value, f),
+                    (fine.slope(), slope),
+                    (fine.curvature(), bend),
+                ] {
                     let slack = 1e-12 * (1.0 + v.abs());
-                    assert!(range.low <= v + slack && v - slack <= range.high, "{x} {v} {range:?}");
+                    assert!(
+                        range.low <= v + slack && v - slack <= range.high,
+                        "{x} {v} {range:?}"
+                    );
                 }
             }
         }
         let width = |r: Range| r.high - r.low;
         let at = |half: f64| {
-            let cell = Cell { a: 1.3 - half, b: 1.3 + half, pole_a: None, pole_b: None };
-            width(Enclosure::of(&h, cell).value)
+            let cell = Cell {
+                a: 1.3 - half,
+                b: 1.3 + half,
+                pole_a: None,
+                pole_b: None,
+            };
+            width(Enclosure::of::<5>(&h, cell).value)
         };
         assert!(at(0.005) < 0.2 * at(0.05));
     }

@@ -45,8 +45,9 @@ pub fn frequency_response(
     let n = model.n_dof();
     let mut out = vec![(0.0, 0.0); responses.len() * freq_hz.len()];
     for (row, &i) in out.chunks_exact_mut(freq_hz.len().max(1)).zip(responses) {
-        let massless: f64 =
-            (lambda.len()..n).map(|r| phi[(i, r)] * phi[(excitation, r)]).sum();
+        let massless: f64 = (lambda.len()..n)
+            .map(|r| phi[(i, r)] * phi[(excitation, r)])
+            .sum();
         for (h, &f) in row.iter_mut().zip(freq_hz) {
             let omega = TAU * f;
             let (mut re, mut im) = scaled(massless, 0.0, omega, motion);
@@ -56,7 +57,11 @@ pub fn frequency_response(
                 let (dr, di) = (l - omega * omega, 2.0 * zeta * l.max(0.0).sqrt() * omega);
                 if dr == 0.0 && di == 0.0 {
                     // A rigid-body mode at standstill: only the accelerance has a limit there.
-                    re += if motion == Motion::Accelerance { residue } else { f64::INFINITY * residue };
+                    re += if motion == Motion::Accelerance {
+                        residue
+                    } else {
+                        f64::INFINITY * residue
+                    };
                     continue;
                 }
                 let size = dr * dr + di * di;

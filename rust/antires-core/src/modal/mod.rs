@@ -18,3 +18,4 @@ pub mod frf;
 pub mod modes;
 pub mod receptance;
 pub mod secular;
+pub mod tail;

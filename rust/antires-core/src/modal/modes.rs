@@ -9,7 +9,7 @@ use crate::linalg::symmetric::SymmetricSolver;
 /// All finite modes of a model.
 #[derive(Debug, Clone)]
 pub struct Modes {
-    /// Resonant frequencies [Hz], ascending; rigid-body modes at 0. An unstable mode (λ < 0) has NaN.
+    /// Resonant frequencies (Hz), ascending; rigid-body modes at 0. An unstable mode (λ < 0) has NaN.
     pub freq_hz: Vec<f64>,
     /// Shapes [n_dof x n_modes], φᵀ M φ = 1.
     pub shapes: Mat<f64>,

@@ -93,12 +93,21 @@ impl Receptance {
     /// H at x.
     #[must_use]
     pub fn value(&self, x: f64) -> f64 {
-        self.poles.iter().zip(&self.residues).map(|(l, c)| c / (l - x)).sum::<f64>() + self.constant
+        self.poles
+            .iter()
+            .zip(&self.residues)
+            .map(|(l, c)| c / (l - x))
+            .sum::<f64>()
+            + self.constant
     }
 
     /// dH/dx at x.
     #[must_use]
     pub fn slope(&self, x: f64) -> f64 {
-        self.poles.iter().zip(&self.residues).map(|(l, c)| c / (l - x).powi(2)).sum()
+        self.poles
+            .iter()
+            .zip(&self.residues)
+            .map(|(l, c)| c / (l - x).powi(2))
+            .sum()
     }
 }

@@ -11,23 +11,29 @@
 //! computed signs below the last pole; beyond it such a root is infinite at working precision (H_ik of
 //! a long chain falls off as x^-n there, its partial fractions only as 1/x).
 
-use super::bracket::root_in_bracket;
+use super::bracket::root_in_cell;
 use super::enclosure::{Cell, Enclosure};
 use super::receptance::Receptance;
+use super::tail::is_rootless;
 
 /// Upper end of an unbounded search, relative to the last pole.
 const INFINITY_RATIO: f64 = 1e16;
 
-/// Cells examined between two poles before the rest is decided by end signs: a backstop that no
-/// tested model comes near.
+/// Terms of the series between poles, and beyond the last one where f falls off.
+const NEAR_ORDER: usize = 5;
+const FAR_ORDER: usize = 10;
+
+/// Cells examined for one response before the rest is decided by end signs: a backstop that no tested
+/// model comes near.
 const MOST_CELLS: usize = 100_000;
 
 /// Appends the roots of `h` in (low, high] to `roots`, ascending. `high` may be infinite.
-pub fn roots(h: &Receptance, low: f64, high: f64, roots: &mut Vec<f64>) {
+pub fn roots(h: &Receptance, low: f64, high: f64, roots: &mut Vec<f64>, scratch: &mut Vec<f64>) {
     let Some(&last) = h.poles.last() else {
         return;
     };
     let start = roots.len();
+    let mut budget = MOST_CELLS;
     let ceiling = high.min(INFINITY_RATIO * last.abs().max(f64::MIN_POSITIVE / f64::EPSILON));
     let mut a = (low, None);
     for (index, &pole) in h.poles.iter().enumerate() {
@@ -39,44 +45,78 @@ pub fn roots(h: &Receptance, low: f64, high: f64, roots: &mut Vec<f64>) {
         }
         if pole >= ceiling {
             // The term grows towards its pole, but the pole itself lies outside.
-            search(h, Cell { a: a.0, b: ceiling, pole_a: a.1, pole_b: None }, false, roots);
+            search(
+                h,
+                Cell {
+                    a: a.0,
+                    b: ceiling,
+                    pole_a: a.1,
+                    pole_b: None,
+                },
+                false,
+                &mut budget,
+                roots,
+            );
             a = (ceiling, None);
             break;
         }
-        search(h, Cell { a: a.0, b: pole, pole_a: a.1, pole_b: Some(index) }, false, roots);
+        search(
+            h,
+            Cell {
+                a: a.0,
+                b: pole,
+                pole_a: a.1,
+                pole_b: Some(index),
+            },
+            false,
+            &mut budget,
+            roots,
+        );
         a = (pole, Some(index));
     }
-    if a.0 < ceiling {
-        search(h, Cell { a: a.0, b: ceiling, pole_a: a.1, pole_b: None }, true, roots);
+    if a.0 < ceiling && !is_rootless(h, scratch) {
+        search(
+            h,
+            Cell {
+                a: a.0,
+                b: ceiling,
+                pole_a: a.1,
+                pole_b: None,
+            },
+            true,
+            &mut budget,
+            roots,
+        );
     }
     roots[start..].sort_by(f64::total_cmp);
 }
 
-fn search(h: &Receptance, whole: Cell, beyond_last: bool, roots: &mut Vec<f64>) {
-    let mut pending = vec![whole];
-    let mut examined = 0;
-    while let Some(cell) = pending.pop() {
-        examined += 1;
-        let bounds = Enclosure::of(h, cell);
-        if bounds.value.sign(bounds.noise).is_some() {
-            continue;
+/// Finds the roots of one cell; the halves of a cell that cannot be decided are searched in turn.
+fn search(h: &Receptance, cell: Cell, beyond_last: bool, budget: &mut usize, roots: &mut Vec<f64>) {
+    *budget = budget.saturating_sub(1);
+    let bounds = if beyond_last {
+        Enclosure::of::<FAR_ORDER>(h, cell)
+    } else {
+        Enclosure::of::<NEAR_ORDER>(h, cell)
+    };
+    if bounds.value.sign(bounds.noise).is_some() {
+        return;
+    }
+    let drowned = bounds.value.magnitude() <= 4.0 * bounds.noise;
+    if drowned && beyond_last {
+        return;
+    }
+    let decided = drowned || cell.is_narrow() || *budget == 0;
+    if decided || bounds.slope().sign(0.0).is_some() {
+        if sign(h, cell, false) != sign(h, cell, true) {
+            roots.push(solve(h, cell));
         }
-        let drowned = bounds.value.magnitude() <= 4.0 * bounds.noise;
-        if drowned && beyond_last {
-            continue;
-        }
-        let decided = drowned || cell.is_narrow() || examined > MOST_CELLS;
-        if decided || bounds.slope.sign(0.0).is_some() {
-            if sign(h, cell, false) != sign(h, cell, true) {
-                roots.push(solve(h, cell));
-            }
-        } else if let Some(convex) = bounds.curvature.sign(0.0) {
-            curved(h, cell, convex, roots);
-        } else {
-            let middle = cell.middle();
-            pending.push(cell.left_of(middle));
-            pending.push(cell.right_of(middle));
-        }
+    } else if let Some(convex) = bounds.curvature().sign(0.0) {
+        curved(h, cell, convex, roots);
+    } else {
+        let middle = cell.middle();
+        search(h, cell.left_of(middle), beyond_last, budget, roots);
+        search(h, cell.right_of(middle), beyond_last, budget, roots);
     }
 }
 
@@ -90,32 +130,9 @@ fn sign(h: &Receptance, cell: Cell, right: bool) -> bool {
     }
 }
 
-/// The one root of a cell whose end signs differ. Poles at the ends are multiplied out, which leaves
-/// a function without poles and, near them, almost linear.
+/// The one root of a cell whose end signs differ.
 fn solve(h: &Receptance, cell: Cell) -> f64 {
-    let left = |x: f64| if cell.pole_a.is_some() { x - cell.a } else { 1.0 };
-    let right = |x: f64| if cell.pole_b.is_some() { cell.b - x } else { 1.0 };
-    let at_a = match cell.pole_a {
-        Some(r) => -h.residues[r] * right(cell.a),
-        None => h.value(cell.a) * right(cell.a),
-    };
-    let at_b = match cell.pole_b {
-        Some(r) => h.residues[r] * left(cell.b),
-        None => h.value(cell.b) * left(cell.b),
-    };
-    root_in_bracket(
-        |x| {
-            if x <= cell.a {
-                at_a
-            } else if x >= cell.b {
-                at_b
-            } else {
-                h.value(x) * left(x) * right(x)
-            }
-        },
-        (cell.a, at_a),
-        (cell.b, at_b),
-    )
+    root_in_cell(h, cell, sign(h, cell, false))
 }
 
 /// A convex (or concave) cell: none, one or two roots.
@@ -143,11 +160,18 @@ fn curved(h: &Receptance, cell: Cell, convex: bool, roots: &mut Vec<f64>) {
             return;
         }
         // The tangent lies under the curve: if it stays positive on the falling side, so does f.
-        let falling = if slope > 0.0 { middle - shrinking.a } else { shrinking.b - middle };
+        let falling = if slope > 0.0 {
+            middle - shrinking.a
+        } else {
+            shrinking.b - middle
+        };
         if value - slope.abs() * falling > 0.0 {
             return;
         }
-        shrinking =
-            if slope > 0.0 { shrinking.left_of(middle) } else { shrinking.right_of(middle) };
+        shrinking = if slope > 0.0 {
+            shrinking.left_of(middle)
+        } else {
+            shrinking.right_of(middle)
+        };
     }
 }

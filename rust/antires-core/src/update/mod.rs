@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! e = ω_A² / ω_E² − 1                                       Eq. 11 (printed with a wrong exponent)
-//! J = Σ |e| + γ₁ Σ β + γ₂ count(β > 0)                      Eqs. 12, 15-17
+//! J = Σ |e| + γ₁ Σ β + γ₂ count(β > 0)                      Eqs. 12, 15-17, or another [`misfit`]
 //! ```
 //!
 //! A analytic, E experimental; the penalties apply to stiffness reductions only. This is the one
@@ -10,6 +10,7 @@
 //!
 //! Source: Meruane, J. Sound Vib. 332 (2013) 807-820.
 
+pub mod misfit;
 pub mod objective;
 pub mod pairing;
 pub mod penalties;

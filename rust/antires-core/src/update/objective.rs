@@ -6,6 +6,7 @@ use crate::fem::parameters::{Assembly, Parameter, Quantity};
 use crate::modal::antiresonances::{AntiresonanceSolver, Query, Route};
 use crate::optimize::Objective;
 
+use super::misfit::Misfit;
 use super::pairing::{UNPAIRED, nearest, residual};
 use super::penalties::Penalty;
 
@@ -16,12 +17,14 @@ pub const BAND_MARGIN: f64 = 1.5;
 /// Largest threshold below which a severity may be snapped to zero.
 pub const LARGEST_SNAP: f64 = 1e-3;
 
-/// Measured antiresonances of one response.
+/// Measured antiresonances of one response to one force.
 #[derive(Debug, Clone)]
 pub struct Target {
     /// Response dof.
     pub dof: usize,
-    /// Antiresonant frequencies [Hz].
+    /// Dof of the force.
+    pub excitation: usize,
+    /// Antiresonant frequencies (Hz).
     pub freq_hz: Vec<f64>,
 }
 
@@ -29,8 +32,8 @@ pub struct Target {
 pub struct AntiresonanceObjective {
     model: Model,
     parameters: Vec<Parameter>,
-    excitation: usize,
     targets: Vec<Target>,
+    misfit: Misfit,
     penalty: Option<Penalty>,
     snap: f64,
     query: Query,
@@ -56,15 +59,19 @@ impl AntiresonanceObjective {
     pub fn new(
         model: Model,
         parameters: Vec<Parameter>,
-        excitation: usize,
         targets: Vec<Target>,
+        misfit: Misfit,
         penalty: Option<Penalty>,
         snap: f64,
     ) -> Result<Self> {
-        model.check_dof("excitation", excitation)?;
         for target in &targets {
             model.check_dof("measured", target.dof)?;
-            if let Some(f) = target.freq_hz.iter().find(|f| !(f.is_finite() && **f > 0.0)) {
+            model.check_dof("excitation", target.excitation)?;
+            if let Some(f) = target
+                .freq_hz
+                .iter()
+                .find(|f| !(f.is_finite() && **f > 0.0))
+            {
                 return Err(Error::input(
                     "measured",
                     format!("{f} Hz at dof {}", target.dof),
@@ -72,13 +79,20 @@ impl AntiresonanceObjective {
                 ));
             }
         }
-        let highest = targets.iter().flat_map(|t| &t.freq_hz).fold(0.0_f64, |m, &f| m.max(f));
+        let highest = targets
+            .iter()
+            .flat_map(|t| &t.freq_hz)
+            .fold(0.0_f64, |m, &f| m.max(f));
         if highest == 0.0 {
             return Err(Error::input("measured", "no antiresonance", "at least one")
                 .remedy("Identify in a wider band, or measure at more dofs."));
         }
         if !(0.0..=LARGEST_SNAP).contains(&snap) {
-            return Err(Error::input("snap", snap, format!("a threshold in [0, {LARGEST_SNAP}]")));
+            return Err(Error::input(
+                "snap",
+                snap,
+                format!("a threshold in [0, {LARGEST_SNAP}]"),
+            ));
         }
         if parameters.is_empty() {
             return Err(Error::input("parameters", "none", "at least one parameter"));
@@ -86,13 +100,13 @@ impl AntiresonanceObjective {
         check_terms(&model, &parameters)?;
         let connected = targets
             .iter()
-            .map(|t| connected(model.stiffness(), model.mass(), t.dof, excitation))
+            .map(|t| connected(model.stiffness(), model.mass(), t.dof, t.excitation))
             .collect();
         Ok(Self {
             model,
             parameters,
-            excitation,
             targets,
+            misfit,
             penalty,
             snap,
             query: Query {
@@ -124,7 +138,7 @@ impl AntiresonanceObjective {
         self.model.at(&self.parameters, x)
     }
 
-    /// The analytic partner [Hz] of each measured value, target by target; none where the model has
+    /// The analytic partner (Hz) of each measured value, target by target; none where the model has
     /// no antiresonance.
     ///
     /// # Errors
@@ -142,11 +156,17 @@ impl AntiresonanceObjective {
         mut visit: impl FnMut(Option<f64>, f64),
     ) -> Result<()> {
         ws.assembly.form(&self.model, &self.parameters, x);
-        ws.solver.set_matrices(ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref())?;
+        ws.solver
+            .set_matrices(ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref())?;
         for (target, &connected) in self.targets.iter().zip(&self.connected) {
             ws.analytic_hz.clear();
             if connected && !target.freq_hz.is_empty() {
-                ws.solver.modal(target.dof, self.excitation, &self.query, &mut ws.analytic_hz);
+                ws.solver.modal(
+                    target.dof,
+                    target.excitation,
+                    &self.query,
+                    &mut ws.analytic_hz,
+                );
             }
             for &measured in &target.freq_hz {
                 visit(nearest(&ws.analytic_hz, measured), measured);
@@ -183,12 +203,17 @@ impl Objective for AntiresonanceObjective {
         let mut snapped = x.to_vec();
         self.repair(&mut snapped);
         let mut misfit = 0.0;
-        let solved =
-            self.each_pair(&snapped, ws, |paired, measured| misfit += residual(paired, measured).abs());
+        let solved = self.each_pair(&snapped, ws, |paired, measured| {
+            misfit = self.misfit.add(misfit, residual(paired, measured));
+        });
         if solved.is_err() {
-            misfit = UNPAIRED * self.n_measured() as f64;
+            misfit = (0..self.n_measured()).fold(0.0, |total, _| self.misfit.add(total, UNPAIRED));
         }
-        let beta = snapped.iter().enumerate().filter(|(i, _)| self.is_reduction(*i)).map(|(_, &b)| b);
+        let beta = snapped
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| self.is_reduction(*i))
+            .map(|(_, &b)| b);
         misfit + self.penalty.map_or(0.0, |p| p.of(beta))
     }
 
@@ -222,7 +247,10 @@ fn check_terms(model: &Model, parameters: &[Parameter]) -> Result<()> {
         if parameter.terms.iter().all(|&t| terms[t].is_zero()) {
             return Err(Error::input(
                 format!("parameters[{i}]"),
-                format!("{kind} term(s) {:?}, which are zero in this model", parameter.terms),
+                format!(
+                    "{kind} term(s) {:?}, which are zero in this model",
+                    parameter.terms
+                ),
                 "a parameter that changes the model",
             )
             .remedy("Give the spring or mass a nominal value, or leave the parameter out."));

@@ -8,10 +8,15 @@ pub const UNPAIRED: f64 = 1.0;
 #[must_use]
 pub fn nearest(analytic_hz: &[f64], measured_hz: f64) -> Option<f64> {
     let above = analytic_hz.partition_point(|&a| a < measured_hz);
-    match (above.checked_sub(1).map(|i| analytic_hz[i]), analytic_hz.get(above)) {
-        (Some(low), Some(&high)) => {
-            Some(if high - measured_hz < measured_hz - low { high } else { low })
-        }
+    match (
+        above.checked_sub(1).map(|i| analytic_hz[i]),
+        analytic_hz.get(above),
+    ) {
+        (Some(low), Some(&high)) => Some(if high - measured_hz < measured_hz - low {
+            high
+        } else {
+            low
+        }),
         (low, high) => low.or(high.copied()),
     }
 }

@@ -16,8 +16,9 @@ impl Penalty {
     /// Penalty of the severities `beta`.
     #[must_use]
     pub fn of(&self, beta: impl Iterator<Item = f64>) -> f64 {
-        let (sum, count) =
-            beta.fold((0.0, 0_usize), |(sum, count), b| (sum + b, count + usize::from(b > 0.0)));
+        let (sum, count) = beta.fold((0.0, 0_usize), |(sum, count), b| {
+            (sum + b, count + usize::from(b > 0.0))
+        });
         self.gamma1 * sum + self.gamma2 * count as f64
     }
 }
@@ -28,7 +29,10 @@ mod tests {
 
     #[test]
     fn counts_only_damaged_elements() {
-        let penalty = Penalty { gamma1: 0.1, gamma2: 0.2 };
+        let penalty = Penalty {
+            gamma1: 0.1,
+            gamma2: 0.2,
+        };
         assert_eq!(penalty.of([0.0, 0.0].into_iter()), 0.0);
         assert!((penalty.of([0.0, 0.5, 0.25].into_iter()) - (0.075 + 0.4)).abs() < 1e-15);
     }

@@ -1,0 +1,62 @@
+# Every target makes what it needs: a .venv of its own, the built extension, the tools.
+# The Rust target directory and .venv stay inside this clone.
+
+# The first Python of at least 3.11; override with make PYTHON=/path/to/python.
+NEW_ENOUGH := import sys; sys.exit(sys.version_info < (3, 11))
+PYTHON ?= $(shell for p in python3 python3.11 python3.12 python3.13 python3.14 python; do \
+	"$$p" -c '$(NEW_ENOUGH)' 2>/dev/null && echo "$$p" && break; done)
+VENV   := .venv
+BIN    := $(VENV)/bin
+STAMP  := $(VENV)/.installed
+RUST   := $(shell find rust -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
+
+.DEFAULT_GOAL := all
+.PHONY: all help demo test test-rust test-python lint format build wheel bench clean
+
+all: format lint build test  ## format, lint, build and test
+
+help:  ## list the targets
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
+
+demo: build  ## build, then run the eight-mass chain from record to damage
+	$(BIN)/antires demo --out demo_output
+
+test: test-rust test-python  ## cargo and pytest suites
+
+test-rust:  ## tests of the Rust core
+	cargo test --locked
+
+test-python: build  ## tests of the Python package
+	$(BIN)/python -m pytest
+
+lint: build  ## clippy, rustdoc, ruff, mypy
+	cargo fmt --check
+	cargo clippy --locked --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps -p antires-core
+	$(BIN)/ruff check python tests examples benchmarks
+	$(BIN)/mypy
+
+format:  ## format the Rust sources
+	cargo fmt
+
+build: $(STAMP)  ## make .venv and build the extension into it
+
+$(STAMP): pyproject.toml $(RUST)
+	@test -n "$(PYTHON)" || { echo "No Python of at least 3.11 found: make PYTHON=/path/to/python" >&2; exit 1; }
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check "maturin>=1.9.4,<2" $(TEST_TOOLS)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --editable ".[all]"
+	touch $@
+
+# The tools of the dependency group "test" in pyproject.toml (older pip cannot read groups).
+TEST_TOOLS = $(shell $(PYTHON) -c 'import tomllib; print(*(chr(34) + t + chr(34) for t in tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["test"]))')
+
+wheel: build  ## build a wheel into dist/
+	$(BIN)/maturin build --release --locked --out dist
+
+bench: build  ## speed and accuracy tables of the README
+	$(BIN)/python benchmarks/objective_speed.py
+	$(BIN)/python benchmarks/chain8_study.py
+
+clean:  ## remove everything that was built
+	rm -rf $(VENV) target dist demo_output python/antires_rs/*.so

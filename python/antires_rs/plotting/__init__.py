@@ -1,0 +1,20 @@
+"""Pictures, with matplotlib (``pip install "antires-rs[plot]"``).
+
+Every function draws into ``ax`` and returns it. Without ``ax`` it makes a new pyplot figure, so that
+``plt.show()`` and notebooks display it as usual; no style, backend or rcParam is ever changed. Colours are
+those of Okabe and Ito, and no curve, bar or mark is told from another by colour alone.
+"""
+
+from .convergence import plot_convergence
+from .damage import plot_damage
+from .differences import plot_differences
+from .stabilization import plot_stabilization
+from .transmissibility import plot_transmissibility
+
+__all__ = [
+    "plot_convergence",
+    "plot_damage",
+    "plot_differences",
+    "plot_stabilization",
+    "plot_transmissibility",
+]

@@ -1,0 +1,112 @@
+"""Transmissibility: measured, and of the model before and after updating."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._validation import FloatArray, frequency_band, reject
+from ..signals import FrequencyResponse
+from ..spectra import transmissibility_sum
+from .canvas import COLOURS, below, new_axes
+
+if TYPE_CHECKING:
+    from ..models import StructuralModel
+
+__all__ = ["plot_transmissibility"]
+
+
+def plot_transmissibility(measured: FrequencyResponse, before: StructuralModel,
+                          after: StructuralModel | None = None, *, dof: int | None, excitation: int,
+                          damping_ratio: Any = 0.01, band_hz: Sequence[float] | None = None,
+                          ax: Any = None) -> Any:
+    """Draw ``abs(T_pj)`` in dB, as measured and as the models have it.
+
+    Its peaks are the antiresonances of the reference j, whatever p.
+
+    Parameters
+    ----------
+    measured : FrequencyResponse
+        Of ``kind="transmissibility"``, its dofs being dofs of the models.
+    before : MassSpringChain or MatrixModel
+        The nominal model.
+    after : MassSpringChain or MatrixModel, optional
+        The updated model.
+    dof : int or None
+        Response p; None draws the sum over all of them (:func:`~antires_rs.transmissibility_sum`).
+    excitation : int
+        Dof of the force in the models.
+    damping_ratio : float or array_like, (n_modes,)
+        Modal damping of the models, which an updating of stiffness and mass does not find. It sets the
+        height of the peaks, not their place.
+    band_hz : (low, high), optional
+        Lines drawn; all of the data by default.
+    ax : matplotlib.axes.Axes, optional
+        Drawn into; a new figure by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InvalidInputError
+        FRFs instead of transmissibilities, a dof that was not measured or is the reference itself.
+    MissingDependencyError
+        matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> from antires_rs.plotting import plot_transmissibility
+    >>> from matplotlib.figure import Figure
+    >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
+    >>> rec = chain.simulate(excitation=0, fs_hz=20.0, duration_s=60.0, damping_ratio=0.01, rng=0)
+    >>> t = ar.transmissibility(rec, 0, nperseg=256)
+    >>> plot_transmissibility(t, chain, dof=2, excitation=0, ax=Figure().subplots()).get_ylabel()
+    '|T| of dof 2 over dof 0 (dB re 1)'
+    """
+    if not isinstance(measured, FrequencyResponse) or measured.kind != "transmissibility":
+        reject("measured", getattr(measured, "kind", type(measured).__name__),
+               "a FrequencyResponse of kind 'transmissibility'")
+    others = [d for d in measured.dofs if d != measured.reference]
+    if dof is not None and dof not in others:
+        reject("dof", dof, f"one of {others}, or None for their sum",
+               "The reference over itself is one everywhere.")
+    ax = new_axes(ax, (9.0, 4.5))
+    freq = measured.freq_hz
+    low, high = (float(freq[0]), float(freq[-1])) if band_hz is None else frequency_band(
+        "band_hz", band_hz, low_hz=float(freq[0]), high_hz=float(freq[-1]))
+    # A free structure moves without bound at 0 Hz.
+    keep = (freq >= low) & (freq <= high) & (freq > 0.0)
+    shown = FrequencyResponse(freq[keep], measured.values[:, keep], measured.dofs, "transmissibility",
+                              measured.reference)
+    ax.plot(shown.freq_hz, _decibel(shown, dof), color="#C4C4C4", lw=4.0, label="measured")
+    models = [("model" if after is None else "model before updating", before, "--", "vermillion"),
+              ("model after updating", after, "-", "blue")]
+    for name, model, dashes, colour in models:
+        if model is not None:
+            level = _decibel(_of_model(model, shown, excitation, damping_ratio), dof)
+            ax.plot(shown.freq_hz, level, ls=dashes, lw=1.2, color=COLOURS[colour], label=name)
+    ax.set_xlim(low, high)
+    ax.set_xlabel("Frequency (Hz)")
+    what = "Sum of T" if dof is None else f"|T| of dof {dof}"
+    ax.set_ylabel(f"{what} over dof {measured.reference} (dB re 1)")
+    ax.grid(alpha=0.25)
+    below(ax, 3)
+    return ax
+
+
+def _of_model(model: StructuralModel, like: FrequencyResponse, excitation: int,
+              damping_ratio: Any) -> FrequencyResponse:
+    """The model's transmissibilities at the same dofs, reference and lines."""
+    h = model.frf(list(like.dofs), excitation, like.freq_hz, damping_ratio=damping_ratio)
+    reference = h[like.dofs.index(like.reference)]
+    return FrequencyResponse(like.freq_hz, h / reference, like.dofs, "transmissibility", like.reference)
+
+
+def _decibel(response: FrequencyResponse, dof: int | None) -> FloatArray:
+    values = transmissibility_sum(response) if dof is None else response.values[response.dofs.index(dof)]
+    return np.asarray(20.0 * np.log10(np.maximum(np.abs(values), 1e-15)))

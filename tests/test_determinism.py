@@ -1,0 +1,62 @@
+"""The same seed gives the same bytes, whatever the number of threads (row 9)."""
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+
+CASE = ar.cases.chain8()
+#: Small enough for a test, large enough for migrations, the point where islands meet.
+SEARCH = {"max_evaluations": 6000, "patience": 5}
+
+
+def everything(result):
+    """Every number of a search, as bytes."""
+    search = result.search
+    arrays = (search.x, search.history.nfev, search.history.cost, search.history.migrations,
+              search.populations, search.population_costs)
+    return [np.ascontiguousarray(a).tobytes() for a in arrays] + [search.fun.hex(), search.nfev, search.nit,
+                                                                  search.status, search.message]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_identical_bytes_for_1_2_3_and_8_threads(seed):
+    problem = CASE.updating_problem(CASE.exact()) if seed % 2 else CASE.damage_problem()
+    first, *others = (ar.update(problem, optimizer=ar.IslandGA(**SEARCH), rng=seed, workers=threads)
+                      for threads in (1, 2, 3, 8))
+    assert first.history.migrations.size > 0
+    for other in others:
+        assert everything(other) == everything(first)
+
+
+def test_other_seeds_give_other_searches():
+    problem = CASE.damage_problem()
+    outcomes = {everything(ar.update(problem, optimizer=ar.IslandGA(**SEARCH), rng=seed))[4]
+                for seed in range(5)}
+    assert len(outcomes) == 5
+
+
+def test_a_generator_and_an_integer_of_the_same_seed_agree():
+    problem, ga = CASE.damage_problem(), ar.IslandGA(max_evaluations=1000)
+    by_number = ar.update(problem, optimizer=ga, rng=4)
+    by_generator = ar.update(problem, optimizer=ga, rng=np.random.default_rng(4))
+    assert everything(by_number) == everything(by_generator)
+    assert by_number.seed == by_generator.seed
+
+
+def test_evaluate_many_is_cost_row_by_row_for_any_number_of_threads():
+    problem = CASE.damage_problem()
+    low, high = problem.bounds.T
+    candidates = np.random.default_rng(1).uniform(low, high, (200, 7))
+    one_by_one = np.array([problem.cost(x) for x in candidates])
+    for threads in (1, 2, 3, 8, None):
+        assert problem.evaluate_many(candidates, workers=threads).tobytes() == one_by_one.tobytes()
+
+
+def test_python_and_rust_searches_of_one_objective_agree():
+    """The same candidates in the same order: the search does not know who computes the cost."""
+    problem, ga = CASE.updating_problem(), ar.IslandGA(max_evaluations=2000)
+    inside = ar.update(problem, optimizer=ga, rng=6)
+    outside = ga.minimize(problem.evaluate_many, problem.bounds, rng=6, vectorized=True)
+    assert outside.x.tobytes() == inside.x.tobytes()
+    assert outside.populations.tobytes() == inside.search.populations.tobytes()

@@ -1,0 +1,44 @@
+"""Every tolerance of these tests, with its reason."""
+
+# ---- antiresonances -------------------------------------------------------------------------------
+#: Bar of the comparison with scipy.linalg.eig over random models, relative, in Hz.
+AGAINST_SCIPY = 1e-7
+#: Both routes and a closed form of a small chain: a well-conditioned problem, 1e-12 in practice.
+CLOSED_FORM = 1e-9
+#: A QZ root whose first-order uncertainty exceeds this part of its distance from zero and infinity is
+#: taken for zero or infinite: a scattered infinite one of multiplicity m has 1/m, finite ones < 1e-5.
+ORACLE_UNCERTAINTY = 1e-3
+#: Imaginary part, relative, below which a simple root counts as real.
+REAL_ROOT = 1e-9
+#: Uncertainties of a QZ root within which it belongs to a multiple one: a defective pair lies one
+#: uncertainty apart over n, a margin of ten covers the constants.
+CLUSTER = 10.0
+#: Roots below this part of the highest eigenvalue are the rigid-body ones at zero.
+ZERO_ROOT = 1e-9
+#: A QZ root of larger uncertainty leaves open whether it is finite: that pair says nothing and is skipped.
+DOUBTFUL = 1e-6
+#: Residue, relative to the largest, below which dof and mode do not see each other (the definition).
+NEGLIGIBLE_RESIDUE = 1e-12
+#: Eigenvalues closer than this many n ulp of the largest are one, repeated: rounding of eigh.
+REPEATED = 64.0
+#: A root that cancels lies on its pole, relatively in omega squared, but for rounding of both.
+ON_A_POLE = 1e-6
+#: Eigenvalues and orthonormality against LAPACK, relative to the largest: n ulp with a margin of 1000.
+EIGH = 1e-11
+#: Frequency response against a direct inverse, relative to the largest value: near a resonance the
+#: condition of K - w^2 M reaches 1e5.
+FRF = 1e-9
+#: A few floating-point operations.
+ROUNDING = 1e-14
+
+# ---- simulated records ----------------------------------------------------------------------------
+#: Level, whiteness and independence of noise over 32768 samples: 1/sqrt(n) is 0.0055, six of them.
+RECORD_STATISTICS = 0.035
+#: Mean of an H1 estimate: standard errors allowed beside its bias.
+H1_SIGMAS = 5.0
+
+# ---- optimizer ------------------------------------------------------------------------------------
+#: The sphere at the search's own stop: agreement in cost to 1e-4 of improvement leaves this in x.
+SPHERE = 2e-3
+#: Spread of the islands' bests that counts as agreement (the option's default, bounds of width 1).
+GENE_AGREEMENT = 1e-6
