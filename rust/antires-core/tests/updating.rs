@@ -1,0 +1,189 @@
+//! The whole core: measured antiresonances in, parameters out.
+
+use antires_core::fem::chain::mass_spring_chain;
+use antires_core::fem::model::Model;
+use antires_core::fem::parameters::{Parameter, Quantity};
+use antires_core::modal::antiresonances::{Query, Route, antiresonances};
+use antires_core::optimize::{
+    Bounds, Hooks, IslandOptions, Objective, Outcome, minimize_objective,
+};
+use antires_core::update::misfit::Misfit;
+use antires_core::update::objective::{AntiresonanceObjective, Target};
+use antires_core::update::penalties::Penalty;
+
+const PAPER: Penalty = Penalty {
+    gamma1: 0.1,
+    gamma2: 0.1,
+};
+
+fn chain8(springs: [f64; 7]) -> Model {
+    let mut masses = [0.4194; 8];
+    masses[0] = 0.5593;
+    mass_spring_chain(&masses, &springs, 0.0, 0.0).unwrap()
+}
+
+fn reductions() -> Vec<Parameter> {
+    (0..7)
+        .map(|term| Parameter {
+            quantity: Quantity::StiffnessReduction,
+            terms: vec![term],
+        })
+        .collect()
+}
+
+/// Exact zeros, each shifted by a fixed pattern of up to `error`, as an identification would.
+fn targets(model: &Model, error: f64) -> Vec<Target> {
+    let query = Query {
+        route: Route::Pencil,
+        f_max_hz: f64::INFINITY,
+        include_cancelled: false,
+    };
+    let dofs: Vec<usize> = (0..8).collect();
+    let mut count = 0;
+    antiresonances(model, &dofs, 0, &query)
+        .unwrap()
+        .into_iter()
+        .enumerate()
+        .map(|(dof, zeros)| {
+            let freq_hz = zeros
+                .freq_hz
+                .into_iter()
+                .map(|f| {
+                    count += 1;
+                    f * (1.0 + error * (2.3 * f64::from(count)).sin())
+                })
+                .collect();
+            Target {
+                dof,
+                excitation: 0,
+                freq_hz,
+            }
+        })
+        .collect()
+}
+
+fn damage_objective(error: f64, snap: f64) -> AntiresonanceObjective {
+    let mut springs = [56.7e3; 7];
+    springs[4] *= 0.45;
+    let measured = targets(&chain8(springs), error);
+    let intact = chain8([56.7e3; 7]);
+    AntiresonanceObjective::new(
+        intact,
+        reductions(),
+        measured,
+        Misfit::Absolute,
+        Some(PAPER),
+        snap,
+    )
+    .unwrap()
+}
+
+fn search(objective: &AntiresonanceObjective, seed: u64, threads: usize) -> Outcome {
+    let bounds = Bounds::uniform(7, 0.0, 0.99).unwrap();
+    minimize_objective(
+        objective,
+        &bounds,
+        &[],
+        &IslandOptions::default(),
+        seed,
+        threads,
+        &mut Hooks::default(),
+    )
+    .unwrap()
+}
+
+#[test]
+fn the_truth_costs_its_penalties_and_nothing_more() {
+    let objective = damage_objective(0.0, 0.0);
+    let mut workspace = objective.workspace();
+    let truth = [0.0, 0.0, 0.0, 0.0, 0.55, 0.0, 0.0];
+    let cost = objective.cost(&truth, &mut workspace);
+    assert!((cost - (0.1 * 0.55 + 0.1)).abs() < 1e-9, "{cost}");
+    assert!(objective.cost(&[0.0; 7], &mut workspace) > 1.0);
+}
+
+#[test]
+fn a_negligible_severity_is_not_charged_once_it_is_snapped() {
+    let x = [1e-6, 0.0, 1e-6, 0.0, 0.55, 1e-6, 0.0];
+    let as_printed = damage_objective(0.0, 0.0);
+    let snapped = damage_objective(0.0, 1e-3);
+    let cost = |o: &AntiresonanceObjective| o.cost(&x, &mut o.workspace());
+    assert!((cost(&as_printed) - cost(&snapped) - 0.3).abs() < 1e-4);
+    let mut repaired = x;
+    snapped.repair(&mut repaired);
+    assert_eq!(repaired, [0.0, 0.0, 0.0, 0.0, 0.55, 0.0, 0.0]);
+}
+
+#[test]
+fn the_damaged_spring_is_found_from_imperfect_measurements() {
+    for seed in [1, 2, 3] {
+        let outcome = search(&damage_objective(1e-3, 1e-3), seed, 2);
+        assert!(outcome.status.success(), "{:?}", outcome.status);
+        for (spring, &beta) in outcome.x.iter().enumerate() {
+            if spring == 4 {
+                assert!((beta - 0.55).abs() < 0.01, "{beta}");
+            } else {
+                assert_eq!(beta, 0.0, "spring {spring} of seed {seed}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_outcome_does_not_depend_on_the_number_of_threads() {
+    let objective = damage_objective(1e-3, 1e-3);
+    let one = search(&objective, 7, 1);
+    for threads in [2, 3, 8] {
+        let many = search(&objective, 7, threads);
+        assert_eq!((&one.x, one.fun, one.nfev), (&many.x, many.fun, many.nfev));
+        assert_eq!(one.history.best_costs(), many.history.best_costs());
+        for (a, b) in one.islands.iter().zip(&many.islands) {
+            assert_eq!(a.population, b.population);
+        }
+    }
+}
+
+#[test]
+fn the_cost_is_finite_everywhere_even_where_a_spring_is_gone() {
+    let objective = damage_objective(0.0, 0.0);
+    let mut workspace = objective.workspace();
+    for mask in 0..128_u32 {
+        let x: Vec<f64> = (0..7).map(|i| f64::from((mask >> i) & 1)).collect();
+        let cost = objective.cost(&x, &mut workspace);
+        assert!(cost.is_finite() && cost >= 0.0, "{x:?}: {cost}");
+    }
+}
+
+#[test]
+fn wrong_problems_are_refused_by_name() {
+    let build = |parameters, targets, snap| {
+        let model = chain8([56.7e3; 7]);
+        let objective = AntiresonanceObjective::new(
+            model,
+            parameters,
+            targets,
+            Misfit::Absolute,
+            Some(PAPER),
+            snap,
+        );
+        objective.err().expect("refused").to_string()
+    };
+    let at = |dof, excitation, freq| {
+        vec![Target {
+            dof,
+            excitation,
+            freq_hz: vec![freq],
+        }]
+    };
+    let ground = Parameter {
+        quantity: Quantity::StiffnessFactor,
+        terms: vec![7],
+    };
+    assert!(build(reductions(), at(8, 0, 1.0), 0.0).starts_with("measured: got dof 8"));
+    assert!(build(reductions(), at(0, 9, 1.0), 0.0).starts_with("excitation: got dof 9"));
+    assert!(build(reductions(), at(0, 0, -1.0), 0.0).contains("positive"));
+    assert!(build(reductions(), vec![], 0.0).contains("at least one"));
+    assert!(build(vec![], at(0, 0, 1.0), 0.0).starts_with("parameters"));
+    assert!(build(vec![ground], at(0, 0, 1.0), 0.0).contains("changes the model"));
+    assert!(build(reductions(), at(0, 0, 1.0), 0.1).starts_with("snap"));
+}
