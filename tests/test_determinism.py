@@ -7,7 +7,7 @@ import antires_rs as ar
 
 CASE = ar.cases.chain8()
 #: Small enough for a test, large enough for migrations, the point where islands meet.
-SEARCH = {"max_evaluations": 6000, "patience": 5}
+SEARCH = {"max_evaluations": 6000, "patience": 5, "improvement_tolerance": 0.02}
 
 
 def everything(result):

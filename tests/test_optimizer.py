@@ -5,9 +5,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from tolerances import GENE_AGREEMENT, SPHERE
 
 import antires_rs as ar
+from tolerances import GENE_AGREEMENT, SPHERE
 
 BOX = [(-1.0, 1.0)] * 3
 SHORT = {"max_evaluations": 2000}

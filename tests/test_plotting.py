@@ -180,11 +180,18 @@ def test_differences_are_the_tables_and_grouped_by_response(updated, ax):
 
 
 def test_differences_mark_what_has_no_partner(ax):
-    columns = ([0, 0, 1], [10.0, 20.0, 15.0], [10.4, np.nan, 15.3], [np.nan, np.nan, np.nan])
+    columns = ([0, 0, 1], [0, 0, 0], [10.0, 20.0, 15.0], [10.4, np.nan, 15.3], [np.nan, np.nan, np.nan])
     plotting.plot_differences(ar.FrequencyTable(*map(np.array, columns)), ax=ax)
     assert len(ax.containers[0]) == 2
     assert "before updating: no partner (1)" in labels(ax)
     assert "after updating, no partner at all" in labels(ax)
+
+
+def test_differences_of_several_forces_name_both_dofs(ax):
+    columns = ([0, 1, 1], [0, 0, 2], [10.0, 20.0, 15.0], [10.4, 20.0, 15.3], [10.0, 20.0, 15.0])
+    plotting.plot_differences(ar.FrequencyTable(*map(np.array, columns)), ax=ax)
+    assert texts(ax) == ["0, 0", "1, 0", "1, 2"]
+    assert "response and force dof" in ax.get_xlabel()
 
 
 def test_damage_has_one_bar_an_element_and_prints_the_severity(damage, ax):
@@ -233,8 +240,8 @@ def test_convergence_shows_each_island_and_the_migrations(damage, ax):
 
 
 def test_convergence_of_any_search_down_to_zero(ax):
-    found = ar.IslandGA(islands=9, max_evaluations=3000).minimize(lambda x: float(np.abs(x).sum()), [(0, 1)] * 2,
-                                                                  rng=0)
+    ga = ar.IslandGA(islands=9, max_evaluations=3000)
+    found = ga.minimize(lambda x: float(np.abs(x).sum()), [(0, 1)] * 2, rng=0)
     plotting.plot_convergence(found, ax=ax)
     assert found.fun == 0.0
     assert ax.get_yscale() == "linear"  # zero has no place on a logarithmic axis

@@ -13,6 +13,7 @@ import antires_rs as ar
 from antires_rs import report
 from antires_rs.report import write_report
 
+TITLE = "<script>alert('K & M')</script>"
 VOID = {"meta", "img", "br", "link"}
 
 
@@ -58,7 +59,8 @@ def updated():
 @pytest.fixture(scope="module")
 def damage():
     intact = ar.MassSpringChain(np.ones(4), np.full(3, 500.0))
-    return ar.assess_damage(intact, exact(ar.MassSpringChain(np.ones(4), [500.0, 300.0, 500.0])), rng=0, workers=1)
+    measured = exact(ar.MassSpringChain(np.ones(4), [500.0, 300.0, 500.0]))
+    return ar.assess_damage(intact, measured, rng=0, workers=1)
 
 
 def test_updating_report_is_one_complete_self_contained_file(updated, tmp_path):
@@ -78,15 +80,15 @@ def test_updating_report_is_one_complete_self_contained_file(updated, tmp_path):
         assert f"{value:.4f}" in text
     for note in updated.notes:
         assert note in text
-    for fact in (str(updated.seed), updated.message, f"{updated.nfev:,} evaluations", "numpy", "scipy", "python",
-                 f"antires_rs {ar.__version__}"):
+    for fact in (str(updated.seed), updated.message, f"{updated.nfev:,} evaluations", "numpy", "scipy",
+                 "python", f"antires_rs {ar.__version__}"):
         assert fact in text
 
 
 def test_each_dof_is_named_once(updated, tmp_path):
     html, _, _ = read(write_report(updated, tmp_path / "run.html"))
-    groups = re.findall(r'<tr class="group"><td class="name">(\d+)</td>', html)
-    assert groups == ["0", "1", "2"]
+    groups = re.findall(r'<tr class="group"><td class="name">(\d+)</td>\s*<td>(\d+)</td>', html)
+    assert groups == [("0", "0"), ("1", "0"), ("2", "0")]
     assert html.count('<td class="name"></td>') == updated.table.dof.size - 3
 
 
@@ -119,21 +121,34 @@ def test_evidence_and_measured_response_join_on_request(updated, tmp_path):
     assert "Transmissibilities over dof 0" in text
 
 
+def test_several_positions_of_the_force(tmp_path):
+    true = ar.MassSpringChain(np.ones(4), [500.0, 450.0, 520.0])
+    sets = [ar.AntiresonanceSet(k, {1: true.antiresonances(1, k)}) for k in (0, 3)]
+    problem = ar.UpdatingProblem(ar.MassSpringChain(np.ones(4), np.full(3, 500.0)),
+                                 ar.stiffness_factor(range(3), bounds=(0.8, 1.2)), sets)
+    result = ar.update(problem, rng=0, workers=1, optimizer=ar.IslandGA(max_evaluations=1000))
+    html, _, text = read(write_report(result, tmp_path / "r.html"))
+    assert "force at dof 0, 3;" in text
+    assert html.count('class="group"') == 2
+
+
 def test_text_is_escaped(updated, tmp_path):
-    html, _, text = read(write_report(updated, tmp_path / "run.html", title="<script>alert('K & M')</script>"))
+    html, _, text = read(write_report(updated, tmp_path / "run.html", title=TITLE))
     assert "<script" not in html
-    assert "<script>alert('K & M')</script>" in text
+    assert TITLE in text
 
 
 def test_a_model_without_partners_still_reports(tmp_path):
-    # One antiresonance in H_21 of three masses, two measured ones: the second has no partner of its own, and
-    # dof 2 has none at all.
+    # H_21 of this symmetric chain has its only antiresonance at a resonance that it does not see, and H_31
+    # has none: nothing to pair with, until the springs differ.
     nominal = ar.MassSpringChain(np.ones(3), [500.0, 500.0])
     problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)),
                                  ar.AntiresonanceSet(0, {1: [3.5], 2: [4.0]}))
     result = ar.update(problem, rng=0, workers=1, optimizer=ar.IslandGA(max_evaluations=1000))
+    assert np.isnan(result.table.largest_before_percent)
     assert np.isnan(result.table.after_hz[1])
-    assert "no partner" in read(write_report(result, tmp_path / "r.html"))[2]
+    _, _, text = read(write_report(result, tmp_path / "r.html"))
+    assert "Largest antiresonance difference: no partner at all before" in text
 
 
 def test_a_failure_leaves_the_old_report_and_no_litter(updated, tmp_path, monkeypatch):

@@ -42,3 +42,31 @@ H1_SIGMAS = 5.0
 SPHERE = 2e-3
 #: Spread of the islands' bests that counts as agreement (the option's default, bounds of width 1).
 GENE_AGREEMENT = 1e-6
+
+# ---- updating --------------------------------------------------------------------------------------
+#: Cost against the same formulas in numpy: both carry the rounding of an 8 x 8 eigenproblem.
+COST = 1e-9
+#: Severity found on exact data (the optimizer's gene tolerance, over a bound range of 0.99).
+EXACT_SEVERITY = 1e-4
+#: Smallest visible severity of springs 1 and 2, "about" 10 and 5 %.
+DETECTABLE_PERCENT = 1.5
+#: Largest difference after updating on exact data with a budget of 30,000: 0.58 % is the paper's own.
+UPDATED_PERCENT = 0.58
+
+# ---- laws ------------------------------------------------------------------------------------------
+#: Laws of small, well-conditioned chains: a hundred thousand ulp, for the sums and roots on the way.
+LAW = 1e-10
+#: Components of the rigid-body shape: its eigenvalue is separated by at least the softest mode.
+RIGID = 1e-9
+#: Receptance at a zero over that one per cent aside, where the slope alone would give 0.
+DIP = 1e-6
+#: Products of a few factors, added to and taken from a sum of two springs.
+FACTORS = 1e-14
+#: Error of an identified antiresonance on a clean record: the bar of the identification.
+IDENTIFIED_PERCENT = 0.5
+#: Error of the severity at 1 % sensor noise: the bar.
+NOISY_SEVERITY = 0.02
+
+# ---- interruption ----------------------------------------------------------------------------------
+#: Seconds from Ctrl-C to the end of the process: the bar is 1, doubled for slow machines.
+INTERRUPT_S = 2.0

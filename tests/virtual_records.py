@@ -78,6 +78,8 @@ def hit_record(stiffness, mass, *, excitation=0, fs_hz=512.0, hit_times_s=(0.5,)
         inside = (t >= hit) & (t < hit + pulse_s)
         force[inside] += (0.8 + 0.4 * rng.random()) * np.sin(np.pi * (t[inside] - hit) / pulse_s)
     freq = np.fft.rfftfreq(n_long, 1 / fs_hz)
-    x = np.fft.irfft(accelerance(stiffness, mass, excitation, freq, damping_ratio) * np.fft.rfft(force), n_long)
+    x = np.fft.irfft(
+        accelerance(stiffness, mass, excitation, freq, damping_ratio) * np.fft.rfft(force), n_long
+    )
     n = round(duration_s * fs_hz)
     return _add_noise(x[:, :n], noise, rng), force[:n]

@@ -10,6 +10,8 @@ _Floats = NDArray[np.float64]
 _Term = tuple[NDArray[np.uint32], NDArray[np.uint32], _Floats]
 _Progress = Callable[[dict[str, Any]], bool | None]
 
+__all__ = ["AntiresonanceObjective", "Model", "__version__", "island_options", "minimize"]
+
 __version__: str
 
 @final

@@ -49,4 +49,5 @@ def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Ite
 def _line(state: State, budget: int, seconds: float) -> str:
     waiting = sum(1 for _, name in state["islands"] if name == "waiting")
     return (f"{state['nfev']:>9,} of at most {budget:,} evaluations   best J {state['fun']:.6g}   "
-            f"generation {state['nit']}   {waiting}/{len(state['islands'])} islands waiting   {seconds:.0f} s ")
+            f"generation {state['nit']}   {waiting}/{len(state['islands'])} islands waiting   "
+            f"{seconds:.0f} s ")

@@ -61,6 +61,23 @@ def complex_array(name: str, value: Any, *, ndim: int | None, wanted: str) -> Co
     return _array(name, value, np.complex128, ndim, wanted)
 
 
+def shape_of(value: Any) -> tuple[int, ...]:
+    """Shape of anything array-like; of a ragged sequence, which has none, its length."""
+    try:
+        return np.shape(value)
+    except ValueError:
+        return (len(value),)
+
+
+def random_generator(rng: Any) -> np.random.Generator:
+    """The generator given, or one seeded by the integer given, or by the system."""
+    if rng is None or isinstance(rng, np.random.Generator):
+        return np.random.default_rng(rng)
+    if isinstance(rng, bool | np.bool_) or not isinstance(rng, int | np.integer) or rng < 0:
+        reject("rng", rng, "an integer of at least 0, a numpy Generator or None")
+    return np.random.default_rng(int(rng))
+
+
 def finite_scalar(name: str, value: Any, *, low: float = -np.inf, high: float = np.inf,
                   low_open: bool = False, high_open: bool = False, unit: str = "") -> float:
     """One finite real number inside an interval."""
@@ -68,7 +85,7 @@ def finite_scalar(name: str, value: Any, *, low: float = -np.inf, high: float = 
     bounded = np.isfinite(low) or np.isfinite(high)
     interval = f" in {left}{low:g}, {high:g}{right}" if bounded else ""
     wanted = f"a finite number{interval}{' ' + unit if unit else ''}"
-    if isinstance(value, bool | str | bytes) or np.ndim(value) != 0:
+    if isinstance(value, bool | str | bytes) or shape_of(value) != ():
         reject(name, value, wanted)
     try:
         number = float(value)
@@ -109,7 +126,7 @@ def choice(name: str, value: Any, options: Sequence[T]) -> T:
 def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> tuple[float, float]:
     """A pair (low, high) in Hz with low < high, inside what the data cover."""
     wanted = f"a pair (low, high) in Hz with {low_hz:g} <= low < high <= {high_hz:g}"
-    if np.ndim(value) != 1 or np.shape(value) != (2,):
+    if shape_of(value) != (2,):
         reject(name, value, wanted)
     try:
         low, high = (float(v) for v in value)

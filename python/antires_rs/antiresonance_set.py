@@ -65,8 +65,11 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
                  diagrams: Mapping[Any, Any] | None = None) -> None:
         self.excitation = _label("excitation", excitation)
         if not isinstance(freq_hz, Mapping) or not freq_hz:
-            reject("freq_hz", type(freq_hz).__name__ if not isinstance(freq_hz, Mapping) else "an empty mapping",
-                   "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}")
+            reject(
+                "freq_hz",
+                type(freq_hz).__name__ if not isinstance(freq_hz, Mapping) else "an empty mapping",
+                "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}",
+            )
         self._freq_hz: dict[Any, FloatArray] = {}
         self.damping_ratio: dict[Any, FloatArray] = {}
         self.std_hz: dict[Any, FloatArray] = {}
@@ -91,7 +94,11 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
                     reject(name, f"dof {dof!r}", f"dofs of freq_hz, {tuple(rank)}")
                 values = _values(f"{name}[{dof!r}]", value, "one finite value for each frequency")
                 if values.size != rank[dof].size:
-                    reject(f"{name}[{dof!r}]", f"{values.size} values", f"{rank[dof].size}, one for each frequency")
+                    reject(
+                        f"{name}[{dof!r}]",
+                        f"{values.size} values",
+                        f"{rank[dof].size}, one for each frequency",
+                    )
                 if name == "std_hz" and values.size and values.min() < 0.0:
                     reject(f"{name}[{dof!r}]", f"{values.min():g} Hz", "standard deviations of at least 0 Hz")
                 store[dof] = frozen(values[rank[dof]])
@@ -146,11 +153,13 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         try:
             import pandas as pd
         except ImportError as exc:
-            raise MissingDependencyError("to_dataframe needs pandas; install it with: pip install pandas") from exc
+            raise MissingDependencyError("to_dataframe needs pandas; install it: pip install pandas") from exc
         rows = []
         for dof, freq in self._freq_hz.items():
             unknown = np.full(freq.size, np.nan)
-            for value in zip(freq, self.damping_ratio.get(dof, unknown), self.std_hz.get(dof, unknown), strict=True):
+            for value in zip(
+                freq, self.damping_ratio.get(dof, unknown), self.std_hz.get(dof, unknown), strict=True
+            ):
                 rows.append((dof, *map(float, value)))
         return pd.DataFrame(rows, columns=["dof", "freq_hz", "damping_ratio", "std_hz"])
 
@@ -199,7 +208,8 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         try:
             data = json.loads(Path(path).read_text(encoding="utf-8"))
         except ValueError as exc:
-            raise InvalidInputError(f"path: got {str(path)!r}, which is not JSON ({exc}); wanted {wanted}.") from exc
+            text = f"path: got {str(path)!r}, which is not JSON ({exc}); wanted {wanted}."
+            raise InvalidInputError(text) from exc
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             reject("path", f"{str(path)!r} without the mark {FORMAT!r}", wanted)
         if not isinstance(data.get("version"), int) or data["version"] > VERSION:
@@ -214,7 +224,8 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
                         table[row["dof"]] = row[name]
             return cls(data["excitation"], **tables)
         except (KeyError, TypeError, ValueError) as exc:
-            raise InvalidInputError(f"path: got {str(path)!r}, which is damaged ({exc}); wanted {wanted}.") from exc
+            text = f"path: got {str(path)!r}, which is damaged ({exc}); wanted {wanted}."
+            raise InvalidInputError(text) from exc
 
 
 def _label(name: str, value: Any) -> Any:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._validation import FloatArray
 from .antiresonance_set import AntiresonanceSet
@@ -53,21 +54,26 @@ class Identifiability:
     @property
     def notes(self) -> list[str]:
         """Sentences for the reader; none when every parameter is determined."""
-        n = len(self.names)
-        blind = self.sensitivity <= _UNSEEN
         notes = []
-        if np.any(blind):
-            names = ", ".join(name for name, b in zip(self.names, blind, strict=True) if b)
+        if np.any(self.blind):
+            names = ", ".join(name for name, b in zip(self.names, self.blind, strict=True) if b)
             notes.append(f"Not seen by any measured antiresonance: {names}. The value found is arbitrary.")
-        mixed = n - self.rank - int(blind.sum())
+        mixed = len(self.names) - self.rank - int(self.blind.sum())
         if mixed > 0:
-            # Share of each parameter in the unseen combinations that are not single parameters.
             share = np.sqrt(np.sum(self.unseen**2, axis=0))
-            names = ", ".join(name for name, s, b in zip(self.names, share, blind, strict=True)
-                              if s > _SHARE and not b)
-            notes.append(f"The data determine {self.rank} of {n} parameter combinations; {mixed} common "
-                         f"scale(s) among {names} cannot be told: only their ratios are known.")
+            taking_part = (share > _SHARE) & ~self.blind
+            everyone = bool(np.all(taking_part | self.blind))
+            names = "all parameters that are seen" if everyone else ", ".join(
+                name for name, t in zip(self.names, taking_part, strict=True) if t)
+            combinations = "One combination" if mixed == 1 else f"{mixed} combinations"
+            notes.append(f"{combinations} of {names} cannot be told: a common scale moves no antiresonance, "
+                         f"only ratios are known ({self.rank} of {len(self.names)} combinations are).")
         return notes
+
+    @property
+    def blind(self) -> NDArray[np.bool_]:
+        """Whether no measured antiresonance sees the parameter, (n,)."""
+        return self.sensitivity <= _UNSEEN
 
 
 def identifiability(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
@@ -105,7 +111,8 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
             list(s), s.excitation, f_max_hz=band_hz), strict=True))) for s in problem.measured]
         if not any(len(freq) for s in exact for freq in s.values()):
             return -1.0
-        undamaged = type(problem)(problem.model, problem.parameters, exact, misfit=problem.misfit).cost(np.zeros_like(x))
+        plain = type(problem)(problem.model, problem.parameters, exact, misfit=problem.misfit)
+        undamaged = plain.cost(np.zeros_like(x))
         return undamaged - (penalty.gamma1 * beta + penalty.gamma2 if penalty else 0.0)
 
     visible = []

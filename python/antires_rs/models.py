@@ -14,11 +14,21 @@ import numpy as np
 
 from . import _core
 from ._matrices import as_dense, as_sparse, as_term
-from ._validation import ComplexArray, FloatArray, choice, finite_scalar, integer, real_array, reject
+from ._validation import (
+    ComplexArray,
+    FloatArray,
+    choice,
+    finite_scalar,
+    integer,
+    real_array,
+    reject,
+    shape_of,
+)
 from .exceptions import AntiresWarning, NumericalError
 from .modal_set import ModalSet
 
 if TYPE_CHECKING:
+    from ._core import Model as CoreModel
     from .signals import Recording
 
 __all__ = ["MassSpringChain", "MatrixModel", "StructuralModel"]
@@ -30,14 +40,14 @@ Motion = Literal["accelerance", "mobility", "receptance"]
 class StructuralModel:
     """What every model can do. Build a :class:`MassSpringChain` or a :class:`MatrixModel`."""
 
-    _core: _core.Model
+    _core: CoreModel
 
     @property
     def n_dof(self) -> int:
         """Number of degrees of freedom."""
         return self._core.n_dof
 
-    def _with_core(self, core: _core.Model) -> Self:
+    def _with_core(self, core: CoreModel) -> Self:
         """Return a model of this class around other core matrices (an updated state)."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__)
@@ -144,7 +154,7 @@ class StructuralModel:
         choice("kind", kind, ("accelerance", "mobility", "receptance"))
         rows = self._core.frf(self._dofs("response", response), self._dof("excitation", excitation),
                               freq, self._damping(damping_ratio), kind)
-        return rows[0] if np.ndim(response) == 0 else rows
+        return rows[0] if shape_of(response) == () else rows
 
     def antiresonances(self, response: int | Sequence[int], excitation: int, *,
                        f_max_hz: float | None = None, method: Method = "modal",
@@ -207,7 +217,7 @@ class StructuralModel:
                 warnings.warn(f"response dof {dof} is not connected to excitation dof {excitation}: "
                               "H is identically zero and has no antiresonance.", AntiresWarning, stacklevel=2)
         zeros = [freq for freq, _ in found]
-        return zeros[0] if np.ndim(response) == 0 else zeros
+        return zeros[0] if shape_of(response) == () else zeros
 
     def simulate(self, *, excitation: int, fs_hz: float, duration_s: float, damping_ratio: Any,
                  band_hz: tuple[float, float] | None = None, noise: float = 0.0,
@@ -264,7 +274,7 @@ class StructuralModel:
         return integer(name, value, low=0, high=self.n_dof - 1)
 
     def _dofs(self, name: str, value: Any) -> list[int]:
-        if np.ndim(value) == 0:
+        if shape_of(value) == ():
             return [self._dof(name, value)]
         values = [self._dof(f"{name}[{i}]", v) for i, v in enumerate(value)]
         if not values:

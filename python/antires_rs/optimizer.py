@@ -7,7 +7,7 @@ the same seed gives the same bits for any number of threads.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from . import _core
 from ._progress import watched
-from ._validation import FloatArray, finite_scalar, integer, real_array, reject
+from ._validation import FloatArray, finite_scalar, integer, random_generator, real_array, reject
 from .exceptions import ObjectiveError
 
 __all__ = ["History", "IslandGA", "OptimizeResult"]
@@ -152,7 +152,7 @@ class IslandGA:
         self.max_seconds = None if max_seconds is None else finite_scalar(
             "max_seconds", max_seconds, low=0.0, unit="s")
         if "crossovers" in options:
-            options["crossovers"] = list(options["crossovers"])
+            options["crossovers"] = _texts("crossovers", options["crossovers"])
         for name, value in options.items():
             _check_option_type(name, value)
         #: Every option with its value in force.
@@ -220,16 +220,19 @@ class IslandGA:
 
 
 def seed_of(rng: int | np.random.Generator | None) -> int:
-    """Master seed of a run, drawn from an int seed, a Generator, or the system."""
+    """Master seed of a run: an int as it is, or one drawn from a Generator or the system.
+
+    So the seed kept in a result, passed back as ``rng``, repeats the run.
+    """
     if rng is not None and not isinstance(rng, np.random.Generator):
-        integer("rng", rng, low=0)
+        return integer("rng", rng, low=0, high=2**63 - 1)
     return int(np.random.default_rng(rng).integers(0, 2**63, dtype=np.int64))
 
 
 def thread_count(workers: int | None) -> int:
     """Threads to use: the given number, or the processors this process may run on."""
     if workers is not None:
-        return integer("workers", workers, low=1, high=1024)
+        return integer("workers", workers, low=1, high=_MOST_WORKERS)
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -237,9 +240,13 @@ def thread_count(workers: int | None) -> int:
 
 def check_bounds(bounds: Any) -> FloatArray:
     """Bounds as an (n, 2) array; order and finiteness are checked in the core, by gene."""
-    box = np.asarray(bounds, dtype=np.float64) if np.size(bounds) else np.empty(0)
-    if box.ndim != 2 or box.shape[1] != 2:
-        reject("bounds", f"shape {np.shape(bounds)}", "an array (n, 2) of lower and upper bounds, n >= 1")
+    wanted = "an array (n, 2) of lower and upper bounds, n >= 1"
+    try:
+        box = np.asarray(bounds, dtype=np.float64)
+    except (TypeError, ValueError) as exc:
+        reject("bounds", f"{type(bounds).__name__} that does not convert ({exc})", wanted)
+    if box.ndim != 2 or box.shape[1] != 2 or box.size == 0:
+        reject("bounds", f"shape {box.shape}", wanted)
     return box
 
 
@@ -263,7 +270,7 @@ class _batch:
         self.map: Callable[..., Any] = map
         if callable(workers):
             self.map = workers
-        elif workers is not None and integer("workers", workers, low=1) > 1:
+        elif workers is not None and integer("workers", workers, low=1, high=_MOST_WORKERS) > 1:
             import multiprocessing
             self.pool = multiprocessing.get_context("spawn").Pool(workers)
             self.map = self.pool.map
@@ -279,7 +286,10 @@ class _batch:
         answer = self.fun(candidates) if self.vectorized else list(self.map(self.fun, candidates))
         wanted = f"{len(candidates)} real costs, one for each candidate"
         try:
-            costs = np.asarray(answer, dtype=np.float64)
+            costs = np.asarray(answer)
+            if np.iscomplexobj(costs):
+                raise TypeError("complex costs")
+            costs = costs.astype(np.float64)
         except (TypeError, ValueError) as exc:
             raise ObjectiveError(f"fun: got {type(answer).__name__} that is not numeric ({exc}); "
                                  f"wanted {wanted}.") from exc
@@ -288,18 +298,27 @@ class _batch:
         return costs
 
 
+#: More than any machine has; a larger number is a slip.
+_MOST_WORKERS = 1024
+#: Largest count that the core can hold.
+_MOST = 2**63 - 1
 _INTEGERS = {"islands", "population", "patience", "cost_migrations", "max_evaluations", "max_generations"}
-_TEXTS = {"agreement", "crossovers"}
 
 
 def _check_option_type(name: str, value: Any) -> None:
     """Type of an option; its range is the core's to judge, and so is an unknown name."""
     if name in _INTEGERS:
         if not (name == "max_generations" and value is None):
-            integer(name, value, low=0)
-    elif name in _TEXTS:
-        texts: Sequence[Any] = value if name == "crossovers" else [value]
-        if not all(isinstance(text, str) for text in texts):
-            reject(name, value, "text")
-    elif name in _core.island_options({}):
+            integer(name, value, low=0, high=_MOST)
+    elif name == "agreement":
+        _texts(name, [value])
+    elif name != "crossovers" and name in _core.island_options({}):
         finite_scalar(name, value)
+
+
+def _texts(name: str, value: Any) -> list[str]:
+    """A list of texts."""
+    texts = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else [value]
+    if not all(isinstance(text, str) for text in texts):
+        reject(name, value, "text, or a list of texts where several are possible")
+    return texts

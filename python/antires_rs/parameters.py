@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ._validation import choice, finite_scalar, integer, reject
+from ._validation import choice, finite_scalar, integer, reject, shape_of
 
 __all__ = ["Parameter", "mass_factor", "stiffness_factor", "stiffness_reduction"]
 
@@ -152,7 +152,7 @@ def mass_factor(terms: Any, *, bounds: tuple[float, float], together: bool = Fal
 
 def _build(quantity: Quantity, terms: Any, bounds: Any, together: bool) -> Any:
     limits = _bounds(bounds, quantity)
-    if np.ndim(terms) == 0:
+    if shape_of(terms) == ():
         return Parameter(quantity, (integer("elements", terms, low=0),), limits)
     indices = [integer(f"elements[{i}]", t, low=0) for i, t in enumerate(terms)]
     if not indices:
@@ -169,7 +169,7 @@ def _bounds(bounds: Any, quantity: Quantity) -> tuple[float, float]:
     factor = quantity != "stiffness_reduction"
     wanted = ("a pair (lower, upper) with 0 < lower <= upper" if factor
               else "a pair (lower, upper) with 0 <= lower <= upper <= 1")
-    if np.shape(bounds) != (2,):
+    if shape_of(bounds) != (2,):
         reject("bounds", bounds, wanted)
     lower, upper = (finite_scalar(f"bounds[{i}]", b, low=0.0,
                                   high=np.inf if factor else 1.0, low_open=factor)

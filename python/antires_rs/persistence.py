@@ -51,7 +51,9 @@ def add_persistent(found: StabilizationDiagram, sweep: PoleSweep, rule: Rule, ch
         opened = np.unique(group[:, 1])[1]
         present = (counts[best] - 1) / (orders[-1] - opened + 1)
         if present >= PRESENCE:
-            new.append((value, float(np.median(group[:, 2])), int(counts[best]), float(np.std(group[:, 0]) / value)))
+            new.append(
+                (value, float(np.median(group[:, 2])), int(counts[best]), float(np.std(group[:, 0]) / value))
+            )
         keep = (pool[:, 0] < value * (1.0 - WIDTH)) | (pool[:, 0] > value * (1.0 + WIDTH))
         keep[first[best]:last[best]] = False
         pool = pool[keep]
@@ -73,8 +75,13 @@ def _dominant(sweep: PoleSweep, orders: Any, found: StabilizationDiagram, snr: F
         moved = s + added
         size = np.abs(moved)
         freq = size / (2 * np.pi)
-        near = (s.imag > 0) & (freq >= found.band_hz[0]) & (freq <= found.band_hz[1]) \
-            & (np.abs(moved.real) <= MAX_DAMPING * size) & flanked[np.clip(np.searchsorted(grid, freq), 0, grid.size - 1)]
+        near = (
+            (s.imag > 0)
+            & (freq >= found.band_hz[0])
+            & (freq <= found.band_hz[1])
+            & (np.abs(moved.real) <= MAX_DAMPING * size)
+            & flanked[np.clip(np.searchsorted(grid, freq), 0, grid.size - 1)]
+        )
         if found.identified.size:
             near &= np.abs(freq[:, None] / found.identified - 1.0).min(axis=1) > WIDTH
         if near.any():
@@ -88,7 +95,10 @@ def _flanked(freq_hz: FloatArray, snr: FloatArray) -> Any:
     good = np.concatenate([[0.0], np.cumsum(snr >= FLANK_SNR)])
 
     def share(low: float, high: float) -> FloatArray:
-        a, b = np.searchsorted(freq_hz, freq_hz * (1.0 + low)), np.searchsorted(freq_hz, freq_hz * (1.0 + high))
+        a, b = (
+            np.searchsorted(freq_hz, freq_hz * (1.0 + low)),
+            np.searchsorted(freq_hz, freq_hz * (1.0 + high)),
+        )
         # The median reaches the limit exactly if at least half the lines do.
         return np.asarray((good[b] - good[a]) / np.maximum(b - a, 1))
 
@@ -97,9 +107,17 @@ def _flanked(freq_hz: FloatArray, snr: FloatArray) -> Any:
 
 def _with(found: StabilizationDiagram, new: list[tuple[float, float, int, float]]) -> StabilizationDiagram:
     freq, damping, rows, spread = (np.array(column) for column in zip(*new, strict=True))
-    joined = [np.concatenate(pair) for pair in (
-        (found.identified, freq), (found.identified_damping, damping), (found.rows, rows), (found.spread, spread),
-        (found.dominance, np.ones(freq.size)), (found.persistent, np.ones(freq.size, dtype=bool)))]
+    joined = [
+        np.concatenate(pair)
+        for pair in (
+            (found.identified, freq),
+            (found.identified_damping, damping),
+            (found.rows, rows),
+            (found.spread, spread),
+            (found.dominance, np.ones(freq.size)),
+            (found.persistent, np.ones(freq.size, dtype=bool)),
+        )
+    ]
     rank = np.argsort(joined[0], kind="stable")
     parts = [frozen(part[rank]) for part in joined]
     return replace(found, identified=parts[0], identified_damping=parts[1], rows=parts[2], spread=parts[3],

@@ -18,7 +18,9 @@ NOISE_PASSES = 4
 LEAST_NOISE = 1e-6
 
 
-def response_vectors(matrix: ComplexArray, noise: FloatArray | None = None) -> tuple[ComplexArray, FloatArray]:
+def response_vectors(
+    matrix: ComplexArray, noise: FloatArray | None = None
+) -> tuple[ComplexArray, FloatArray]:
     """Dominant vectors, (n_channels, n_freq) in the channels' units, and signal-to-noise power, (n_freq,).
 
     ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n). ``noise`` is each channel's noise power in
@@ -38,10 +40,9 @@ def response_vectors(matrix: ComplexArray, noise: FloatArray | None = None) -> t
             left = auto / scale - values[:, -1:] * np.abs(vectors[:, :, -1])**2
             share = np.median(left, axis=0)
             scale = scale * np.maximum(share / max(float(share.mean()), 1e-300), LEAST_NOISE)
-    if known:
-        floor = 1.0
-    else:
-        floor = float(np.median(values[:, :-1].mean(axis=1))) if n > 1 else 0.0
+    floor = 1.0 if known else 0.0
+    if not known and n > 1:
+        floor = float(np.median(values[:, :-1].mean(axis=1)))
     # Exact rank one leaves rounding only.
     floor = max(floor, 1e-15 * float(values[:, -1].max()), 1e-300)
     return np.ascontiguousarray((vectors[:, :, -1] * np.sqrt(used)).T), values[:, -1] / floor

@@ -50,7 +50,7 @@ class Lines:
 
     def channel_snr(self, row: int) -> FloatArray:
         """Signal-to-noise power of one row."""
-        return self.snr * np.abs(self.vectors[row])**2
+        return np.asarray(self.snr * np.abs(self.vectors[row])**2, dtype=np.float64)
 
     def quotients(self, row: int) -> tuple[ComplexArray, FloatArray]:
         """All other rows over one row, and the sum of their squared magnitudes."""
@@ -73,14 +73,16 @@ def lines_of_recording(rec: Recording, band_hz: tuple[float, float], *, use_forc
         if method == "auto":
             require_stationary(rec)
         length = choose_nperseg(rec, band_hz) if nperseg is None else nperseg
-        spectra = cross_spectra(rec, nperseg=length, noverlap=noverlap, window=window, include_force=use_force)
+        spectra = cross_spectra(
+            rec, nperseg=length, noverlap=noverlap, window=window, include_force=use_force
+        )
     spectra = _cut(spectra, band_hz)
     auto = np.einsum("fii->i", spectra.matrix).real
     if not auto.all():
         dead = int(np.flatnonzero(auto == 0.0)[0])
         name = f"dof {rec.dofs[dead]!r}" if dead < rec.n_channels else "the force"
-        raise UnsuitableDataError(f"source: got no signal at all from {name} in the band; wanted a live channel. "
-                                  "Leave the dead channel out of the Recording.")
+        raise UnsuitableDataError(f"source: got no signal at all from {name} in the band; wanted a live "
+                                  "channel. Leave the dead channel out of the Recording.")
     vectors, snr = response_vectors(spectra.matrix, spectra.noise)
     if transient:
         noise, snr = _noise_of_curves(_joined(vectors, auto_by_line=np.einsum("fii->f", spectra.matrix).real))
@@ -109,8 +111,8 @@ def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, 
     power = np.mean(np.abs(values)**2, axis=1)
     if not power.all():
         dead = resp.dofs[int(np.flatnonzero(power == 0.0)[0])]
-        raise UnsuitableDataError(f"source: got zeros only for dof {dead!r} in the band; wanted a live channel. "
-                                  "Leave the dead channel out of the FrequencyResponse.")
+        raise UnsuitableDataError(f"source: got zeros only for dof {dead!r} in the band; wanted a live "
+                                  "channel. Leave the dead channel out of the FrequencyResponse.")
     if resp.kind == "transmissibility":
         if use_force:
             reject("route", "'frf' with a source of transmissibilities", "'transmissibility'",
@@ -136,11 +138,11 @@ def _noise(matrix: ComplexArray, vectors: ComplexArray) -> FloatArray:
     auto = np.einsum("fii->if", matrix).real
     along = np.einsum("if,fji,jf->f", unit, matrix, unit.conj(), optimize=True).real
     left = np.median(np.maximum(auto - along * np.abs(unit)**2, 0.0), axis=1)
-    return np.maximum(left, 1e-12 * auto.mean(axis=1))
+    return np.asarray(np.maximum(left, 1e-12 * auto.mean(axis=1)), dtype=np.float64)
 
 
 def _joined(vectors: ComplexArray, auto_by_line: FloatArray) -> ComplexArray:
-    """Vectors with their magnitude restored and each line's free phase turned to agree with its neighbour's."""
+    """Vectors with their magnitude restored, each line's free phase turned to its neighbour's."""
     unit = _unit(vectors)
     step = np.angle(np.sum(unit[:, :-1].conj() * unit[:, 1:], axis=0))
     turn = np.concatenate([[0.0], np.cumsum(step)])

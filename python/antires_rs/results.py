@@ -13,6 +13,7 @@ from .identifiability import Identifiability, identifiability, smallest_visible
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Mapping
 
     from .models import StructuralModel
     from .optimizer import History, OptimizeResult
@@ -51,13 +52,13 @@ class FrequencyTable:
 
     @property
     def largest_before_percent(self) -> float:
-        """Largest absolute difference before."""
-        return float(np.nanmax(np.abs(self.before_percent)))
+        """Largest absolute difference before; NaN if nothing has a partner."""
+        return _largest(self.before_percent)
 
     @property
     def largest_after_percent(self) -> float:
-        """Largest absolute difference after."""
-        return float(np.nanmax(np.abs(self.after_percent)))
+        """Largest absolute difference after; NaN if nothing has a partner."""
+        return _largest(self.after_percent)
 
     def __str__(self) -> str:
         lines = ["    H_ik   measured      before             after",
@@ -69,6 +70,11 @@ class FrequencyTable:
         lines.append(f"largest difference: {self.largest_before_percent:.2f} % before, "
                      f"{self.largest_after_percent:.2f} % after")
         return "\n".join(lines)
+
+
+def _largest(percent: FloatArray) -> float:
+    found = np.abs(percent[~np.isnan(percent)])
+    return float(found.max()) if found.size else float("nan")
 
 
 class UpdateResult:
@@ -125,9 +131,10 @@ class UpdateResult:
 
     @property
     def at_bound(self) -> list[str]:
-        """Names of the parameters that ended on a bound other than their nominal value."""
+        """Names of the parameters that the data pushed to a bound other than their nominal value."""
         low, high = self.problem.bounds.T
         on = ((self.x <= low) | (self.x >= high)) & (self.x != self.problem.nominal) & (low < high)
+        on &= ~self.identifiability.blind  # where an unseen parameter ends means nothing
         return [name for name, hit in zip(self.problem.names, on, strict=True) if hit]
 
     @property
@@ -210,7 +217,7 @@ class DamageResult(UpdateResult):
             notes.append(f"Severities below {self.problem.penalty.snap:g} were set to exactly 0.")
         return notes
 
-    def plot(self, ax: Any = None) -> Any:
-        """Damage bar chart; see :mod:`antires_rs.plotting`."""
+    def plot(self, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
+        """Damage bar chart; see :func:`antires_rs.plotting.plot_damage`."""
         from .plotting import plot_damage
-        return plot_damage(self, ax=ax)
+        return plot_damage(self, ax=ax, truth=truth)

@@ -65,7 +65,7 @@ def _half_power_widths(power: np.ndarray) -> list[float]:
             hi += 1
         # The area over the height is steadier than the two half-power points of a ragged spectrum;
         # pi/2 half-power widths make the area of a resonance.
-        if 0 < lo and hi < power.size - 1 and left[lo:hi + 1].min() > 0:
+        if lo > 0 and hi < power.size - 1 and left[lo:hi + 1].min() > 0:
             widths.append(float(power[lo:hi + 1].sum() / power[peak]) * 2 / np.pi)
         left[lo:hi + 1] = 0.0
     return widths

@@ -14,8 +14,16 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ._validation import (ComplexArray, FloatArray, choice, complex_array, dof_labels, finite_scalar,
-                          real_array, reject)
+from ._validation import (
+    ComplexArray,
+    FloatArray,
+    choice,
+    complex_array,
+    dof_labels,
+    finite_scalar,
+    real_array,
+    reject,
+)
 
 __all__ = ["FrequencyResponse", "Recording"]
 
@@ -77,8 +85,12 @@ class Recording:
             reject("responses", f"an array of shape {array.shape}", wanted + " with at least two samples",
                    "Transpose it if channels are in the columns.")
         if array.shape[0] > array.shape[1]:
-            reject("responses", f"an array of shape {array.shape}", wanted + " with more samples than channels",
-                   "Transpose it: channels come first.")
+            reject(
+                "responses",
+                f"an array of shape {array.shape}",
+                wanted + " with more samples than channels",
+                "Transpose it: channels come first.",
+            )
         put = object.__setattr__  # the one place where a frozen value is filled
         put(self, "responses", frozen(array))
         put(self, "fs_hz", finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz"))
@@ -175,8 +187,12 @@ class FrequencyResponse:
         if kind == "transmissibility":
             own = array[labels.index(reference)]
             if np.abs(own - 1.0).max() > 1e-6:
-                reject("values", f"a row of the reference {reference!r} that is not one everywhere",
-                       f"T_jj = 1 in row {labels.index(reference)}", "Divide all rows by the reference's row.")
+                reject(
+                    "values",
+                    f"a row of the reference {reference!r} that is not one everywhere",
+                    f"T_jj = 1 in row {labels.index(reference)}",
+                    "Divide all rows by the reference's row.",
+                )
         if kind == "frf" and reference is not None:
             reject("reference", reference, "None for kind='frf'", "Only transmissibilities have a reference.")
         if coherence is not None:

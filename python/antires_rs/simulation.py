@@ -9,22 +9,31 @@ damping where 0.51 % is true.)
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from ._validation import ComplexArray, FloatArray, finite_scalar, frequency_band, integer
+from ._validation import (
+    ComplexArray,
+    FloatArray,
+    finite_scalar,
+    frequency_band,
+    random_generator,
+    reject,
+)
 from .signals import Recording
 
 __all__ = ["simulate"]
 
 #: Longest memory of the structure that the lead-in must cover, in time constants 1 / (zeta omega).
 _TIME_CONSTANTS = 8.0
+#: More samples than this of one channel fit no memory.
+_MOST_SAMPLES = 1e10
 
 
 class _Responding(Protocol):
     def frf(self, response: Any, excitation: int, freq_hz: Any, *, damping_ratio: Any,
-            kind: str = ...) -> ComplexArray: ...
+            kind: Literal["accelerance"] = ...) -> ComplexArray: ...
 
 
 def simulate(model: _Responding, *, responses: list[int], excitation: int, fs_hz: float, duration_s: float,
@@ -33,16 +42,22 @@ def simulate(model: _Responding, *, responses: list[int], excitation: int, fs_hz
     """Record accelerations under a band-limited random force; see ``MassSpringChain.simulate``."""
     rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
     duration = finite_scalar("duration_s", duration_s, low=0.0, low_open=True, unit="s")
-    samples = integer("duration_s * fs_hz", round(duration * rate), low=2)
+    if not 2 <= duration * rate < _MOST_SAMPLES:
+        reject("duration_s", f"{duration:g} s, {duration * rate:.3g} samples at {rate:g} Hz",
+               f"2 to {_MOST_SAMPLES:.0g} samples")
+    samples = round(duration * rate)
     level = finite_scalar("noise", noise, low=0.0)
     low, high = (0.0, rate / 2) if band_hz is None else frequency_band(
         "band_hz", band_hz, low_hz=0.0, high_hz=rate / 2)
-    random = np.random.default_rng(rng)
+    random = random_generator(rng)
 
     lead = _lead_in(samples, rate, lowest_hz, damping_ratio)
     total = samples + 2 * lead
     freq_hz = np.fft.rfftfreq(total, 1.0 / rate)
-    inside = (freq_hz >= low) & (freq_hz <= high)
+    inside = (freq_hz >= low) & (freq_hz <= high) & (freq_hz > 0.0)
+    if not inside.any():
+        reject("band_hz", f"({low:g}, {high:g}) Hz without any spectral line",
+               f"a band wider than the resolution of {rate / total:.3g} Hz", "Record longer.")
     spectrum = np.zeros(freq_hz.size, dtype=np.complex128)
     spectrum[inside] = random.standard_normal((int(inside.sum()), 2)) @ np.array([1.0, 1.0j])
     force = np.fft.irfft(spectrum, total)

@@ -109,7 +109,8 @@ def cross_spectra(rec: Recording, *, nperseg: int, noverlap: int | None = None, 
     matrix = averaged_products(spectra) / (rec.fs_hz * (taper @ taper))
     # One-sided: all lines but zero and Nyquist stand for two.
     matrix[1:None if n_seg % 2 else -1] *= 2.0
-    return CrossSpectra(np.fft.rfftfreq(n_seg, 1.0 / rec.fs_hz), matrix, spectra.shape[1])
+    freq = np.asarray(np.fft.rfftfreq(n_seg, 1.0 / rec.fs_hz), dtype=np.float64)
+    return CrossSpectra(freq, matrix, spectra.shape[1])
 
 
 def frf(rec: Recording, *, nperseg: int | None = None, noverlap: int | None = None, window: Any = "hann",
@@ -159,8 +160,16 @@ def frf(rec: Recording, *, nperseg: int | None = None, noverlap: int | None = No
                              coherence=coherence[:-1] if spectra.n_averages > 1 else None)
 
 
-def transmissibility(rec: Recording, reference: Any, *, nperseg: int | None = None, noverlap: int | None = None,
-                     window: Any = "hann", estimator: str = "h1", method: str = "auto") -> FrequencyResponse:
+def transmissibility(
+    rec: Recording,
+    reference: Any,
+    *,
+    nperseg: int | None = None,
+    noverlap: int | None = None,
+    window: Any = "hann",
+    estimator: str = "h1",
+    method: str = "auto",
+) -> FrequencyResponse:
     """Transmissibilities ``T_pj = X_p / X_j`` of all channels p to one reference j.
 
     Parameters
@@ -245,7 +254,11 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
     [(3+1j), (2+2j)]
     """
     if not isinstance(resp, FrequencyResponse) or resp.kind != "transmissibility":
-        reject("resp", getattr(resp, "kind", type(resp).__name__), "a FrequencyResponse of kind 'transmissibility'")
+        reject(
+            "resp",
+            getattr(resp, "kind", type(resp).__name__),
+            "a FrequencyResponse of kind 'transmissibility'",
+        )
     others = np.delete(resp.values, resp.dofs.index(resp.reference), axis=0)
     return np.asarray(np.abs(others.real).sum(axis=0) + 1j * np.abs(others.imag).sum(axis=0))
 
@@ -256,8 +269,8 @@ def two_channel(matrix: ComplexArray, j: int, estimator: str) -> tuple[ComplexAr
     s_jp, s_jj = matrix[:, j, :].T, auto[j]
     if not s_jj[1:].all() or not auto.any(axis=1).all():
         dead = int(np.flatnonzero(~auto[:, 1:].all(axis=1))[0])
-        raise UnsuitableDataError(f"responses: channel {dead} has no energy at some frequencies; wanted signals "
-                                  "that are not zero. Leave the dead channel out.")
+        raise UnsuitableDataError(f"responses: channel {dead} has no energy at some frequencies; wanted "
+                                  "signals that are not zero. Leave the dead channel out.")
     with np.errstate(divide="ignore", invalid="ignore"):
         coherence = np.clip(np.abs(s_jp)**2 / (s_jj * auto), 0.0, 1.0)
         if estimator == "h1":

@@ -213,11 +213,16 @@ class ZeroSweep(PoleSweep):
         """Share of each root's own peak in the reciprocal of the fitted curve."""
         d = self._solution(order, False)
         numerator = self.nested.numerators(d)[self.output]
-        return _dominance((self.nested.denominator_basis, d[None, :]), (self.nested.numerator_basis, numerator),
-                          s / (2 * np.pi * self.nested.scale_hz))
+        return _dominance(
+            (self.nested.denominator_basis, d[None, :]),
+            (self.nested.numerator_basis, numerator),
+            s / (2 * np.pi * self.nested.scale_hz),
+        )
 
 
-def _dominance(above: tuple[Basis, FloatArray], below: tuple[Basis, FloatArray], s: ComplexArray) -> FloatArray:
+def _dominance(
+    above: tuple[Basis, FloatArray], below: tuple[Basis, FloatArray], s: ComplexArray
+) -> FloatArray:
     """Norm of residues / abs(Re s), over the norm of above/below at i Im s."""
     order, n = below[1].size - 1, s.size
     step = 1e-6 * np.abs(s)  # central difference: error 1e-12 of a derivative that needs two digits
@@ -232,7 +237,7 @@ def _dominance(above: tuple[Basis, FloatArray], below: tuple[Basis, FloatArray],
 
 def diagram(sweep: PoleSweep, orders: range, band: tuple[float, float], rule: Rule, freq_hz: FloatArray,
             background: FloatArray, added_decay_per_s: float = 0.0) -> StabilizationDiagram:
-    """Sweep, link, select. ``added_decay_per_s`` is the exponential window's, taken off every root at the end."""
+    """Sweep, link, select; ``added_decay_per_s`` of the exponential window is taken off every root."""
     rows = [_physical(sweep.roots(order), band, rule, added_decay_per_s) for order in orders]
     chains, stable = _link(rows, rule)
     accepted = []
@@ -265,7 +270,13 @@ def _physical(s: ComplexArray, band: tuple[float, float], rule: Rule, added: flo
     """Upper half, left half plane, in the band, lightly damped; ascending."""
     size = np.abs(s)
     freq = size / (2 * np.pi)
-    keep = (s.imag > 0) & (s.real < 0) & (-s.real - added <= rule.max_damping * size) & (freq >= band[0]) & (freq <= band[1])
+    keep = (
+        (s.imag > 0)
+        & (s.real < 0)
+        & (-s.real - added <= rule.max_damping * size)
+        & (freq >= band[0])
+        & (freq <= band[1])
+    )
     return s[keep][np.argsort(freq[keep], kind="stable")]
 
 
@@ -320,7 +331,7 @@ class _Value:
 
 
 def _merge(values: list[_Value], rule: Rule) -> list[_Value]:
-    """Chains closer than the tolerance are one pole, interrupted or split by noise; the longest speaks for it."""
+    """Chains closer than the tolerance are one pole, interrupted or split by noise; the longest stays."""
     kept: list[_Value] = []
     for value in sorted(values, key=lambda v: v.freq_hz):
         last = kept[-1] if kept else None
@@ -337,11 +348,14 @@ def without_common(found: dict[Any, StabilizationDiagram], tol: float) -> dict[A
         return found
 
     def shared(value: float) -> bool:
-        return all(d.identified.size and np.abs(d.identified / value - 1.0).min() <= tol for d in found.values())
+        return all(
+            d.identified.size and np.abs(d.identified / value - 1.0).min() <= tol for d in found.values()
+        )
 
     left = {}
     for dof, d in found.items():
         own = np.array([not shared(value) for value in d.identified], dtype=bool)
         fields = ("identified", "identified_damping", "rows", "spread", "dominance", "persistent")
-        left[dof] = replace(d, **{name: frozen(getattr(d, name)[own]) for name in fields})
+        changed: dict[str, Any] = {name: frozen(getattr(d, name)[own]) for name in fields}
+        left[dof] = replace(d, **changed)
     return left

@@ -75,7 +75,8 @@ def is_transient(rec: Recording) -> bool:
     >>> from antires_rs.signals import Recording
     >>> from antires_rs.transient import is_transient
     >>> x = np.random.default_rng(0).standard_normal(4096)
-    >>> is_transient(Recording([x], 512.0)), is_transient(Recording([x * np.exp(-np.arange(4096) / 400)], 512.0))
+    >>> decay = np.exp(-np.arange(4096) / 400)
+    >>> is_transient(Recording([x], 512.0)), is_transient(Recording([x * decay], 512.0))
     (False, True)
     """
     if rec.n_samples < 2 * COARSE_BLOCKS:
@@ -88,9 +89,10 @@ def require_stationary(rec: Recording) -> None:
     """Raise :class:`UnsuitableDataError` if Welch's method does not fit the record."""
     if is_transient(rec):
         raise UnsuitableDataError(
-            "method: got 'auto' for a record whose energy decays by more than 20 dB; wanted steady vibration for "
-            "Welch's averages, because a segment that starts within a decay does not hold its own excitation. "
-            "Use method='transient' (one transform over each whole hit), or force it with method='welch'.")
+            "method: got 'auto' for a record whose energy decays by more than 20 dB; wanted steady vibration "
+            "for Welch's averages, because a segment that starts within a decay does not hold its own "
+            "excitation. Use method='transient' (one transform over each whole hit), or force it with "
+            "method='welch'.")
 
 
 def find_events(rec: Recording) -> tuple[Event, ...]:
@@ -133,8 +135,8 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
         hits.append(b)
     if not hits:
         raise UnsuitableDataError(
-            "responses: no hit found, the energy never rises from rest; wanted a record that starts before the "
-            "hit. Record again with a pre-trigger: what was missed at the start cannot be recovered.")
+            "responses: no hit found, the energy never rises from rest; wanted a record that starts before "
+            "the hit. Record again with a pre-trigger: what was missed at the start cannot be recovered.")
     events = []
     for i, b in enumerate(hits):
         stop = hits[i + 1] * block if i + 1 < len(hits) else rec.n_samples
@@ -203,8 +205,8 @@ def transient_spectra(rec: Recording, *, window: str = "auto", include_force: bo
     noise = quiet.var(axis=1) * energy if quiet.shape[1] >= 32 else None
     if noise is not None and noise.min() <= 0.0:
         noise = None
-    return CrossSpectra(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), averaged_products(spectra), len(events),
-                        noise, decay)
+    freq = np.asarray(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), dtype=np.float64)
+    return CrossSpectra(freq, averaged_products(spectra), len(events), noise, decay)
 
 
 def _window_decay(rec: Recording, events: tuple[Event, ...], window: str) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 
 from . import _core
 from ._progress import watched
-from ._validation import FloatArray, choice, finite_scalar, integer, real_array, reject
+from ._validation import FloatArray, choice, finite_scalar, integer, real_array, reject, shape_of
 from .antiresonance_set import AntiresonanceSet
 from .models import StructuralModel
 from .optimizer import IslandGA, OptimizeResult, guesses, seed_of, thread_count
@@ -103,7 +103,8 @@ class UpdatingProblem:
         self.parameters = _parameters(parameters)
         self.model, self.measured = model, _sets(measured)
         self.penalty = _penalty(penalty)
-        self.misfit = choice("misfit", misfit, ("absolute", "squared", "largest"))
+        choice("misfit", misfit, ("absolute", "squared", "largest"))
+        self.misfit = misfit
         targets = [(self._model_dof("measured dof", dof), self._model_dof("excitation", each.excitation),
                     np.array(freq)) for each in self.measured for dof, freq in each.items()]
         counts = [len(freq) for _, _, freq in targets]
@@ -211,7 +212,8 @@ def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
     return UpdateResult(problem, found, seed)
 
 
-def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[AntiresonanceSet], *, elements: Any = None,
+def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[AntiresonanceSet], *,
+                  elements: Any = None,
                   gamma1: float = 0.1, gamma2: float = 0.1, snap: float = 1e-3,
                   optimizer: IslandGA | None = None, rng: int | np.random.Generator | None = None,
                   workers: int | None = None,
@@ -257,7 +259,8 @@ def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[
     """
     if not isinstance(model, StructuralModel):
         reject("model", model, "a MassSpringChain or MatrixModel")
-    chosen = model.default_elements if elements is None else list(np.atleast_1d(np.asarray(elements)))
+    chosen = model.default_elements if elements is None else (
+        [elements] if shape_of(elements) == () else list(elements))
     if not chosen:
         reject("elements", "no candidate", "at least one stiffness term",
                "Give the MatrixModel its stiffness_terms.")

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import FloatArray, finite_scalar, integer
+from .._validation import FloatArray, finite_scalar, integer, random_generator
 from ..antiresonance_set import AntiresonanceSet
 from ..models import MassSpringChain
 from ..parameters import mass_factor, stiffness_factor, stiffness_reduction
@@ -51,7 +51,7 @@ class Chain8:
         self.responses = list(range(8))
         self.band_hz = BAND_HZ
         level = finite_scalar("perturbation", perturbation, low=0.0, high=0.5)
-        factors = 1.0 + level * np.random.default_rng(rng).uniform(-1.0, 1.0, 15)
+        factors = 1.0 + level * random_generator(rng).uniform(-1.0, 1.0, 15)
         self._mass_factors, self._spring_factors = factors[:8], factors[8:]
 
     def true_model(self, level: int = 0) -> MassSpringChain:

@@ -45,9 +45,10 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
     title : str, optional
         Heading; what was done by default.
     diagrams : mapping of dof to StabilizationDiagram, optional
-        Evidence of the identification. Default: those that ``result.problem.measured`` carries.
+        Evidence of the identification. Default: those that the measured sets carry.
     response : FrequencyResponse, optional
-        Measured transmissibilities, drawn beside the model's before and after.
+        Measured transmissibilities, drawn beside the model's before and after. With several positions of the
+        force they belong to the first.
     truth : mapping of int to float, optional
         True stiffness loss by element, for a virtual test; shown beside what was found.
 
@@ -83,18 +84,21 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
     if not Path(path).parent.is_dir():  # known before any picture is drawn
         reject("path", str(path), "a file in a folder that exists")
     damage = result if isinstance(result, DamageResult) else None
-    shown = dict(result.problem.measured.diagrams if diagrams is None else diagrams)
+    shown = list(diagrams.items()) if diagrams is not None else [
+        (dof, d) for each in result.problem.measured for dof, d in each.diagrams.items()]
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True,
                               lstrip_blocks=True)
     template = files(__package__).joinpath("template.html").read_text(encoding="utf-8")
     html = environment.from_string(template).render(
         title=title or ("Damage assessment" if damage else "Model updating") + " with antiresonances",
         answer=_answer_damage(damage) if damage else _answer_update(result),
-        result=result, damage=damage is not None, excitation=result.problem.excitation,
+        result=result, damage=damage is not None,
+        forces=", ".join(str(each.excitation) for each in result.problem.measured),
+        largest=[_largest(result.table.largest_before_percent), _largest(result.table.largest_after_percent)],
         parameters=_damage_rows(damage, truth) if damage else _parameter_rows(result),
         known=truth is not None, rows=_frequency_rows(result), figures=_figures(result, response, truth),
         diagrams=[(dof, _data_uri(picture(lambda ax, d=d: d.plot(ax=ax), (9.0, 5.0), dpi=110)))
-                  for dof, d in shown.items()],
+                  for dof, d in shown],
         islands=result.history.cost.shape[1], versions=_versions(),
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"))
     return write_atomically(path, html.encode("utf-8"))
@@ -108,9 +112,12 @@ def _answer_damage(result: DamageResult) -> str:
 
 
 def _answer_update(result: UpdateResult) -> str:
-    table = result.table
-    return (f"Largest antiresonance difference: {table.largest_before_percent:.2f} % before, "
-            f"{table.largest_after_percent:.2f} % after.")
+    return (f"Largest antiresonance difference: {_largest(result.table.largest_before_percent)} before, "
+            f"{_largest(result.table.largest_after_percent)} after.")
+
+
+def _largest(percent: float) -> str:
+    return f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all"
 
 
 def _parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
@@ -138,14 +145,14 @@ def _frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
 
     def number(value: float, form: str) -> str:
         return format(value, form) if np.isfinite(value) else "no partner"
-    columns = zip(table.dof, table.measured_hz, table.before_hz, table.before_percent, table.after_hz,
-                  table.after_percent, strict=True)
-    rows = [{"dof": dof, "measured": f"{measured:.3f}", "before": number(before, ".3f"),
-             "before_percent": number(db, "+.2f"), "after": number(after, ".3f"),
-             "after_percent": number(da, "+.2f")} for dof, measured, before, db, after, da in columns]
-    for row, last in zip(reversed(rows), reversed(table.dof[:-1]), strict=False):
-        if row["dof"] == last:
-            row["dof"] = ""  # each dof is named once, over its group
+    columns = zip(table.dof, table.excitation, table.measured_hz, table.before_hz, table.before_percent,
+                  table.after_hz, table.after_percent, strict=True)
+    rows, last = [], None
+    for dof, force, measured, before, db, after, da in columns:
+        rows.append({"group": (dof, force) != last, "dof": dof, "force": force, "measured": f"{measured:.3f}",
+                     "before": number(before, ".3f"), "before_percent": number(db, "+.2f"),
+                     "after": number(after, ".3f"), "after_percent": number(da, "+.2f")})
+        last = (dof, force)
     return rows
 
 
@@ -158,15 +165,17 @@ def _figures(result: UpdateResult, response: FrequencyResponse | None,
         width = max(7.0, 0.32 * len(result.x) + 1.5)
         figures.append(("Stiffness loss by element, and the smallest that would have been seen.",
                         picture(lambda ax: plot_damage(result, ax=ax, truth=truth), (width, 4.4))))
-    figures.append(("Difference of each antiresonance to the measured one, before and after.",
-                    picture(lambda ax: plot_differences(result.table, ax=ax), (9.5, 4.6))))
+    names = (("without damage", "with the damage found") if isinstance(result, DamageResult)
+             else ("before updating", "after updating"))
+    figures.append((f"Difference of each antiresonance to the measured one, {names[0]} and {names[1]}.",
+                    picture(lambda ax: plot_differences(result.table, ax=ax, names=names), (9.5, 4.6))))
     if response is not None:
         figures.append((f"Transmissibilities over dof {response.reference}, summed; the peaks are the "
                         "antiresonances of that dof. Their height in the models follows from an assumed "
                         "damping of 1 %.",
                         picture(lambda ax: plot_transmissibility(
-                            response, problem.model, result.model, dof=None, excitation=problem.excitation,
-                            ax=ax), (9.0, 4.4))))
+                            response, problem.model, result.model, dof=None,
+                            excitation=problem.measured[0].excitation, ax=ax), (9.0, 4.4))))
     figures.append(("The search: best objective of each island.",
                     picture(lambda ax: plot_convergence(result, ax=ax), (9.0, 4.2))))
     return [(caption, _data_uri(png)) for caption, png in figures]

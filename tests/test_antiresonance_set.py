@@ -1,0 +1,144 @@
+"""The set by hand: order, mapping, file, and what it refuses."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from antires_rs.antiresonance_set import AntiresonanceSet
+from antires_rs.exceptions import InvalidInputError, MissingDependencyError
+
+
+def example():
+    return AntiresonanceSet("hammer", {0: [36.2, 12.1], "tip": 8.0, 2: []},
+                            damping_ratio={0: [0.02, 0.01]}, std_hz={0: [0.2, 0.1], 2: []})
+
+
+def test_it_is_a_mapping_in_ascending_order():
+    made = example()
+    assert made[0].tolist() == [12.1, 36.2]
+    assert made["tip"].tolist() == [8.0]
+    assert made[2].size == 0
+    assert list(made) == [0, "tip", 2]
+    assert len(made) == 3
+    assert 0 in made
+    assert 1 not in made
+    with pytest.raises(KeyError):
+        made[1]
+
+
+def test_companions_follow_their_frequency():
+    made = example()
+    assert made.damping_ratio[0].tolist() == [0.01, 0.02]
+    assert made.std_hz[0].tolist() == [0.1, 0.2]
+    assert "tip" not in made.damping_ratio
+
+
+def test_numpy_labels_are_plain_labels():
+    made = AntiresonanceSet(np.int64(0), {np.int64(3): np.array([1.0])})
+    assert type(made.excitation) is int
+    assert [type(dof) for dof in made] == [int]
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.floats(1e-300, 1e300), max_size=6), st.integers() | st.text(max_size=5))
+def test_files_keep_every_bit(tmp_path_factory, values, label):
+    path = tmp_path_factory.mktemp("set") / "set.json"
+    made = AntiresonanceSet(label, {label: values}, std_hz={label: values})
+    made.save(path)
+    assert AntiresonanceSet.load(path) == made
+    assert AntiresonanceSet.load(path)[label].tobytes() == made[label].tobytes()
+
+
+def test_saving_replaces_whole_or_not_at_all(tmp_path, monkeypatch):
+    path = tmp_path / "set.json"
+    example().save(path)
+    before = path.read_bytes()
+    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
+    with pytest.raises(OSError, match="disk full"):
+        AntiresonanceSet(0, {0: 1.0}).save(path)
+    assert path.read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["set.json"]
+
+
+def damage(change):
+    def apply(data):
+        change(data)
+        return json.dumps(data)
+    return apply
+
+
+@pytest.mark.parametrize("text", [
+    lambda data: json.dumps(data)[:-20],
+    lambda _: "\x00\x01",
+    lambda _: "[1, 2]",
+    damage(lambda d: d.update(format="other")),
+    damage(lambda d: d.update(version=99)),
+    damage(lambda d: d.update(version="1")),
+    damage(lambda d: d.pop("dofs")),
+    damage(lambda d: d.update(dofs=[])),
+    damage(lambda d: d["dofs"].append(d["dofs"][0])),
+    damage(lambda d: d["dofs"][0].pop("freq_hz")),
+    damage(lambda d: d["dofs"][0].update(freq_hz=[1.0, None])),
+    damage(lambda d: d["dofs"][0].update(freq_hz=[-1.0, 2.0])),
+    damage(lambda d: d["dofs"][0].update(damping_ratio=[0.1])),
+    damage(lambda d: d.update(excitation=[0])),
+])
+def test_a_damaged_file_is_named(tmp_path, text):
+    path = tmp_path / "set.json"
+    example().save(path)
+    path.write_text(text(json.loads(path.read_text())))
+    with pytest.raises(InvalidInputError, match="^path: got .*set.json"):
+        AntiresonanceSet.load(path)
+
+
+def test_equality():
+    assert example() == example()
+    assert example() != AntiresonanceSet("hammer", {0: [36.2, 12.1], "tip": 8.0, 2: []})
+    assert example() != AntiresonanceSet(1, {0: [36.2, 12.1], "tip": 8.0, 2: []}, {0: [0.02, 0.01]},
+                                         {0: [0.2, 0.1], 2: []})
+    assert example() != "a string"
+
+
+def test_table_and_repr():
+    assert repr(example()) == "AntiresonanceSet(excitation='hammer', values by dof {0: 2, 'tip': 1, 2: 0})"
+    lines = str(example()).splitlines()
+    assert lines[0] == "antiresonances, force at hammer"
+    assert lines[2].split() == ["0", "2", "12.100", "36.200"]
+    assert lines[4].split() == ["2", "0", "-"]
+
+
+def test_dataframe():
+    pd = pytest.importorskip("pandas", reason="pandas is optional and not installed")
+    frame = example().to_dataframe()
+    assert isinstance(frame, pd.DataFrame)
+    assert frame["freq_hz"].tolist() == [12.1, 36.2, 8.0]
+    assert np.isnan(frame["std_hz"].iloc[2])
+
+
+def test_dataframe_without_pandas_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(MissingDependencyError, match="pip install pandas"):
+        example().to_dataframe()
+
+
+@pytest.mark.parametrize(("args", "name"), [
+    ((0, {}), "freq_hz"),
+    ((0, [1.0, 2.0]), "freq_hz"),
+    ((0, {0: [1.0, -2.0]}), "freq_hz"),
+    ((0, {0: [0.0]}), "freq_hz"),
+    ((0, {0: [np.nan]}), "freq_hz"),
+    ((0, {0: ["x"]}), "freq_hz"),
+    ((0, {1.5: [1.0]}), "freq_hz"),
+    ((None, {0: [1.0]}), "excitation"),
+    ((0, {0: [1.0]}, {1: [0.1]}), "damping_ratio"),
+    ((0, {0: [1.0]}, {0: [0.1, 0.2]}), "damping_ratio"),
+    ((0, {0: [1.0]}, [0.1]), "damping_ratio"),
+    ((0, {0: [1.0]}, None, {0: [-0.1]}), "std_hz"),
+])
+def test_bad_arguments_are_named(args, name):
+    with pytest.raises(InvalidInputError, match=f"^{name}.*: got "):
+        AntiresonanceSet(*args)

@@ -1,0 +1,147 @@
+"""The face of the package: names, docstrings, imports, stubs, and the house rules that code can check."""
+
+import inspect
+import re
+import subprocess
+import sys
+import tomllib
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs import exceptions
+
+ROOT = Path(__file__).resolve().parents[1]
+IN_SOURCE_TREE = (ROOT / "Cargo.toml").is_file()
+LONGEST_FILE = 400
+#: Made by other calls, not by users: the docstring of the maker has the example.
+NO_EXAMPLE = {"History", "OptimizeResult", "UpdateResult", "DamageResult", "FrequencyTable", "DamagePenalty",
+              "Parameter", "StabilizationDiagram", "RationalFit"}
+
+
+def in_a_new_process(code):
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_all_is_sorted_complete_and_nothing_more():
+    assert list(ar.__all__) == sorted(ar.__all__)
+    assert len(set(ar.__all__)) == len(ar.__all__)
+    public = {name for name, value in vars(ar).items()
+              if not name.startswith("_") and not isinstance(value, types.ModuleType)}
+    assert set(ar.__all__) - {"__version__"} == public | {"cases"}
+
+
+def test_every_exception_is_at_the_top():
+    assert set(exceptions.catalogue()) | {"AntiresWarning"} <= set(ar.__all__)
+
+
+PUBLIC = [name for name in ar.__all__ if inspect.isclass(getattr(ar, name)) or callable(getattr(ar, name))]
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_every_public_name_is_documented(name):
+    thing = getattr(ar, name)
+    text = inspect.getdoc(thing)
+    assert text
+    assert text.splitlines()[0].strip().endswith(".")
+    if inspect.isclass(thing) and (issubclass(thing, Exception) or name in NO_EXAMPLE):
+        return
+    assert re.search(r"^Examples\n-+\n>>> ", text, re.MULTILINE), f"{name} has no example"
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_every_public_method_is_documented(name):
+    thing = getattr(ar, name)
+    if not inspect.isclass(thing) or issubclass(thing, Exception):
+        return
+    for member, value in vars(thing).items():
+        if not member.startswith("_") and (callable(value) or isinstance(value, property | classmethod)):
+            assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
+
+
+@pytest.mark.parametrize("name", [n for n in PUBLIC if inspect.isfunction(getattr(ar, n))])
+def test_functions_document_every_parameter(name):
+    function = getattr(ar, name)
+    text = inspect.getdoc(function)
+    section = re.search(r"Parameters\n-+\n(.*?)\n\n(?:Returns|Yields)\n", text, re.DOTALL)[1]
+    named = {n.strip() for line in re.findall(r"^([\w, ]+?)(?: :.*)?$", section, re.MULTILINE)
+             for n in line.split(",")}
+    assert set(inspect.signature(function).parameters) <= named
+
+
+def test_importing_costs_no_optional_package():
+    loaded = in_a_new_process("import sys, antires_rs\nprint(*sys.modules)").split()
+    for package in ("matplotlib", "scipy.signal", "scipy.io", "h5py", "pandas", "jinja2", "pyuff", "tqdm",
+                    "multiprocessing.pool"):
+        assert package not in loaded, package
+
+
+def test_the_version_is_the_packages():
+    from importlib.metadata import version
+    assert ar.__version__ == version("antires-rs")
+    if IN_SOURCE_TREE:
+        workspace = tomllib.loads((ROOT / "Cargo.toml").read_text())
+        assert ar.__version__ == workspace["workspace"]["package"]["version"]
+
+
+def test_the_package_is_typed():
+    assert (Path(ar.__file__).parent / "py.typed").is_file()
+    assert (Path(ar.__file__).parent / "_core.pyi").is_file()
+
+
+def test_the_stub_is_that_of_the_built_module(tmp_path):
+    pytest.importorskip("mypy")
+    done = subprocess.run([sys.executable, "-m", "mypy.stubtest", "antires_rs._core"], capture_output=True,
+                          text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_results_of_the_core_are_arrays_of_numpys_own():
+    freq, shapes = ar.cases.chain8().model._core.modes()
+    assert (freq.dtype, shapes.dtype) == (np.float64, np.float64)
+    assert freq.flags.writeable
+
+
+# ---- the house --------------------------------------------------------------------------------------
+
+needs_source = pytest.mark.skipif(not IN_SOURCE_TREE, reason="needs the source tree")
+
+
+@needs_source
+def test_the_core_knows_neither_python_nor_numpy():
+    manifest = tomllib.loads((ROOT / "rust/antires-core/Cargo.toml").read_text())
+    for section in ("dependencies", "dev-dependencies", "build-dependencies"):
+        assert not {"pyo3", "numpy", "pyo3-ffi"} & set(manifest.get(section, {}))
+    for source in (ROOT / "rust/antires-core/src").rglob("*.rs"):
+        assert not re.search(r"^\s*use (pyo3|numpy)\b", source.read_text(), re.MULTILINE), source.name
+
+
+@needs_source
+def test_the_optimizer_sees_no_structure():
+    """It knows f(x) only; linalg knows no models; the signal side meets the models in AntiresonanceSet."""
+    core = ROOT / "rust/antires-core/src"
+    forbidden = {"optimize": "fem|modal|update|linalg", "linalg": "fem|modal|optimize|update",
+                 "fem": "modal|optimize|update", "modal": "optimize|update"}
+    for folder, others in forbidden.items():
+        for source in (core / folder).rglob("*.rs"):
+            code = "\n".join(line for line in source.read_text().splitlines() if "//" not in line)
+            assert not re.search(rf"\bcrate::({others})\b", code), f"{folder}/{source.name}"
+    package = ROOT / "python/antires_rs"
+    for name in ("signals", "spectra", "rational", "stabilization", "identification", "transient"):
+        code = (package / f"{name}.py").read_text()
+        assert not re.search(r"^\s*from \.(models|updating|optimizer|_core)\b", code, re.MULTILINE), name
+
+
+@needs_source
+def test_no_source_file_is_too_long():
+    folders = ("python", "tests", "examples", "benchmarks", "rust/antires-core", "rust/antires-py")
+    sources = [path for folder in folders for suffix in ("*.py", "*.rs", "*.pyi")
+               for path in (ROOT / folder).rglob(suffix)]
+    lengths = {str(path.relative_to(ROOT)): len(path.read_text().splitlines()) for path in sources}
+    assert len(lengths) > 50
+    assert {name: n for name, n in lengths.items() if n > LONGEST_FILE} == {}

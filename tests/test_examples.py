@@ -1,0 +1,34 @@
+"""The examples end in values known from elsewhere."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+
+
+def load(name):
+    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_brake_reuss_beam():
+    example = load("brake_reuss_beam")
+    if not example.data_file().is_file():
+        pytest.skip(f"record absent: {example.data_file()}; set ANTIRES_DATA")
+    found = example.main()
+    aims = {"acc1": [222.7, 556.0, 666.4, 1071.9], "acc2": [78.9, 326.2, 568.0, 776.0],
+            "acc3": [291.0, 816.0]}
+    for dof, values in aims.items():
+        for value in values:
+            assert np.abs(found[dof] / value - 1.0).min() < 0.01, (dof, value)
+
+
+def test_brake_reuss_beam_without_data(monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("ANTIRES_DATA", str(tmp_path))
+    assert load("brake_reuss_beam").main() is None
+    assert "ANTIRES_DATA" in capsys.readouterr().out

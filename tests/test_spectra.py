@@ -1,0 +1,131 @@
+"""Spectra against scipy, estimators against what is known of their bias."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import scipy.signal
+
+from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
+from antires_rs.signals import FrequencyResponse, Recording
+from antires_rs.spectra import cross_spectra, frf, transmissibility, transmissibility_sum
+from virtual_records import CHAIN8_MASSES, CHAIN8_SPRINGS, chain_matrices, random_record
+
+RNG = np.random.default_rng(11)
+RECORD = Recording(RNG.standard_normal((3, 5000)).cumsum(axis=1) + 4.0, 200.0,
+                   force=RNG.standard_normal(5000))
+
+
+@pytest.mark.parametrize("nperseg", [256, 301])
+@pytest.mark.parametrize("window", ["hann", ("tukey", 0.3)])
+@pytest.mark.parametrize("noverlap", [None, 100])
+def test_spectra_are_those_of_scipy(nperseg, window, noverlap):
+    ours = cross_spectra(RECORD, nperseg=nperseg, noverlap=noverlap, window=window, include_force=True)
+    channels = np.vstack([RECORD.responses, RECORD.force])
+    for a in range(4):
+        for b in range(4):
+            freq, theirs = scipy.signal.csd(channels[a], channels[b], 200.0, window=window, nperseg=nperseg,
+                                            noverlap=noverlap)
+            assert np.array_equal(ours.freq_hz, freq)
+            # Rounding of sums of some 40 segments; the means of a random walk cost digits at zero frequency.
+            assert np.abs(ours.matrix[:, a, b] - theirs).max() <= 1e-12 * np.abs(theirs).max()
+
+
+def noisy_pair(noise_in, noise_out):
+    """A gain of 3 with white noise on either side, and the estimates of it."""
+    rng = np.random.default_rng(5)
+    x = rng.standard_normal(200_000)
+    measured = x + noise_in * rng.standard_normal(x.size)
+    y = 3.0 * x + 3.0 * noise_out * rng.standard_normal(x.size)
+    rec = Recording([y, measured], 100.0, force=measured)
+    return {e: np.abs(frf(rec, nperseg=256, estimator=e).values[0, 2:-2]).mean() for e in ("h1", "h2", "hv")}
+
+
+def test_estimators_have_their_textbook_bias():
+    # H1 is divided by 1 + noise-to-signal power of the input, H2 multiplied by that of the output.
+    # 1,500 averages over 120 lines: the mean of a gain is good to about 3e-3.
+    clean = noisy_pair(0.0, 0.5)
+    assert clean["h1"] == pytest.approx(3.0, rel=5e-3)
+    assert clean["h2"] == pytest.approx(3.0 * 1.25, rel=5e-3)
+    loud = noisy_pair(0.5, 0.0)
+    assert loud["h1"] == pytest.approx(3.0 / 1.25, rel=5e-3)
+    assert loud["h2"] == pytest.approx(3.0, rel=5e-3)
+    # Equal relative noise on both sides: total least squares is unbiased.
+    both = noisy_pair(0.5, 0.5)
+    assert both["hv"] == pytest.approx(3.0, rel=5e-3)
+
+
+def test_without_noise_all_estimators_agree():
+    x = RNG.standard_normal(20_000)
+    rec = Recording([x, -2.5 * x], 100.0, force=4.0 * x)
+    for estimator in ("h1", "h2", "hv"):
+        values = frf(rec, nperseg=512, estimator=estimator).values[:, 1:]
+        assert np.allclose(values, [[0.25], [-0.625]], rtol=0, atol=1e-10)
+    for estimator in ("h1", "h2", "hv", "rank1"):
+        values = transmissibility(rec, 0, nperseg=512, estimator=estimator).values[1, 1:]
+        # The dominant eigenvector of a matrix of rank one holds half the digits at worst.
+        assert np.allclose(values, -2.5, rtol=0, atol=1e-8)
+
+
+def test_rank_one_keeps_the_peak_that_h1_flattens():
+    stiffness, mass = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+    clean, _ = random_record(stiffness, mass, seed=21)
+    noisy, _ = random_record(stiffness, mass, seed=21, noise=0.02)
+    truth = transmissibility(Recording(clean, 512.0), 3, nperseg=8192, estimator="rank1")
+    line = int(np.argmin(np.abs(truth.freq_hz - 20.3235)))  # the lowest antiresonance of mass 4
+    lines = slice(line - 2, line + 3)
+    peak = np.abs(truth.values[7, lines]).max()
+    h1 = np.abs(transmissibility(Recording(noisy, 512.0), 3, nperseg=8192).values[7, lines]).max()
+    best = transmissibility(Recording(noisy, 512.0), 3, nperseg=8192, estimator="rank1")
+    rank1 = np.abs(best.values[7, lines])
+    assert h1 < 0.8 * peak
+    assert abs(rank1.max() - peak) < abs(h1 - peak)
+
+
+def test_coherence_tells_noise():
+    x = np.random.default_rng(2).standard_normal(100_000)
+    y = x + np.random.default_rng(3).standard_normal(x.size)
+    got = frf(Recording([x, y], 100.0, force=x), nperseg=256).coherence
+    assert np.allclose(got[0, 1:], 1.0, atol=1e-12)
+    # Signal-to-noise 1 gives one half; 780 averages leave a scatter of 0.02, its mean over lines far less.
+    assert got[1, 2:-2].mean() == pytest.approx(0.5, abs=0.01)
+
+
+def test_sum_is_equation_10_as_printed():
+    values = [[1, 1], [1 - 2j, -3 + 1j], [-2 - 1j, 0.5j]]
+    resp = FrequencyResponse([1.0, 2.0], values, kind="transmissibility", reference=0)
+    assert transmissibility_sum(resp).tolist() == [3 + 3j, 3 + 1.5j]
+    with pytest.raises(InvalidInputError, match="kind 'transmissibility'"):
+        transmissibility_sum(FrequencyResponse([1.0, 2.0], values))
+
+
+@pytest.mark.parametrize(("call", "name"), [
+    (lambda: cross_spectra(RECORD, nperseg=6000), "nperseg"),
+    (lambda: cross_spectra(RECORD, nperseg=256.5), "nperseg"),
+    (lambda: cross_spectra(RECORD, nperseg=256, noverlap=256), "noverlap"),
+    (lambda: cross_spectra(RECORD, nperseg=256, window="rectangle of mine"), "window"),
+    (lambda: cross_spectra(RECORD, nperseg=256, window=np.ones(255)), "window"),
+    (lambda: cross_spectra(RECORD.responses, nperseg=256), "rec"),
+    (lambda: frf(RECORD, nperseg=256, estimator="h3"), "estimator"),
+    (lambda: frf(RECORD), "nperseg"),
+    (lambda: frf(Recording(RECORD.responses, 200.0), nperseg=256), "rec"),
+    (lambda: transmissibility(RECORD, 9, nperseg=256), "reference"),
+    (lambda: transmissibility(RECORD, 0, nperseg=256, method="fast"), "method"),
+])
+def test_bad_arguments_are_named(call, name):
+    with pytest.raises(InvalidInputError) as caught:
+        call()
+    assert str(caught.value).startswith(f"{name}: got ")
+
+
+def test_a_dead_channel_is_named():
+    dead = np.vstack([RECORD.responses[:2], np.zeros(5000)])
+    with pytest.raises(UnsuitableDataError, match="channel 2"):
+        transmissibility(Recording(dead, 200.0), 0, nperseg=256)
+
+
+def test_import_is_light():
+    code = ("import sys, antires_rs.identification, antires_rs.spectra; "
+            "sys.exit(any(m in sys.modules for m in ('scipy.signal', 'matplotlib', 'pandas')))")
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
