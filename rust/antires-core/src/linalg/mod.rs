@@ -3,10 +3,12 @@
 //! | module | problem | used by |
 //! |---|---|---|
 //! | [`symmetric`] | K φ = λ M φ, both symmetric | the modal route |
+//! | [`blocks`] | block-triangular form of a pencil | [`pencil`] |
 //! | [`pencil`] | A v = x B v, general real | the pencil route |
 //!
 //! Everything runs with `Par::Seq`: parallelism belongs one level up, to the optimizer.
 
+pub mod blocks;
 pub mod pencil;
 pub mod symmetric;
 pub mod tolerances;

@@ -20,6 +20,10 @@ pub const ROOT_UNCERTAINTY: f64 = 1e-3;
 /// real roots come back from QZ as conjugate pairs apart by rounding only.
 pub const REAL_ROOT: f64 = 1e-9;
 
+/// A double root with one vector comes back from QZ split by the root of rounding, some 1e-8 times the
+/// root of its condition; closer than this the two halves, real or complex, are one root.
+pub const SPLIT_ROOT: f64 = 3e-7;
+
 /// Roots this close, relatively, count as repeated.
 pub const REPEATED_ROOT: f64 = 1e-6;
 

@@ -82,23 +82,43 @@ impl AntiresonanceSolver {
         self.modes.solve(k, m)
     }
 
-    /// Modal route: antiresonances (Hz) of H_ik up to `f_max_hz`, appended to `freq_hz`.
-    /// Returns false when H_ik is identically zero at working precision.
-    pub fn modal(&mut self, i: usize, k: usize, query: &Query, freq_hz: &mut Vec<f64>) -> bool {
+    /// Antiresonances (Hz) of H_ik up to the limit of the query, appended to `freq_hz`; `matrices` are
+    /// those last set. Returns false when H_ik is identically zero at working precision.
+    ///
+    /// Where rounding leaves the modal route in doubt, the pencil decides.
+    ///
+    /// # Errors
+    /// Those of the pencil, if that is the route asked for.
+    pub fn find(
+        &mut self,
+        matrices: (MatRef<'_, f64>, MatRef<'_, f64>),
+        i: usize,
+        k: usize,
+        query: &Query,
+        freq_hz: &mut Vec<f64>,
+    ) -> Result<bool> {
         self.receptance.form(&self.modes, i, k);
+        if query.route == Route::Pencil {
+            freq_hz.extend(self.pencil(matrices, i, k, query)?);
+            return Ok(true);
+        }
         if self.receptance.is_zero {
-            return false;
+            return Ok(false);
         }
         let floor = self.zero_root();
         let ceiling = eigenvalue(query.f_max_hz);
         self.lambda.clear();
-        secular::roots(
+        let certain = secular::roots(
             &self.receptance,
             0.0,
             ceiling,
             &mut self.lambda,
             &mut self.scratch,
         );
+        if !certain && let Ok(settled) = self.pencil(matrices, i, k, query) {
+            freq_hz.extend(settled);
+            return Ok(true);
+        }
         self.lambda.retain(|&x| x > floor);
         if query.include_cancelled {
             let inside = |x: &&f64| **x > floor && **x <= ceiling;
@@ -107,12 +127,12 @@ impl AntiresonanceSolver {
             self.lambda.sort_by(f64::total_cmp);
         }
         freq_hz.extend(self.lambda.iter().map(|&x| hertz(x)));
-        true
+        Ok(true)
     }
 
     /// Pencil route: antiresonances (Hz) of H_ik up to `f_max_hz`, ascending.
     fn pencil(
-        &mut self,
+        &self,
         (k_mat, m_mat): (MatRef<'_, f64>, MatRef<'_, f64>),
         i: usize,
         k: usize,
@@ -120,9 +140,18 @@ impl AntiresonanceSolver {
     ) -> Result<Vec<f64>> {
         let (floor, ceiling) = (self.zero_root(), eigenvalue(query.f_max_hz));
         let (k_ik, m_ik) = (deleted(k_mat, i, k), deleted(m_mat, i, k));
-        let mut x = real_eigenvalues(k_ik.as_ref(), m_ik.as_ref(), floor, ceiling)?;
+        let without = |gone: usize| {
+            (0..k_mat.nrows())
+                .filter(|&d| d != gone)
+                .collect::<Vec<_>>()
+        };
+        let mut x = real_eigenvalues(
+            k_ik.as_ref(),
+            m_ik.as_ref(),
+            (&without(i), &without(k)),
+            (floor, ceiling),
+        )?;
         if !query.include_cancelled {
-            self.receptance.form(&self.modes, i, k);
             for &pole in self.receptance.cancelled.iter().filter(|&&l| l > floor) {
                 let distance = |x: f64| (x - pole).abs();
                 let nearest = (0..x.len())
@@ -162,13 +191,8 @@ pub fn antiresonances(
     let mut out = Vec::with_capacity(responses.len());
     for &i in responses {
         let mut found = Antiresonances::default();
-        if !connected(k_mat, m_mat, i, excitation) {
-            found.identically_zero = true;
-        } else if query.route == Route::Modal {
-            found.identically_zero = !solver.modal(i, excitation, query, &mut found.freq_hz);
-        } else {
-            found.freq_hz = solver.pencil((k_mat, m_mat), i, excitation, query)?;
-        }
+        found.identically_zero = !connected(k_mat, m_mat, i, excitation)
+            || !solver.find((k_mat, m_mat), i, excitation, query, &mut found.freq_hz)?;
         out.push(found);
     }
     Ok(out)

@@ -107,7 +107,19 @@ impl Receptance {
         self.poles
             .iter()
             .zip(&self.residues)
-            .map(|(l, c)| c / (l - x).powi(2))
+            .map(|(l, c)| c / ((l - x) * (l - x)))
             .sum()
+    }
+
+    /// Rounding error of H at x, and dH/dx.
+    #[must_use]
+    pub fn noise_and_slope(&self, x: f64) -> (f64, f64) {
+        let (mut reach, mut slope) = (0.0, 0.0);
+        for (l, c) in self.poles.iter().zip(&self.residues) {
+            let s = (l - x).recip();
+            reach += s.abs();
+            slope += c * s * s;
+        }
+        (self.residue_error * reach, slope)
     }
 }

@@ -8,16 +8,20 @@
 //! - otherwise the cell is halved.
 //!
 //! Nothing is scanned, so two close roots are not stepped over. What rounding hides is decided by the
-//! computed signs below the last pole; beyond it such a root is infinite at working precision (H_ik of
-//! a long chain falls off as x^-n there, its partial fractions only as 1/x).
+//! computed signs and reported as doubtful, for the pencil to settle. Far beyond the last pole a root
+//! that rounding hides is infinite at working precision (H_ik of a long chain falls off as x^-n there,
+//! its partial fractions only as 1/x).
 
 use super::bracket::root_in_cell;
 use super::enclosure::{Cell, Enclosure};
-use super::receptance::Receptance;
+use super::receptance::{NEGLIGIBLE_RESIDUE, Receptance};
 use super::tail::is_rootless;
 
 /// Upper end of an unbounded search, relative to the last pole.
 const INFINITY_RATIO: f64 = 1e16;
+
+/// Beyond this multiple of the last pole, what drowns in rounding is infinite.
+const FAR_RATIO: f64 = 16.0;
 
 /// Terms of the series between poles, and beyond the last one where f falls off.
 const NEAR_ORDER: usize = 5;
@@ -27,96 +31,177 @@ const FAR_ORDER: usize = 10;
 /// model comes near.
 const MOST_CELLS: usize = 100_000;
 
-/// Appends the roots of `h` in (low, high] to `roots`, ascending. `high` may be infinite.
-pub fn roots(h: &Receptance, low: f64, high: f64, roots: &mut Vec<f64>, scratch: &mut Vec<f64>) {
+/// Relative uncertainty of a root in x from which on it is doubtful.
+const DOUBTFUL_ROOT: f64 = 1e-9;
+
+/// Relative distance in x within which a root lies on a pole; closer than the pencil's by a margin.
+const ON_A_POLE: f64 = 1e-7;
+
+/// A search for the roots of one receptance.
+pub struct Secular<'a> {
+    h: &'a Receptance,
+    roots: &'a mut Vec<f64>,
+    budget: usize,
+    doubtful: bool,
+}
+
+/// Appends the roots of `h` in (low, high] to `roots`, ascending; `high` may be infinite. False when
+/// rounding leaves a doubt about the number or the place of a root.
+pub fn roots(
+    h: &Receptance,
+    low: f64,
+    high: f64,
+    roots: &mut Vec<f64>,
+    scratch: &mut Vec<f64>,
+) -> bool {
     let Some(&last) = h.poles.last() else {
-        return;
+        return true;
     };
     let start = roots.len();
-    let mut budget = MOST_CELLS;
+    let mut search = Secular {
+        h,
+        roots,
+        budget: MOST_CELLS,
+        doubtful: false,
+    };
     let ceiling = high.min(INFINITY_RATIO * last.abs().max(f64::MIN_POSITIVE / f64::EPSILON));
-    let mut a = (low, None);
+    let (mut a, mut pole_a) = (low, None);
     for (index, &pole) in h.poles.iter().enumerate() {
-        if pole <= low {
-            if pole == low {
-                a = (low, Some(index));
-            }
+        if pole < low {
             continue;
         }
         if pole >= ceiling {
-            // The term grows towards its pole, but the pole itself lies outside.
-            search(
-                h,
-                Cell {
-                    a: a.0,
-                    b: ceiling,
-                    pole_a: a.1,
-                    pole_b: None,
-                },
-                false,
-                &mut budget,
-                roots,
-            );
-            a = (ceiling, None);
             break;
         }
-        search(
-            h,
-            Cell {
-                a: a.0,
-                b: pole,
-                pole_a: a.1,
-                pole_b: Some(index),
-            },
-            false,
-            &mut budget,
-            roots,
-        );
-        a = (pole, Some(index));
+        if pole > low {
+            search.cell(
+                Cell {
+                    a,
+                    b: pole,
+                    pole_a,
+                    pole_b: Some(index),
+                },
+                false,
+            );
+        }
+        (a, pole_a) = (pole, Some(index));
     }
-    if a.0 < ceiling && !is_rootless(h, scratch) {
-        search(
-            h,
+    let beyond_last = last < ceiling;
+    if a < ceiling && !(beyond_last && is_rootless(h, scratch)) {
+        // Where a pole lies at the ceiling or above, its term is one of the rest.
+        search.cell(
             Cell {
-                a: a.0,
+                a,
                 b: ceiling,
-                pole_a: a.1,
+                pole_a,
                 pole_b: None,
             },
-            true,
-            &mut budget,
-            roots,
+            beyond_last,
         );
     }
+    search.check_uncertainty(start);
+    let doubtful = search.doubtful;
     roots[start..].sort_by(f64::total_cmp);
+    !doubtful
 }
 
-/// Finds the roots of one cell; the halves of a cell that cannot be decided are searched in turn.
-fn search(h: &Receptance, cell: Cell, beyond_last: bool, budget: &mut usize, roots: &mut Vec<f64>) {
-    *budget = budget.saturating_sub(1);
-    let bounds = if beyond_last {
-        Enclosure::of::<FAR_ORDER>(h, cell)
-    } else {
-        Enclosure::of::<NEAR_ORDER>(h, cell)
-    };
-    if bounds.value.sign(bounds.noise).is_some() {
-        return;
-    }
-    let drowned = bounds.value.magnitude() <= 4.0 * bounds.noise;
-    if drowned && beyond_last {
-        return;
-    }
-    let decided = drowned || cell.is_narrow() || *budget == 0;
-    if decided || bounds.slope().sign(0.0).is_some() {
-        if sign(h, cell, false) != sign(h, cell, true) {
-            roots.push(solve(h, cell));
+impl Secular<'_> {
+    /// Finds the roots of one cell; the halves of a cell that cannot be decided are searched in turn.
+    fn cell(&mut self, cell: Cell, beyond_last: bool) {
+        self.budget = self.budget.saturating_sub(1);
+        let bounds = if beyond_last {
+            Enclosure::of::<FAR_ORDER>(self.h, cell)
+        } else {
+            Enclosure::of::<NEAR_ORDER>(self.h, cell)
+        };
+        if bounds.value.sign(bounds.noise).is_some() {
+            return;
         }
-    } else if let Some(convex) = bounds.curvature().sign(0.0) {
-        curved(h, cell, convex, roots);
-    } else {
-        let middle = cell.middle();
-        search(h, cell.left_of(middle), beyond_last, budget, roots);
-        search(h, cell.right_of(middle), beyond_last, budget, roots);
+        let drowned = bounds.value.magnitude() <= 4.0 * bounds.noise;
+        if drowned && beyond_last {
+            self.doubtful |= cell.a < FAR_RATIO * self.h.poles[self.h.poles.len() - 1];
+            return;
+        }
+        let guessed = drowned || cell.is_narrow() || self.budget == 0;
+        self.doubtful |= guessed;
+        if guessed || bounds.slope().sign(0.0).is_some() {
+            if sign(self.h, cell, false) != sign(self.h, cell, true) {
+                self.solve(cell);
+            }
+        } else if let Some(convex) = bounds.curvature().sign(0.0) {
+            self.curved(cell, convex, bounds.noise);
+        } else {
+            let middle = cell.middle();
+            self.cell(cell.left_of(middle), beyond_last);
+            self.cell(cell.right_of(middle), beyond_last);
+        }
+    }
+
+    /// The one root of a cell whose end signs differ.
+    fn solve(&mut self, cell: Cell) {
+        let root = root_in_cell(self.h, cell, sign(self.h, cell, false));
+        self.roots.push(root);
+    }
+
+    /// A convex (or concave) cell: none, one or two roots.
+    fn curved(&mut self, cell: Cell, convex: bool, noise: f64) {
+        let h = self.h;
+        let (at_a, at_b) = (sign(h, cell, false), sign(h, cell, true));
+        if at_a != at_b {
+            self.solve(cell);
+            return;
+        }
+        // A convex function that is negative at both ends stays negative; mirrored for a concave one.
+        if at_a != convex {
+            return;
+        }
+        let upward = if convex { 1.0 } else { -1.0 };
+        let mut shrinking = cell;
+        while !shrinking.is_narrow() {
+            let middle = shrinking.middle();
+            let (value, slope) = (upward * h.value(middle), upward * h.slope(middle));
+            if value.abs() <= noise {
+                // f touches zero, or nearly so: two roots or none is beyond its rounding.
+                self.doubtful = true;
+            }
+            if value < 0.0 {
+                self.solve(cell.left_of(middle));
+                self.solve(cell.right_of(middle));
+                return;
+            }
+            // The tangent lies under the curve: if it stays positive on the falling side, so does f.
+            let falling = if slope > 0.0 {
+                middle - shrinking.a
+            } else {
+                shrinking.b - middle
+            };
+            if value - slope.abs() * falling > noise {
+                return;
+            }
+            shrinking = if slope > 0.0 {
+                shrinking.left_of(middle)
+            } else {
+                shrinking.right_of(middle)
+            };
+        }
+        self.doubtful = true;
+    }
+
+    /// Compares what rounding can move each root with its place, and looks whether H really vanishes on
+    /// the poles that are taken for cancelled ones.
+    fn check_uncertainty(&mut self, start: usize) {
+        let h = self.h;
+        let noise =
+            |x: f64| h.residue_error * h.poles.iter().map(|l| (l - x).abs().recip()).sum::<f64>();
+        let drowned = |&x: &f64| noise(x) > DOUBTFUL_ROOT * x.abs() * h.slope(x).abs();
+        // At a pole that i or k does not see, the pencil has a root if the rest of H stands out there:
+        // at a distance of residue / H, and the residue may be as large as what counts as negligible.
+        let largest = h.residues.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        let hollow = |&l: &f64| {
+            let least = noise(l) + NEGLIGIBLE_RESIDUE * largest / (ON_A_POLE * l);
+            l > 0.0 && least.is_finite() && h.value(l).abs() <= least
+        };
+        self.doubtful |= self.roots[start..].iter().any(drowned) || h.cancelled.iter().any(hollow);
     }
 }
 
@@ -127,51 +212,5 @@ fn sign(h: &Receptance, cell: Cell, right: bool) -> bool {
         (true, _, Some(r)) => h.residues[r] > 0.0,
         (false, None, _) => h.value(cell.a) >= 0.0,
         (true, _, None) => h.value(cell.b) >= 0.0,
-    }
-}
-
-/// The one root of a cell whose end signs differ.
-fn solve(h: &Receptance, cell: Cell) -> f64 {
-    root_in_cell(h, cell, sign(h, cell, false))
-}
-
-/// A convex (or concave) cell: none, one or two roots.
-fn curved(h: &Receptance, cell: Cell, convex: bool, roots: &mut Vec<f64>) {
-    let (at_a, at_b) = (sign(h, cell, false), sign(h, cell, true));
-    if at_a != at_b {
-        roots.push(solve(h, cell));
-        return;
-    }
-    // A convex function that is negative at both ends stays negative; mirrored for a concave one.
-    if at_a != convex {
-        return;
-    }
-    let upward = if convex { 1.0 } else { -1.0 };
-    let mut shrinking = cell;
-    while !shrinking.is_narrow() {
-        let middle = shrinking.middle();
-        if middle <= shrinking.a || middle >= shrinking.b {
-            return;
-        }
-        let (value, slope) = (upward * h.value(middle), upward * h.slope(middle));
-        if value < 0.0 {
-            roots.push(solve(h, cell.left_of(middle)));
-            roots.push(solve(h, cell.right_of(middle)));
-            return;
-        }
-        // The tangent lies under the curve: if it stays positive on the falling side, so does f.
-        let falling = if slope > 0.0 {
-            middle - shrinking.a
-        } else {
-            shrinking.b - middle
-        };
-        if value - slope.abs() * falling > 0.0 {
-            return;
-        }
-        shrinking = if slope > 0.0 {
-            shrinking.left_of(middle)
-        } else {
-            shrinking.right_of(middle)
-        };
     }
 }

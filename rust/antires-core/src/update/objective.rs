@@ -161,12 +161,13 @@ impl AntiresonanceObjective {
         for (target, &connected) in self.targets.iter().zip(&self.connected) {
             ws.analytic_hz.clear();
             if connected && !target.freq_hz.is_empty() {
-                ws.solver.modal(
+                ws.solver.find(
+                    (ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref()),
                     target.dof,
                     target.excitation,
                     &self.query,
                     &mut ws.analytic_hz,
-                );
+                )?;
             }
             for &measured in &target.freq_hz {
                 visit(nearest(&ws.analytic_hz, measured), measured);
