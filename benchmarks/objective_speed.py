@@ -5,6 +5,7 @@ The three compute the same J of spring 5 at 55 % for the same random severities;
 before times are. Figures are ratios of one run; absolute times depend on the machine.
 """
 
+# ruff: noqa: E402  (the number of BLAS threads is read once, when numpy is imported)
 import os
 
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):

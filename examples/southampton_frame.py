@@ -55,7 +55,7 @@ def update(measured: list[ar.AntiresonanceSet]) -> ar.UpdateResult:
     ground = 2  # the storey under the first floor is the spring to ground: element n - 1
     parameters = (ar.mass_factor([1, 2], bounds=(0.6, 1.4))
                   + ar.stiffness_factor([ground, 0, 1], bounds=(0.6, 1.4)))
-    once = [ar.AntiresonanceSet(zeros.excitation, {dof: zeros[dof] for dof in zeros if dof <= zeros.excitation})
+    once = [ar.AntiresonanceSet(zeros.excitation, {i: zeros[i] for i in zeros if i <= zeros.excitation})
             for zeros in measured]
     return ar.update(ar.UpdatingProblem(model, parameters, once, misfit="squared"), rng=0)
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import _core
 from ._progress import watched
-from ._validation import FloatArray, finite_scalar, integer, random_generator, real_array, reject
+from ._validation import FloatArray, finite_scalar, integer, real_array, reject
 from .exceptions import ObjectiveError
 
 __all__ = ["History", "IslandGA", "OptimizeResult"]

@@ -92,7 +92,7 @@ fn write_options<'py>(py: Python<'py>, options: &IslandOptions) -> PyResult<Boun
         max_evaluations, max_generations
     );
     dict.set_item("agreement", options.agreement.name())?;
-    let names: Vec<&str> = options.crossovers.iter().map(|c| c.name()).collect();
+    let names: Vec<&str> = options.crossovers.iter().map(Crossover::name).collect();
     dict.set_item("crossovers", names)?;
     Ok(dict)
 }

@@ -52,7 +52,9 @@ pub fn irreducible_blocks(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Option<Vec<
         let rows: Vec<usize> = (0..n).filter(|&r| forward[r] && backward[r]).collect();
         let mut cols: Vec<usize> = rows.iter().map(|&r| column_of[r]).collect();
         cols.sort_unstable();
-        rows.iter().for_each(|&r| placed[r] = true);
+        for &r in &rows {
+            placed[r] = true;
+        }
         blocks.push(Block { rows, cols });
     }
     Some(blocks)

@@ -191,14 +191,15 @@ impl Secular<'_> {
     /// the poles that are taken for cancelled ones.
     fn check_uncertainty(&mut self, start: usize) {
         let h = self.h;
-        let noise =
-            |x: f64| h.residue_error * h.poles.iter().map(|l| (l - x).abs().recip()).sum::<f64>();
-        let drowned = |&x: &f64| noise(x) > DOUBTFUL_ROOT * x.abs() * h.slope(x).abs();
+        let drowned = |&x: &f64| {
+            let (noise, slope) = h.noise_and_slope(x);
+            noise > DOUBTFUL_ROOT * x.abs() * slope.abs()
+        };
         // At a pole that i or k does not see, the pencil has a root if the rest of H stands out there:
         // at a distance of residue / H, and the residue may be as large as what counts as negligible.
         let largest = h.residues.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
         let hollow = |&l: &f64| {
-            let least = noise(l) + NEGLIGIBLE_RESIDUE * largest / (ON_A_POLE * l);
+            let least = h.noise_and_slope(l).0 + NEGLIGIBLE_RESIDUE * largest / (ON_A_POLE * l);
             l > 0.0 && least.is_finite() && h.value(l).abs() <= least
         };
         self.doubtful |= self.roots[start..].iter().any(drowned) || h.cancelled.iter().any(hollow);
