@@ -43,10 +43,11 @@ build: $(STAMP)  ## make .venv and build the extension into it
 
 $(STAMP): pyproject.toml $(RUST)
 	@test -n "$(PYTHON)" || { echo "No Python of at least 3.11 found: make PYTHON=/path/to/python" >&2; exit 1; }
-	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check "maturin>=1.9.4,<2" $(TEST_TOOLS)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --editable ".[all]"
-	touch $@
+	@echo "Making $(VENV) and building the Rust core into it: a few minutes the first time, seconds afterwards."
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check "maturin>=1.9.4,<2" $(TEST_TOOLS)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --editable ".[all]"
+	@touch $@
 
 # The tools of the dependency group "test" in pyproject.toml (older pip cannot read groups).
 TEST_TOOLS = $(shell $(PYTHON) -c 'import tomllib; print(*(chr(34) + t + chr(34) for t in tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["test"]))')

@@ -152,6 +152,48 @@ fn massless_dofs_are_served_by_both_routes_and_equal_the_condensed_chain() {
 }
 
 #[test]
+fn a_double_zero_of_a_mirrored_pair_counts_twice() {
+    // Masses 3 of 9 driven, 5 measured: the ends beyond them are equal, so the numerator is a square
+    // and H only touches zero.
+    let masses = [1.0, 1.3, 0.9, 1.1, 1.0, 1.1, 0.9, 1.3, 1.0];
+    let springs = [1.2e4, 0.8e4, 1.1e4, 0.9e4, 0.9e4, 1.1e4, 0.8e4, 1.2e4];
+    let model = mass_spring_chain(&masses, &springs, 0.0, 0.0).unwrap();
+    let end = mass_spring_chain(&masses[..3], &springs[..2], 0.0, springs[2]).unwrap();
+    let want: Vec<f64> = modes(&end)
+        .unwrap()
+        .freq_hz
+        .iter()
+        .flat_map(|&f| [f, f])
+        .collect();
+    for route in [Route::Modal, Route::Pencil] {
+        let found = antiresonances(&model, &[5], 3, &all(route, false)).unwrap();
+        assert_close(&found[0].freq_hz, &want, 1e-9);
+    }
+}
+
+#[test]
+fn far_apart_dofs_of_a_disordered_chain_have_the_zeros_of_its_ends_only() {
+    // The receptance between them lies below the rounding of its own modal series.
+    let (n, i, k) = (50, 42, 5);
+    let spread = |j: usize, step: f64| 1.0 + 0.6 * (step * j as f64).sin();
+    let masses: Vec<f64> = (0..n).map(|j| spread(j, 1.7)).collect();
+    let springs: Vec<f64> = (0..n - 1).map(|j| 1e4 * spread(j, 2.9)).collect();
+    let model = mass_spring_chain(&masses, &springs, 0.0, 0.0).unwrap();
+    let left = mass_spring_chain(&masses[..k], &springs[..k - 1], 0.0, springs[k - 1]).unwrap();
+    let right = mass_spring_chain(&masses[i + 1..], &springs[i + 1..], springs[i], 0.0).unwrap();
+    let mut want = [
+        modes(&left).unwrap().freq_hz,
+        modes(&right).unwrap().freq_hz,
+    ]
+    .concat();
+    want.sort_by(f64::total_cmp);
+    for route in [Route::Modal, Route::Pencil] {
+        let found = antiresonances(&model, &[i], k, &all(route, true)).unwrap();
+        assert_close(&found[0].freq_hz, &want, 1e-9);
+    }
+}
+
+#[test]
 fn driving_point_zeros_interlace_the_resonances() {
     let model =
         mass_spring_chain(&[1.0, 0.3, 2.0, 0.7, 1.1], &[1e4, 3e4, 2e4, 5e3], 7e3, 0.0).unwrap();
