@@ -131,7 +131,9 @@ def test_an_interrupted_search_ends_the_demo(monkeypatch):
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 def test_ctrl_c_leaves_with_130_and_one_line(tmp_path):
-    code = "import sys; from antires_rs.cli import main; sys.exit(main(['demo', '--out', sys.argv[1]]))"
+    # Where the tests themselves run in the background, SIGINT is ignored, and children inherit that.
+    code = ("import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+            "from antires_rs.cli import main; sys.exit(main(['demo', '--out', sys.argv[1]]))")
     with subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, text=True) as run:
         for line in run.stderr:

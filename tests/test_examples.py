@@ -16,6 +16,22 @@ def load(name):
     return module
 
 
+def test_southampton_frame():
+    """At most 2 %; no chain of three masses can fit these zeros below 1.1 %."""
+    example = load("southampton_frame")
+    if example.data_folder() is None:
+        pytest.skip("Southampton data absent; set ANTIRES_DATA to the folder that holds them")
+    _, result = example.main()
+    assert result.table.measured_hz.size == 8
+    assert 1.1 < result.table.largest_after_percent <= 2.0 < result.table.largest_before_percent
+
+
+def test_southampton_frame_without_data(monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("ANTIRES_DATA", str(tmp_path))
+    assert load("southampton_frame").main() is None
+    assert "ANTIRES_DATA" in capsys.readouterr().out
+
+
 def test_brake_reuss_beam():
     example = load("brake_reuss_beam")
     if not example.data_file().is_file():

@@ -17,8 +17,10 @@ from tolerances import INTERRUPT_S
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
 
+# Where the tests themselves run in the background, SIGINT is ignored, and children inherit that.
 PREAMBLE = """
-import sys, threading, numpy as np, antires_rs as ar
+import signal, sys, threading, numpy as np, antires_rs as ar
+signal.signal(signal.SIGINT, signal.default_int_handler)
 case = ar.cases.chain8(perturbation=0.08, rng=0)
 problem = case.updating_problem()
 endless = ar.IslandGA(patience=10**9, max_evaluations=10**15)  # no island ever waits

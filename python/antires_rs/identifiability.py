@@ -44,12 +44,15 @@ class Identifiability:
         Number of parameter combinations that the data determine.
     unseen : ndarray, (n - rank, n)
         Orthonormal combinations that they do not.
+    scale_unseen : bool
+        Whether scaling all parameters together is one of these.
     """
 
     names: tuple[str, ...]
     sensitivity: FloatArray
     rank: int
     unseen: FloatArray
+    scale_unseen: bool
 
     @property
     def notes(self) -> list[str]:
@@ -66,8 +69,10 @@ class Identifiability:
             names = "all parameters that are seen" if everyone else ", ".join(
                 name for name, t in zip(self.names, taking_part, strict=True) if t)
             combinations = "One combination" if mixed == 1 else f"{mixed} combinations"
-            notes.append(f"{combinations} of {names} cannot be told: a common scale moves no antiresonance, "
-                         f"only ratios are known ({self.rank} of {len(self.names)} combinations are).")
+            why = ("a common scale moves no antiresonance, only ratios are known" if self.scale_unseen
+                   else "no measured antiresonance moves with them")
+            notes.append(f"{combinations} of {names} cannot be told: {why} "
+                         f"({self.rank} of {len(self.names)} combinations are).")
         return notes
 
     @property
@@ -90,7 +95,12 @@ def identifiability(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
         jacobian[:, j] = np.where(np.isfinite(change), change, 0.0)
     _, singular, rows = np.linalg.svd(jacobian, full_matrices=True)
     rank = int(np.count_nonzero(singular > _UNSEEN))
-    return Identifiability(tuple(problem.names), np.linalg.norm(jacobian, axis=0), rank, rows[rank:])
+    # All factors up by the same fraction: p by p, 1 - beta by 1 - beta.
+    scale = np.array([value if p.nominal == 1.0 else value - 1.0
+                      for p, value in zip(problem.parameters, x, strict=True)]) / width
+    scale_unseen = bool(np.linalg.norm(jacobian @ scale) <= _UNSEEN * np.linalg.norm(scale))
+    return Identifiability(tuple(problem.names), np.linalg.norm(jacobian, axis=0), rank, rows[rank:],
+                           scale_unseen)
 
 
 def smallest_visible(problem: UpdatingProblem) -> list[float]:

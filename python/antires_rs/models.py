@@ -184,8 +184,9 @@ class StructuralModel:
         ndarray, (n,)
             Hz, ascending; a list of arrays for a sequence of responses. Dropped are roots that are
             infinite or zero at working precision (first-order uncertainty above 1e-3 of their own
-            distance from there), negative, or complex (imaginary part above 1e-9 of the modulus). Every
-            QZ root is checked on the matrices to a backward error of 1e-10.
+            distance from there), negative, or complex (imaginary part above 1e-9 of the modulus, or above
+            ten times that uncertainty, at most 3e-7). Every QZ root is checked on the matrices to a
+            backward error of 1e-10; one of several within 1e-6 of each other to 3e-7.
 
         Raises
         ------

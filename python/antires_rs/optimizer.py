@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -75,9 +75,9 @@ class OptimizeResult:
     message: str
     nfev: int
     nit: int
-    history: History
-    populations: FloatArray
-    population_costs: FloatArray
+    history: History = field(repr=False)
+    populations: FloatArray = field(repr=False)
+    population_costs: FloatArray = field(repr=False)
 
     @classmethod
     def _of(cls, raw: dict[str, Any]) -> OptimizeResult:

@@ -141,6 +141,10 @@ class UpdateResult:
     def notes(self) -> list[str]:
         """What a reader should know before trusting the numbers."""
         notes = [] if self.success else [f"The search did not finish: {self.message}"]
+        alone = int(np.isnan(self.table.after_hz).sum())
+        if alone:
+            notes.append(f"{alone} of {self.table.after_hz.size} measured antiresonances have no partner: "
+                         "the updated model has none there up to 1.5 times the highest measured.")
         if self.at_bound:
             notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
         return notes + self.identifiability.notes
@@ -208,9 +212,10 @@ class DamageResult(UpdateResult):
         hidden = [label(e) for e, b in self.detectable.items() if not np.isfinite(b)]
         if visible:
             worst = max(visible, key=lambda pair: pair[1])
-            notes.append(f"Damage below {100 * min(b for _, b in visible):.0f} % to {100 * worst[1]:.0f} % "
-                         f"({label(worst[0])}) would come out as undamaged: with gamma1, gamma2 it costs "
-                         "more than it explains.")
+            least = min(b for _, b in visible)
+            span = f"{100 * least:.0f} % to " if least < worst[1] else ""
+            notes.append(f"Damage below {span}{100 * worst[1]:.0f} % ({label(worst[0])}) would come out as "
+                         "undamaged: with gamma1, gamma2 it costs more than it explains.")
         if hidden:
             notes.append(f"No damage of {', '.join(hidden)} can be seen from these antiresonances.")
         if self.problem.penalty is not None and self.problem.penalty.snap > 0:

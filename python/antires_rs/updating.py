@@ -119,6 +119,9 @@ class UpdatingProblem:
             self.penalty.snap if self.penalty else 0.0)
 
     def _model_dof(self, name: str, label: Any) -> int:
+        if isinstance(label, str):
+            reject(name, repr(label), f"a zero-based dof of the model, 0..{self.model.n_dof - 1}",
+                   "Name the channels by the model's dofs: Recording(..., dofs=[0, 1, ...]).")
         return integer(name, label, low=0, high=self.model.n_dof - 1)
 
     @property
