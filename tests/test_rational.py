@@ -127,3 +127,18 @@ def test_bad_arguments_are_named(args, kwargs, name):
     with pytest.raises(InvalidInputError) as caught:
         fit_rational(*args, **kwargs)
     assert str(caught.value).startswith(f"{name}: got ")
+
+
+def test_reweighting_never_makes_the_fit_much_worse():
+    """Reweighting need not converge: the best turn is kept when the last one went astray."""
+    masses, springs = np.array([0.5593] + 7 * [0.4194]), np.full(7, 56.7e3)
+    k_mat = np.diag(np.r_[springs, 0] + np.r_[0, springs]) - np.diag(springs, 1) - np.diag(springs, -1)
+    freq = np.linspace(3.0, 130.0, 2000)
+    damped = (1 + 0.02j) * k_mat
+    response = np.array([np.linalg.solve(damped - (2 * np.pi * f)**2 * np.diag(masses), np.eye(8)[0])
+                         for f in freq])
+    ratio = response[:, 1] / response[:, 0]
+    for order in (12, 14, 16):
+        residuals = [fit_rational(freq, ratio, order, reweightings=n).residual for n in range(4)]
+        for n in range(4):
+            assert residuals[n] <= 2.0 * min(residuals[:n + 1]) + 1e-12

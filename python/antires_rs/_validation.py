@@ -86,15 +86,15 @@ def finite_scalar(name: str, value: Any, *, low: float = -np.inf, high: float = 
     interval = f" in {left}{low:g}, {high:g}{right}" if bounded else ""
     wanted = f"a finite number{interval}{' ' + unit if unit else ''}"
     if isinstance(value, bool | str | bytes) or shape_of(value) != ():
-        reject(name, value, wanted)
+        reject(name, repr(value), wanted)
     try:
         number = float(value)
     except (TypeError, ValueError):
-        reject(name, value, wanted)
+        reject(name, repr(value), wanted)
     below = number <= low if low_open else number < low
     above = number >= high if high_open else number > high
     if not np.isfinite(number) or below or above:
-        reject(name, value, wanted)
+        reject(name, repr(value), wanted)
     return number
 
 
@@ -105,13 +105,13 @@ def integer(name: str, value: Any, *, low: int | None = None, high: int | None =
         else (f" of at least {low}" if low is not None else f" of at most {high}"))
     wanted = f"an integer{bounds}"
     if isinstance(value, bool | np.bool_):
-        reject(name, value, wanted)
+        reject(name, repr(value), wanted)
     try:
         number = operator.index(value)
     except TypeError:
-        reject(name, value, wanted)
+        reject(name, repr(value), wanted)
     if (low is not None and number < low) or (high is not None and number > high):
-        reject(name, value, wanted)
+        reject(name, repr(value), wanted)
     return number
 
 
@@ -120,7 +120,7 @@ def choice(name: str, value: Any, options: Sequence[T]) -> T:
     for option in options:
         if type(value) is type(option) and value == option:
             return option
-    reject(name, value, "one of " + ", ".join(repr(option) for option in options))
+    reject(name, repr(value), "one of " + ", ".join(repr(option) for option in options))
 
 
 def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> tuple[float, float]:

@@ -267,6 +267,7 @@ class _batch:
         if not callable(fun):
             reject("fun", fun, "a callable")
         self.fun, self.vectorized, self.pool = fun, vectorized, None
+        self.seen_finite = False
         self.map: Callable[..., Any] = map
         if callable(workers):
             self.map = workers
@@ -295,6 +296,11 @@ class _batch:
                                  f"wanted {wanted}.") from exc
         if costs.shape != (len(candidates),):
             raise ObjectiveError(f"fun: got an array of shape {costs.shape}; wanted {wanted}.")
+        # A cost that is not finite is the worst there is; a whole first generation of them is a mistake.
+        self.seen_finite = self.seen_finite or bool(np.isfinite(costs).any())
+        if not self.seen_finite:
+            raise ObjectiveError(f"fun: got no finite cost for any of {len(candidates)} candidates; "
+                                 f"wanted {wanted}.")
         return costs
 
 

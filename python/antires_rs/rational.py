@@ -284,24 +284,31 @@ def fit_rational(freq_hz: Any, values: Any, order: int, *, band_hz: Sequence[flo
         reject("constraint", constraint, "'low' or 'norm'")
     single = np.ndim(values) == 1
     freq, array, weight = prepare(freq_hz, values, order, band_hz, weights, "order")
-    first = weight
-    for turn in range(integer("reweightings", reweightings, low=0) + 1):
+    first, fits = weight, []
+    for _ in range(integer("reweightings", reweightings, low=0) + 1):
         nested = NestedFit(freq, array, weight, order)
         try:
             d = nested.low_and_norm(order)[0 if constraint == "low" else 1]
         except np.linalg.LinAlgError as exc:
             raise NumericalError(f"fit_rational: the least-squares problem of order {order} did not converge "
                                  f"({exc}); lower the order or narrow the band.") from exc
-        if turn < reweightings:
-            below = np.abs(nested.denominator_basis.p * 1j ** np.arange(order + 1) @ d)**2
-            # A line on a pole must not get all the weight there is.
-            weight = first / np.maximum(below, 1e-30 * below.max())
-    numerators = nested.numerators(d)
-    zeros = tuple(RootSet(nested.zeros(d, o)) for o in range(array.shape[0]))
+        fits.append(_fit_of(nested, freq, d, first, single))
+        below = np.abs(nested.denominator_basis.p * 1j ** np.arange(order + 1) @ d)**2
+        # A line on a pole must not get all the weight there is.
+        weight = first / np.maximum(below, 1e-30 * below.max())
+    # Reweighting need not converge: where the last turn is much worse than an earlier one, that one counts.
+    best = min(fits, key=lambda fit: fit.residual)
+    return fits[-1] if fits[-1].residual <= 2.0 * best.residual else best
+
+
+def _fit_of(nested: NestedFit, freq_hz: FloatArray, d: FloatArray, weight: FloatArray,
+            single: bool) -> RationalFit:
+    """The fit with denominator coefficients ``d``, its residual taken with the user's own weight."""
+    zeros = tuple(RootSet(nested.zeros(d, o)) for o in range(nested.values.shape[0]))
     bases = (nested.numerator_basis, nested.denominator_basis)
-    fit = RationalFit(order, RootSet(nested.poles(d)), zeros[0] if single else zeros, 0.0, bases,
-                      (numerators, d), nested.scale_hz, single)
-    difference = np.atleast_2d(fit.evaluate(freq)) - array
-    rms = np.sqrt((first * np.abs(difference)**2).sum() / (first * np.abs(array)**2).sum())
+    fit = RationalFit(len(d) - 1, RootSet(nested.poles(d)), zeros[0] if single else zeros, 0.0, bases,
+                      (nested.numerators(d), d), nested.scale_hz, single)
+    difference = np.atleast_2d(fit.evaluate(freq_hz)) - nested.values
+    rms = np.sqrt((weight * np.abs(difference)**2).sum() / (weight * np.abs(nested.values)**2).sum())
     object.__setattr__(fit, "residual", float(rms))
     return fit

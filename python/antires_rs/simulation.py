@@ -9,6 +9,7 @@ damping where 0.51 % is true.)
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -21,12 +22,15 @@ from ._validation import (
     random_generator,
     reject,
 )
+from .exceptions import AntiresWarning
 from .signals import Recording
 
 __all__ = ["simulate"]
 
 #: Longest memory of the structure that the lead-in must cover, in time constants 1 / (zeta omega).
 _TIME_CONSTANTS = 8.0
+#: Samples of lead-in that fit a memory of some hundred MB.
+_LONGEST_LEAD_IN = 4_000_000
 #: More samples than this of one channel fit no memory.
 _MOST_SAMPLES = 1e10
 
@@ -79,5 +83,10 @@ def _lead_in(samples: int, rate: float, lowest_hz: float, damping_ratio: Any) ->
     """Samples before and after the window, long enough that its ends do not see each other."""
     least = float(np.min(np.asarray(damping_ratio, dtype=float)))
     if not (lowest_hz > 0.0 and least > 0.0):
-        return samples // 2
-    return min(round(_TIME_CONSTANTS / (2 * np.pi * lowest_hz * least) * rate) + 1, samples)
+        return samples // 2  # nothing rings, or nothing ever stops ringing
+    memory = _TIME_CONSTANTS / (2 * np.pi * lowest_hz * least) * rate
+    if memory > _LONGEST_LEAD_IN:
+        warnings.warn(f"the slowest mode ({lowest_hz:.3g} Hz, damping ratio {least:.3g}) remembers "
+                      f"{memory / rate:.3g} s; the lead-in is cut to {_LONGEST_LEAD_IN / rate:.3g} s and "
+                      "that mode is not quite stationary in the record.", AntiresWarning, stacklevel=4)
+    return int(min(memory, _LONGEST_LEAD_IN)) + 1
