@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ._files import write_atomically
 from ._validation import FloatArray, real_array, reject
 from .exceptions import InvalidInputError, MissingDependencyError
 from .signals import frozen
@@ -170,24 +171,18 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         ----------
         path : path-like
             Replaced if it exists.
+
+        Raises
+        ------
+        InvalidInputError
+            The folder does not exist.
         """
-        target = Path(path)
         dofs = [{"dof": dof, **{name: table[dof].tolist() for name, table in
                                 zip(("freq_hz", "damping_ratio", "std_hz"), self._tables(), strict=True)
                                 if dof in table}} for dof in self._freq_hz]
         text = json.dumps({"format": FORMAT, "version": VERSION, "excitation": self.excitation, "dofs": dofs},
                           indent=1, allow_nan=False)
-        # Same folder, so that the replacement is one atomic step of the file system.
-        name = target.with_name(f".{target.name}.{os.getpid()}.tmp")
-        try:
-            with open(name, "w", encoding="utf-8") as file:
-                file.write(text + "\n")
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(name, target)
-        except BaseException:
-            name.unlink(missing_ok=True)
-            raise
+        write_atomically(path, (text + "\n").encode())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> AntiresonanceSet:

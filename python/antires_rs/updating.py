@@ -64,6 +64,8 @@ class UpdatingProblem:
     measured : AntiresonanceSet or sequence of AntiresonanceSet
         Measured antiresonances, one set for each position of the force; each value is paired, at every
         evaluation, with the model's nearest of the same response and force.
+    objective : {'antiresonance'}
+        What is compared with the measurement.
     misfit : {'absolute', 'squared', 'largest'}
         Sum of abs(e), the paper's, which a few wrong values do not move; sum of e**2, which shares out a
         contradiction that no model resolves; or the largest abs(e).
@@ -96,7 +98,7 @@ class UpdatingProblem:
 
     def __init__(self, model: StructuralModel, parameters: Iterable[Parameter] | Parameter,
                  measured: AntiresonanceSet | Sequence[AntiresonanceSet], *,
-                 misfit: Misfit = "absolute",
+                 objective: Literal["antiresonance"] = "antiresonance", misfit: Misfit = "absolute",
                  penalty: DamagePenalty | tuple[float, float] | None = None) -> None:
         if not isinstance(model, StructuralModel):
             reject("model", model, "a MassSpringChain or MatrixModel")
