@@ -16,8 +16,8 @@ pub const QZ_BACKWARD_ERROR: f64 = 1e-10;
 /// with an uncertainty of order 1/m, real finite ones of physical models stay below 1e-6.
 pub const ROOT_UNCERTAINTY: f64 = 1e-3;
 
-/// A root counts as real when its imaginary part is below this fraction of its modulus: repeated
-/// real roots come back from QZ as conjugate pairs apart by rounding only.
+/// A root counts as real when its imaginary part is below this fraction of its modulus, or below ten
+/// times its uncertainty: repeated real roots come back from QZ as conjugate pairs apart by rounding.
 pub const REAL_ROOT: f64 = 1e-9;
 
 /// A double root with one vector comes back from QZ split by the root of rounding, some 1e-8 times the
