@@ -25,9 +25,9 @@ def test_poles_are_found_and_no_other(noise, tol):
     assert found.identified.size == 4
     assert np.abs(found.identified / POLES - 1.0).max() < tol
     assert np.abs(found.identified_damping - DAMPING).max() < 20 * tol * 0.03
-    assert np.all(found.rows > 10)
+    assert np.all(found.accepted.rows > 10)
     # The scores say how well: true poles rule the curve at their frequency.
-    assert found.dominance.min() > 0.3
+    assert found.accepted.dominance.min() > 0.3
 
 
 def test_diagram_is_consistent():

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-import json
+import copy
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import _edits, _set_file
+from ._columns import companions, label, sorted_scores, table, unknown_scores, values_of, with_column
+from ._edits import Edit
 from ._files import write_atomically
-from ._validation import FloatArray, real_array, reject
-from .exceptions import InvalidInputError, MissingDependencyError
+from ._validation import FloatArray, choice, reject
+from .exceptions import MissingDependencyError
 from .signals import frozen
 
-__all__ = ["AntiresonanceSet"]
+if TYPE_CHECKING:
+    from .second_opinion import SecondOpinion
 
-FORMAT = "antires_rs.AntiresonanceSet"
-VERSION = 1
+__all__ = ["AntiresonanceSet", "Edit"]
 
 
 class AntiresonanceSet(Mapping[Any, FloatArray]):
@@ -32,15 +35,26 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         Antiresonances in Hz, in any order; a number stands for a list of one; an empty list says that the dof
         was looked at and has none.
     damping_ratio, std_hz : mapping of dof to array_like, optional
-        Damping ratio and standard deviation of each value, in the order of ``freq_hz``. Dofs may be missing.
+        Damping ratio and standard deviation of each value, in the order of ``freq_hz``; NaN where not known.
+        Dofs may be missing.
+    diagrams, scores : mapping of dof, optional
+        See Attributes.
 
     Attributes
     ----------
     excitation : int or str
     damping_ratio, std_hz : dict
-        By dof, in the order of the sorted frequencies; without the dofs for which they are not known.
+        By dof, in the order of the sorted frequencies; without the dofs for which they are not known. After
+        :meth:`add` single values may be NaN.
+    scores : dict
+        By dof: what speaks for each value, a dict of name to (n,) array, see :mod:`antires_rs.scores`. Empty
+        where a set was made by hand.
+    edits : tuple of Edit
+        What was dropped and added by hand, in order.
     diagrams : dict
         Stabilization diagram by dof where the set was identified; not saved.
+    second_opinion : SecondOpinion or None
+        What another method says of the values, where it was asked; not saved.
 
     Raises
     ------
@@ -61,10 +75,13 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
       2      0  -
     """
 
+    second_opinion: SecondOpinion | None
+
     def __init__(self, excitation: Any, freq_hz: Mapping[Any, Any],
                  damping_ratio: Mapping[Any, Any] | None = None, std_hz: Mapping[Any, Any] | None = None, *,
-                 diagrams: Mapping[Any, Any] | None = None) -> None:
-        self.excitation = _label("excitation", excitation)
+                 diagrams: Mapping[Any, Any] | None = None,
+                 scores: Mapping[Any, Mapping[str, Any]] | None = None) -> None:
+        self.excitation = label("excitation", excitation)
         if not isinstance(freq_hz, Mapping) or not freq_hz:
             reject(
                 "freq_hz",
@@ -72,37 +89,23 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
                 "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}",
             )
         self._freq_hz: dict[Any, FloatArray] = {}
-        self.damping_ratio: dict[Any, FloatArray] = {}
-        self.std_hz: dict[Any, FloatArray] = {}
         self.diagrams: dict[Any, Any] = dict(diagrams or {})
+        self.edits: tuple[Edit, ...] = ()
+        self.second_opinion = None
+        self._original: AntiresonanceSet | None = None
         rank: dict[Any, Any] = {}
         for key, value in freq_hz.items():
-            dof = _label("freq_hz", key)
+            dof = label("freq_hz", key)
             if dof in self._freq_hz:
                 reject("freq_hz", f"dof {dof!r} more than once", "each dof once")
-            values = _values(f"freq_hz[{dof!r}]", value, "positive frequencies in Hz")
+            values = values_of(f"freq_hz[{dof!r}]", value, "positive frequencies in Hz")
             if values.size and values.min() <= 0.0:
                 reject(f"freq_hz[{dof!r}]", f"{values.min():g} Hz", "positive frequencies in Hz")
             rank[dof] = np.argsort(values, kind="stable")
             self._freq_hz[dof] = frozen(values[rank[dof]])
-        for name, given, store in (("damping_ratio", damping_ratio, self.damping_ratio),
-                                   ("std_hz", std_hz, self.std_hz)):
-            if given is not None and not isinstance(given, Mapping):
-                reject(name, type(given).__name__, "a mapping of dof to one value for each frequency")
-            for key, value in (given or {}).items():
-                dof = _label(name, key)
-                if dof not in rank:
-                    reject(name, f"dof {dof!r}", f"dofs of freq_hz, {tuple(rank)}")
-                values = _values(f"{name}[{dof!r}]", value, "one finite value for each frequency")
-                if values.size != rank[dof].size:
-                    reject(
-                        f"{name}[{dof!r}]",
-                        f"{values.size} values",
-                        f"{rank[dof].size}, one for each frequency",
-                    )
-                if name == "std_hz" and values.size and values.min() < 0.0:
-                    reject(f"{name}[{dof!r}]", f"{values.min():g} Hz", "standard deviations of at least 0 Hz")
-                store[dof] = frozen(values[rank[dof]])
+        self.damping_ratio = companions("damping_ratio", damping_ratio, rank)
+        self.std_hz = companions("std_hz", std_hz, rank)
+        self.scores = sorted_scores(scores, rank)
 
     def __getitem__(self, dof: Any) -> FloatArray:
         return self._freq_hz[dof]
@@ -114,12 +117,12 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         return len(self._freq_hz)
 
     def __eq__(self, other: object) -> bool:
-        """Same excitation, dofs and values, bit for bit; diagrams do not count."""
+        """Same excitation, dofs and values, bit for bit; diagrams, scores and edits do not count."""
         if not isinstance(other, AntiresonanceSet):
             return NotImplemented
         mine, theirs = (s._tables() for s in (self, other))
         return self.excitation == other.excitation and all(
-            a.keys() == b.keys() and all(np.array_equal(a[dof], b[dof]) for dof in a)
+            a.keys() == b.keys() and all(np.array_equal(a[dof], b[dof], equal_nan=True) for dof in a)
             for a, b in zip(mine, theirs, strict=True))
 
     __hash__ = None  # type: ignore[assignment]
@@ -137,10 +140,184 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         for dof, freq in self._freq_hz.items():
             values = "  ".join(f"{f:.3f}" for f in freq) or "-"
             lines.append(f"{dof!s:>{width}}  {freq.size:5d}  {values}")
+        if self.edits:
+            lines.append(_edits.described(self.edits))
         return "\n".join(lines)
 
+    def drop(self, dof: Any, freq_hz: Any, *, reason: str = "", tol_hz: float | None = None,
+             ) -> AntiresonanceSet:
+        """A new set without some values; this one stays as it is.
+
+        Parameters
+        ----------
+        dof : int or str
+        freq_hz : float or array_like
+            Each drops the value nearest to it.
+        reason : str
+            Kept with the record of what was done, ``edits``.
+        tol_hz : float, optional
+            How far the nearest value may be; default 1 % of ``freq_hz``.
+
+        Returns
+        -------
+        AntiresonanceSet
+            ``original()`` gives back the set before all edits.
+
+        Raises
+        ------
+        InvalidInputError
+            No such dof, no value that near, or two frequencies that mean the same value.
+
+        Examples
+        --------
+        >>> from antires_rs.antiresonance_set import AntiresonanceSet
+        >>> table = AntiresonanceSet(0, {0: [8.7, 12.2], 1: 14.4})
+        >>> fewer = table.drop(0, 12.2, reason="mains hum of the shaker")
+        >>> table[0].tolist(), fewer[0].tolist()
+        ([8.7, 12.2], [8.7])
+        >>> print(fewer.edits[0])
+        dropped 12.20 Hz at dof 0 (mains hum of the shaker)
+        """
+        dof = self._known(dof)
+        there, own = self.columns(dof), self.scores.get(dof, {})
+        chosen = _edits.nearest(_edits.values_hz(freq_hz), there["freq_hz"], dof, tol_hz)
+        reason = _edits.check_reason(reason)
+        records = []
+        for i in chosen:
+            known = {name: float(there[name][i]) for name in ("damping_ratio", "std_hz")
+                     if not np.isnan(there[name][i])}
+            scores = {name: column[i].item() for name, column in own.items()
+                      if column[i] == column[i]}  # NaN is not equal to itself
+            records.append(Edit("drop", dof, float(there["freq_hz"][i]), reason, **known, scores=scores))
+        left = np.delete(np.arange(there["freq_hz"].size), chosen)
+        return self._edited(dof, {name: column[left] for name, column in there.items()},
+                            {name: column[left] for name, column in own.items()}, records)
+
+    def add(self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None,
+            reason: str = "") -> AntiresonanceSet:
+        """A new set with more values; this one stays as it is.
+
+        Parameters
+        ----------
+        dof : int or str
+            One of the set's.
+        freq_hz : float or array_like, (n,)
+        damping_ratio, std_hz : float or array_like, (n,), optional
+            One for all, or one each. Not known by default.
+        reason : str
+            Kept with the record of what was done, ``edits``.
+
+        Returns
+        -------
+        AntiresonanceSet
+            ``original()`` gives back the set before all edits. In tables the values' source is "by hand".
+
+        Raises
+        ------
+        InvalidInputError
+            No such dof, a frequency that is not positive, or a value that is there already.
+
+        Examples
+        --------
+        >>> from antires_rs.antiresonance_set import AntiresonanceSet
+        >>> more = AntiresonanceSet(0, {0: [8.7], 1: 14.4}).add(0, 12.2, reason="clear in the phase")
+        >>> print(more)
+        antiresonances, force at 0
+        dof  count  freq_hz
+          0      2  8.700  12.200
+          1      1  14.400
+        edited by hand: added 12.20 Hz at dof 0 (clear in the phase)
+        """
+        dof = self._known(dof)
+        new = _edits.values_hz(freq_hz)
+        there = self.columns(dof)
+        _edits.clash(new, there["freq_hz"], dof)
+        given = {"damping_ratio": _edits.companion("damping_ratio", damping_ratio, new.size, ""),
+                 "std_hz": _edits.companion("std_hz", std_hz, new.size, " in Hz")}
+        reason = _edits.check_reason(reason)
+        records = [Edit("add", dof, float(f), reason, damping, std)
+                   for f, damping, std in zip(new, given["damping_ratio"], given["std_hz"], strict=True)]
+        columns = {"freq_hz": new, **{name: np.array(v, dtype=np.float64) for name, v in given.items()}}
+        rank = np.argsort(np.concatenate([there["freq_hz"], new]), kind="stable")
+        scores = {name: np.concatenate([column, unknown_scores(column, new.size)])[rank]
+                  for name, column in self.scores.get(dof, {}).items()}
+        return self._edited(dof, {name: np.concatenate([column, columns[name]])[rank]
+                                  for name, column in there.items()}, scores, records)
+
+    def original(self) -> AntiresonanceSet:
+        """The set before the first edit by hand; itself if there was none."""
+        return self if self._original is None else self._original
+
+    def plot(self, dof: Any, *, kind: str = "stabilization", ax: Any = None) -> Any:
+        """Draw the evidence for one dof, edits by hand included; returns the axes.
+
+        Parameters
+        ----------
+        dof : int or str
+        kind : {"stabilization", "damping_clusters"}
+            :func:`~antires_rs.plotting.plot_stabilization` or
+            :func:`~antires_rs.plotting.plot_damping_clusters`.
+        ax : matplotlib.axes.Axes, optional
+
+        Raises
+        ------
+        InvalidInputError
+            A dof without a stabilization diagram: sets made by hand or loaded have none.
+        MissingDependencyError
+            matplotlib is not installed.
+        """
+        choice("kind", kind, ("stabilization", "damping_clusters"))
+        if self._known(dof) not in self.diagrams:
+            reject("dof", f"{dof!r}, which has no stabilization diagram",
+                   "a dof of a set that was identified, not made by hand or loaded")
+        from .plotting.damping_clusters import plot_damping_clusters
+        from .plotting.stabilization import plot_stabilization
+        draw = plot_stabilization if kind == "stabilization" else plot_damping_clusters
+        found = self.original()[dof]
+        return draw(self.diagrams[dof], ax=ax, dropped=found[~np.isin(found, self[dof])],
+                    added=self[dof][~np.isin(self[dof], found)])
+
+    def _known(self, dof: Any) -> Any:
+        dof = label("dof", dof)
+        if dof not in self._freq_hz:
+            reject("dof", dof, f"one of {tuple(self._freq_hz)}")
+        return dof
+
+    def columns(self, dof: Any) -> dict[str, FloatArray]:
+        """All columns of a dof, NaN where not known."""
+        freq = self._freq_hz[dof]
+        unknown = np.full(freq.size, np.nan)
+        return {"freq_hz": freq, "damping_ratio": self.damping_ratio.get(dof, unknown),
+                "std_hz": self.std_hz.get(dof, unknown)}
+
+    def _edited(self, dof: Any, columns: dict[str, FloatArray], scores: dict[str, Any],
+                records: list[Edit]) -> AntiresonanceSet:
+        """A copy with other columns at one dof; whatever else the set carries stays with it."""
+        new = copy.copy(self)
+        new._freq_hz = {**self._freq_hz, dof: frozen(columns["freq_hz"])}
+        new.damping_ratio = with_column(self.damping_ratio, dof, columns["damping_ratio"])
+        new.std_hz = with_column(self.std_hz, dof, columns["std_hz"])
+        new.scores = dict(self.scores)
+        if scores:
+            new.scores[dof] = {name: frozen(column) for name, column in scores.items()}
+        new.diagrams = dict(self.diagrams)
+        new.edits = (*self.edits, *records)
+        new._original = self.original()
+        return new
+
+    def by_hand(self) -> set[tuple[Any, float]]:
+        """(dof, frequency in Hz) of the values that are there because they were added by hand."""
+        made: set[tuple[Any, float]] = set()
+        for edit in self.edits:
+            (made.add if edit.action == "add" else made.discard)((edit.dof, edit.freq_hz))
+        return made
+
     def to_dataframe(self) -> Any:
-        """One row a value: columns dof, freq_hz, damping_ratio, std_hz (NaN where not known).
+        """One row a value: dof, freq_hz, damping_ratio, std_hz (NaN where not known), source, and the scores.
+
+        ``source`` is "by hand" for values that were added by hand, "identified" for those that the set was
+        made with. A column for each score follows, and, after a second opinion, ``confirmed`` (None where a
+        value was not judged).
 
         Returns
         -------
@@ -155,17 +332,13 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
             import pandas as pd
         except ImportError as exc:
             raise MissingDependencyError("to_dataframe needs pandas; install it: pip install pandas") from exc
-        rows = []
-        for dof, freq in self._freq_hz.items():
-            unknown = np.full(freq.size, np.nan)
-            for value in zip(
-                freq, self.damping_ratio.get(dof, unknown), self.std_hz.get(dof, unknown), strict=True
-            ):
-                rows.append((dof, *map(float, value)))
-        return pd.DataFrame(rows, columns=["dof", "freq_hz", "damping_ratio", "std_hz"])
+        names, rows = table(self)
+        return pd.DataFrame(rows, columns=names)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write as JSON, whole or not at all; every float comes back bit for bit.
+
+        Values, scores, edits and the values before them are saved; diagrams and second opinion are not.
 
         Parameters
         ----------
@@ -177,16 +350,14 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         InvalidInputError
             The folder does not exist.
         """
-        dofs = [{"dof": dof, **{name: table[dof].tolist() for name, table in
-                                zip(("freq_hz", "damping_ratio", "std_hz"), self._tables(), strict=True)
-                                if dof in table}} for dof in self._freq_hz]
-        text = json.dumps({"format": FORMAT, "version": VERSION, "excitation": self.excitation, "dofs": dofs},
-                          indent=1, allow_nan=False)
-        write_atomically(path, (text + "\n").encode())
+        first = self.original()
+        text = _set_file.to_json(self.excitation, self._tables(), self.scores, self.edits,
+                                 (first._tables(), first.scores) if self.edits else None)
+        write_atomically(path, text.encode())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> AntiresonanceSet:
-        """Read what :meth:`save` wrote.
+        """Read what :meth:`save` wrote, in this version or an older one.
 
         Parameters
         ----------
@@ -199,41 +370,16 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         FileNotFoundError
             There is none.
         """
-        wanted = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
         try:
-            data = json.loads(Path(path).read_text(encoding="utf-8"))
-        except ValueError as exc:
-            text = f"path: got {str(path)!r}, which is not JSON ({exc}); wanted {wanted}."
-            raise InvalidInputError(text) from exc
-        if not isinstance(data, dict) or data.get("format") != FORMAT:
-            reject("path", f"{str(path)!r} without the mark {FORMAT!r}", wanted)
-        if not isinstance(data.get("version"), int) or data["version"] > VERSION:
-            reject("path", f"{str(path)!r} of version {data.get('version')!r}", wanted, "Update antires_rs.")
+            text = Path(path).read_text(encoding="utf-8")
+        except UnicodeDecodeError as exc:
+            raise _set_file.damaged(str(path), exc) from exc
+        data = _set_file.from_json(text, str(path))
         try:
-            tables: dict[str, dict[Any, Any]] = {"freq_hz": {}, "damping_ratio": {}, "std_hz": {}}
-            for row in data["dofs"]:
-                if row["dof"] in tables["freq_hz"]:
-                    raise ValueError(f"dof {row['dof']!r} more than once")
-                for name, table in tables.items():
-                    if name in row or name == "freq_hz":
-                        table[row["dof"]] = row[name]
-            return cls(data["excitation"], **tables)
-        except (KeyError, TypeError, ValueError) as exc:
-            text = f"path: got {str(path)!r}, which is damaged ({exc}); wanted {wanted}."
-            raise InvalidInputError(text) from exc
-
-
-def _label(name: str, value: Any) -> Any:
-    """An integer or a string; numpy's integers become Python's."""
-    if isinstance(value, np.integer):
-        return int(value)
-    if isinstance(value, bool) or not isinstance(value, int | str):
-        reject(name, value, "a dof named by an integer or a string")
-    return value
-
-
-def _values(name: str, value: Any, wanted: str) -> FloatArray:
-    """A 1-D array, possibly empty; a number is a list of one."""
-    if np.size(value) == 0:
-        return np.empty(0)
-    return np.atleast_1d(real_array(name, value, ndim=None, wanted=wanted)).ravel()
+            new = cls(data["excitation"], **data["now"])
+            if data["before"] is not None:
+                new._original = cls(data["excitation"], **data["before"])
+                new.edits = data["edits"]
+            return new
+        except (TypeError, ValueError) as exc:
+            raise _set_file.damaged(str(path), exc) from exc

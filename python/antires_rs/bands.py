@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ._validation import FloatArray
+from .accepted import Accepted, Value
+from .segment_length import MOST_LINES
 from .signals import frozen
 from .stabilization import StabilizationDiagram
 
-# 8 masses with 28 antiresonances take 2,000 lines at 1 % damping, 4,000 at 0.5 %: still fitted as one.
-MOST_LINES = 5000
 WINDOW_LINES = 2500
 # Values this close to a cut, as a share of the window's width, are left to the neighbour.
 MARGIN = 0.05
@@ -75,15 +75,13 @@ def join(parts: list[StabilizationDiagram], cut: list[Window], band_hz: tuple[fl
             for k in range(orders.size)
         )
 
-    names = ("identified", "identified_damping", "rows", "spread", "dominance", "persistent")
-    every = {name: np.concatenate([getattr(d, name) for d in parts]) for name in names}
+    every = [value for d in parts for value in d.accepted.values()]
     # Poles that stand still before those that only stay near; long chains before short ones.
-    rank = np.lexsort((-every["rows"], every["persistent"]))
-    kept: list[int] = []
-    for i in rank:
-        if all(abs(every["identified"][i] / every["identified"][k] - 1.0) > tol for k in kept):
-            kept.append(int(i))
-    chosen = np.array(sorted(kept, key=lambda k: every["identified"][k]), dtype=np.int64)
+    every.sort(key=lambda v: (v.how != "chain", -v.rows))
+    kept: list[Value] = []
+    for value in every:
+        if all(abs(value.freq_hz / other.freq_hz - 1.0) > tol for other in kept):
+            kept.append(value)
     lines = [(d.background_freq_hz >= w.core_hz[0]) & (d.background_freq_hz < w.core_hz[1])
              for d, w in zip(parts, cut, strict=True)]
     return replace(
@@ -96,5 +94,5 @@ def join(parts: list[StabilizationDiagram], cut: list[Window], band_hz: tuple[fl
             np.concatenate([d.background_freq_hz[k] for d, k in zip(parts, lines, strict=True)])
         ),
         background=frozen(np.concatenate([d.background[k] for d, k in zip(parts, lines, strict=True)])),
-        **{name: frozen(value[chosen]) for name, value in every.items()},
+        accepted=Accepted.of(kept),
     )

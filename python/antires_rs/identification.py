@@ -1,21 +1,25 @@
 r"""From what was measured to antiresonances.
 
-Under one force at k the transmissibility T_pj = X_p / X_j = N_pk / N_jk has the zeros of H_jk as its
-poles, whatever p: the resonances cancel, and the force is not needed. So for every dof j all T_pj are fitted
-jointly with a common denominator, the order is swept, and the poles that stay are the antiresonances of
-j. Everything starts from one complex vector of responses a line, known up to a factor that cancels: the
-dominant eigenvector of a record's spectral matrix, a column of FRFs, or transmissibilities to any one
-reference (T_pq = T_pj / T_qj). Hence one set of transmissibilities serves all dofs.
+Under one force at k the responses are X_p = N_pk F / D: their numerators N_pk have the antiresonances for
+zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Two formulations:
 
-Lines are weighted by SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2): by what they are worth, but never so
-much that leakage rules.
+- "numerators": all N_pk at once from the whole spectral matrix of the responses
+  (:mod:`~antires_rs.numerators`). For averaged records, whose segments tell the noise and the errors.
+- "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j. For
+  single hits and given curves, where nothing tells the noise.
+
+Either way the order is swept and what stays is kept. Everything starts from one complex vector of
+responses a line, known up to a factor that cancels: so transmissibilities to any one reference serve all
+dofs (T_pq = T_pj / T_qj). On the "joint" way lines are weighted by
+SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2): by what they are worth, but never so much that leakage rules.
 
 Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,7 +28,9 @@ from ._validation import FloatArray, choice, frequency_band, integer, reject
 from .antiresonance_set import AntiresonanceSet
 from .bands import join, windows
 from .exceptions import UnsuitableDataError
+from .numerator_selection import SNR_CAP, select
 from .persistence import add_persistent
+from .presets import rule_options
 from .rational import NestedFit
 from .response_lines import FORCE, Lines, lines_of_recording, lines_of_response
 from .signals import FrequencyResponse, Recording
@@ -32,7 +38,7 @@ from .stabilization import PoleSweep, Rule, StabilizationDiagram, ZeroSweep, dia
 
 __all__ = ["identify_antiresonances"]
 
-SNR_CAP = 1e4
+FORMULATIONS = ("auto", "numerators", "joint")
 # Real numbers of data (two a line) an order needs: with fewer, poles follow the noise of single lines.
 LINES_PER_ORDER = 3
 
@@ -41,9 +47,10 @@ def identify_antiresonances(
         source: Recording | FrequencyResponse, *, excitation: Any, band_hz: Sequence[float],
         dofs: Iterable[Any] | None = None, route: str = "transmissibility", nperseg: int | None = None,
         noverlap: int | None = None, window: Any = "hann", method: str = "auto", estimator: str = "rank1",
-        max_order: int = 60, min_order: int = 2, freq_tol: float = 0.01, damping_tol: float = 0.10,
-        min_rows: int = 10, max_damping: float = 0.10, min_dominance: float = 0.05,
-        keep_common: bool = False) -> AntiresonanceSet:
+        preset: str | None = None, formulation: str | None = None, max_order: int = 60, min_order: int = 2,
+        freq_tol: float | None = None, damping_tol: float | None = None, min_rows: int | None = None,
+        max_damping: float | None = None, min_dominance: float | None = None, persistent: bool | None = None,
+        keep_common: bool = False, second_opinion: str | None = None) -> AntiresonanceSet:
     """Identify the antiresonances of every response, automatically.
 
     Parameters
@@ -59,8 +66,8 @@ def identify_antiresonances(
     route : {"transmissibility", "frf"}
         Poles of the transmissibilities (the force is never read), or zeros of the jointly fitted FRFs.
     nperseg : int, optional
-        Samples per Welch segment. Default: 8 over the narrow half-power bandwidth, at most the record over
-        7.5, rounded to a power of two.
+        Samples per Welch segment. Default: 16 over the narrow half-power bandwidth, at most a tenth of the
+        record, rounded to a power of two.
     noverlap, window
         As for :func:`~antires_rs.spectra.cross_spectra`; for hits ``window`` may be "rectangular" or
         "exponential" ("hann" there means: rectangular if the response dies, else exponential).
@@ -69,17 +76,28 @@ def identify_antiresonances(
     estimator : {"rank1", "h1", "h2", "hv"}
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
         :func:`~antires_rs.spectra.transmissibility` and :func:`~antires_rs.spectra.frf`.
+    formulation : {"auto", "numerators", "joint"}, optional
+        See the module. "auto" (default) takes "numerators" for averaged records with ``estimator="rank1"``,
+        else "joint".
+    preset : {None, "paper", "strict", "sensitive"}
+        A named set of the options formulation, freq_tol to min_dominance and persistent, see
+        :mod:`~antires_rs.presets`. What is given beside it wins.
     max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
         As for :func:`~antires_rs.stabilization.stabilization`. With few lines in the band the highest order
         is lowered to two thirds of their number.
-
+    persistent : bool, optional
+        Accept also what is there in most orders without standing still. Default: True, or as the preset says.
+    second_opinion : {None, "aaa", "vector_fitting"}
+        Ask another method about every value; the answer is ``.second_opinion`` of the set, see
+        :func:`~antires_rs.second_opinion.second_opinion`. It changes no value.
     keep_common : bool
         Keep values that all of three or more channels share, see Notes.
 
     Returns
     -------
     AntiresonanceSet
-        Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.diagrams`` with the evidence. A dof
+        Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.std_hz`` with their standard deviations
+        ("numerators" only), ``.scores`` with what speaks for each, ``.diagrams`` with the evidence. A dof
         without any antiresonance in the band has an empty array.
 
     Raises
@@ -93,7 +111,8 @@ def identify_antiresonances(
     Notes
     -----
     Near their noise, responses have antiresonances that are there in most orders but do not stand still;
-    they are accepted by a second rule (module ``persistence``) and marked in ``.diagrams[dof].persistent``.
+    they are accepted by a second rule (modules ``persistence``, ``numerator_selection``) and marked
+    "persistent" in ``.scores[dof]["how"]``.
     An antiresonance that *all* channels share, when there are three or more, is not one of the responses: it
     is the zero beside the pole of a mode that the force hardly excites (a force near a node, a local or
     sideways mode). A model without that mode does not have it, and one with it has it cancelled; so it is
@@ -115,7 +134,15 @@ def identify_antiresonances(
     choice("route", route, ("transmissibility", "frf"))
     choice("method", method, ("auto", "welch", "transient"))
     choice("estimator", estimator, ("rank1", "h1", "h2", "hv"))
-    rule = Rule(freq_tol, damping_tol, min_rows, max_damping, min_dominance).checked()
+    choice("second_opinion", second_opinion, (None, "aaa", "vector_fitting"))
+    options = rule_options(preset, formulation=formulation, freq_tol=freq_tol, damping_tol=damping_tol,
+                           min_rows=min_rows, max_damping=max_damping, min_dominance=min_dominance,
+                           persistent=persistent)
+    formulation = choice("formulation", options.pop("formulation"), FORMULATIONS)
+    if formulation == "numerators" and estimator != "rank1":
+        reject("estimator", estimator, "'rank1' with formulation='numerators'",
+               "That fit uses the whole spectral matrix; formulation='joint' takes any estimator.")
+    rule = Rule(**options).checked()
     if isinstance(source, Recording):
         band = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=source.fs_hz / 2)
     elif isinstance(source, FrequencyResponse):
@@ -127,8 +154,8 @@ def identify_antiresonances(
     wanted = _wanted_dofs(dofs, source.dofs)
     max_order = integer("max_order", max_order, low=2)
     min_order = integer("min_order", min_order, low=1, high=max_order)
-    if max_order - min_order < min_rows:
-        reject("max_order", max_order, f"at least min_order + min_rows = {min_order + min_rows}",
+    if max_order - min_order < rule.min_rows:
+        reject("max_order", max_order, f"at least min_order + min_rows = {min_order + rule.min_rows}",
                "A value is accepted only when more than min_rows consecutive orders agree.")
     use_force = route == "frf"
     _can_answer(source, use_force)
@@ -141,33 +168,70 @@ def identify_antiresonances(
         def lines_for(row: int) -> Lines:
             return same
 
+    orders = (min_order, max_order)
+    first = lines_for(FORCE if use_force else 0)
+    if formulation == "auto":
+        formulation = "numerators" if first.segments is not None and estimator == "rank1" else "joint"
+    if formulation == "numerators":
+        found = _from_numerators(source.dofs, first, band, orders, rule, keep_common)
+    else:
+        found = _one_by_one(source.dofs, lines_for, band, orders, rule, use_force)
+    if not keep_common:
+        found = without_common(found, rule.freq_tol)
+    found = {dof: found[dof] for dof in wanted}
+    identified = AntiresonanceSet(
+        excitation, {dof: d.identified for dof, d in found.items()},
+        {dof: d.identified_damping for dof, d in found.items()},
+        {dof: d.accepted.std_hz for dof, d in found.items()},
+        diagrams=found,
+        scores={dof: d.accepted.scores(graded=formulation == "numerators") for dof, d in found.items()})
+    if second_opinion is not None:
+        # Of the lines that are there already; imported here, since few calls ask for it.
+        from .second_opinion import judge
+        values = {dof: identified[dof] for dof in wanted}
+        identified.second_opinion = judge(lines_for, source.dofs, values, band, second_opinion)
+    return identified
+
+
+def _from_numerators(dofs: tuple[Any, ...], lines: Lines, band: tuple[float, float],
+                     orders: tuple[int, int], rule: Rule,
+                     keep_common: bool) -> dict[Any, StabilizationDiagram]:
+    """All dofs from one fit a window."""
+    cut = windows(lines.freq_hz, band)
+    parts = [lines.part(w.first, w.last) for w in cut]
+    found = [select(part, len(dofs), w, _orders(part, orders, rule), rule, keep_common)
+             for part, w in zip(parts, cut, strict=True)]
+    return {dof: join([d[row] for d in found], cut, band, rule.freq_tol) for row, dof in enumerate(dofs)}
+
+
+def _one_by_one(dofs: tuple[Any, ...], lines_for: Callable[[int], Lines], band: tuple[float, float],
+                orders: tuple[int, int], rule: Rule, use_force: bool) -> dict[Any, StabilizationDiagram]:
+    """Every dof from its own joint fit of all T_pj; with a force, from one joint fit of all H_jk."""
     found: dict[Any, StabilizationDiagram] = {}
     shared: dict[int, tuple[PoleSweep, range, FloatArray]] = {}
     # Dofs not asked for are looked at too: what all channels share is told only from all.
-    for row, dof in enumerate(source.dofs):
+    for row, dof in enumerate(dofs):
         below = FORCE if use_force else row
         lines = lines_for(below)
         cut = windows(lines.freq_hz, band)
         parts = []
-        for window_lines in cut:
-            part = lines.part(window_lines.first, window_lines.last)
-            if not use_force or window_lines.first not in shared:
-                shared[window_lines.first] = _sweep(part, below, min_order, max_order, rule)
-            sweep, orders, background = shared[window_lines.first]
+        for window in cut:
+            part = lines.part(window.first, window.last)
+            if not use_force or window.first not in shared:
+                shared[window.first] = _sweep(part, below, _orders(part, orders, rule))
+            parent, swept, background = shared[window.first]
+            sweep: PoleSweep = parent
             if use_force:
-                background = 1.0 / np.maximum(np.abs(sweep.nested.values[row]), 1e-300)
-                sweep = ZeroSweep(sweep, row)
-            one = diagram(sweep, orders, window_lines.report_hz, rule, part.freq_hz, background,
+                background = 1.0 / np.maximum(np.abs(parent.nested.values[row]), 1e-300)
+                sweep = ZeroSweep(parent, row)
+            one = diagram(sweep, swept, window.report_hz, rule, part.freq_hz, background,
                           part.added_decay_per_s)
-            if part.snr_known:
+            if part.snr_known and rule.persistent:
                 one = add_persistent(one, sweep, rule, part.channel_snr(row), part.added_decay_per_s)
-            parts.append(one)
+            curves = sweep.curves(swept[len(swept) // 2])
+            parts.append(replace(one, accepted=one.accepted.scored(part.freq_hz, background, *curves)))
         found[dof] = join(parts, cut, band, rule.freq_tol)
-    if not keep_common:
-        found = without_common(found, rule.freq_tol)
-    found = {dof: found[dof] for dof in wanted}
-    return AntiresonanceSet(excitation, {dof: d.identified for dof, d in found.items()},
-                            {dof: d.identified_damping for dof, d in found.items()}, diagrams=found)
+    return found
 
 
 def _can_answer(source: Recording | FrequencyResponse, use_force: bool) -> None:
@@ -195,15 +259,20 @@ def _wanted_dofs(dofs: Iterable[Any] | None, known: tuple[Any, ...]) -> tuple[An
     return tuple(known[known.index(dof)] for dof in wanted)
 
 
-def _sweep(lines: Lines, row: int, min_order: int, max_order: int, rule: Rule,
-           ) -> tuple[PoleSweep, range, FloatArray]:
-    """Joint fit of all rows over one row; the orders that the number of lines can bear; abs of their sum."""
-    quotients, power = lines.quotients(row)
-    weights = lines.snr / (1.0 + lines.snr / SNR_CAP) / (1.0 + power)
-    highest = min(max_order, 2 * lines.freq_hz.size // LINES_PER_ORDER)
-    if highest - min_order < rule.min_rows:
-        reject("band_hz", f"a band with {lines.freq_hz.size} lines for orders {min_order} to {highest}",
+def _orders(lines: Lines, orders: tuple[int, int], rule: Rule) -> range:
+    """Those orders that the number of lines can bear."""
+    low, high = orders
+    highest = min(high, 2 * lines.freq_hz.size // LINES_PER_ORDER)
+    if highest - low < rule.min_rows:
+        reject("band_hz", f"a band with {lines.freq_hz.size} lines for orders {low} to {highest}",
                f"orders that span more than min_rows = {rule.min_rows}",
                "Widen the band, or use longer segments.")
-    nested = NestedFit(lines.freq_hz, quotients, weights, highest)
-    return PoleSweep(nested), range(min_order, highest + 1), np.abs(quotients.sum(axis=0))
+    return range(low, highest + 1)
+
+
+def _sweep(lines: Lines, row: int, orders: range) -> tuple[PoleSweep, range, FloatArray]:
+    """Joint fit of all rows over one row, and abs of their sum."""
+    quotients, power = lines.quotients(row)
+    weights = lines.snr / (1.0 + lines.snr / SNR_CAP) / (1.0 + power)
+    nested = NestedFit(lines.freq_hz, quotients, weights, orders[-1])
+    return PoleSweep(nested), orders, np.abs(quotients.sum(axis=0))

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from ._validation import FloatArray
-from .signals import frozen
-from .stabilization import PoleSweep, Rule, StabilizationDiagram
+from .accepted import Accepted, Value
+from .stabilization import Rule, StabilizationDiagram, Sweep
 
 WIDTH = 0.02
 PRESENCE = 0.75
@@ -29,7 +29,7 @@ FLANK_SNR = 4.0
 FLANK = (0.02, 0.20)
 
 
-def add_persistent(found: StabilizationDiagram, sweep: PoleSweep, rule: Rule, channel_snr: FloatArray,
+def add_persistent(found: StabilizationDiagram, sweep: Sweep, rule: Rule, channel_snr: FloatArray,
                    added_decay_per_s: float) -> StabilizationDiagram:
     """The diagram with persistent values added to the stable ones.
 
@@ -37,7 +37,7 @@ def add_persistent(found: StabilizationDiagram, sweep: PoleSweep, rule: Rule, ch
     """
     orders = found.orders.astype(int)
     pool = _dominant(sweep, orders, found, channel_snr, added_decay_per_s)
-    new: list[tuple[float, float, int, float]] = []
+    new: list[Value] = []
     while len(pool):
         first = np.searchsorted(pool[:, 0], pool[:, 0] * (1.0 - WIDTH))
         last = np.searchsorted(pool[:, 0], pool[:, 0] * (1.0 + WIDTH))
@@ -51,16 +51,15 @@ def add_persistent(found: StabilizationDiagram, sweep: PoleSweep, rule: Rule, ch
         opened = np.unique(group[:, 1])[1]
         present = (counts[best] - 1) / (orders[-1] - opened + 1)
         if present >= PRESENCE:
-            new.append(
-                (value, float(np.median(group[:, 2])), int(counts[best]), float(np.std(group[:, 0]) / value))
-            )
+            new.append(Value(value, float(np.median(group[:, 2])), int(counts[best]),
+                             float(np.std(group[:, 0]) / value), float("nan"), "persistent"))
         keep = (pool[:, 0] < value * (1.0 - WIDTH)) | (pool[:, 0] > value * (1.0 + WIDTH))
         keep[first[best]:last[best]] = False
         pool = pool[keep]
-    return _with(found, new) if new else found
+    return replace(found, accepted=Accepted.of([*found.accepted.values(), *new])) if new else found
 
 
-def _dominant(sweep: PoleSweep, orders: Any, found: StabilizationDiagram, snr: FloatArray, added: float,
+def _dominant(sweep: Sweep, orders: Any, found: StabilizationDiagram, snr: FloatArray, added: float,
               ) -> FloatArray:
     """(n, 3) of frequency, order, damping of the poles that may count, by frequency.
 
@@ -103,22 +102,3 @@ def _flanked(freq_hz: FloatArray, snr: FloatArray) -> Any:
         return np.asarray((good[b] - good[a]) / np.maximum(b - a, 1))
 
     return (share(-FLANK[1], -FLANK[0]) >= 0.5) & (share(FLANK[0], FLANK[1]) >= 0.5)
-
-
-def _with(found: StabilizationDiagram, new: list[tuple[float, float, int, float]]) -> StabilizationDiagram:
-    freq, damping, rows, spread = (np.array(column) for column in zip(*new, strict=True))
-    joined = [
-        np.concatenate(pair)
-        for pair in (
-            (found.identified, freq),
-            (found.identified_damping, damping),
-            (found.rows, rows),
-            (found.spread, spread),
-            (found.dominance, np.ones(freq.size)),
-            (found.persistent, np.ones(freq.size, dtype=bool)),
-        )
-    ]
-    rank = np.argsort(joined[0], kind="stable")
-    parts = [frozen(part[rank]) for part in joined]
-    return replace(found, identified=parts[0], identified_damping=parts[1], rows=parts[2], spread=parts[3],
-                   dominance=parts[4], persistent=parts[5])

@@ -12,10 +12,35 @@ import numpy as np
 
 from ._validation import ComplexArray, FloatArray
 
-# Passes of "eigenvector, residual noise of each channel, scale"; the scales settle within three.
+# Passes of "eigenvector, residual noise of each channel, scale".
 NOISE_PASSES = 4
-# No channel is taken to have less than this share of the mean noise: exact data have none at all.
-LEAST_NOISE = 1e-6
+# The scales are medians over lines: so many lines tell them.
+NOISE_LINES = 500
+# No channel is taken to have less than this share of the noise that the passes start from: with next to no
+# noise they would end by calling a single channel perfect.
+LEAST_NOISE = 0.1
+
+
+def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> FloatArray:
+    """Relative noise power of every channel: what the dominant vector leaves of the diagonal, (n_channels,).
+
+    ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n); ``start`` is a first estimate, by default
+    the same share of every channel's power.
+    """
+    some = matrix[::max(1, matrix.shape[0] // NOISE_LINES)]
+    auto = np.einsum("fii->fi", some).real
+    first = auto.mean(axis=0) if start is None else start
+    first = np.where(first > 0.0, first, 1.0)
+    scale = first
+    for _ in range(NOISE_PASSES):
+        values, vectors = _eigh(some, scale)
+        # The noise is in the largest eigenvalue as well.
+        floor = values[:, :-1].mean(axis=1, keepdims=True) if auto.shape[1] > 1 else 0.0
+        left = auto / scale - (values[:, -1:] - floor) * np.abs(vectors[:, :, -1])**2
+        share = np.median(left, axis=0)
+        scale = scale * share / max(float(share.mean()), 1e-300)
+        scale = np.maximum(scale, LEAST_NOISE * first * float(np.median(scale / first)))
+    return np.asarray(scale)
 
 
 def response_vectors(
@@ -24,25 +49,24 @@ def response_vectors(
     """Dominant vectors, (n_channels, n_freq) in the channels' units, and signal-to-noise power, (n_freq,).
 
     ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n). ``noise`` is each channel's noise power in
-    the same units; where it is not known it is estimated from what the vector leaves of the diagonal.
+    the same units; where it is not known it is estimated.
     """
-    n = matrix.shape[1]
-    auto = np.einsum("fii->fi", matrix).real
     known = noise is not None and noise.min() > 0.0
-    scale = np.array(noise if noise is not None and known else auto.mean(axis=0))
-    scale[scale <= 0.0] = 1.0
-    for _ in range(1 if known else NOISE_PASSES):
-        root = np.sqrt(scale)
-        # conj(A) B is the transpose of the covariance whose eigenvectors are wanted.
-        values, vectors = np.linalg.eigh((matrix / (root[:, None] * root)).transpose(0, 2, 1))
-        used = scale
-        if not known:
-            left = auto / scale - values[:, -1:] * np.abs(vectors[:, :, -1])**2
-            share = np.median(left, axis=0)
-            scale = scale * np.maximum(share / max(float(share.mean()), 1e-300), LEAST_NOISE)
-    floor = 1.0 if known else 0.0
-    if not known and n > 1:
-        floor = float(np.median(values[:, :-1].mean(axis=1)))
+    scale = noise if noise is not None and known else channel_noise(matrix)
+    values, vectors = _eigh(matrix, scale)
+    floor = 1.0 if known else noise_floor(values)
+    return np.ascontiguousarray((vectors[:, :, -1] * np.sqrt(scale)).T), values[:, -1] / floor
+
+
+def noise_floor(values: FloatArray) -> float:
+    """Noise level of eigenvalues (n_freq, n), ascending: the typical mean of all but the largest."""
+    floor = float(np.median(values[:, :-1].mean(axis=1))) if values.shape[1] > 1 else 0.0
     # Exact rank one leaves rounding only.
-    floor = max(floor, 1e-15 * float(values[:, -1].max()), 1e-300)
-    return np.ascontiguousarray((vectors[:, :, -1] * np.sqrt(used)).T), values[:, -1] / floor
+    return max(floor, 1e-15 * float(values[:, -1].max()), 1e-300)
+
+
+def _eigh(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, ComplexArray]:
+    root = np.sqrt(scale)
+    # conj(A) B is the transpose of the covariance whose eigenvectors are wanted.
+    values, vectors = np.linalg.eigh((matrix / (root[:, None] * root)).transpose(0, 2, 1))
+    return values, vectors

@@ -8,14 +8,16 @@ row, so that FRFs are transmissibilities to the force. Channels are scaled to eq
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ._validation import ComplexArray, FloatArray, reject
 from .exceptions import UnsuitableDataError
-from .rankone import response_vectors
+from .noise_level import noise_power
+from .rankone import NOISE_LINES as FEW_LINES
+from .rankone import channel_noise, noise_floor, response_vectors
 from .segment_length import choose_nperseg
 from .signals import FrequencyResponse, Recording
 from .spectra import CrossSpectra, cross_spectra, two_channel
@@ -31,17 +33,35 @@ NOISE_LINES = 31
 
 @dataclass(frozen=True)
 class Lines:
-    """Response vectors ``(n_rows, n_freq)``, of unit norm at every line, and their ``snr``, (n_freq,)."""
+    """Response vectors ``(n_rows, n_freq)``, of unit norm at every line, and their ``snr``, (n_freq,).
+
+    ``segments`` are the scaled spectra that were averaged, (n_freq, n_rows, n_segments), with unit noise in
+    every row; None where there are fewer than two. ``independent`` is the number of independent lines over
+    the number of lines: the spectra of tapered, overlapping segments are correlated from line to line.
+    ``averages_ratio`` is the number of segments over that of independent averages.
+    """
 
     freq_hz: FloatArray
     vectors: ComplexArray
     snr: FloatArray
     added_decay_per_s: float = 0.0
+    segments: ComplexArray | None = None
+    independent: float = 1.0
+    averages_ratio: float = 1.0
 
     def part(self, first: int, last: int) -> Lines:
         """Some of the lines."""
-        return Lines(self.freq_hz[first:last], self.vectors[:, first:last], self.snr[first:last],
-                     self.added_decay_per_s)
+        some = None if self.segments is None else self.segments[first:last]
+        return replace(self, freq_hz=self.freq_hz[first:last], vectors=self.vectors[:, first:last],
+                       snr=self.snr[first:last], segments=some)
+
+    def covariance(self) -> ComplexArray:
+        """Covariance of the rows at every line, (n_freq, n_rows, n_rows), in units of the noise."""
+        if self.segments is not None:
+            return np.asarray(self.segments @ self.segments.conj().transpose(0, 2, 1)
+                              / self.segments.shape[2], dtype=np.complex128)
+        v = self.vectors.T
+        return np.asarray(self.snr[:, None, None] * v[:, :, None] * v[:, None, :].conj())
 
     @property
     def snr_known(self) -> bool:
@@ -87,21 +107,34 @@ def lines_of_recording(rec: Recording, band_hz: tuple[float, float], *, use_forc
     if transient:
         noise, snr = _noise_of_curves(_joined(vectors, auto_by_line=np.einsum("fii->f", spectra.matrix).real))
     else:
-        noise = _noise(spectra.matrix, vectors)
+        noise = channel_noise(spectra.matrix, noise_power(spectra.matrix, spectra.n_effective))
         if use_force:
             # A force cell is far quieter than the responses: what a line is worth, the responses tell.
             snr = response_vectors(spectra.matrix[:, :FORCE, :FORCE])[1]
-    scale = np.sqrt(noise)[:, None]
+    white = vectors / np.sqrt(noise)[:, None]
+    unit = 1.0 / np.sqrt(noise)
+    if use_force:
+        unit[FORCE] *= _middling(white[:FORCE] / white[FORCE])
+    segments = None if transient else _segments(spectra, unit, use_force)
+    independent = 1.0 if transient else min(1.0, rec.n_samples / length / spectra.n_effective)
 
     def lines(row: int) -> Lines:
         own = vectors if estimator == "rank1" else two_channel(
             spectra.matrix, row % vectors.shape[0], estimator)[0]
-        own = own / scale
-        if use_force:
-            own[FORCE] *= _middling(own[:FORCE] / own[FORCE])
-        return Lines(spectra.freq_hz, _unit(own), snr, spectra.added_decay_per_s)
+        return Lines(spectra.freq_hz, _unit(own * unit[:, None]), snr, spectra.added_decay_per_s, segments,
+                     independent, spectra.n_averages / spectra.n_effective)
 
     return lines
+
+
+def _segments(spectra: CrossSpectra, unit: FloatArray, use_force: bool) -> ComplexArray | None:
+    """Spectra of the segments scaled to unit noise in every row, lines first."""
+    if spectra.segments is None or spectra.n_averages < 2:
+        return None
+    scaled = np.ascontiguousarray((spectra.segments * unit[:, None, None]).transpose(2, 0, 1))
+    some = scaled[::max(1, scaled.shape[0] // FEW_LINES), :FORCE if use_force else None]
+    covariance = some @ some.conj().transpose(0, 2, 1) / scaled.shape[2]
+    return np.asarray(scaled / np.sqrt(noise_floor(np.linalg.eigvalsh(covariance))))
 
 
 def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, use_force: bool) -> Lines:
@@ -129,16 +162,6 @@ def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, 
 def _middling(frfs: ComplexArray) -> float:
     """A force of this size weighs as much as all responses together at the median line."""
     return float(np.median(np.linalg.norm(frfs, axis=0)))
-
-
-def _noise(matrix: ComplexArray, vectors: ComplexArray) -> FloatArray:
-    """Relative noise power of every channel: what the dominant vector leaves of the diagonal."""
-    norm = np.linalg.norm(vectors, axis=0)
-    unit = vectors / norm
-    auto = np.einsum("fii->if", matrix).real
-    along = np.einsum("if,fji,jf->f", unit, matrix, unit.conj(), optimize=True).real
-    left = np.median(np.maximum(auto - along * np.abs(unit)**2, 0.0), axis=1)
-    return np.asarray(np.maximum(left, 1e-12 * auto.mean(axis=1)), dtype=np.float64)
 
 
 def _joined(vectors: ComplexArray, auto_by_line: FloatArray) -> ComplexArray:
@@ -193,5 +216,5 @@ def _inside(freq_hz: FloatArray, band_hz: tuple[float, float]) -> Any:
 
 def _cut(spectra: CrossSpectra, band_hz: tuple[float, float]) -> CrossSpectra:
     inside = _inside(spectra.freq_hz, band_hz)
-    return CrossSpectra(spectra.freq_hz[inside], spectra.matrix[inside], spectra.n_averages, spectra.noise,
-                        spectra.added_decay_per_s)
+    segments = None if spectra.segments is None else spectra.segments[:, :, inside]
+    return replace(spectra, freq_hz=spectra.freq_hz[inside], matrix=spectra.matrix[inside], segments=segments)

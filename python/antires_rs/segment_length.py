@@ -8,27 +8,32 @@ from ._validation import reject
 from .signals import Recording
 from .spectra import cross_spectra
 
-# Segments of at least this many half-power bandwidths' reciprocals: measured on a chain with 1 % damping
-# (narrowest resonance 0.46 Hz wide), where 16 s beat 8 s on clean records and 32 s did not gain at 1 % noise.
-BANDWIDTHS = 8.0
-# ... but with no fewer than 14 half-overlapping averages, which a record of 7.5 segments gives.
-SEGMENTS = 7.5
+# Segments of this many half-power bandwidths' reciprocals. On a chain with 1 % damping (narrowest resonance
+# 0.46 Hz wide) 32 s have a third of the leakage error of 16 s, and no more scatter: a joint fit over all
+# lines does not mind whether it sees many averages or many lines.
+BANDWIDTHS = 16.0
+# ... but not longer than this share of the record, so that the scatter of the segments can be told.
+SEGMENTS = 10.0
 LEAST_SAMPLES = 256
 # Peaks lower than this over the band's median are not taken for resonances.
 PEAK_RATIO = 10.0
 NARROWEST = 0.25
+# Bands with more lines are fitted in windows, which costs more than the resolution gains.
+MOST_LINES = 5000
 
 
 def choose_nperseg(rec: Recording, band_hz: tuple[float, float]) -> int:
     """Samples per segment from the record's length and the sharpness of its resonances.
 
-    The rule: 8 / (narrow half-power bandwidth), at most the record over 7.5; rounded to the nearest power of
-    two. The bandwidth is the lower quartile of those of the peaks that stand 10 dB over the median of the
-    summed, channel-normalised power spectrum in the band, measured with the longest segments allowed. For
-    the 8-mass chain with 1 % damping at 512 Hz: 16 s of a record of 120 s and more, 8 s of one of 60 s.
+    The rule: 16 / (narrow half-power bandwidth), at most a tenth of the record; rounded to the nearest power of
+    two; with no more than 5,000 lines in the band. The bandwidth is the lower quartile of those of the peaks
+    that stand 10 dB over the median of the summed, channel-normalised power spectrum in the band, measured
+    with the longest segments allowed. For the 8-mass chain with 1 % damping at 512 Hz: 32 s of a record of
+    600 s, 16 s of one of 200 s, 8 s of one of 60 s.
     """
-    longest = min(rec.n_samples / SEGMENTS, rec.n_samples)
-    n_long = _power_of_two(longest)
+    n_long = _power_of_two(rec.n_samples / SEGMENTS)
+    while n_long * (band_hz[1] - band_hz[0]) / rec.fs_hz > MOST_LINES:
+        n_long //= 2
     if n_long < LEAST_SAMPLES:
         reject("nperseg", f"None for a record of {rec.n_samples} samples",
                f"a record of at least {int(LEAST_SAMPLES * SEGMENTS)} samples",

@@ -24,6 +24,7 @@ from ._validation import (
     real_array,
     reject,
 )
+from .estimators import std_of_coherence
 
 __all__ = ["FrequencyResponse", "Recording"]
 
@@ -142,11 +143,17 @@ class FrequencyResponse:
         For a transmissibility the dof j, which must be among ``dofs`` (its row is ones).
     coherence : array_like, (n_outputs, n_freq), optional
         Ordinary coherence of each value, 0 to 1.
+    n_averages : float, optional
+        Independent averages behind each value, e.g.
+        :func:`~antires_rs.spectra.effective_averages` of overlapping segments.
+    std : array_like, (n_outputs, n_freq), optional
+        Standard deviation of the real part of each value, which is that of the imaginary part and, while it
+        is small, of the magnitude. Default: from coherence and ``n_averages``, if both are known.
 
     Attributes
     ----------
-    freq_hz, values, dofs, kind, reference, coherence
-        As given, arrays read-only.
+    freq_hz, values, dofs, kind, reference, coherence, n_averages, std
+        As given, arrays read-only. ``coherence``, ``n_averages`` and ``std`` are None where not known.
     n_outputs, n_freq : int
 
     Raises
@@ -169,10 +176,13 @@ class FrequencyResponse:
     kind: ResponseKind
     reference: Any | None
     coherence: FloatArray | None
+    n_averages: float | None
+    std: FloatArray | None
 
     def __init__(self, freq_hz: Any, values: Any, dofs: Iterable[Any] | None = None,
                  kind: ResponseKind = "frf", reference: Any | None = None,
-                 coherence: Any | None = None) -> None:
+                 coherence: Any | None = None, n_averages: float | None = None,
+                 std: Any | None = None) -> None:
         freq = check_freq("freq_hz", freq_hz)
         wanted = f"a complex array (n_outputs, {freq.size}), one row an output, one column a frequency"
         array = complex_array("values", values, ndim=None, wanted=wanted)
@@ -197,14 +207,20 @@ class FrequencyResponse:
             reject("reference", reference, "None for kind='frf'", "Only transmissibilities have a reference.")
         if coherence is not None:
             wanted = f"a real array of the shape of values, {array.shape}, from 0 to 1"
-            coherence = real_array("coherence", coherence, ndim=None, wanted=wanted)
-            coherence = coherence[None, :] if coherence.ndim == 1 else coherence
-            if coherence.shape != array.shape:
-                reject("coherence", f"an array of shape {coherence.shape}", wanted)
+            coherence = _beside("coherence", coherence, array.shape, wanted)
             # Rounding may push an exact coherence a few ulps over one.
             if coherence.min() < 0.0 or coherence.max() > 1.0 + 1e-9:
                 reject("coherence", f"values from {coherence.min():g} to {coherence.max():g}", wanted)
             coherence = frozen(np.minimum(coherence, 1.0))
+        if n_averages is not None:
+            n_averages = finite_scalar("n_averages", n_averages, low=1.0)
+        if std is not None:
+            wanted = f"a real array of the shape of values, {array.shape}, not negative"
+            std = frozen(_beside("std", std, array.shape, wanted))
+            if std.min() < 0.0:
+                reject("std", f"values from {std.min():g}", wanted)
+        elif coherence is not None and n_averages is not None and n_averages > 1.0:
+            std = frozen(std_of_coherence(array, coherence, n_averages))
         put = object.__setattr__
         put(self, "freq_hz", frozen(freq))
         put(self, "values", frozen(array))
@@ -212,6 +228,8 @@ class FrequencyResponse:
         put(self, "kind", kind)
         put(self, "reference", reference)
         put(self, "coherence", coherence)
+        put(self, "n_averages", n_averages)
+        put(self, "std", std)
 
     @property
     def n_outputs(self) -> int:
@@ -227,6 +245,15 @@ class FrequencyResponse:
         to = "" if self.reference is None else f", reference={self.reference!r}"
         return (f"FrequencyResponse({self.kind}, {self.n_outputs} outputs, {self.n_freq} lines "
                 f"{self.freq_hz[0]:g}-{self.freq_hz[-1]:g} Hz, dofs={self.dofs}{to})")
+
+
+def _beside(name: str, value: Any, shape: tuple[int, ...], wanted: str) -> FloatArray:
+    """Real companion of ``values``, of its shape; a vector stands for one output."""
+    array = real_array(name, value, ndim=None, wanted=wanted)
+    array = array[None, :] if array.ndim == 1 else array
+    if array.shape != shape:
+        reject(name, f"an array of shape {array.shape}", wanted)
+    return array
 
 
 def check_freq(name: str, value: Any) -> FloatArray:

@@ -6,10 +6,13 @@ X_p = T_pj X_j gives
     H1:  T = S_jp / S_jj      H2:  T = S_pp / S_pj      Hv:  total least squares on (x_j, x_p)
 
 and the same with the force for x_j in an FRF. H1 is biased low by noise on the input, H2 biased high by
-noise on the output. For a transmissibility H1 is at its worst exactly where it matters: at an
-antiresonance of j the channel x_j is all noise, and the peak of T_pj is flattened. "rank1" uses that one
-force acts: the matrix of all spectra has rank one but for noise, and its dominant eigenvector, with the
-channels scaled to equal noise, holds the responses up to a common factor.
+noise on the output. For a transmissibility H1 is at its worst exactly where it matters: at an antiresonance
+of j the channel x_j is mostly noise, the estimate is the true T divided by 1 + noise / signal of x_j at that
+line, and the peak of T_pj is flattened. No averaging helps: a bias, unlike scatter, stays. Nor does the
+coherence-based standard deviation show it. H2 has that bias at the antiresonances of p instead, Hv lies
+between. "rank1" uses that one force acts: the matrix of all spectra has rank one but for noise, and its
+dominant eigenvector, with the channels scaled to equal noise, holds the responses up to a common factor,
+without bias to first order.
 
 References: P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73; J. S. Bendat and A. G. Piersol,
 Random Data, 4th ed., 2010; G. T. Rocklin, J. Crowley, H. Vold, Proc. IMAC 3 (1985) 272-278 (Hv).
@@ -23,11 +26,12 @@ from typing import Any
 import numpy as np
 
 from ._validation import ComplexArray, FloatArray, choice, integer, reject
-from .exceptions import UnsuitableDataError
+from .estimators import std_of_rank_one, two_channel
 from .rankone import response_vectors
 from .signals import FrequencyResponse, Recording
 
-__all__ = ["CrossSpectra", "cross_spectra", "frf", "transmissibility", "transmissibility_sum"]
+__all__ = ["CrossSpectra", "cross_spectra", "effective_averages", "frf", "transmissibility",
+           "transmissibility_sum", "two_channel"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +50,11 @@ class CrossSpectra:
         Noise part of the diagonal, where it was measured (before a hit).
     added_decay_per_s : float
         Decay rate of an exponential window; roots identified from these spectra carry it in their real part.
+    n_effective : float
+        Independent averages that would scatter as much: fewer than ``n_averages`` where segments overlap.
+        0 (default) stands for ``n_averages``.
+    segments : (n_channels, n_segments, n_freq) complex or None
+        What was averaged: ``matrix`` is the mean over segments of conj(A) B.
     """
 
     freq_hz: FloatArray
@@ -53,6 +62,46 @@ class CrossSpectra:
     n_averages: int
     noise: FloatArray | None = None
     added_decay_per_s: float = 0.0
+    n_effective: float = 0.0
+    segments: ComplexArray | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "n_effective", self.n_effective or float(self.n_averages))
+
+
+def effective_averages(taper: FloatArray, step: int, n_segments: int) -> float:
+    """Number of independent averages with the variance of ``n_segments`` that overlap.
+
+    Parameters
+    ----------
+    taper : (nperseg,)
+        The window.
+    step : int
+        Samples from one segment's start to the next.
+    n_segments : int
+
+    Returns
+    -------
+    float
+        ``K / (1 + 2 sum_j (1 - j/K) r_j)`` with K segments and
+        ``r_j = (sum w[k] w[k + j step])**2 / (sum w**2)**2``.
+
+    Notes
+    -----
+    P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73: variance of the averaged spectrum of a
+    signal that is white over the width of the window.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.spectra import effective_averages
+    >>> hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(256) / 256)
+    >>> round(effective_averages(hann, 128, 31), 1), round(effective_averages(hann, 256, 16), 1)
+    (29.4, 16.0)
+    """
+    shifts = np.arange(1, min(n_segments, -(-taper.size // step)))
+    shared = np.array([(taper[j * step:] @ taper[:taper.size - j * step])**2 for j in shifts])
+    return float(n_segments / (1.0 + 2.0 * np.sum((1.0 - shifts / n_segments) * shared) / (taper @ taper)**2))
 
 
 def averaged_products(spectra: ComplexArray) -> ComplexArray:
@@ -100,17 +149,20 @@ def cross_spectra(rec: Recording, *, nperseg: int, noverlap: int | None = None, 
     _recording(rec)
     n_seg = integer("nperseg", nperseg, low=8, high=rec.n_samples)
     overlap = n_seg // 2 if noverlap is None else integer("noverlap", noverlap, low=0, high=n_seg - 1)
-    taper = _window(window, n_seg)
+    taper = window_values(window, n_seg)
     data = rec.responses
     if include_force:
         data = np.vstack([data, _force(rec)])
     segments = np.lib.stride_tricks.sliding_window_view(data, n_seg, axis=1)[:, ::n_seg - overlap]
     spectra = np.fft.rfft((segments - segments.mean(axis=2, keepdims=True)) * taper)
-    matrix = averaged_products(spectra) / (rec.fs_hz * (taper @ taper))
     # One-sided: all lines but zero and Nyquist stand for two.
-    matrix[1:None if n_seg % 2 else -1] *= 2.0
+    density = np.full(spectra.shape[2], 2.0)
+    density[[0] if n_seg % 2 else [0, -1]] = 1.0
+    spectra *= np.sqrt(density / (rec.fs_hz * (taper @ taper)))
     freq = np.asarray(np.fft.rfftfreq(n_seg, 1.0 / rec.fs_hz), dtype=np.float64)
-    return CrossSpectra(freq, matrix, spectra.shape[1])
+    return CrossSpectra(freq, averaged_products(spectra), spectra.shape[1],
+                        n_effective=effective_averages(taper, n_seg - overlap, spectra.shape[1]),
+                        segments=spectra)
 
 
 def frf(rec: Recording, *, nperseg: int | None = None, noverlap: int | None = None, window: Any = "hann",
@@ -132,7 +184,9 @@ def frf(rec: Recording, *, nperseg: int | None = None, noverlap: int | None = No
     Returns
     -------
     FrequencyResponse
-        ``kind="frf"``, with ordinary coherence (none for a single average, where it is one by construction).
+        ``kind="frf"``, with ordinary coherence, the effective number of averages and the standard deviation
+        of every value (no coherence and no deviation for a single average, where coherence is one by
+        construction).
 
     Raises
     ------
@@ -157,7 +211,8 @@ def frf(rec: Recording, *, nperseg: int | None = None, noverlap: int | None = No
     spectra = averaged_spectra(rec, nperseg, noverlap, window, method, include_force=True)
     values, coherence = two_channel(spectra.matrix, spectra.matrix.shape[1] - 1, estimator)
     return FrequencyResponse(spectra.freq_hz, values[:-1], rec.dofs, "frf",
-                             coherence=coherence[:-1] if spectra.n_averages > 1 else None)
+                             coherence=coherence[:-1] if spectra.n_averages > 1 else None,
+                             n_averages=spectra.n_effective)
 
 
 def transmissibility(
@@ -188,7 +243,8 @@ def transmissibility(
     Returns
     -------
     FrequencyResponse
-        ``kind="transmissibility"``; the row of j is one.
+        ``kind="transmissibility"``; the row of j is one. ``coherence`` is the ordinary coherence of p and j
+        whatever the estimator; ``std`` is that of the estimator, see :mod:`~antires_rs.estimators`.
 
     Raises
     ------
@@ -214,12 +270,15 @@ def transmissibility(
     j = rec.dofs.index(reference)
     spectra = averaged_spectra(rec, nperseg, noverlap, window, method)
     values, coherence = two_channel(spectra.matrix, j, "h1" if estimator == "rank1" else estimator)
+    std = None
     if estimator == "rank1":
         vectors, _ = response_vectors(spectra.matrix, spectra.noise)
         values = vectors / vectors[j]
+        if spectra.n_averages > 1 and rec.n_channels > 1:
+            std = std_of_rank_one(spectra.matrix, j, spectra.n_effective)
     values[j] = 1.0
     return FrequencyResponse(spectra.freq_hz, values, rec.dofs, "transmissibility", reference,
-                             coherence if spectra.n_averages > 1 else None)
+                             coherence if spectra.n_averages > 1 else None, spectra.n_effective, std)
 
 
 def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
@@ -263,30 +322,6 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
     return np.asarray(np.abs(others.real).sum(axis=0) + 1j * np.abs(others.imag).sum(axis=0))
 
 
-def two_channel(matrix: ComplexArray, j: int, estimator: str) -> tuple[ComplexArray, FloatArray]:
-    """Every channel over channel j by H1, H2 or Hv, and ordinary coherence; both (n_channels, n_freq)."""
-    auto = np.einsum("fii->if", matrix).real
-    s_jp, s_jj = matrix[:, j, :].T, auto[j]
-    if not s_jj[1:].all() or not auto.any(axis=1).all():
-        dead = int(np.flatnonzero(~auto[:, 1:].all(axis=1))[0])
-        raise UnsuitableDataError(f"responses: channel {dead} has no energy at some frequencies; wanted "
-                                  "signals that are not zero. Leave the dead channel out.")
-    with np.errstate(divide="ignore", invalid="ignore"):
-        coherence = np.clip(np.abs(s_jp)**2 / (s_jj * auto), 0.0, 1.0)
-        if estimator == "h1":
-            values = s_jp / s_jj
-        elif estimator == "h2":
-            values = auto / s_jp.conj()
-        else:
-            scale = np.sqrt(auto.mean(axis=1) / s_jj.mean())[:, None]
-            a, b, c = s_jj, auto / scale**2, s_jp / scale
-            # Dominant eigenvector of [[a, conj c], [c, b]], from the row that does not cancel.
-            largest = 0.5 * (a + b + np.hypot(a - b, 2.0 * np.abs(c)))
-            values = np.where(a >= b, c / (largest - b), (largest - a) / c.conj()) * scale
-    # Lines without energy (often zero frequency, after the mean was removed) carry no information.
-    return np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0), np.nan_to_num(coherence)
-
-
 def averaged_spectra(rec: Recording, nperseg: int | None, noverlap: int | None, window: Any, method: str, *,
                      include_force: bool = False) -> CrossSpectra:
     """Welch or whole hits, by ``method``."""
@@ -313,7 +348,8 @@ def _force(rec: Recording) -> FloatArray:
     return rec.force
 
 
-def _window(window: Any, n: int) -> FloatArray:
+def window_values(window: Any, n: int) -> FloatArray:
+    """The window as an array, from a name known to scipy or from given values."""
     if isinstance(window, str | tuple):
         from scipy.signal import get_window  # slow to import
         try:

@@ -14,16 +14,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from ._validation import ComplexArray, FloatArray, finite_scalar, integer, reject
-from .forsythe import Basis
+from .accepted import Accepted, Value
+from .peaks import dominance
 from .rational import NestedFit, prepare
 from .signals import frozen
 
 __all__ = ["StabilizationDiagram", "stabilization"]
+
+
+# Damping ratio up to which changes of damping are taken relative to this where both signs are allowed.
+SMALL_DAMPING = 0.01
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,10 @@ class Rule:
     min_rows: int = 10
     max_damping: float = 0.10
     min_dominance: float = 0.05
+    # Zeros, unlike poles, may lie right of the axis: measured ones of light damping often do, a little.
+    both_sides: bool = False
+    # Accept what is there in most orders without standing still.
+    persistent: bool = True
 
     def checked(self) -> Rule:
         """Same rule, or an error that names the bad option."""
@@ -55,16 +64,8 @@ class StabilizationDiagram:
     orders : (n_orders,) int
     freq_hz, damping_ratio, stable : tuple of n_orders arrays
         Poles of each order inside the band, left half plane, by ascending frequency.
-    identified : (n,) Hz
-        Accepted values, ascending.
-    identified_damping : (n,)
-        Their damping ratios.
-    rows, spread, dominance : (n,)
-        Scores of each accepted value: consecutive orders, relative standard deviation over them, share
-        of the curve.
-    persistent : (n,) bool
-        True for values accepted because most orders have them, not because ten in a row agree
-        (:func:`~antires_rs.identification.identify_antiresonances` only).
+    accepted : Accepted
+        The values accepted, with their scores, see :class:`~antires_rs.accepted.Accepted`.
     background_freq_hz, background : (n_freq,)
         ``abs(sum over outputs)`` of the data, for drawing behind the poles.
     band_hz : (low, high)
@@ -74,15 +75,20 @@ class StabilizationDiagram:
     freq_hz: tuple[FloatArray, ...]
     damping_ratio: tuple[FloatArray, ...]
     stable: tuple[Any, ...]
-    identified: FloatArray
-    identified_damping: FloatArray
-    rows: FloatArray
-    spread: FloatArray
-    dominance: FloatArray
-    persistent: Any
+    accepted: Accepted
     background_freq_hz: FloatArray
     background: FloatArray
     band_hz: tuple[float, float]
+
+    @property
+    def identified(self) -> FloatArray:
+        """Accepted values in Hz, ascending."""
+        return self.accepted.freq_hz
+
+    @property
+    def identified_damping(self) -> FloatArray:
+        """Damping ratios of the accepted values."""
+        return self.accepted.damping_ratio
 
     def plot(self, ax: Any | None = None) -> Any:
         """Draw order against frequency with matplotlib; returns the axes."""
@@ -159,6 +165,16 @@ def stabilization(freq_hz: Any, values: Any, *, max_order: int = 60, min_order: 
     return diagram(sweep, range(min_order, max_order + 1), band, rule, freq, np.abs(array.sum(axis=0)))
 
 
+class Sweep(Protocol):
+    """What the selection asks of the fits of rising order."""
+
+    def roots(self, order: int, norm: bool = False) -> ComplexArray:
+        """All roots in rad/s; ``norm`` for those of the second, finer solution if there is one."""
+
+    def dominances(self, order: int, s: ComplexArray) -> FloatArray:
+        """Share of each root in the curve at its frequency."""
+
+
 class PoleSweep:
     """Roots of the common denominator, order by order.
 
@@ -191,10 +207,23 @@ class PoleSweep:
     def _find(self, solution: FloatArray) -> ComplexArray:
         return self.nested.poles(solution)
 
+    def curves(self, order: int) -> tuple[ComplexArray, ComplexArray]:
+        """Data and fit on the lines, (n_outputs, n_freq) each."""
+        n, d = self._on_lines(order)
+        return self.nested.values, np.asarray(n / d)
+
+    def _on_lines(self, order: int) -> tuple[ComplexArray, ComplexArray]:
+        """Numerators and denominator on the lines."""
+        d = self._solution(order, False)
+        turn = 1j ** np.arange(order + 1)
+        above = (self.nested.numerator_basis.p[:, :order + 1] * turn) @ self.nested.numerators(d).T
+        below = (self.nested.denominator_basis.p[:, :order + 1] * turn) @ d
+        return np.asarray(above.T), np.asarray(below)
+
     def dominances(self, order: int, s: ComplexArray) -> FloatArray:
         """Share of each root's own peak in the fitted curves at its frequency."""
         d = self._solution(order, False)
-        return _dominance((self.nested.numerator_basis, self.nested.numerators(d)),
+        return dominance((self.nested.numerator_basis, self.nested.numerators(d)),
                           (self.nested.denominator_basis, d), s / (2 * np.pi * self.nested.scale_hz))
 
 
@@ -209,47 +238,37 @@ class ZeroSweep(PoleSweep):
     def _find(self, solution: FloatArray) -> ComplexArray:
         return self.nested.zeros(solution, self.output)
 
+    def curves(self, order: int) -> tuple[ComplexArray, ComplexArray]:
+        """Reciprocal of the curve, data and fit, (1, n_freq) each."""
+        n, d = self._on_lines(order)
+        own = self.nested.values[self.output][None, :]
+        return np.asarray(1.0 / np.where(own == 0.0, 1e-300, own)), np.asarray(d / n[self.output][None, :])
+
     def dominances(self, order: int, s: ComplexArray) -> FloatArray:
         """Share of each root's own peak in the reciprocal of the fitted curve."""
         d = self._solution(order, False)
         numerator = self.nested.numerators(d)[self.output]
-        return _dominance(
+        return dominance(
             (self.nested.denominator_basis, d[None, :]),
             (self.nested.numerator_basis, numerator),
             s / (2 * np.pi * self.nested.scale_hz),
         )
 
 
-def _dominance(
-    above: tuple[Basis, FloatArray], below: tuple[Basis, FloatArray], s: ComplexArray
-) -> FloatArray:
-    """Norm of residues / abs(Re s), over the norm of above/below at i Im s."""
-    order, n = below[1].size - 1, s.size
-    step = 1e-6 * np.abs(s)  # central difference: error 1e-12 of a derivative that needs two digits
-    points = np.concatenate([s + step, s - step, s, 1j * s.imag])
-    denominator = below[0].at(points, order) @ below[1]
-    numerator = np.linalg.norm(above[0].at(points[2 * n:], order) @ above[1].T, axis=1)
-    slope = np.abs(denominator[:n] - denominator[n:2 * n]) / (2 * step)
-    residue = numerator[:n] / np.maximum(slope, 1e-300)
-    curve = numerator[n:] / np.maximum(np.abs(denominator[3 * n:]), 1e-300)
-    return np.asarray(residue / np.maximum(np.abs(s.real) * curve, 1e-300))
-
-
-def diagram(sweep: PoleSweep, orders: range, band: tuple[float, float], rule: Rule, freq_hz: FloatArray,
+def diagram(sweep: Sweep, orders: range, band: tuple[float, float], rule: Rule, freq_hz: FloatArray,
             background: FloatArray, added_decay_per_s: float = 0.0) -> StabilizationDiagram:
     """Sweep, link, select; ``added_decay_per_s`` of the exponential window is taken off every root."""
     rows = [_physical(sweep.roots(order), band, rule, added_decay_per_s) for order in orders]
     chains, stable = _link(rows, rule)
-    accepted = []
+    found = []
     for chain in chains:
         # n poles in a row are n - 1 stable orders and the one they start from.
         if len(chain) - 1 <= rule.min_rows:
             continue
         members = [(orders[row], rows[row][i]) for row, i in chain]
-        dominance = float(np.median([sweep.dominances(order, np.array([s]))[0] for order, s in members[::4]]))
-        if dominance >= rule.min_dominance:
-            accepted.append(_Value(sweep, members, dominance, rule.freq_tol, added_decay_per_s))
-    accepted = _merge(accepted, rule)
+        share = float(np.median([sweep.dominances(order, np.array([s]))[0] for order, s in members[::max(1, len(members) // 5)]]))
+        if share >= rule.min_dominance:
+            found.append(_value(sweep, members, share, rule.freq_tol, added_decay_per_s))
     rows = [s + added_decay_per_s for s in rows]
     sizes = [np.abs(s) for s in rows]
     return StabilizationDiagram(
@@ -257,12 +276,7 @@ def diagram(sweep: PoleSweep, orders: range, band: tuple[float, float], rule: Ru
         freq_hz=tuple(frozen(size / (2 * np.pi)) for size in sizes),
         damping_ratio=tuple(frozen(-s.real / size) for s, size in zip(rows, sizes, strict=True)),
         stable=tuple(frozen(mark) for mark in stable),
-        identified=frozen(np.array([v.freq_hz for v in accepted])),
-        identified_damping=frozen(np.array([v.damping for v in accepted])),
-        rows=frozen(np.array([v.rows for v in accepted], dtype=np.int64)),
-        spread=frozen(np.array([v.spread for v in accepted])),
-        dominance=frozen(np.array([v.dominance for v in accepted])),
-        persistent=frozen(np.zeros(len(accepted), dtype=bool)),
+        accepted=Accepted.of(_merge(found, rule)),
         background_freq_hz=frozen(freq_hz), background=frozen(background), band_hz=band)
 
 
@@ -272,8 +286,8 @@ def _physical(s: ComplexArray, band: tuple[float, float], rule: Rule, added: flo
     freq = size / (2 * np.pi)
     keep = (
         (s.imag > 0)
-        & (s.real < 0)
-        & (-s.real - added <= rule.max_damping * size)
+        & ((s.real < 0) | rule.both_sides)
+        & (np.abs(s.real + added) <= rule.max_damping * size)
         & (freq >= band[0])
         & (freq <= band[1])
     )
@@ -292,7 +306,9 @@ def _link(rows: list[ComplexArray], rule: Rule) -> tuple[list[list[tuple[int, in
             size, old_size = np.abs(s), np.abs(rows[row - 1])
             damping, old_damping = -s.real / size, -rows[row - 1].real / old_size
             d_freq = np.abs(size[:, None] / old_size - 1.0) / rule.freq_tol
-            d_damping = np.abs(damping[:, None] / old_damping - 1.0) / rule.damping_tol
+            # About zero damping a relative change says nothing.
+            scale = np.maximum(np.abs(old_damping), SMALL_DAMPING if rule.both_sides else 0.0)
+            d_damping = np.abs(damping[:, None] - old_damping) / scale / rule.damping_tol
             cost = np.where((d_freq <= 1.0) & (d_damping <= 1.0), d_freq + d_damping, np.inf)
             for _ in range(min(cost.shape)):
                 i, k = divmod(int(np.argmin(cost)), cost.shape[1])
@@ -311,28 +327,23 @@ def _link(rows: list[ComplexArray], rule: Rule) -> tuple[list[list[tuple[int, in
     return chains, marks
 
 
-class _Value:
-    """One accepted chain and its refined value."""
-
-    def __init__(self, sweep: PoleSweep, members: list[tuple[int, complex]], dominance: float, tol: float,
-                 added: float) -> None:
-        refined = []
-        for order, s in members:
-            others = sweep.roots(order, norm=True)
-            near = others[np.argmin(np.abs(others - s))] if others.size else s
-            refined.append(near if abs(near - s) <= tol * abs(s) else s)
-        roots = np.array(refined) + added
-        size = np.abs(roots)
-        self.freq_hz = float(np.median(size)) / (2 * np.pi)
-        self.damping = float(np.median(-roots.real / size))
-        self.rows = len(members)
-        self.spread = float(np.std(size) / np.median(size))
-        self.dominance = dominance
+def _value(sweep: Sweep, members: list[tuple[int, complex]], share: float, tol: float,
+           added: float) -> Value:
+    """The value of a chain: each member gives way to the nearest root of the second solution."""
+    refined = []
+    for order, s in members:
+        others = sweep.roots(order, norm=True)
+        near = others[np.argmin(np.abs(others - s))] if others.size else s
+        refined.append(near if abs(near - s) <= tol * abs(s) else s)
+    roots = np.array(refined) + added
+    size = np.abs(roots)
+    return Value(float(np.median(size)) / (2 * np.pi), float(np.median(-roots.real / size)), len(members),
+                 float(np.std(size) / np.median(size)), share, "chain")
 
 
-def _merge(values: list[_Value], rule: Rule) -> list[_Value]:
+def _merge(values: list[Value], rule: Rule) -> list[Value]:
     """Chains closer than the tolerance are one pole, interrupted or split by noise; the longest stays."""
-    kept: list[_Value] = []
+    kept: list[Value] = []
     for value in sorted(values, key=lambda v: v.freq_hz):
         last = kept[-1] if kept else None
         if last is not None and value.freq_hz - last.freq_hz <= rule.freq_tol * value.freq_hz:
@@ -352,10 +363,6 @@ def without_common(found: dict[Any, StabilizationDiagram], tol: float) -> dict[A
             d.identified.size and np.abs(d.identified / value - 1.0).min() <= tol for d in found.values()
         )
 
-    left = {}
-    for dof, d in found.items():
-        own = np.array([not shared(value) for value in d.identified], dtype=bool)
-        fields = ("identified", "identified_damping", "rows", "spread", "dominance", "persistent")
-        changed: dict[str, Any] = {name: frozen(getattr(d, name)[own]) for name in fields}
-        left[dof] = replace(d, **changed)
-    return left
+    return {dof: replace(d, accepted=d.accepted.take([i for i, value in enumerate(d.identified)
+                                                       if not shared(value)]))
+            for dof, d in found.items()}

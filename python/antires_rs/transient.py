@@ -206,7 +206,7 @@ def transient_spectra(rec: Recording, *, window: str = "auto", include_force: bo
     if noise is not None and noise.min() <= 0.0:
         noise = None
     freq = np.asarray(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), dtype=np.float64)
-    return CrossSpectra(freq, averaged_products(spectra), len(events), noise, decay)
+    return CrossSpectra(freq, averaged_products(spectra), len(events), noise, decay, segments=spectra)
 
 
 def _window_decay(rec: Recording, events: tuple[Event, ...], window: str) -> float:

@@ -7,6 +7,7 @@ those of Okabe and Ito, and no curve, bar or mark is told from another by colour
 
 from .convergence import plot_convergence
 from .damage import plot_damage
+from .damping_clusters import plot_damping_clusters
 from .differences import plot_differences
 from .stabilization import plot_stabilization
 from .transmissibility import plot_transmissibility
@@ -14,6 +15,7 @@ from .transmissibility import plot_transmissibility
 __all__ = [
     "plot_convergence",
     "plot_damage",
+    "plot_damping_clusters",
     "plot_differences",
     "plot_stabilization",
     "plot_transmissibility",

@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .canvas import COLOURS, GREY, below, new_axes, spread
+from .._validation import FloatArray
+from .canvas import COLOURS, below, new_axes, spread
 
 if TYPE_CHECKING:
     from ..stabilization import StabilizationDiagram
 
-__all__ = ["plot_stabilization"]
+__all__ = ["mark_values", "plot_stabilization", "pole_table"]
+
+#: Lighter than every mark, also where colours are lost.
+CURVE = "#B8B8B8"
+#: Look of the values: accepted because they stand still, because most orders have them, and by hand.
+LOOKS: dict[str, dict[str, Any]] = {
+    "accepted": {"color": COLOURS["vermillion"], "ls": "--", "lw": 1.1},
+    "accepted: in most orders, not at rest": {"color": COLOURS["vermillion"], "ls": "-.", "lw": 1.1},
+    "added by hand": {"color": COLOURS["black"], "ls": (0, (8, 3)), "lw": 1.1},
+    "dropped by hand": {"color": COLOURS["black"], "ls": ":", "lw": 1.1}}
 
 
-def plot_stabilization(diagram: StabilizationDiagram, ax: Any = None) -> Any:
+def plot_stabilization(diagram: StabilizationDiagram, ax: Any = None, *,
+                       dropped: Sequence[float] | FloatArray = (),
+                       added: Sequence[float] | FloatArray = ()) -> Any:
     """Draw poles of every order, the stable ones, and the values accepted.
 
     Parameters
@@ -22,7 +35,10 @@ def plot_stabilization(diagram: StabilizationDiagram, ax: Any = None) -> Any:
     diagram : StabilizationDiagram
         From :func:`~antires_rs.stabilization`, or ``AntiresonanceSet.diagrams[dof]``.
     ax : matplotlib.axes.Axes, optional
-        Drawn into; a new figure by default. It gets a twin axis for the response behind the poles.
+        Drawn into; a new figure by default. It gets a twin axis for the curve behind the poles.
+    dropped, added : sequence of float, optional
+        Values in Hz that were taken out or put in by hand; :meth:`~antires_rs.AntiresonanceSet.plot` knows
+        them.
 
     Returns
     -------
@@ -44,17 +60,14 @@ def plot_stabilization(diagram: StabilizationDiagram, ax: Any = None) -> Any:
     'Frequency (Hz)'
     """
     ax = new_axes(ax, (9.0, 5.2))
-    counts = [len(f) for f in diagram.freq_hz]
-    order = np.repeat(np.asarray(diagram.orders), counts)
-    freq = np.concatenate([np.empty(0), *diagram.freq_hz])
-    stable = np.concatenate([np.empty(0, dtype=bool), *diagram.stable])
+    order, freq, _, stable = pole_table(diagram)
 
     behind = ax.twinx()
     size = np.where(np.asarray(diagram.background) > 0.0, diagram.background, np.nan)
-    behind.plot(diagram.background_freq_hz, size, color=GREY, lw=1.0, alpha=0.8)
+    behind.plot(diagram.background_freq_hz, size, color=CURVE, lw=1.0)
     if np.isfinite(size).any():
         behind.set_yscale("log")
-    behind.set_ylabel("Magnitude of the summed responses (unit of the data)", color="#595959")
+    behind.set_ylabel("Magnitude of the summed curves (unit of the data)", color="#595959")
     # The poles belong in front of the curve, though its axis was made later.
     ax.set_zorder(behind.get_zorder() + 1)
     ax.patch.set_visible(False)
@@ -63,11 +76,10 @@ def plot_stabilization(diagram: StabilizationDiagram, ax: Any = None) -> Any:
             label="pole, not stable")
     ax.plot(freq[stable], order[stable], ls="", marker="o", ms=3.0, mew=0.0, color=COLOURS["blue"],
             label="stable pole")
-    low, high = diagram.band_hz
-    ax.set_xlim(low, high)
-    _mark_accepted(ax, np.asarray(diagram.identified), low, high)
+    ax.set_xlim(*diagram.band_hz)
+    mark_values(ax, diagram, dropped, added)
     # In the legend of the front axis, though drawn on the other.
-    ax.plot([], [], color=GREY, lw=1.0, label="response (right axis)")
+    ax.plot([], [], color=CURVE, lw=1.0, label="summed curves (right axis)")
     ax.set_ylim(int(diagram.orders[0]) - 1, int(diagram.orders[-1]) + 1)
     ax.set_xlabel("Frequency (Hz)")
     ax.set_ylabel("Model order (-)")
@@ -75,16 +87,36 @@ def plot_stabilization(diagram: StabilizationDiagram, ax: Any = None) -> Any:
     return ax
 
 
-def _mark_accepted(ax: Any, found: Any, low: float, high: float) -> None:
-    """Vertical lines with their frequencies above the axes, pushed apart where they would overlap."""
+def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, FloatArray, Any]:
+    """Order, frequency in Hz, damping ratio and stability of all poles, (n_poles,) each."""
+    order = np.repeat(np.asarray(diagram.orders), [len(f) for f in diagram.freq_hz])
+    freq = np.concatenate([np.empty(0), *diagram.freq_hz])
+    damping = np.concatenate([np.empty(0), *diagram.damping_ratio])
+    return order, freq, damping, np.concatenate([np.empty(0, dtype=bool), *diagram.stable])
+
+
+def mark_values(ax: Any, diagram: StabilizationDiagram, dropped: Sequence[float] | FloatArray,
+                added: Sequence[float] | FloatArray) -> None:
+    """Vertical lines with their frequencies above the axes, pushed apart where they would overlap.
+
+    A dropped value has its frequency in parentheses.
+    """
+    low, high = diagram.band_hz
+    resting, moving, by_hand, out = LOOKS
+    gone = np.asarray(dropped, dtype=np.float64)
+    marks = [(float(f), out if f in gone else moving if how == "persistent" else resting)
+             for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)]
+    marks = sorted(marks + [(float(f), by_hand) for f in added])
     transform = ax.get_xaxis_transform()
-    labels_at = spread(found, (high - low) / 50.0, low, high)
-    for i, (freq, label_at) in enumerate(zip(found, labels_at, strict=True)):
-        ax.axvline(freq, color=COLOURS["vermillion"], lw=1.0, ls="--", zorder=1.5,
-                   label="accepted" if i == 0 else None)
-        ax.annotate(f"{freq:.2f} Hz", (freq, 1.0), xytext=(label_at, 1.03), xycoords=transform,
-                    textcoords=transform, rotation=90, ha="center", va="bottom", fontsize="x-small",
-                    arrowprops={"arrowstyle": "-", "lw": 0.6, "color": COLOURS["vermillion"],
-                                "shrinkA": 0.0, "shrinkB": 0.0}, annotation_clip=False)
-    if not len(found):
+    labels_at = spread([f for f, _ in marks], (high - low) / 50.0, low, high)
+    named: set[str] = set()
+    for (freq, kind), label_at in zip(marks, labels_at, strict=True):
+        ax.axvline(freq, zorder=1.5, label=None if kind in named else kind, **LOOKS[kind])
+        named.add(kind)
+        ax.annotate(f"({freq:.2f} Hz)" if kind == out else f"{freq:.2f} Hz", (freq, 1.0),
+                    xytext=(label_at, 1.03), xycoords=transform, textcoords=transform, rotation=90,
+                    ha="center", va="bottom", fontsize="x-small", annotation_clip=False,
+                    arrowprops={"arrowstyle": "-", "lw": 0.6, "color": LOOKS[kind]["color"],
+                                "shrinkA": 0.0, "shrinkB": 0.0})
+    if not marks:
         ax.set_title("no value accepted in this band", fontsize="medium")

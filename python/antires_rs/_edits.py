@@ -1,0 +1,112 @@
+"""What a person took out of a set of antiresonances, or put in, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ._validation import FloatArray, finite_scalar, real_array, reject
+
+__all__ = ["Edit", "check_reason", "clash", "companion", "described", "nearest", "values_hz"]
+
+#: Distance of a frequency named by hand from the value it means, relative.
+NAMED_WITHIN = 0.01
+#: Values closer than this are one and the same.
+SAME = 1e-9
+
+
+@dataclass(frozen=True)
+class Edit:
+    """One value dropped from a set or added to it by hand.
+
+    Attributes
+    ----------
+    action : {"drop", "add"}
+    dof : int or str
+    freq_hz : float
+        The value itself, to the last bit, not the number typed.
+    reason : str
+    damping_ratio, std_hz : float or None
+        What the value had, or was given; None where not known.
+    scores : mapping of name to score
+        What spoke for a dropped value.
+    """
+
+    action: str
+    dof: Any
+    freq_hz: float
+    reason: str = ""
+    damping_ratio: float | None = None
+    std_hz: float | None = None
+    scores: Mapping[str, Any] = field(default_factory=dict, hash=False)
+
+    def __str__(self) -> str:
+        verb = {"drop": "dropped", "add": "added"}[self.action]
+        why = f" ({self.reason})" if self.reason else ""
+        return f"{verb} {self.freq_hz:.2f} Hz at dof {self.dof}{why}"
+
+
+def described(edits: Sequence[Edit]) -> str:
+    """One line for all edits."""
+    return "edited by hand: " + "; ".join(map(str, edits))
+
+
+def values_hz(value: Any) -> FloatArray:
+    """One or more positive frequencies, in the order given."""
+    wanted = "one or more positive frequencies in Hz"
+    array = np.atleast_1d(real_array("freq_hz", value, ndim=None, wanted=wanted)).ravel()
+    if array.min() <= 0.0:
+        reject("freq_hz", f"{array.min():g} Hz", wanted)
+    return array
+
+
+def check_reason(reason: Any) -> str:
+    """A text, possibly empty."""
+    if not isinstance(reason, str):
+        reject("reason", reason, "a text")
+    return reason
+
+
+def nearest(asked_hz: FloatArray, there_hz: FloatArray, dof: Any, tol_hz: float | None) -> list[int]:
+    """Index of the value meant by each frequency, every value once."""
+    there = ", ".join(f"{f:.3f}" for f in there_hz) + " Hz" if there_hz.size else "no value"
+    if tol_hz is not None:
+        finite_scalar("tol_hz", tol_hz, low=0.0, unit="Hz")
+    chosen: list[int] = []
+    for asked in asked_hz:
+        within = NAMED_WITHIN * asked if tol_hz is None else tol_hz
+        gap = np.abs(there_hz - asked)
+        if not gap.size or gap.min() > within:
+            reject("freq_hz", f"{asked:g} Hz at dof {dof!r}, which has {there}",
+                   f"a frequency within {within:.3g} Hz of a value", "Name one of them, or widen tol_hz.")
+        at = int(np.argmin(gap))
+        if at in chosen:
+            reject("freq_hz", f"{there_hz[at]:.3f} Hz of dof {dof!r} meant twice", "each value once",
+                   f"Dof {dof!r} has {there}.")
+        chosen.append(at)
+    return chosen
+
+
+def companion(name: str, value: Any, count: int, unit: str) -> list[float | None]:
+    """One number for all new values, or one each; None where not known."""
+    if value is None:
+        return [None] * count
+    wanted = f"one finite number{unit}, or {count}, one for each frequency"
+    array = np.atleast_1d(real_array(name, value, ndim=None, wanted=wanted)).ravel()
+    if array.size not in (1, count):
+        reject(name, f"{array.size} values", wanted)
+    if name == "std_hz" and array.min() < 0.0:
+        reject(name, f"{array.min():g} Hz", "standard deviations of at least 0 Hz")
+    return [float(v) for v in np.broadcast_to(array, count)]
+
+
+def clash(new_hz: FloatArray, there_hz: FloatArray, dof: Any) -> None:
+    """Refuse values that are there already, or come twice."""
+    for i, value in enumerate(new_hz):
+        for other, where in ((there_hz, "there already"), (new_hz[:i], "given twice")):
+            if other.size and np.abs(other / value - 1.0).min() <= SAME:
+                reject("freq_hz", f"{value:g} Hz at dof {dof!r}, which is {where}", "a value that is new",
+                       "Drop the old one first if it is to be replaced.")

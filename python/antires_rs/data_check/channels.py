@@ -1,0 +1,163 @@
+"""Faults of single channels: dead, clipped, duplicated, interrupted, spiked, buried in noise."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .._validation import FloatArray
+from .evidence import Evidence
+from .findings import Finding, NotTested, Said
+
+DEAD, CLIPPED, DUPLICATED = "dead_channel", "clipped_channel", "duplicated_channels"
+DROPOUTS, SPIKES, NOISE = "dropouts", "spikes", "signal_to_noise"
+
+# Part of a channel's range that counts as one level, and how many levels below the extreme are compared with it.
+LEVEL = 1e-3
+LEVELS_BELOW = 3
+# A pile of so many samples at an extreme, this many times what the levels below hold, is a clipped one. A slow
+# sine piles up by 3.
+PILE, PILE_RATIO = 8, 5.0
+# Extremes are looked for among so many samples.
+TAIL = 2048
+# Correlation of two channels above which they are one signal.
+SAME = 1.0 - 1e-9
+# Equal samples in a row that make a dropout, unless the digits are so coarse that this share repeat anyway.
+RUN, REPEATED = 20, 0.01
+# Second differences this far out, in robust standard deviations, are spikes: Gaussian ones never reach 8.
+SPIKE_SIGMAS = 15.0
+# A channel of which others explain less of its power in the band carries no response.
+EXPLAINED = 0.25
+LEAST_AVERAGES = 4.0
+# Share of the band that a channel may spend under its noise without a note.
+BURIED = 0.25
+
+
+def constant(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], list[int]]:
+    """Channels that never move; also their rows."""
+    still = [p for p, x in enumerate(data) if x.max() == x.min()]
+    return [Finding(DEAD, "fatal", (labels[p],), 0.0, 0.0,
+                    f"Dof {labels[p]!r} gives the constant {data[p, 0]:.3g}: no signal at all.",
+                    "Check cable and amplifier; leave the channel out.") for p in still], still
+
+
+def clipped(data: FloatArray, labels: tuple[Any, ...]) -> Said:
+    """Channels whose samples pile up at their largest or smallest value."""
+    found: Said = []
+    for label, x in zip(labels, data, strict=True):
+        sides = [side for side in (1.0, -1.0) if _pile(side * x) > 0]
+        if not sides:
+            continue
+        count = sum(_pile(side * x) for side in sides)
+        share = count / x.size
+        where = " and ".join(f"{(x.max() if side > 0 else x.min()):.4g}" for side in sides)
+        text = f"Channel {label!r} is clipped at {where}: {count} samples, {100 * share:.2g} % of the record."
+        found.append(Finding(CLIPPED, "warning", (label,), share, PILE / x.size, text,
+                             "Lower the gain or the force and record again; clipping adds harmonics that look "
+                             "like noise of the channel."))
+    return found
+
+
+def _pile(x: FloatArray) -> int:
+    """Samples at the largest value if they are a pile, else 0."""
+    spread = float(x.max() - x.min())
+    count = min(TAIL, x.size)
+    top = np.sort(np.partition(x, x.size - count)[x.size - count:])
+    if spread == 0.0:
+        return 0
+    steps = np.diff(top)
+    steps = steps[steps > 1e-9 * spread]
+    # Levels as wide as the digits of the converter, where these are coarse.
+    level = max(LEVEL * spread, 1.5 * float(steps.min()) if steps.size else 0.0)
+    at_top = int(np.count_nonzero(x >= x.max() - level))
+    below = int(np.count_nonzero(x >= x.max() - (1 + LEVELS_BELOW) * level)) - at_top
+    return at_top if at_top >= PILE and at_top > PILE_RATIO * below / LEVELS_BELOW else 0
+
+
+def duplicated(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], list[int]]:
+    """Pairs of channels that are one signal up to a factor; also the rows to leave out."""
+    moved = data - data.mean(axis=1, keepdims=True)
+    norm = np.sqrt(np.einsum("ij,ij->i", moved, moved))
+    same = np.abs(moved @ moved.T) / np.maximum(norm[:, None] * norm, 1e-300)
+    found, extra = [], []
+    for p, q in zip(*np.nonzero(np.triu(same > SAME, 1)), strict=True):
+        if q in extra:
+            continue
+        extra.append(int(q))
+        found.append(Finding(DUPLICATED, "warning", (labels[p], labels[q]), float(same[p, q]), SAME,
+                             f"Channels {labels[p]!r} and {labels[q]!r} hold the same signal up to a factor of "
+                             f"{float(moved[p] @ moved[q]) / float(norm[p])**2:.4g}.",
+                             "Check the wiring and the channel list; leave one of them out."))
+    return found, extra
+
+
+def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said:
+    """Channels that stand still for a while within a steady record, or jump."""
+    found: Said = []
+    for label, x in zip(labels, data, strict=True):
+        step = np.diff(x)
+        still = step == 0.0
+        run = _longest_run(still)
+        at_extreme = np.isin(x[run[0]], (x.max(), x.min()))
+        if run[1] >= RUN and still.mean() < max(REPEATED, 2.0 * run[1] / x.size) and not at_extreme:
+            found.append(Finding(DROPOUTS, "warning", (label,), float(run[1]), RUN,
+                                 f"Channel {label!r} stands still for {run[1]} samples at {run[0] / fs_hz:.3g} s.",
+                                 "Look for a loose contact or lost data; use the part of the record without it."))
+        second = np.abs(np.diff(step))
+        scale = float(np.median(second)) / 0.6745
+        far = np.flatnonzero(second > SPIKE_SIGMAS * scale) if scale > 0.0 else np.empty(0, dtype=int)
+        if far.size:
+            found.append(Finding(SPIKES, "warning", (label,), float(second.max() / scale), SPIKE_SIGMAS,
+                                 f"Channel {label!r} jumps: {far.size} second differences beyond "
+                                 f"{SPIKE_SIGMAS:g} standard deviations, the largest of "
+                                 f"{second.max() / scale:.0f} at {int(np.argmax(second)) / fs_hz:.3g} s.",
+                                 "Look for loose contacts, electric switching or blows; use the part of the "
+                                 "record without them."))
+    return found
+
+
+def _longest_run(still: Any) -> tuple[int, int]:
+    """Start of the longest run of equal samples, and its length in samples."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int8), [0]])))
+    starts, lengths = edges[::2], edges[1::2] - edges[::2]
+    if not starts.size:
+        return 0, 1
+    best = int(np.argmax(lengths))
+    return int(starts[best]), int(lengths[best]) + 1
+
+
+def unrelated(seen: Evidence) -> Said:
+    """Channels that share nothing with any other in the band: only noise."""
+    if seen.explained is None:
+        return [NotTested(DEAD, "whether a channel holds a response or only noise cannot be told from one average; "
+                                "constant ones are found")]
+    if len(seen.dofs) < 2:
+        return [NotTested(DEAD, "a single channel has nothing to be compared with; a constant one is found")]
+    if seen.n_averages < LEAST_AVERAGES:
+        return [NotTested(DEAD, f"{seen.n_averages:.1f} independent averages explain noise by noise; constant "
+                                "channels are found")]
+    # Noise explains 1/n of noise.
+    limit = max(EXPLAINED, 2.0 / seen.n_averages)
+    lost = [p for p, share in enumerate(seen.explained) if share < limit]
+    if len(lost) == 2 and len(seen.dofs) == 2:
+        return [Finding(DEAD, "fatal", seen.dofs, float(seen.explained.max()), limit,
+                        f"Dofs {seen.dofs[0]!r} and {seen.dofs[1]!r} have nothing in common in the band: either "
+                        f"explains {100 * seen.explained.max():.0f} % of the other's power. One of them, or both, "
+                        "holds only noise.", "Check cables, sensors and the band.")]
+    return [Finding(DEAD, "fatal", (seen.dofs[p],), float(seen.explained[p]), limit,
+                    f"Dof {seen.dofs[p]!r} holds only noise in the band: no other channel explains more than "
+                    f"{100 * seen.explained[p]:.0f} % of its power (limit {100 * limit:.0f} %).",
+                    "Check sensor, cable and gain; leave the channel out.") for p in lost]
+
+
+def buried(seen: Evidence, skip: set[Any]) -> Said:
+    """Channels that spend much of the band under their noise."""
+    if seen.signal is None:
+        return [NotTested(NOISE, "the noise of a single average is not known")]
+    share = np.mean(seen.signal < 1.0, axis=1)
+    return [Finding(NOISE, "note", (dof,), float(part), BURIED,
+                    f"Dof {dof!r} lies under its own noise in {100 * part:.0f} % of the band.",
+                    "Antiresonances there come from the other channels or not at all; force harder or average "
+                    "longer.") for dof, part in zip(seen.dofs, share, strict=True)
+            if part > BURIED and dof not in skip]

@@ -1,0 +1,146 @@
+"""What a data check says: findings with numbers and advice, and the evidence behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from .._validation import FloatArray
+
+__all__ = ["DataCheck", "Finding"]
+
+Severity = Literal["fatal", "warning", "note"]
+#: From the one that forbids to the one that informs.
+SEVERITIES: tuple[Severity, ...] = ("fatal", "warning", "note")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing seen in the data.
+
+    Attributes
+    ----------
+    name : str
+        Of the test: "one_force", "dead_channel", ...; see :func:`~antires_rs.data_check.check_data`.
+    severity : {"fatal", "warning", "note"}
+        "fatal": values identified from these data would mislead. "warning": they may be incomplete or less
+        accurate. "note": worth knowing.
+    where : tuple
+        Dofs concerned, empty if all are.
+    value, limit : float
+        What was measured, and where the finding begins.
+    text : str
+        What was seen, with its numbers.
+    advice : str
+        What can be done about it.
+    """
+
+    name: str
+    severity: Severity
+    where: tuple[Any, ...]
+    value: float
+    limit: float
+    text: str
+    advice: str
+
+    def __str__(self) -> str:
+        return f"{self.severity}: {self.text} {self.advice}"
+
+
+@dataclass(frozen=True)
+class NotTested:
+    """A test that could not be made, and why."""
+
+    name: str
+    why: str
+
+
+#: What a test returns.
+Said = list[Finding | NotTested]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DataCheck:
+    """Whether data are fit for identification, and what is wrong with them.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+        Worst first.
+    not_tested : mapping of str to str
+        Names of the tests that could not be made, and why.
+    dofs : tuple
+        The channels whose spectra were used: those that are not constant.
+    excitation : int, str or None
+        The stated dof of the force.
+    band_hz : (low, high)
+    freq_hz : (n_freq,) or None
+        Lines in the band; None where the data do not allow a spectrum at all.
+    eigenvalues : (n_freq, n_channels) or None
+        Of the spectral matrix, largest first, with the channels scaled to equal noise: in units of the noise
+        power. None for measured frequency responses.
+    noise_limit : (n_freq,) or None
+        What the second eigenvalue would be, on average, under one force and noise alone.
+    coherence : (n_channels, n_freq) or None
+        Highest ordinary coherence of each channel with any other; for a FrequencyResponse its own.
+    n_averages : float or None
+        Effective number of independent averages.
+    nperseg : int or None
+        Samples per segment of the spectra, where segments were used.
+    """
+
+    findings: tuple[Finding, ...]
+    not_tested: Mapping[str, str]
+    dofs: tuple[Any, ...]
+    excitation: Any | None
+    band_hz: tuple[float, float]
+    freq_hz: FloatArray | None = None
+    eigenvalues: FloatArray | None = None
+    noise_limit: FloatArray | None = None
+    coherence: FloatArray | None = None
+    n_averages: float | None = None
+    nperseg: int | None = None
+
+    @property
+    def ok(self) -> bool:
+        """True if nothing was found beyond notes."""
+        return all(finding.severity == "note" for finding in self.findings)
+
+    @property
+    def fatal(self) -> bool:
+        """True if values identified from these data would mislead."""
+        return any(finding.severity == "fatal" for finding in self.findings)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Texts of all findings but notes, worst first."""
+        return [f"{f.text} {f.advice}" for f in self.findings if f.severity != "note"]
+
+    def named(self, name: str) -> tuple[Finding, ...]:
+        """Findings of one test, worst first."""
+        return tuple(finding for finding in self.findings if finding.name == name)
+
+    def plot(self, ax: Any | None = None) -> Any:
+        """Draw the eigenvalues of the spectral matrix by line with matplotlib; returns the axes."""
+        from ..plotting.spectra import plot_singular_values  # matplotlib only when a picture is wanted
+        return plot_singular_values(self, ax=ax)
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{sum(f.severity == s for f in self.findings)} {s}" for s in SEVERITIES)
+        return f"DataCheck({counts}; {len(self.not_tested)} not tested)"
+
+    def __str__(self) -> str:
+        low, high = self.band_hz
+        lines = [f"data check, {low:g}-{high:g} Hz" + (
+            "" if self.n_averages is None else f", {self.n_averages:.1f} independent averages")]
+        if not self.findings:
+            lines.append("nothing found")
+        for finding in self.findings:
+            where = ", ".join(str(dof) for dof in finding.where) or "-"
+            lines.append(f"{finding.severity:8s} {finding.name:20s} dof {where}")
+            lines += [f"         {line}" for line in (finding.text, finding.advice)]
+        if self.not_tested:
+            lines.append("not tested")
+            lines += [f"         {name}: {why}" for name, why in self.not_tested.items()]
+        return "\n".join(lines)

@@ -1,0 +1,71 @@
+"""The tests that measured frequency responses allow."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..signals import FrequencyResponse
+from . import channels, force_location, one_force, phase, resolution
+from .evidence import Evidence, of_curves
+from .findings import Finding, NotTested, Said
+
+# Roughness from line to line over the power of a curve above which it is noise: white noise has one.
+ROUGH = 0.5
+# Coherence below which a line is more noise than response.
+COHERENT = 0.5
+
+
+def of_response(resp: FrequencyResponse, excitation: Any, band: tuple[float, float],
+                ) -> tuple[Said, Evidence | None]:
+    """What the tests say, and the evidence of those by line, if there is any."""
+    why = "needs time records"
+    said: Said = [NotTested(name, why) for name in (channels.CLIPPED, channels.DROPOUTS, channels.SPIKES)]
+    inside = (resp.freq_hz >= band[0]) & (resp.freq_hz <= band[1]) & (resp.freq_hz > 0.0)
+    by_line = (phase.TIME_SHIFT, phase.QUADRATURE, channels.NOISE, resolution.RESOLUTION, one_force.NAME,
+               force_location.NAME)
+    if inside.sum() < resolution.LEAST_LINES:
+        said.append(resolution.too_few_lines(int(inside.sum()), band))
+        return said + [NotTested(name, "too few lines in the band") for name in by_line], None
+    values = resp.values[:, inside]
+    live = []
+    for p, (dof, curve) in enumerate(zip(resp.dofs, values, strict=True)):
+        power = float(np.mean(np.abs(curve)**2))
+        rough = float(np.mean(np.abs(curve[2:] - 2.0 * curve[1:-1] + curve[:-2])**2)) / 6.0
+        if power == 0.0:
+            said.append(Finding(channels.DEAD, "fatal", (dof,), 0.0, 0.0,
+                                f"Dof {dof!r} is zero throughout the band.", "Leave the channel out."))
+        elif rough > ROUGH * power:
+            said.append(Finding(channels.DEAD, "fatal", (dof,), rough / power, ROUGH,
+                                f"Dof {dof!r} holds only noise in the band: it changes as much from line to line "
+                                f"as white noise does ({rough / power:.2f} of its power, limit {ROUGH:g}).",
+                                "Check sensor, cable and gain; leave the channel out."))
+        else:
+            live.append(p)
+    if not live:
+        return said + [NotTested(name, "no channel holds a response") for name in by_line], None
+    dofs = tuple(resp.dofs[p] for p in live)
+    seen = of_curves(resp.freq_hz[inside], values[live], dofs,
+                     None if resp.coherence is None else resp.coherence[live][:, inside])
+    twice, _ = channels.duplicated(np.hstack([values[live].real, values[live].imag]), dofs)
+    said += [*twice, *phase.in_phase(seen), *_incoherent(seen), *one_force.one_force(seen)]
+    spacing = float(np.median(np.diff(seen.freq_hz)))
+    lines = resolution.sharpest_lines(np.sum(np.abs(values[live])**2 / np.mean(
+        np.abs(values[live])**2, axis=1, keepdims=True), axis=0))
+    said += resolution.resolution(None if lines is None else lines * spacing, spacing, None, adjustable=False)
+    if resp.kind == "transmissibility":
+        said.append(NotTested(force_location.NAME, "transmissibilities do not show the resonances"))
+    else:
+        said += force_location.force_location(seen, excitation, values[live])
+    return said, seen
+
+
+def _incoherent(seen: Evidence) -> Said:
+    if seen.coherence is None:
+        return [NotTested(channels.NOISE, "no coherence is given with the responses")]
+    share = np.mean(seen.coherence < COHERENT, axis=1)
+    return [Finding(channels.NOISE, "note", (dof,), float(part), channels.BURIED,
+                    f"Dof {dof!r} has a coherence under {COHERENT:g} in {100 * part:.0f} % of the band.",
+                    "Antiresonances there come from the other channels or not at all; force harder or average "
+                    "longer.") for dof, part in zip(seen.dofs, share, strict=True) if part > channels.BURIED]

@@ -1,0 +1,137 @@
+"""What stands behind an identification: coherence, and the eigenvalues that tell whether one force is enough."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._validation import reject
+from ..signals import FrequencyResponse
+from .canvas import COLOURS, GREY, LINES, below, new_axes
+
+if TYPE_CHECKING:
+    from ..data_check import DataCheck
+
+__all__ = ["plot_coherence", "plot_singular_values"]
+
+#: With more curves than this each one is drawn thin and pale, and their median on top.
+FEW = 5
+
+
+def plot_coherence(resp: FrequencyResponse, ax: Any = None) -> Any:
+    """Draw the ordinary coherence of every output by frequency.
+
+    Parameters
+    ----------
+    resp : FrequencyResponse
+        With ``coherence``, e.g. from :func:`~antires_rs.frf` or :func:`~antires_rs.transmissibility`.
+    ax : matplotlib.axes.Axes, optional
+        Drawn into; a new figure by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InvalidInputError
+        Responses without coherence.
+    MissingDependencyError
+        matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> from antires_rs.plotting.spectra import plot_coherence
+    >>> from matplotlib.figure import Figure
+    >>> rec = ar.cases.chain8().experiment(noise=0.02, duration_s=60.0, rng=0)
+    >>> plot_coherence(ar.frf(rec, nperseg=4096), ax=Figure().subplots()).get_ylabel()
+    'Coherence with the force (-)'
+    """
+    if not isinstance(resp, FrequencyResponse) or resp.coherence is None:
+        reject("resp", "responses without coherence" if isinstance(resp, FrequencyResponse)
+               else type(resp).__name__, "a FrequencyResponse with coherence",
+               "Estimate it from a record with several averages.")
+    ax = new_axes(ax, (9.0, 4.0))
+    rows = [p for p, dof in enumerate(resp.dofs) if dof != resp.reference]
+    curves = resp.coherence[rows]
+    if len(rows) <= FEW:
+        for i, (row, curve) in enumerate(zip(rows, curves, strict=True)):
+            ax.plot(resp.freq_hz, curve, lw=1.2, ls=LINES[i % len(LINES)],
+                    color=list(COLOURS.values())[i % len(COLOURS)], label=f"dof {resp.dofs[row]}")
+    else:
+        for i, curve in enumerate(curves):
+            ax.plot(resp.freq_hz, curve, lw=0.7, color="#B8B8B8", label="each dof" if i == 0 else None)
+        ax.plot(resp.freq_hz, curves.min(axis=0), lw=1.0, ls="--", color=COLOURS["vermillion"], label="lowest")
+        ax.plot(resp.freq_hz, np.median(curves, axis=0), lw=1.6, color=COLOURS["blue"], label="median")
+    if resp.n_averages is not None and resp.n_averages > 1.0:
+        ax.axhline(1.0 / resp.n_averages, color=COLOURS["black"], lw=0.9, ls=":",
+                   label=f"noise alone, {resp.n_averages:.0f} averages")
+    ax.set_xlim(float(resp.freq_hz[0]), float(resp.freq_hz[-1]))
+    ax.set_ylim(0.0, 1.03)
+    ax.set_xlabel("Frequency (Hz)")
+    to = "the force" if resp.reference is None else f"dof {resp.reference}"
+    ax.set_ylabel(f"Coherence with {to} (-)")
+    ax.grid(alpha=0.25)
+    below(ax, 4)
+    return ax
+
+
+def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
+    """Draw the singular values of the responses' spectral matrix, and what noise alone would make them.
+
+    One force and noise: the first stands out, the second lies on the noise. A second force lifts the second
+    everywhere but at the resonances. Channels are scaled to equal noise, so 0 dB is the noise.
+
+    Parameters
+    ----------
+    check : DataCheck
+        Of a Recording, from :func:`~antires_rs.data_check.check_data`.
+    ax : matplotlib.axes.Axes, optional
+        Drawn into; a new figure by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InvalidInputError
+        A check of data without averages, which has no spectral matrix.
+    MissingDependencyError
+        matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> from antires_rs.data_check import check_data
+    >>> from matplotlib.figure import Figure
+    >>> rec = ar.cases.chain8().experiment(noise=0.02, duration_s=60.0, rng=0)
+    >>> check_data(rec, band_hz=(3, 130)).plot(ax=Figure().subplots()).get_ylabel()
+    'Singular value (dB re noise power)'
+    """
+    values = getattr(check, "eigenvalues", None)
+    if values is None:
+        reject("check", "a check without eigenvalues" if hasattr(check, "findings") else type(check).__name__,
+               "the DataCheck of a Recording with several averages",
+               "Single hits and measured responses have no spectral matrix.")
+    ax = new_axes(ax, (9.0, 4.5))
+    level = 10.0 * np.log10(np.maximum(values, 1e-14 * values.max()))
+    for i in range(values.shape[1] - 1, 1, -1):
+        ax.plot(check.freq_hz, level[:, i], lw=0.5, color="#C4C4C4", label="the others" if i == 2 else None)
+    if check.noise_limit is not None:
+        limit = 10.0 * np.log10(np.maximum(check.noise_limit, 1e-14 * values.max()))
+        ax.plot(check.freq_hz, limit, lw=1.0, ls=":", color=COLOURS["black"],
+                label="second expected of noise alone")
+    if values.shape[1] > 1:
+        ax.plot(check.freq_hz, level[:, 1], lw=1.1, ls="--", color=COLOURS["vermillion"], label="second")
+    ax.plot(check.freq_hz, level[:, 0], lw=1.5, color=COLOURS["blue"], label="first")
+    ax.set_xlim(*check.band_hz)
+    ax.set_xlabel("Frequency (Hz)")
+    ax.set_ylabel("Singular value (dB re noise power)")
+    ax.grid(alpha=0.25, color=GREY)
+    found = check.named("one_force")
+    ax.set_title(f"more than one force ({found[0].severity})" if found else "", fontsize="medium")
+    below(ax, 4, first=("first", "second", "second expected of noise alone", "the others"))
+    return ax
