@@ -1,8 +1,9 @@
-"""How exactly the rational fit recovers exact data, by order: the numerics, with no measurement in the way.
+"""How exactly the rational fit recovers exact data, by order: the numerics without a measurement.
 
-Three curves with common poles, 0.1 to 5 % damped, and zeros of their own, in pole-zero form (so that poles and
-zeros are known to the last digit), sampled without noise and fitted by ``fit_rational`` at the true order.
-Then the stabilization diagram of the same data, which does not know the order: all poles found, none false?
+Three curves with common poles, 0.1 to 5 % damped, and zeros of their own, in pole-zero form (so that poles
+and zeros are known to the last digit), sampled without noise and fitted by ``fit_rational`` at the true
+order. Then the stabilization diagram of the same data, which does not know the order: all poles found, none
+false?
 
     python benchmarks/rational_orders.py [--draws 5] [--orders 10 20 30 40 50 60] [--sweep-draws 2]
 """
@@ -126,7 +127,8 @@ def main():
     parser.add_argument("--orders", type=int, nargs="+", default=list(ORDERS))
     parser.add_argument("--sweep-draws", type=int, default=2)
     options = parser.parse_args()
-    print(f"fit at the true order; worst of {options.draws} draws: relative error of a pole / of a zero / residual")
+    print(f"fit at the true order; worst of {options.draws} draws: relative error of a pole / of a zero / "
+          "residual")
     print("order  " + "  ".join(f"{name:>24s}" for name in FAMILIES))
     for order in options.orders:
         cells = []

@@ -266,3 +266,40 @@ def test_a_model_without_any_partner_gives_a_table_that_says_so():
     result = ar.update(problem, rng=0, optimizer=ar.IslandGA(max_evaluations=160))
     assert np.isnan(result.table.largest_after_percent)
     assert "nan" in str(result.table)
+
+
+def weighted_problem(**options):
+    chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
+    measured = ar.AntiresonanceSet(0, {0: [1.6, 5.2], 1: [2.6]}, std_hz={0: [0.1, 0.001], 1: [0.02]})
+    return ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured, **options)
+
+
+@pytest.mark.parametrize(("misfit", "norm"), [("absolute", lambda e: np.abs(e).sum()),
+                                              ("squared", lambda e: (e**2).sum()),
+                                              ("largest", lambda e: np.abs(e).max())])
+def test_weights_multiply_the_residuals(misfit, norm):
+    x = [0.9, 1.1]
+    given = np.array([0.5, 2.0, 0.0])
+    problem = weighted_problem(misfit=misfit, weights=given)
+    assert problem.cost(x) == pytest.approx(norm(given * problem.residuals(x)), rel=1e-12)
+
+
+def test_weights_from_the_uncertainty_of_the_values():
+    problem = weighted_problem(weights="std")
+    expected = 1.0 / np.hypot(2.0 * np.array([0.1, 0.001, 0.02]) / problem.measured_hz, 2e-3)
+    assert np.allclose(problem.weights, expected / expected.mean(), rtol=1e-12)
+    x = [0.9, 1.1]
+    assert problem.cost(x) == pytest.approx(np.abs(problem.weights * problem.residuals(x)).sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("weights", ["variance", [1.0], [1.0, -1.0, 1.0], np.zeros(3), [np.nan, 1.0, 1.0]])
+def test_weights_that_cannot_be(weights):
+    with pytest.raises(ar.InvalidInputError, match="weights"):
+        weighted_problem(weights=weights)
+
+
+def test_std_weights_need_standard_deviations():
+    chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
+    with pytest.raises(ar.InvalidInputError, match="std_hz"):
+        ar.UpdatingProblem(chain, ar.stiffness_factor([0], bounds=(0.8, 1.2)),
+                           ar.AntiresonanceSet(0, {0: [1.6]}), weights="std")

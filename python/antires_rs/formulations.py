@@ -21,15 +21,17 @@ formulation  no noise                      1 % noise                     5 % noi
 "eq10"        5.0 / 3.2 / 1e-02 / 4e-03     5.8 / 9.0 / 9e-03 / 7e-03     4.4 / 4.8 / 1e-02 / 6e-03
 ===========  ============================  ============================  ============================
 
-So "joint" is the default of the four. "sum" throws away what the outputs know of each other: terms of opposite
-sign cancel, and in noise the weak poles go first. "power" needs no phase; what it gives up is the test that
-superfluous poles fail in s, where they go to the right half plane. "eq10" is no rational function: the absolute
-values kink wherever a part changes sign. What is fitted to it sits beside the antiresonance, 0.4 to 0.7 % at the
-median where the others are 0.001 to 0.02 % off, or is false. It is there to be looked at and to be compared with,
-and says so by a warning.
+So "joint" is the default of the four. "sum" throws away what the outputs know of each other: terms of
+opposite sign cancel, and in noise the weak poles go first. "power" needs no phase; what it gives up is the
+test that superfluous poles fail in s, where they go to the right half plane. "eq10" is no rational function:
+the absolute values kink wherever a part changes sign. What is fitted to it sits beside the antiresonance, 0.4
+to 0.7 % at the median where the others are 0.001 to 0.02 % off, or is false. It is there to be looked at and
+to be compared with, and says so by a warning.
 
-Lines are weighted by SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2), over abs(D)^2 of a denominator guessed at
-order 4 (module ``first_guess``). Without the guess "joint" finds 26.0 at 5 % noise, "sum" 21.6, "power" 24.6.
+Lines are weighted by SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2), over abs(D)^2 of a denominator guessed
+at order 4 (module ``first_guess``): without the guess "joint" finds 26.0 at 5 % noise, "sum" 21.6,
+"power" 24.6. Only averaged records get it; the errors of given curves and single hits are not white, and
+where the response is weak they would be followed.
 
 Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820 (Eq. 10 and the sum).
 """
@@ -53,8 +55,8 @@ __all__ = ["FORMULATIONS", "sweep_of", "warn_of_formulation"]
 FORMULATIONS = ("joint", "sum", "power", "eq10")
 # Signal-to-noise power beyond which a line gains no more weight: what is left there is leakage.
 SNR_CAP = 1e4
-# Order of the denominator guessed for the weights: the trend over the band, from which every order gains. Higher
-# ones find more near the noise, and false ones with them.
+# Order of the denominator guessed for the weights: the trend over the band, from which every order gains.
+# Higher ones find more near the noise, and false ones with them.
 GUESS_ORDER = 4
 # Real numbers of data that an order needs: with fewer, poles follow the noise of single lines.
 DATA_PER_ORDER = 3
@@ -116,7 +118,7 @@ def sweep_of(lines: Lines, row: int, min_order: int, max_order: int, rule: Rule,
     orders = range(min_order, highest + 1)
     quotients, power = lines.quotients(row)
     weights = lines.snr / (1.0 + lines.snr / SNR_CAP)
-    guess = guessed_weights(lines.freq_hz, power, GUESS_ORDER)
+    guess = guessed_weights(lines.freq_hz, power, GUESS_ORDER if lines.segments is not None else 0)
     if formulation == "power":
         # The denominator in f^2 is the square of that in s.
         squares = quotients.real**2 + quotients.imag**2
@@ -144,5 +146,6 @@ def warn_of_formulation(formulation: str) -> None:
         warnings.warn(
             "formulation 'eq10': the sum of abs(Re T) + i abs(Im T) kinks at every change of sign and is no "
             "rational function; on the eight-mass chain 4 to 6 of 28 values come out, 0.4 to 0.7 % off, and "
-            "three to nine false ones with them. Look at its peaks, and take the values from formulation='joint'.",
+            "three to nine false ones with them. Look at its peaks, and take the values from "
+            "formulation='joint'.",
             AntiresWarning, stacklevel=3)

@@ -57,7 +57,8 @@ class ModalSet:
             reject("freq_hz", "frequencies out of order", "ascending frequencies")
         array = np.asarray(shapes)
         if array.ndim != 2 or array.shape[0] != self.freq_hz.size or not array.shape[1]:
-            reject("shapes", f"an array of shape {array.shape}", f"({self.freq_hz.size}, n_dofs), one mode a row")
+            reject("shapes", f"an array of shape {array.shape}",
+                   f"({self.freq_hz.size}, n_dofs), one mode a row")
         if array.dtype.kind not in "biufc":
             reject("shapes", f"an array of dtype {array.dtype}", "real or complex numbers")
         if not np.all(np.isfinite(array)):
@@ -113,8 +114,9 @@ class ModalSet:
         norms = [np.sum(np.abs(x)**2, axis=1) for x in (a, b)]
         for name, norm in zip(("self", "other"), norms, strict=True):
             if not norm.all():
-                reject("other", f"mode {int(np.flatnonzero(norm == 0.0)[0])} of {name} without any motion at the "
-                       f"common dofs {tuple(common)}", "shapes that do not vanish there")
+                still = int(np.flatnonzero(norm == 0.0)[0])
+                reject("other", f"mode {still} of {name} without motion at the common dofs {tuple(common)}",
+                       "shapes that do not vanish there")
         product = np.abs(a.conj() @ b.T)**2
         return np.asarray(product / (norms[0][:, None] * norms[1]), dtype=np.float64)
 

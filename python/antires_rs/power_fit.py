@@ -1,15 +1,15 @@
 r"""Real rational functions of frequency squared, for data without phase.
 
 The squared magnitudes y_o(f) = abs(Y_o)^2 of curves with common poles, and any sum of them, are real rational
-functions of z = f^2: each pole pair s, s* of the curves becomes the pair z = -s^2 / (2 pi)^2 and its conjugate,
-because D(s) D(-s) is even in s. So order n in s is degree n in z. With z mapped to t in [-1, 1],
+functions of z = f^2: each pole pair s, s* of the curves becomes the pair z = -s^2 / (2 pi)^2 and its
+conjugate, because D(s) D(-s) is even in s. So order n in s is degree n in z. With z mapped to t in [-1, 1],
 
     y_o(t) ~ N_o(t) / D(t),   sum_o sum_n w_n (N_o - y_o D)^2 -> min,
 
-on two real Forsythe bases (numerators on w, denominator on w sum_o y_o^2), whose recurrence on the real axis has
-a middle term, t p_k = b_{k+1} p_{k+1} + a_k p_k + b_k p_{k-1}. The roots of D are the eigenvalues of a comrade
-matrix; one root z of each pair gives s = 2 pi i sqrt(z) in the left half plane. A root that is real, z < 0 or
-z > 0, is no resonance and comes out with no frequency or no damping.
+on two real Forsythe bases (numerators on w, denominator on w sum_o y_o^2), whose recurrence on the real axis
+has a middle term, t p_k = b_{k+1} p_{k+1} + a_k p_k + b_k p_{k-1}. The roots of D are the eigenvalues of a
+comrade matrix; one root z of each pair gives s = 2 pi i sqrt(z) in the left half plane. A root that is real,
+z < 0 or z > 0, is no resonance and comes out with no frequency or no damping.
 
 References: G. E. Forsythe, J. SIAM 5 (1957) 74-88; S. Barnett, Linear Algebra Appl. 12 (1975) 165-178.
 """
@@ -26,8 +26,8 @@ from .stabilization import PoleSweep
 
 __all__ = ["PowerFit", "PowerSweep", "RealBasis", "real_basis", "real_roots"]
 
-# Without phase a wider hump is no evidence of a pole: all that ten orders agreed on beyond it was the curvature
-# of a background (5 to 9 % damping, above the last resonance of a chain whose modes have 1 %).
+# Without phase a wider hump is no evidence of a pole: all that ten orders agreed on beyond it was the
+# curvature of a background (5 to 9 % damping, above the last resonance of a chain whose modes have 1 %).
 MAX_DAMPING = 0.05
 
 
@@ -56,8 +56,8 @@ class RealBasis:
 def real_basis(t: FloatArray, weight: FloatArray, order: int) -> RealBasis:
     """Three-term recurrence on the real axis; ``weight`` multiplies squared values.
 
-    Each new polynomial is made orthogonal to all before it once more. Lines evenly spaced in f lie unevenly in
-    f^2, where the recurrence alone loses orthogonality from some 2 sqrt(n_lines) on.
+    Each new polynomial is made orthogonal to all before it once more. Lines evenly spaced in f lie unevenly
+    in f^2, where the recurrence alone loses orthogonality from some 2 sqrt(n_lines) on.
     """
     p = np.empty((order + 1, t.size))
     a, b = np.zeros(order), np.empty(order + 1)
@@ -89,8 +89,9 @@ def real_roots(coefficients: FloatArray, basis: RealBasis) -> ComplexArray:
 class PowerFit:
     """The one factorisation behind every order of real rational functions of f^2 with common poles.
 
-    Answers what :class:`~antires_rs.rational.NestedFit` answers, so that the same sweep runs on it. ``power`` is
-    (n_outputs, n_freq), not negative; ``weights``, (n_freq,), multiply squared residuals of ``N - power D``.
+    Answers what :class:`~antires_rs.rational.NestedFit` answers, so that the same sweep runs on it. ``power``
+    is (n_outputs, n_freq), not negative; ``weights``, (n_freq,), multiply squared residuals of ``N - power
+    D``.
     """
 
     def __init__(self, freq_hz: FloatArray, power: FloatArray, weights: FloatArray, max_order: int) -> None:
@@ -111,7 +112,7 @@ class PowerFit:
     def gram(self, order: int) -> FloatArray:
         """What the denominator minimises: d' G d."""
         block = self.x[:, :order + 1, :order + 1].reshape(-1, order + 1)
-        return np.eye(order + 1) - block.T @ block
+        return np.asarray(np.eye(order + 1) - block.T @ block, dtype=np.float64)
 
     def denominator(self, gram: FloatArray) -> FloatArray:
         """Coefficients with the lowest set to one."""
@@ -149,6 +150,13 @@ class PowerSweep(PoleSweep):
     def __init__(self, fit: PowerFit) -> None:
         super().__init__(fit)  # type: ignore[arg-type]  # PowerFit answers what the sweep asks of NestedFit
         self.fit = fit
+
+    def curves(self, order: int) -> tuple[ComplexArray, ComplexArray]:
+        """Data and fit on the lines, (n_outputs, n_freq) each; squared magnitudes, scaled."""
+        d = self._solution(order, False)
+        above = self.fit.numerator_basis.p[:, :order + 1] @ (self.fit.x[:, :order + 1, :order + 1] @ d).T
+        below = self.fit.denominator_basis.p[:, :order + 1] @ d
+        return self.fit.values + 0j, np.asarray(above.T / below + 0j)
 
     def dominances(self, order: int, s: ComplexArray) -> FloatArray:
         """Share of each root's own peak in the fitted power at its frequency."""

@@ -2,9 +2,10 @@ r"""Shapes from curves whose poles are known: least squares in the frequency dom
 
     Y_o(f) = sum_r [ A_ro / (s - s_r) + conj(A_ro) / (s - conj(s_r)) ] + sum_m C_om s^m,      s = 2 pi i f
 
-The powers m = -2 ... 2 with real coefficients stand for what lies outside the band (lower and upper residuals)
-and for the quantity measured: s^2 / (s - s_r) of an accelerance is s + s_r plus the fraction of a receptance times
-s_r^2, so the shape is the same for receptance, mobility and accelerance, up to one factor for each mode.
+The powers m = -2 ... 2 with real coefficients stand for what lies outside the band (lower and upper
+residuals) and for the quantity measured: s^2 / (s - s_r) of an accelerance is s + s_r plus the fraction of a
+receptance times s_r^2, so the shape is the same for receptance, mobility and accelerance, up to one factor
+for each mode.
 
 Reference: W. Heylen, S. Lammens, P. Sas, Modal Analysis Theory and Testing, KU Leuven, 1997 (LSFD).
 """
@@ -57,7 +58,8 @@ def residues(freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, pol
     # Columns of very different size (far residuals, light damping) would spoil the rank decision.
     size = np.linalg.norm(columns, axis=0)
     stacked = np.concatenate([(columns / size).real, (columns / size).imag])
-    solution = np.linalg.lstsq(stacked, np.concatenate([right.real, right.imag]), rcond=None)[0] / size[:, None]
+    solution = np.linalg.lstsq(stacked, np.concatenate([right.real, right.imag]), rcond=None)[0]
+    solution /= size[:, None]
     n = poles.size
     return np.asarray(solution[:n] + 1j * solution[n:2 * n], dtype=np.complex128)
 

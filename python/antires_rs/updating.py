@@ -23,6 +23,7 @@ from .models import StructuralModel
 from .optimizer import IslandGA, OptimizeResult, guesses, seed_of, thread_count
 from .parameters import Parameter, stiffness_reduction
 from .results import DamageResult, UpdateResult
+from .weights import residual_weights
 
 Misfit = Literal["absolute", "squared", "largest"]
 
@@ -71,6 +72,9 @@ class UpdatingProblem:
         contradiction that no model resolves; or the largest abs(e).
     penalty : DamagePenalty or (gamma1, gamma2), optional
         Applied to the stiffness reductions.
+    weights : 'std' or array_like (m,), optional
+        Factors on the residuals. 'std' takes them from the standard deviations of the measured values, with
+        0.2 % for the error of the model, so that what is known badly counts less. Default: all one.
 
     Attributes
     ----------
@@ -80,6 +84,7 @@ class UpdatingProblem:
         Measured values, dof by dof.
     measured_dofs, measured_excitations : ndarray of int, (m,)
         Response and force of each.
+    weights : ndarray, (m,), or None
 
     Raises
     ------
@@ -99,7 +104,7 @@ class UpdatingProblem:
     def __init__(self, model: StructuralModel, parameters: Iterable[Parameter] | Parameter,
                  measured: AntiresonanceSet | Sequence[AntiresonanceSet], *,
                  objective: Literal["antiresonance"] = "antiresonance", misfit: Misfit = "absolute",
-                 penalty: DamagePenalty | tuple[float, float] | None = None) -> None:
+                 penalty: DamagePenalty | tuple[float, float] | None = None, weights: Any = None) -> None:
         if not isinstance(model, StructuralModel):
             reject("model", model, "a MassSpringChain or MatrixModel")
         self.parameters = _parameters(parameters)
@@ -113,12 +118,13 @@ class UpdatingProblem:
         self.measured_hz = np.concatenate([np.empty(0), *(freq for _, _, freq in targets)])
         self.measured_dofs = np.repeat([dof for dof, _, _ in targets], counts)
         self.measured_excitations = np.repeat([force for _, force, _ in targets], counts)
+        self.weights = residual_weights(weights, self.measured, self.measured_hz)
         self.bounds = np.array([p.bounds for p in self.parameters])
         self.names = [_name(model, p) for p in self.parameters]
         self._core = _core.AntiresonanceObjective(
             model._core, [(p.quantity, list(p.terms)) for p in self.parameters], targets, misfit,
             (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None,
-            self.penalty.snap if self.penalty else 0.0)
+            self.penalty.snap if self.penalty else 0.0, self.weights)
 
     def _model_dof(self, name: str, label: Any) -> int:
         if isinstance(label, str):
@@ -219,7 +225,7 @@ def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
 
 def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[AntiresonanceSet], *,
                   elements: Any = None,
-                  gamma1: float = 0.1, gamma2: float = 0.1, snap: float = 1e-3,
+                  gamma1: float = 0.1, gamma2: float = 0.1, snap: float = 1e-3, weights: Any = None,
                   optimizer: IslandGA | None = None, rng: int | np.random.Generator | None = None,
                   workers: int | None = None,
                   callback: Callable[[dict[str, Any]], bool | None] | None = None, x0: Any = None,
@@ -239,6 +245,8 @@ def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[
         ``DamageResult.detectable``.
     snap : float
         Severities below count as exactly 0; within [0, 1e-3], 0 for the algorithm as printed.
+    weights : 'std' or array_like, optional
+        As for :class:`UpdatingProblem`.
     optimizer, rng, workers, callback, x0, progress
         As in :func:`update`.
 
@@ -270,7 +278,7 @@ def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[
         reject("elements", "no candidate", "at least one stiffness term",
                "Give the MatrixModel its stiffness_terms.")
     penalty = DamagePenalty(gamma1, gamma2, snap)
-    problem = UpdatingProblem(model, stiffness_reduction(chosen), measured, penalty=penalty)
+    problem = UpdatingProblem(model, stiffness_reduction(chosen), measured, penalty=penalty, weights=weights)
     found, seed = _search(problem, optimizer, rng, workers, callback, x0, progress)
     return DamageResult(problem, found, seed)
 

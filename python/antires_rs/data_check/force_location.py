@@ -33,9 +33,13 @@ NAME = "force_location"
 PROMINENCE_DB = 8.0
 # ... and its signal-to-noise power is at least that of a vector good to a few degrees.
 PEAK_SNR = 100.0
+# ... and lifts the median channel by this factor over its power this part of the frequency away, on both sides.
+SHARED, PEAK_WIDTH = 2.0, 0.04
 # The power is averaged over lines until so many averages stand behind it: ripples of few averages are no peaks.
 # Measured responses and single hits have none, and need none.
 PEAK_AVERAGES = 40.0
+# The direction of two channels passes through near-coincident zeros of both without a trace.
+LEAST_CHANNELS = 3
 # Between neighbouring lines the direction must not turn further than this (cosine) to be followed.
 LEAST_OVERLAP = 0.7
 # A component has a sign if it is this many standard deviations long, more at a resonance, where the test stands
@@ -45,7 +49,7 @@ IN_PHASE = 0.7
 # A dip: the power on both sides, this part of the frequency or of the gap away, over that in the middle, averaged
 # over a quarter of the distance on either side. The valley between two resonances without a zero rises by 1.5
 # over a fifth of its width.
-DIP, DIP_WIDTH, DIP_GAP, DIP_SMOOTHING = 2.2, 0.04, 0.2, 3
+DIP, DIP_WIDTH, DIP_GAP, DIP_SMOOTHING = 2.0, 0.05, 0.2, 4
 
 
 
@@ -67,10 +71,11 @@ def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = 
         pairs = [_residues(h[peaks]) for h in frfs]
         found = _judge(seen, excitation, peaks, pairs, "its residues at the recorded force change their sign, as "
                        "those of a driving point never do,")
-        if found or len(seen.dofs) < 2:
+        if found or len(seen.dofs) < LEAST_CHANNELS:
             return found
-    elif len(seen.dofs) < 2:
-        return [NotTested(NAME, "a single channel without force holds no residues")]
+    elif len(seen.dofs) < LEAST_CHANNELS:
+        return [NotTested(NAME, f"without the force {LEAST_CHANNELS} channels are needed, of which "
+                                f"{len(seen.dofs)} are there")]
     pairs = followed(seen, peaks)
     if not pairs[row]:
         return [NotTested(NAME, f"the signs of dof {excitation!r} at the {peaks.size} resonances of the band "
@@ -116,10 +121,22 @@ def _residues(at_peaks: ComplexArray) -> list[tuple[int, int, bool]]:
 def resonances(seen: Evidence) -> Any:
     """Indices of the lines of the resonances, ascending."""
     from scipy.signal import find_peaks  # slow to import
-    smooth = _smoothed(seen.power, _half_width(seen))
+    half = _half_width(seen)
+    smooth = _smoothed(seen.power, half)
     level = 10.0 * np.log10(np.maximum(smooth, 1e-12 * smooth.max()))
-    peaks, _ = find_peaks(level, prominence=PROMINENCE_DB)
-    return peaks[smooth[peaks] >= PEAK_SNR]
+    peaks = find_peaks(level, prominence=PROMINENCE_DB)[0]
+    peaks = peaks[smooth[peaks] >= PEAK_SNR]
+    # A mode moves most channels; what one of them alone has is its own affair.
+    each = np.array([_smoothed(power, half) for power in (np.abs(seen.vectors)**2).T])
+    distance = np.diff(peaks, prepend=-level.size, append=2 * level.size)
+    shared = []
+    for i, peak in enumerate(peaks):
+        aside = min(PEAK_WIDTH * float(seen.freq_hz[peak]) / float(seen.freq_hz[1] - seen.freq_hz[0]),
+                    0.4 * min(distance[i], distance[i + 1]))
+        low, high = max(peak - max(round(aside), 1), 0), min(peak + max(round(aside), 1), level.size - 1)
+        around = np.maximum(np.maximum(each[:, low], each[:, high]), 1e-300)
+        shared.append(np.median(each[:, peak] / around) >= SHARED)
+    return peaks[np.array(shared, dtype=bool)]
 
 
 def _half_width(seen: Evidence) -> int:

@@ -27,8 +27,10 @@ pub struct AntiresonanceObjective {
 
 #[pymethods]
 impl AntiresonanceObjective {
-    /// Parameters are (quantity, terms), targets (dof, excitation, frequencies), the penalty (gamma1, gamma2).
+    /// Parameters are (quantity, terms), targets (dof, excitation, frequencies), the penalty (gamma1, gamma2),
+    /// weights one for each measured value.
     #[new]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         model: &Model,
         parameters: Vec<(String, Vec<usize>)>,
@@ -36,6 +38,7 @@ impl AntiresonanceObjective {
         misfit: &str,
         penalty: Option<(f64, f64)>,
         snap: f64,
+        weights: Option<PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<Self> {
         let parameters = parameters
             .into_iter()
@@ -78,6 +81,12 @@ impl AntiresonanceObjective {
             snap,
         )
         .map_err(to_python)?;
+        let core = match weights {
+            Some(weights) => core
+                .with_weights(weights.as_array().to_vec())
+                .map_err(to_python)?,
+            None => core,
+        };
         Ok(Self { core })
     }
 

@@ -38,6 +38,7 @@ pub struct AntiresonanceObjective {
     snap: f64,
     query: Query,
     connected: Vec<bool>,
+    weights: Vec<f64>,
 }
 
 /// Working memory of one thread.
@@ -102,6 +103,7 @@ impl AntiresonanceObjective {
             .iter()
             .map(|t| connected(model.stiffness(), model.mass(), t.dof, t.excitation))
             .collect();
+        let weights = vec![1.0; targets.iter().map(|t| t.freq_hz.len()).sum()];
         Ok(Self {
             model,
             parameters,
@@ -115,7 +117,30 @@ impl AntiresonanceObjective {
                 include_cancelled: false,
             },
             connected,
+            weights,
         })
+    }
+
+    /// The same objective with residual m multiplied by `weights[m]`, in the order of the targets.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] when there is not one finite, not negative weight for each measured value,
+    /// or all are zero.
+    pub fn with_weights(mut self, weights: Vec<f64>) -> Result<Self> {
+        let usable = weights.iter().all(|w| w.is_finite() && *w >= 0.0)
+            && weights.iter().any(|w| *w > 0.0);
+        if weights.len() != self.weights.len() || !usable {
+            return Err(Error::input(
+                "weights",
+                format!("{} values", weights.len()),
+                format!(
+                    "{} finite weights of at least 0, one for each measured value, not all 0",
+                    self.weights.len()
+                ),
+            ));
+        }
+        self.weights = weights;
+        Ok(self)
     }
 
     /// Number of parameters.
@@ -176,12 +201,6 @@ impl AntiresonanceObjective {
         Ok(())
     }
 
-    /// Number of measured antiresonances.
-    #[must_use]
-    pub fn n_measured(&self) -> usize {
-        self.targets.iter().map(|t| t.freq_hz.len()).sum()
-    }
-
     fn is_reduction(&self, index: usize) -> bool {
         self.parameters[index].quantity == Quantity::StiffnessReduction
     }
@@ -204,11 +223,16 @@ impl Objective for AntiresonanceObjective {
         let mut snapped = x.to_vec();
         self.repair(&mut snapped);
         let mut misfit = 0.0;
+        let mut weights = self.weights.iter();
         let solved = self.each_pair(&snapped, ws, |paired, measured| {
-            misfit = self.misfit.add(misfit, residual(paired, measured));
+            let weight = weights.next().copied().unwrap_or(1.0);
+            misfit = self.misfit.add(misfit, weight * residual(paired, measured));
         });
         if solved.is_err() {
-            misfit = (0..self.n_measured()).fold(0.0, |total, _| self.misfit.add(total, UNPAIRED));
+            misfit = self
+                .weights
+                .iter()
+                .fold(0.0, |total, w| self.misfit.add(total, w * UNPAIRED));
         }
         let beta = snapped
             .iter()

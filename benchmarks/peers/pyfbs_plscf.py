@@ -1,0 +1,24 @@
+"""pyFBS: poly-reference LSCF of its modal identification."""
+
+from __future__ import annotations
+
+import os
+
+from .method import Method, transmissibilities
+
+
+def plscf(record, highest, estimator, nperseg=4096):
+    """Its own sweep: every second order, because it stops with an error if the highest is reached."""
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    os.environ.setdefault("QT_LOGGING_RULES", "*.warning=false")
+    from pyfbs.modal_id import ModalID
+    freq, tables = transmissibilities(record, nperseg, estimator)
+    sweeps = []
+    for values in tables:
+        model = ModalID(freq, values.T[:, :, None])
+        model.p_lscf(highest, step_order=2)
+        sweeps.append([poles[0] for poles in model.poles])
+    return sweeps
+
+
+METHODS = (Method("pyFBS pLSCF", "pyfbs", "T_pj", "", plscf),)

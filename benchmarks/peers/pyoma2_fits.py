@@ -1,0 +1,45 @@
+"""pyOMA2: poly-reference LSCF fed with transmissibilities, and SSI with the reference response as input."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .method import Method, transmissibilities
+
+DECIMATION = 2
+
+
+def plscf(record, highest, estimator, nperseg=4096):
+    """The spectrum is a matrix of 7 outputs and one input: T_pj."""
+    from pyoma2.functions import plscf as functions
+    freq, tables = transmissibilities(record, nperseg, estimator)
+    step_s = 1.0 / (2.0 * freq[-1])
+    sweeps = []
+    for values in tables:
+        denominators, numerators = functions.pLSCF(values[:, None, :], step_s, highest, sgn_basf=1)
+        poles = functions.pLSCF_poles(denominators, numerators, step_s, methodSy="per", nxseg=nperseg)[3]
+        sweeps.append(list(poles.T))
+    return sweeps
+
+
+def ssi_iocov(record, highest, estimator, block_rows=60):
+    """Input-output covariance-driven SSI: x_j goes in, the other seven come out."""
+    from pyoma2.functions import ssi
+    from scipy.signal import decimate
+    x = decimate(record.responses, DECIMATION, ftype="fir", axis=1)
+    x = x / x.std(axis=1, keepdims=True)
+    step_s = DECIMATION / record.fs_hz
+    sweeps = []
+    for j in range(len(x)):
+        y = np.delete(x, j, axis=0)
+        hankel, _ = ssi.build_hank(y, y, block_rows, "IOcov", U=x[j:j + 1])
+        observability, a, c, _ = ssi.SSI_fast(hankel, block_rows, highest)
+        poles = ssi.SSI_poles(observability, a, c, highest, step_s)[3]
+        sweeps.append(list(poles.T[2:]))
+    return sweeps
+
+
+METHODS = (
+    Method("pyOMA2 pLSCF", "pyoma-2", "T_pj", "", plscf, slow=True),
+    Method("pyOMA2 SSI-IOcov", "pyoma-2", "x_p, x_j", "", ssi_iocov),
+)

@@ -1,0 +1,32 @@
+"""scikit-rf: vector fitting of the transmissibilities as if they were scattering parameters."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .method import LOW_HZ, Method, transmissibilities
+
+
+def vector_fitting(record, highest, estimator, nperseg=2048, iterations=5, normed=True):
+    """All T_pj of one j as entries of a three-port network, the two left over zero."""
+    import skrf
+    freq, tables = transmissibilities(record, nperseg, estimator, low_hz=LOW_HZ)
+    axis = skrf.Frequency.from_f(freq, unit="Hz")
+    sweeps = []
+    for values in tables:
+        entries = np.zeros((9, freq.size), dtype=complex)
+        rms = np.sqrt(np.mean(np.abs(values)**2, axis=1, keepdims=True))
+        entries[:len(values)] = values / rms if normed else values
+        network = skrf.Network(frequency=axis, s=entries.T.reshape(-1, 3, 3), z0=50.0)
+        orders = []
+        for pairs in range(1, highest // 2 + 1):
+            fit = skrf.VectorFitting(network)
+            fit.max_iterations = iterations
+            fit.vector_fit(n_poles_real=0, n_poles_cmplx=pairs, fit_constant=True, fit_proportional=True,
+                           enforce_dc=False)
+            orders.append(fit.poles)
+        sweeps.append(orders)
+    return sweeps
+
+
+METHODS = (Method("scikit-rf vector fitting", "scikit-rf", "T_pj", "", vector_fitting, slow=True),)

@@ -1,0 +1,46 @@
+"""SciPy's AAA: adaptive barycentric interpolation of a single curve."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .method import LOW_HZ, Method, transmissibilities
+
+SCALE_HZ = 100.0
+
+
+def aaa(record, highest, estimator, nperseg=2048, step=2):
+    """sum_p abs(T_pj)^2 as a real rational function of f^2; the number of terms is the order.
+
+    A pole pair of T at s and its mirror image at -conj(s) make a conjugate pair in (f / SCALE_HZ)^2.
+    """
+    from scipy.interpolate import AAA
+    freq, tables = transmissibilities(record, nperseg, estimator, low_hz=LOW_HZ)
+    sweeps = []
+    for values in tables:
+        x, y = (freq / SCALE_HZ)**2, np.sum(np.abs(values)**2, axis=0)
+        orders = []
+        for terms in range(2, highest + 1, step):
+            poles = AAA(x, y, rtol=0.0, max_terms=terms + 1).poles()
+            orders.append(2j * np.pi * SCALE_HZ * np.sqrt(poles[poles.imag > 0.0].astype(complex)))
+        sweeps.append(orders)
+    return sweeps
+
+
+def aaa_complex(record, highest, estimator, nperseg=2048):
+    """sum_p T_pj and its conjugate at -f; every second number of terms, for pairs."""
+    from scipy.interpolate import AAA
+    freq, tables = transmissibilities(record, nperseg, estimator, low_hz=LOW_HZ)
+    s = 2j * np.pi * freq
+    sweeps = []
+    for values in tables:
+        x, y = np.concatenate([s, -s]), values.sum(axis=0)
+        y = np.concatenate([y, y.conj()])
+        sweeps.append([AAA(x, y, rtol=0.0, max_terms=terms + 1).poles() for terms in range(2, highest + 1, 2)])
+    return sweeps
+
+
+METHODS = (
+    Method("SciPy AAA, sum of T", "scipy", "T_pj", "", aaa_complex),
+    Method("SciPy AAA, sum of |T|^2", "scipy", "T_pj", "", aaa),
+)

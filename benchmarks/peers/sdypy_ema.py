@@ -1,0 +1,52 @@
+"""sdypy-EMA: least-squares complex frequency, and rational fraction polynomials by segments of the band."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .method import HIGH_HZ, LOW_HZ, Method, transmissibilities
+
+PAIRS = 40
+RFP_WIDTH_HZ, RFP_ORDER = 30.0, 20
+
+
+def lscf(record, highest, estimator, nperseg=4096, pairs=PAIRS):
+    """All T_pj of one j in one model; its own table of poles for each order."""
+    from sdypy import EMA
+    freq, tables = transmissibilities(record, nperseg, estimator)
+    sweeps = []
+    for values in tables:
+        model = EMA.Model(frf=values, freq=freq, lower=LOW_HZ, upper=HIGH_HZ, frf_form="receptance",
+                          pol_order_high=min(pairs, highest))
+        model.get_poles(method="lscf", show_progress=False)
+        sweeps.append(model.all_poles)
+    return sweeps
+
+
+def rfp(record, highest, estimator, nperseg=8192, width_hz=RFP_WIDTH_HZ):
+    """Windows that overlap by half, each answering for its middle half; orders of a window side by side."""
+    from sdypy import EMA
+    freq, tables = transmissibilities(record, nperseg, estimator)
+    starts = np.arange(LOW_HZ, HIGH_HZ - width_hz / 2, width_hz / 2)
+    sweeps = []
+    for values in tables:
+        orders = [np.zeros(0, dtype=complex)] * min(RFP_ORDER, highest)
+        for start in starts:
+            stop = min(start + width_hz, HIGH_HZ)
+            inside = freq <= stop
+            model = EMA.Model(frf=values[:, inside], freq=freq[inside], lower=start, upper=stop,
+                              frf_form="receptance", pol_order_high=min(RFP_ORDER, highest))
+            model.get_poles(method="rfp", show_progress=False)
+            low = start + width_hz / 4 if start > starts[0] else LOW_HZ
+            high = start + 3 * width_hz / 4 if start < starts[-1] else HIGH_HZ
+            for i, poles in enumerate(model.all_poles):
+                own = np.abs(poles) / (2 * np.pi)
+                orders[i] = np.concatenate([orders[i], poles[(own >= low) & (own < high)]])
+        sweeps.append(orders)
+    return sweeps
+
+
+METHODS = (
+    Method("sdypy-EMA LSCF", "sdypy-EMA", "T_pj", "", lscf),
+    Method("sdypy-EMA RFP", "sdypy-EMA", "T_pj", "", rfp),
+)
