@@ -70,6 +70,8 @@ def _pile(x: FloatArray) -> int:
     steps = steps[steps > 1e-9 * spread]
     # Levels as wide as the digits of the converter, where these are coarse.
     level = max(LEVEL * spread, 1.5 * float(steps.min()) if steps.size else 0.0)
+    if x.max() - np.median(x) <= level:
+        return 0  # rest, not a peak: the force between two hits
     at_top = int(np.count_nonzero(x >= x.max() - level))
     below = int(np.count_nonzero(x >= x.max() - (1 + LEVELS_BELOW) * level)) - at_top
     return at_top if at_top >= PILE and at_top > PILE_RATIO * below / LEVELS_BELOW else 0

@@ -35,6 +35,8 @@ PROMINENCE_DB = 8.0
 PEAK_SNR = 100.0
 # ... and lifts the median channel by this factor over its power this part of the frequency away, on both sides.
 SHARED, PEAK_WIDTH = 2.0, 0.04
+# The lines of a resonance are those above this share of its height.
+PEAK_FOOT = 0.25
 # The power is averaged over lines until so many averages stand behind it: ripples of few averages are no peaks.
 # Measured responses and single hits have none, and need none.
 PEAK_AVERAGES = 40.0
@@ -68,7 +70,7 @@ def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = 
         return [NotTested(NAME, f"{peaks.size} resonance(s) stand out of the band; two are needed")]
     row = seen.dofs.index(excitation)
     if frfs is not None:
-        pairs = [_residues(h[peaks]) for h in frfs]
+        pairs = [_residues(h) for h in _over_peaks(seen, frfs, peaks)]
         found = _judge(seen, excitation, peaks, pairs, "its residues at the recorded force change their sign, as "
                        "those of a driving point never do,")
         if found or len(seen.dofs) < LEAST_CHANNELS:
@@ -103,6 +105,19 @@ def _judge(seen: Evidence, excitation: Any, peaks: Any, pairs: list[list[tuple[i
                         f"Dof {names} would fit: check which dof was excited, and the order of the channels.")]
     return [Finding(NAME, "warning", (excitation,), float(len(wrong)), 0.0, text,
                     "No recorded dof would fit: check where the force acted, and the order of the channels.")]
+
+
+def _over_peaks(seen: Evidence, frfs: ComplexArray, peaks: Any) -> ComplexArray:
+    """Sums of FRFs over the lines of each resonance, (n, n_peaks): what is odd about its middle cancels."""
+    smooth = _smoothed(seen.power, _half_width(seen))
+    sums = np.empty((frfs.shape[0], peaks.size), dtype=np.complex128)
+    for i, peak in enumerate(peaks):
+        under = np.flatnonzero(smooth < PEAK_FOOT * smooth[peak])
+        at = int(np.searchsorted(under, peak))
+        low = under[at - 1] + 1 if at > 0 else 0
+        high = under[at] if at < under.size else smooth.size
+        sums[:, i] = frfs[:, low:high].sum(axis=1)
+    return sums
 
 
 def _residues(at_peaks: ComplexArray) -> list[tuple[int, int, bool]]:

@@ -123,20 +123,22 @@ def _resolution(rec: Recording, spectra: CrossSpectra, inside: Any, band: tuple[
                 length: int | None) -> Said:
     """Lines per bandwidth, the bandwidth being measured with the longest segments if need be."""
     spacing = float(spectra.freq_hz[1] - spectra.freq_hz[0])
-    lines = resolution.sharpest_lines(_power(spectra, inside))
-    duration = 1.0 / spacing if length is None else rec.duration_s
-    if lines is None:
-        return resolution.resolution(None, spacing, duration, adjustable=False)
-    bandwidth, longest = lines * spacing, _power_of_two(rec.n_samples / SEGMENTS)
-    adjustable = length is not None and longest > length
-    if adjustable and lines < resolution.TRUSTED:
+    lines = resolution.sharpest_lines(_power(spectra, inside), leakage=length is not None)
+    if length is None:
+        # An exponential window has widened the resonances by a known amount.
+        widened = spectra.added_decay_per_s / np.pi
+        return resolution.without_leakage(None if lines is None else max(lines * spacing - widened, 0.0),
+                                          spacing, hit=True)
+    longest, bandwidth = _power_of_two(rec.n_samples / SEGMENTS), None
+    if lines is not None:
+        bandwidth = lines * spacing
+    if longest > length and (lines is None or lines < resolution.TRUSTED):
         long = cross_spectra(rec, nperseg=longest)
         finer = resolution.sharpest_lines(_power(long, (long.freq_hz >= band[0]) & (long.freq_hz <= band[1])))
         if finer is not None:
             lines, bandwidth = finer, finer * float(long.freq_hz[1])
-    # An exponential window has widened the resonances by a known amount.
-    bandwidth = max(bandwidth - spectra.added_decay_per_s / np.pi, 0.0)
-    return resolution.resolution(bandwidth, spacing, duration, adjustable=adjustable, known=lines >= 1.0)
+    return resolution.of_segments(bandwidth, spacing, rec.duration_s, longer=longest > length,
+                                  known=lines is not None and lines >= 1.0)
 
 
 def _power(spectra: CrossSpectra, inside: Any) -> FloatArray:

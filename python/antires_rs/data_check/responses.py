@@ -52,8 +52,8 @@ def of_response(resp: FrequencyResponse, excitation: Any, band: tuple[float, flo
     said += [*twice, *phase.in_phase(seen), *_incoherent(seen), *one_force.one_force(seen)]
     spacing = float(np.median(np.diff(seen.freq_hz)))
     lines = resolution.sharpest_lines(np.sum(np.abs(values[live])**2 / np.mean(
-        np.abs(values[live])**2, axis=1, keepdims=True), axis=0))
-    said += resolution.resolution(None if lines is None else lines * spacing, spacing, None, adjustable=False)
+        np.abs(values[live])**2, axis=1, keepdims=True), axis=0), leakage=False)
+    said += resolution.without_leakage(None if lines is None else lines * spacing, spacing, hit=False)
     if resp.kind == "transmissibility":
         said.append(NotTested(force_location.NAME, "transmissibilities do not show the resonances"))
     else:
