@@ -16,6 +16,7 @@ import os
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy: more threads make these small matrices slower
 
 import argparse
+import sys
 import time
 import warnings
 from dataclasses import dataclass
@@ -141,7 +142,10 @@ def main():
     results = each(one_run, [(config, seed) for config in configs for seed in seeds], options.jobs)
 
     print(f"chain8, 28 antiresonances, seeds {seeds[0]} to {seeds[-1]}. Row: noise, damping, record\n")
-    gathered = [gather(results, len(seeds)) for _ in configs]
+    gathered = []
+    for config in configs:
+        gathered.append(gather(results, len(seeds)))
+        print(f"done: {config.name}", file=sys.stderr, flush=True)
     print_table(["row", "mean", "found in each run", "false/run", "largest", "median", "CPU s",
                  "routes apart", "bars"],
                 [summary_row(config, route, scores[route], apart, seconds[route])
@@ -155,13 +159,17 @@ def main():
                       dof_cell(scores[route])]
                      for config, (scores, _, _) in zip(configs, gathered, strict=True)], options.markdown)
 
-    print("\nmissed and false values of the default route")
+    print("\nmissed and false values of the default route\n")
     for config, (scores, _, _) in zip(configs, gathered, strict=True):
         score = scores[ROUTES[0]]
         if score.found != score.true or any(score.false):
             print(f"- {config.name}: missed {score.missed()}; false {score.false_values()}")
     failed = [config.name for config, (scores, apart, _) in zip(configs, gathered, strict=True)
               if not all(met for _, met in config.verdicts(scores[ROUTES[0]], apart))]
+    for row in sorted({config.row for config in configs}):
+        false = [n for config, (scores, *_) in zip(configs, gathered, strict=True) if config.row == row
+                 for n in scores[ROUTES[0]].false]
+        print(f"row {row}: {sum(false)} false in {len(false)} runs, {np.mean(false):.3f} a run")
     print(f"\n{len(configs) - len(failed)} of {len(configs)} configurations meet all their bars"
           + (f"; not: {'; '.join(failed)}" if failed else ""))
 

@@ -20,6 +20,7 @@ import os
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy: more threads make these small matrices slower
 
 import argparse
+import sys
 import time
 import warnings
 
@@ -87,6 +88,7 @@ def main():
                      f"{np.max(score.errors):.1e}", f"{np.nanmax(damped):.1e}", sum(run[2] for run in runs),
                      f"{np.mean([run[3] for run in runs]):.2f}"])
         lists.append(f"- {label}: missed {score.missed()}; false {score.false_values()}")
+        print(f"done: {label}", file=sys.stderr, flush=True)
         if (name, noise) == (FULL, FULL_NOISE):
             met = "met" if np.mean(score.found) >= FULL_BAR else "NOT MET"
             bars.append(f"{FULL} at 1 % noise: mean {np.mean(score.found):.1f}, least {min(score.found)} "

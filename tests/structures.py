@@ -24,6 +24,8 @@ DAMPING_RATIO = 0.01
 LOWEST_HZ = 3.0
 #: The band ends this much above the highest mode, as it does for the eight-mass chain (115 and 130 Hz).
 HEADROOM = 1.13
+#: Below this part of the highest eigenfrequency lies rounding: sqrt of some ulp; a frame spans 1e-3.
+RIGID = 1e-6
 #: A reference for dashpots: sqrt(k m) of the eight-mass chain, N s/m.
 CHAIN8_IMPEDANCE = float(np.sqrt(CHAIN8_SPRINGS[0] * CHAIN8_MASSES[1]))
 #: Antiresonances in band of the fully coupled structure of the project's first study.
@@ -32,7 +34,11 @@ FULL_ZEROS = 36
 
 @dataclass(frozen=True)
 class Structure:
-    """Matrices (n, n), one force, the dofs that are measured, and the band to identify in."""
+    """Matrices (n, n), one force, the dofs that are measured, and the band to identify in.
+
+    With ``by_model`` the records come from ``MatrixModel.simulate``, as a user of a finite-element code would
+    make them; else from the matrices themselves, whatever their damping.
+    """
 
     stiffness: np.ndarray
     mass: np.ndarray
@@ -40,6 +46,7 @@ class Structure:
     excitation: int
     responses: tuple[int, ...]
     band_hz: tuple[float, float]
+    by_model: bool = False
 
     def truth(self):
         """Antiresonances of the undamped structure inside the band, by response."""
@@ -80,6 +87,12 @@ class Structure:
 
     def record(self, *, noise=0.0, seed=0, duration_s=200.0, sensors="white"):
         """Recording under a white force up to 0.45 of the sampling rate; ``noise`` as in ``sensor_noise``."""
+        if self.by_model:
+            if sensors != "white":
+                raise ValueError("MatrixModel.simulate offers white noise only")
+            return ar.MatrixModel(self.stiffness, self.mass).simulate(
+                excitation=self.excitation, fs_hz=FS_HZ, duration_s=duration_s, damping_ratio=DAMPING_RATIO,
+                band_hz=(0.0, 0.45 * FS_HZ), noise=noise, responses=list(self.responses), rng=seed)
         rng = np.random.default_rng(seed)
         n = round(duration_s * FS_HZ)
         freq = np.fft.rfftfreq(2 * n, 1 / FS_HZ)
@@ -124,19 +137,20 @@ def modal_damping_matrix(stiffness, mass, ratio=DAMPING_RATIO):
     """C of one damping ratio for all elastic modes; rigid-body motion stays undamped."""
     lam, phi = scipy.linalg.eigh(stiffness, mass)
     w = np.sqrt(np.maximum(lam, 0.0))
-    w[w < 1e-3 * w.max()] = 0.0
+    w[w < RIGID * w.max()] = 0.0
     left = mass @ phi
     return left @ np.diag(2 * ratio * w) @ left.T
 
 
-def structure(stiffness, mass, *, excitation=0, responses=None, added_damping=0.0, band_hz=None):
+def structure(stiffness, mass, *, excitation=0, responses=None, added_damping=0.0, band_hz=None,
+              by_model=False):
     """With one per cent of modal damping, all dofs measured and the band up to above the highest mode."""
     if band_hz is None:
         highest = np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)[-1]) / (2 * np.pi)
         band_hz = (LOWEST_HZ, float(min(HEADROOM * highest, 0.44 * FS_HZ)))
     dofs = tuple(range(len(mass))) if responses is None else tuple(responses)
     return Structure(stiffness, mass, modal_damping_matrix(stiffness, mass) + added_damping, excitation,
-                     dofs, band_hz)
+                     dofs, band_hz, by_model)
 
 
 def chain8(seed):
@@ -260,7 +274,7 @@ def portal_frame(seed):
     free = slice(6, None)  # the two feet are clamped
     sensors = [3 * node + across[node] - 6 for node in range(2, len(nodes))]
     return structure(stiffness[free, free], mass[free, free], excitation=sensors[0], responses=sensors,
-                     band_hz=(LOWEST_HZ, 200.0))
+                     band_hz=(LOWEST_HZ, 200.0), by_model=True)
 
 
 #: Name: (maker, kind of sensor noise).

@@ -19,9 +19,10 @@ l_1) by a random amount of variance l_1 l_k / (n_d (l_1 - l_k)^2), hence
 
     std^2 = sum_k abs(e_kp - T e_kj)^2 / abs(v_j)^2  l_1 l_k / (2 (n_d - 1) (l_1 - l_k)^2).
 
-In white noise that is abs(T)^2 (1 + 1/q) (1/q_p + 1/q_j) / (2 n_d), q the signal-to-noise power of all channels
-together, q_p that of one; for H1 the factor (1 + 1/q) (1/q_p + 1/q_j) reads 1/q_p + 1/q_j + 1/(q_p q_j). So the
-eigenvector gains over H1 where both channels are weak; with two channels both are the same.
+In white noise that is abs(T)^2 (1 + 1/q) (1/q_p + 1/q_j) / (2 n_d), q the signal-to-noise power of all
+channels together, q_p that of one; for H1 the factor (1 + 1/q) (1/q_p + 1/q_j) reads
+1/q_p + 1/q_j + 1/(q_p q_j). So the eigenvector gains over H1 where both channels are weak; with two channels
+both are the same.
 
 References: J. S. Bendat and A. G. Piersol, Random Data, 4th ed., 2010, ch. 9 (random errors of H1 and H2);
 G. T. Rocklin, J. Crowley, H. Vold, Proc. IMAC 3 (1985) 272-278 (Hv); T. W. Anderson, Ann. Math. Stat. 34

@@ -177,7 +177,7 @@ def identify_antiresonances(
     else:
         found = _one_by_one(source.dofs, lines_for, band, orders, rule, use_force)
     if not keep_common:
-        found = without_common(found, rule.freq_tol)
+        found = without_common(found)
     found = {dof: found[dof] for dof in wanted}
     identified = AntiresonanceSet(
         excitation, {dof: d.identified for dof, d in found.items()},

@@ -3,11 +3,12 @@
 Beyond the true order the numerators share a factor that the data do not determine, and the solution of least
 misfit loses its accuracy; below it, the fit is wrong. So the order is the one of least
 
-    BIC = n_data Q(m) / Q_min + n_free(m) log(n_data)
+    BIC = (n_data - n_free) log Q(m) + n_free(m) log(n_data)
 
-with n_data the number of independent real data, n_free = (n - 1)(m + 1) (the common factor is not counted)
-and Q scaled by its own minimum, since the noise need not be known. The weights of each turn come from the
-turn before.
+with n_data the number of independent real data and n_free = (n - 1)(m + 1) (the common factor is not counted);
+the level of the noise need not be known. The weights of each turn come from the turn before: of the
+lowest order that fits nearly as well as the best, and once that stands, of the best order. Q itself does not
+depend on the weights, so that the best of all turns can be kept.
 
 Reference: G. Schwarz, Ann. Stat. 6 (1978) 461-464.
 """
@@ -22,7 +23,7 @@ from ._validation import ComplexArray, FloatArray
 from .numerators import NumeratorFit
 
 # Orders settle in two or three turns of weights.
-TURNS = 4
+TURNS = 6
 # The weights are those of the lowest order whose misfit is within this factor of the least: a superfluous
 # common factor of the numerators would distort them.
 KNEE = 2.0
@@ -65,22 +66,28 @@ def likeliest(freq_hz: FloatArray, covariance: ComplexArray, cap: float, indepen
     data = 2.0 * (n - 1) * len(freq_hz[some]) * min(1.0, independent * step)
     orders = np.arange(LEAST_ORDER, max_order + 1, 2)
     size = np.ones(freq_hz.size)
-    knee = order = 0
+    best: tuple[float, int, FloatArray] = (np.inf, 0, size)
+    last = (-1, -1)
     for _ in range(TURNS):
         fit = NumeratorFit(freq_hz[some], covariance[some], largest[some], (capped / size)[some], max_order)
         solutions = [fit.likeliest(int(m))[0] for m in orders]
         q = _misfits(fit, solutions, covariance[some], largest[some], capped[some])
         free = (n - 1.0) * (orders + 1.0)
-        bic = np.maximum(data - free[np.argmin(q)], 1.0) * q / q.min() + free * np.log(data)
-        order = int(orders[np.argmin(bic)])
+        # Q does not depend on the weights of the turn, so that turns can be compared; it need not fall.
+        criterion = np.maximum(data - free, 1.0) * np.log(q) + free * np.log(data)
+        pick = int(np.argmin(criterion))
+        if criterion[pick] < best[0]:
+            best = (float(criterion[pick]), int(orders[pick]), size)
+        # The knee first, since superfluous factors distort the weights; when it stands, the order itself.
         first = int(np.argmax(q <= KNEE * q.min()))
-        if orders[first] == knee:
-            break
-        knee = int(orders[first])
-        at = fit.basis.at(np.asarray(1j * freq_hz / fit.scale_hz, dtype=np.complex128), knee) @ solutions[first]
+        source = first if (int(orders[first]), int(orders[pick])) != last else pick
+        last = (int(orders[first]), int(orders[pick]))
+        middle = int(orders[source])
+        at = fit.basis.at(np.asarray(1j * freq_hz / fit.scale_hz, dtype=np.complex128), middle) @ solutions[source]
         size = np.sum(np.abs(at)**2, axis=1)
         size = np.maximum(size, LEAST_SIZE * size.max())
-        orders = np.arange(max(knee - BELOW, LEAST_ORDER), min(knee + ABOVE, max_order) + 1)
+        orders = np.arange(max(middle - BELOW, LEAST_ORDER), min(middle + ABOVE, max_order) + 1)
+    _, order, size = best
     fit = NumeratorFit(freq_hz, covariance, largest, capped / size, max_order)
     return Likeliest(fit, order, *fit.likeliest(order))
 

@@ -37,7 +37,8 @@ def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> Floa
         # The noise is in the largest eigenvalue as well.
         floor = values[:, :-1].mean(axis=1, keepdims=True) if auto.shape[1] > 1 else 0.0
         left = auto / scale - (values[:, -1:] - floor) * np.abs(vectors[:, :, -1])**2
-        share = np.median(left, axis=0)
+        # By line, since otherwise coloured noise would let the quiet lines decide, where leakage counts.
+        share = np.median(left / np.maximum(np.abs(left).mean(axis=1, keepdims=True), 1e-300), axis=0)
         scale = scale * share / max(float(share.mean()), 1e-300)
         scale = np.maximum(scale, LEAST_NOISE * first * float(np.median(scale / first)))
     return np.asarray(scale)

@@ -29,6 +29,8 @@ FORCE = -1
 UNKNOWN_SNR = 1e12
 # Lines over which the noise of measured curves is taken to be constant.
 NOISE_LINES = 31
+# Lines over which the noise of averaged spectra is taken to be constant.
+FLOOR_LINES = 101
 
 
 @dataclass(frozen=True)
@@ -132,9 +134,21 @@ def _segments(spectra: CrossSpectra, unit: FloatArray, use_force: bool) -> Compl
     if spectra.segments is None or spectra.n_averages < 2:
         return None
     scaled = np.ascontiguousarray((spectra.segments * unit[:, None, None]).transpose(2, 0, 1))
-    some = scaled[::max(1, scaled.shape[0] // FEW_LINES), :FORCE if use_force else None]
-    covariance = some @ some.conj().transpose(0, 2, 1) / scaled.shape[2]
-    return np.asarray(scaled / np.sqrt(noise_floor(np.linalg.eigvalsh(covariance))))
+    some = scaled[:, :FORCE if use_force else None]
+    values = np.linalg.eigvalsh(some @ some.conj().transpose(0, 2, 1) / scaled.shape[2])
+    return np.asarray(scaled / np.sqrt(_floors(values))[:, None, None])
+
+
+def _floors(values: FloatArray) -> FloatArray:
+    """Noise power of every line: running median of the mean of all eigenvalues but the largest.
+
+    Noise that is not white would otherwise bias the eigenvector of smallest misfit, which takes it for even.
+    """
+    from scipy.ndimage import median_filter  # slow to import
+    if values.shape[1] < 2:
+        return np.ones(values.shape[0])
+    left = median_filter(values[:, :-1].mean(axis=1), size=FLOOR_LINES, mode="nearest")
+    return np.asarray(np.maximum(left, max(1e-15 * float(values[:, -1].max()), 1e-300)))
 
 
 def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, use_force: bool) -> Lines:

@@ -353,16 +353,25 @@ def _merge(values: list[Value], rule: Rule) -> list[Value]:
     return kept
 
 
-def without_common(found: dict[Any, StabilizationDiagram], tol: float) -> dict[Any, StabilizationDiagram]:
-    """Diagrams less the values that every one of three or more dofs has within ``tol``."""
+# Largest spread over the channels of a value that they share: a mode that the force hardly excites. On
+# measured frames and beams at most 0.41 %; antiresonances of neighbouring parts of a chain came within 0.6 %.
+COMMON = 0.005
+
+
+def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, StabilizationDiagram]:
+    """Diagrams less the values that all of three or more dofs have, spread by no more than ``COMMON``."""
     if len(found) < 3:
         return found
-
-    def shared(value: float) -> bool:
-        return all(
-            d.identified.size and np.abs(d.identified / value - 1.0).min() <= tol for d in found.values()
-        )
-
-    return {dof: replace(d, accepted=d.accepted.take([i for i, value in enumerate(d.identified)
-                                                       if not shared(value)]))
+    drop: dict[Any, set[int]] = {dof: set() for dof in found}
+    for value in next(iter(found.values())).identified:
+        nearest = {dof: int(np.argmin(np.abs(d.identified - value))) if d.identified.size else -1
+                   for dof, d in found.items()}
+        if min(nearest.values()) < 0:
+            break
+        same = [found[dof].identified[i] for dof, i in nearest.items()]
+        if max(same) - min(same) <= COMMON * value:
+            for dof, i in nearest.items():
+                drop[dof].add(i)
+    return {dof: replace(d, accepted=d.accepted.take([i for i in range(d.identified.size)
+                                                      if i not in drop[dof]]))
             for dof, d in found.items()}

@@ -13,11 +13,12 @@ from .findings import Finding, NotTested, Said
 DEAD, CLIPPED, DUPLICATED = "dead_channel", "clipped_channel", "duplicated_channels"
 DROPOUTS, SPIKES, NOISE = "dropouts", "spikes", "signal_to_noise"
 
-# Part of a channel's range that counts as one level, and how many levels below the extreme are compared with it.
+# Part of a channel's range that counts as one level, and how many levels below the extreme are compared with
+# it.
 LEVEL = 1e-3
 LEVELS_BELOW = 3
-# A pile of so many samples at an extreme, this many times what the levels below hold, is a clipped one. A slow
-# sine piles up by 3.
+# A pile of so many samples at an extreme, this many times what the levels below hold, is a clipped one. A
+# slow sine piles up by 3.
 PILE, PILE_RATIO = 8, 5.0
 # Extremes are looked for among so many samples.
 TAIL = 2048
@@ -53,9 +54,9 @@ def clipped(data: FloatArray, labels: tuple[Any, ...]) -> Said:
         share = count / x.size
         where = " and ".join(f"{(x.max() if side > 0 else x.min()):.4g}" for side in sides)
         text = f"Channel {label!r} is clipped at {where}: {count} samples, {100 * share:.2g} % of the record."
-        found.append(Finding(CLIPPED, "warning", (label,), share, PILE / x.size, text,
-                             "Lower the gain or the force and record again; clipping adds harmonics that look "
-                             "like noise of the channel."))
+        advice = ("Lower the gain or the force and record again; clipping adds harmonics that look like "
+                  "noise of the channel.")
+        found.append(Finding(CLIPPED, "warning", (label,), share, PILE / x.size, text, advice))
     return found
 
 
@@ -87,9 +88,9 @@ def duplicated(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding]
         if q in extra:
             continue
         extra.append(int(q))
-        found.append(Finding(DUPLICATED, "warning", (labels[p], labels[q]), float(same[p, q]), SAME,
-                             f"Channels {labels[p]!r} and {labels[q]!r} hold the same signal up to a factor of "
-                             f"{float(moved[p] @ moved[q]) / float(norm[p])**2:.4g}.",
+        factor = float(moved[p] @ moved[q]) / float(norm[p])**2
+        text = f"Channels {labels[p]!r} and {labels[q]!r} hold one signal, up to a factor of {factor:.4g}."
+        found.append(Finding(DUPLICATED, "warning", (labels[p], labels[q]), float(same[p, q]), SAME, text,
                              "Check the wiring and the channel list; leave one of them out."))
     return found, extra
 
@@ -103,17 +104,18 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said
         run = _longest_run(still)
         at_extreme = np.isin(x[run[0]], (x.max(), x.min()))
         if run[1] >= RUN and still.mean() < max(REPEATED, 2.0 * run[1] / x.size) and not at_extreme:
-            found.append(Finding(DROPOUTS, "warning", (label,), float(run[1]), RUN,
-                                 f"Channel {label!r} stands still for {run[1]} samples at {run[0] / fs_hz:.3g} s.",
-                                 "Look for a loose contact or lost data; use the part of the record without it."))
+            text = f"Channel {label!r} stands still for {run[1]} samples at {run[0] / fs_hz:.3g} s."
+            found.append(Finding(DROPOUTS, "warning", (label,), float(run[1]), RUN, text,
+                                 "Look for a loose contact or lost data; use the part of the record without "
+                                 "it."))
         second = np.abs(np.diff(step))
         scale = float(np.median(second)) / 0.6745
         far = np.flatnonzero(second > SPIKE_SIGMAS * scale) if scale > 0.0 else np.empty(0, dtype=int)
         if far.size:
-            found.append(Finding(SPIKES, "warning", (label,), float(second.max() / scale), SPIKE_SIGMAS,
-                                 f"Channel {label!r} jumps: {far.size} second differences beyond "
-                                 f"{SPIKE_SIGMAS:g} standard deviations, the largest of "
-                                 f"{second.max() / scale:.0f} at {int(np.argmax(second)) / fs_hz:.3g} s.",
+            text = (f"Channel {label!r} jumps: {far.size} second differences lie beyond {SPIKE_SIGMAS:g} "
+                    f"standard deviations, the largest at {second.max() / scale:.0f}, "
+                    f"{int(np.argmax(second)) / fs_hz:.3g} s into the record.")
+            found.append(Finding(SPIKES, "warning", (label,), float(second.max() / scale), SPIKE_SIGMAS, text,
                                  "Look for loose contacts, electric switching or blows; use the part of the "
                                  "record without them."))
     return found
@@ -132,25 +134,30 @@ def _longest_run(still: Any) -> tuple[int, int]:
 def unrelated(seen: Evidence) -> Said:
     """Channels that share nothing with any other in the band: only noise."""
     if seen.explained is None:
-        return [NotTested(DEAD, "whether a channel holds a response or only noise cannot be told from one average; "
-                                "constant ones are found")]
+        return [NotTested(DEAD, "one average does not tell a response from noise; constant channels are "
+                                "found")]
     if len(seen.dofs) < 2:
         return [NotTested(DEAD, "a single channel has nothing to be compared with; a constant one is found")]
     if seen.n_averages < LEAST_AVERAGES:
-        return [NotTested(DEAD, f"{seen.n_averages:.1f} independent averages explain noise by noise; constant "
-                                "channels are found")]
+        return [NotTested(DEAD, f"{seen.n_averages:.1f} independent averages explain noise by noise; "
+                                "constant channels are found")]
     # Noise explains 1/n of noise.
     limit = max(EXPLAINED, 2.0 / seen.n_averages)
     lost = [p for p, share in enumerate(seen.explained) if share < limit]
     if len(lost) == 2 and len(seen.dofs) == 2:
-        return [Finding(DEAD, "fatal", seen.dofs, float(seen.explained.max()), limit,
-                        f"Dofs {seen.dofs[0]!r} and {seen.dofs[1]!r} have nothing in common in the band: either "
-                        f"explains {100 * seen.explained.max():.0f} % of the other's power. One of them, or both, "
-                        "holds only noise.", "Check cables, sensors and the band.")]
+        text = (f"Dofs {seen.dofs[0]!r} and {seen.dofs[1]!r} have nothing in common in the band: either "
+                f"explains {100 * seen.explained.max():.0f} % of the other's power. One of them, or both, hold "
+                "only noise.")
+        return [Finding(DEAD, "fatal", seen.dofs, float(seen.explained.max()), limit, text,
+                        "Check cables, sensors and the band.")]
     return [Finding(DEAD, "fatal", (seen.dofs[p],), float(seen.explained[p]), limit,
                     f"Dof {seen.dofs[p]!r} holds only noise in the band: no other channel explains more than "
                     f"{100 * seen.explained[p]:.0f} % of its power (limit {100 * limit:.0f} %).",
                     "Check sensor, cable and gain; leave the channel out.") for p in lost]
+
+
+BURIED_ADVICE = ("Antiresonances there come from the other channels or not at all; force harder or average "
+                 "longer.")
 
 
 def buried(seen: Evidence, skip: set[Any]) -> Said:
@@ -160,6 +167,5 @@ def buried(seen: Evidence, skip: set[Any]) -> Said:
     share = np.mean(seen.signal < 1.0, axis=1)
     return [Finding(NOISE, "note", (dof,), float(part), BURIED,
                     f"Dof {dof!r} lies under its own noise in {100 * part:.0f} % of the band.",
-                    "Antiresonances there come from the other channels or not at all; force harder or average "
-                    "longer.") for dof, part in zip(seen.dofs, share, strict=True)
+                    BURIED_ADVICE) for dof, part in zip(seen.dofs, share, strict=True)
             if part > BURIED and dof not in skip]

@@ -76,10 +76,9 @@ def check_data(source: Recording | FrequencyResponse, *, excitation: Any = None,
     >>> rec = ar.cases.chain8().experiment(noise=0.01, rng=1)
     >>> check_data(rec, excitation=0, band_hz=(3, 130)).ok
     True
-    >>> print(check_data(rec, excitation=4, band_hz=(3, 130)).warnings[0])
-    The force does not seem to act at dof 4: it lacks an antiresonance, of which a driving point has one between
-    any two resonances, in 3 of 5 gaps, the first being ... Hz. Dof 0 would fit: check which dof was excited, and
-    the order of the channels.
+    >>> (finding,) = check_data(rec, excitation=4, band_hz=(3, 130)).findings
+    >>> print(finding.severity, finding.name, "|", finding.advice)
+    fatal force_location | Dof 0 would fit: check which dof was excited, and the order of the channels.
     """
     choice("method", method, ("auto", "welch", "transient"))
     if excitation is not None and (isinstance(excitation, bool) or not isinstance(
@@ -113,4 +112,5 @@ def _result(said: Said, seen: Evidence | None, dofs: tuple[Any, ...], excitation
     limit = one_force.noise_level(seen) if len(seen.dofs) > 2 else None
     return DataCheck(found, untested, seen.dofs, excitation, band, frozen(seen.freq_hz),
                      frozen(seen.eigenvalues), None if limit is None else frozen(limit),
-                     None if seen.coherence is None else frozen(seen.coherence), seen.n_averages, seen.nperseg)
+                     None if seen.coherence is None else frozen(seen.coherence), seen.n_averages,
+                     seen.nperseg)

@@ -60,6 +60,11 @@ class NotTested:
 Said = list[Finding | NotTested]
 
 
+def rounded(value: float) -> str:
+    """Two digits, without an exponent where it can be helped."""
+    return f"{float(f'{value:.2g}'):g}"
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class DataCheck:
     """Whether data are fit for identification, and what is wrong with them.

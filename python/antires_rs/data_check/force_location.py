@@ -1,15 +1,15 @@
 r"""Does the force act where it is said to?
 
 At the driving point k every mode has a residue of one sign, phi_kr^2, and so resonances and antiresonances of
-H_kk alternate: exactly one zero between neighbouring poles. Any other dof lacks one somewhere, unless its mode
-shapes have the signs of those of k in all modes of the band.
+H_kk alternate: exactly one zero between neighbouring poles. Any other dof lacks one somewhere, unless its
+mode shapes have the signs of those of k in all modes of the band.
 
 No force is needed to see that, and no zero has to be found. The responses at one line are N_p(w) / D(w), with
 D common to all, so the vector N(w), real but for damping, is known at each line up to a factor. It moves
 steadily from line to line; followed through the lines between two resonances, the sign of its component k at
 the next one, compared with the last, tells whether the number of zeros of H_kk between them is odd or even.
-The signs are read at the resonances, where every response is far above its noise, and the direction in between
-from all channels together; the zero itself may lie deep in noise.
+The signs are read at the resonances, where every response is far above its noise, and the direction in
+between from all channels together; the zero itself may lie deep in noise.
 
 With the force recorded the residues are seen directly: the imaginary parts of the accelerance H_kk at the
 resonances have one sign.
@@ -33,24 +33,25 @@ NAME = "force_location"
 PROMINENCE_DB = 8.0
 # ... and its signal-to-noise power is at least that of a vector good to a few degrees.
 PEAK_SNR = 100.0
-# ... and lifts the median channel by this factor over its power this part of the frequency away, on both sides.
+# ... and lifts the median channel by this factor over its power this part of the frequency away, on both
+# sides.
 SHARED, PEAK_WIDTH = 2.0, 0.04
 # The lines of a resonance are those above this share of its height.
 PEAK_FOOT = 0.25
-# The power is averaged over lines until so many averages stand behind it: ripples of few averages are no peaks.
-# Measured responses and single hits have none, and need none.
+# The power is averaged over lines until so many averages stand behind it: ripples of few averages are no
+# peaks. Measured responses and single hits have none, and need none.
 PEAK_AVERAGES = 40.0
 # The direction of two channels passes through near-coincident zeros of both without a trace.
 LEAST_CHANNELS = 3
 # Between neighbouring lines the direction must not turn further than this (cosine) to be followed.
 LEAST_OVERLAP = 0.7
-# A component has a sign if it is this many standard deviations long, more at a resonance, where the test stands
-# on it, and in phase with the others within 45 degrees.
+# A component has a sign if it is this many standard deviations long, more at a resonance, where the test
+# stands on it, and in phase with the others within 45 degrees.
 SURE, SURE_AT_PEAK = 4.0, 10.0
 IN_PHASE = 0.7
-# A dip: the power on both sides, this part of the frequency or of the gap away, over that in the middle, averaged
-# over a quarter of the distance on either side. The valley between two resonances without a zero rises by 1.5
-# over a fifth of its width.
+# A dip: the power on both sides, this part of the frequency or of the gap away, over that in the middle,
+# averaged over a quarter of the distance on either side. The valley between two resonances without a zero
+# rises by 1.5 over a fifth of its width.
 DIP, DIP_WIDTH, DIP_GAP, DIP_SMOOTHING = 2.0, 0.05, 0.2, 4
 
 
@@ -70,9 +71,9 @@ def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = 
         return [NotTested(NAME, f"{peaks.size} resonance(s) stand out of the band; two are needed")]
     row = seen.dofs.index(excitation)
     if frfs is not None:
-        pairs = [_residues(h) for h in _over_peaks(seen, frfs, peaks)]
-        found = _judge(seen, excitation, peaks, pairs, "its residues at the recorded force change their sign, as "
-                       "those of a driving point never do,")
+        pairs = _residues(_over_peaks(seen, frfs, peaks))
+        found = _judge(seen, excitation, peaks, pairs,
+                       "its residues change their sign, as those of a driving point never do,")
         if found or len(seen.dofs) < LEAST_CHANNELS:
             return found
     elif len(seen.dofs) < LEAST_CHANNELS:
@@ -97,14 +98,14 @@ def _judge(seen: Evidence, excitation: Any, peaks: Any, pairs: list[list[tuple[i
     low, high = (float(seen.freq_hz[peaks[i]]) for i in wrong[0][:2])
     others = [dof for dof, of_dof in zip(seen.dofs, pairs, strict=True)
               if len(of_dof) >= max(1, (peaks.size - 1) // 2) and all(same for _, _, same in of_dof)]
-    text = (f"The force does not seem to act at dof {excitation!r}: {lack} in {len(wrong)} of {len(own)} gaps, "
-            f"the first being {low:.4g}-{high:.4g} Hz.")
+    text = (f"The force does not seem to act at dof {excitation!r}: {lack} in {len(wrong)} of {len(own)} "
+            f"gaps, the first being {low:.4g}-{high:.4g} Hz.")
     if others:
         names = " or ".join(repr(dof) for dof in others)
-        return [Finding(NAME, "fatal", (excitation,), float(len(wrong)), 0.0, text,
-                        f"Dof {names} would fit: check which dof was excited, and the order of the channels.")]
-    return [Finding(NAME, "warning", (excitation,), float(len(wrong)), 0.0, text,
-                    "No recorded dof would fit: check where the force acted, and the order of the channels.")]
+        advice = f"Dof {names} would fit: check which dof was excited, and the order of the channels."
+        return [Finding(NAME, "fatal", (excitation,), float(len(wrong)), 0.0, text, advice)]
+    advice = "No recorded dof would fit: check where the force acted, and the order of the channels."
+    return [Finding(NAME, "warning", (excitation,), float(len(wrong)), 0.0, text, advice)]
 
 
 def _over_peaks(seen: Evidence, frfs: ComplexArray, peaks: Any) -> ComplexArray:
@@ -120,17 +121,20 @@ def _over_peaks(seen: Evidence, frfs: ComplexArray, peaks: Any) -> ComplexArray:
     return sums
 
 
-def _residues(at_peaks: ComplexArray) -> list[tuple[int, int, bool]]:
-    """Neighbouring resonances at which one measured FRF has residues of equal or opposite sign."""
-    unit = at_peaks / np.maximum(np.abs(at_peaks), 1e-300)
-    # Imaginary for accelerance and receptance, real for mobility: the axis along which they lie.
+def _residues(over_peaks: ComplexArray) -> list[list[tuple[int, int, bool]]]:
+    """For every dof: neighbouring resonances at which its FRF has residues of equal or opposite sign."""
+    unit = over_peaks / np.maximum(np.abs(over_peaks), 1e-300)
+    # Imaginary for accelerance and receptance, real for mobility: the axis along which they lie, common to
+    # all.
     mean = np.mean(unit**2)
     along = (unit * np.exp(-0.5j * np.angle(mean))).real
-    if np.abs(mean) < IN_PHASE:
-        return []
-    sure = np.flatnonzero(np.abs(along) >= IN_PHASE)
-    return [(int(a), int(b), bool(along[a] * along[b] > 0.0))
-            for a, b in zip(sure[:-1], sure[1:], strict=True)]
+    pairs: list[list[tuple[int, int, bool]]] = [[] for _ in over_peaks]
+    if np.abs(mean) >= IN_PHASE:
+        for p, row in enumerate(along):
+            sure = np.flatnonzero(np.abs(row) >= IN_PHASE)
+            pairs[p] = [(int(a), int(b), bool(row[a] * row[b] > 0.0))
+                        for a, b in zip(sure[:-1], sure[1:], strict=True)]
+    return pairs
 
 
 def resonances(seen: Evidence) -> Any:
@@ -177,11 +181,12 @@ def _dips(power: FloatArray, freq_hz: FloatArray) -> bool:
 
 
 def followed(seen: Evidence, peaks: Any) -> list[list[tuple[int, int, bool]]]:
-    """For every dof: neighbouring resonances that could be compared, and whether its zeros alternate with them.
+    """For every dof: neighbouring resonances that could be compared, and whether its zeros alternate.
 
     An even number of zeros counts against the dof only if it is none, the component keeping its sign at every
     line between: two may mean a resonance that was not seen, as of a mode with a node near the force. Nor may
-    the component dip, as in an antiresonance that all channels share, through which no direction can be followed.
+    the component dip, as in an antiresonance that all channels share, through which no direction can be
+    followed.
     """
     power = np.abs(seen.vectors)**2
     pairs: list[list[tuple[int, int, bool]]] = [[] for _ in seen.dofs]
@@ -192,7 +197,8 @@ def followed(seen: Evidence, peaks: Any) -> list[list[tuple[int, int, bool]]]:
         for p, signs in enumerate(track.T):
             if signs[0] * signs[-1] < 0.0:
                 pairs[p].append((i, i + 1, True))
-            elif signs[0] != 0.0 and (signs == signs[0]).all() and not _dips(power[a:b + 1, p], seen.freq_hz[a:b + 1]):
+            elif (signs[0] != 0.0 and (signs == signs[0]).all()
+                  and not _dips(power[a:b + 1, p], seen.freq_hz[a:b + 1])):
                 pairs[p].append((i, i + 1, False))
     return pairs
 
@@ -208,8 +214,8 @@ def _track(seen: Evidence, gap: slice) -> FloatArray | None:
     loud = level >= SURE
     if loud.sum() < 2:
         return None
-    # Components at equal weight, or a strong one would hide the others even in its own antiresonance, where its
-    # turn is the very thing to be seen against them.
+    # Components at equal weight, or a strong one would hide the others even in its own antiresonance, where
+    # its turn is the very thing to be seen against them.
     balanced = np.where(loud, seen.vectors[gap] / np.maximum(level, 1e-300), 0.0)
     unit = balanced / np.maximum(np.linalg.norm(balanced, axis=1, keepdims=True), 1e-300)
     inner = np.einsum("fi,fi->f", unit[:-1].conj(), unit[1:])

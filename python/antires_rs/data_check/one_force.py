@@ -1,9 +1,9 @@
 r"""Does one force explain the responses?
 
-Under one force and independent noise the spectral matrix, scaled to equal noise, has one large eigenvalue; the
-others are noise and scatter as those of a Wishart matrix. A second, independent force lifts the second
-eigenvalue. Two other things do so too and must not be taken for it: the scatter of few averages, whose mean is
-known, and leakage. Within the width of the window the response changes its direction, so a segment's line
+Under one force and independent noise the spectral matrix, scaled to equal noise, has one large eigenvalue;
+the others are noise and scatter as those of a Wishart matrix. A second, independent force lifts the second
+eigenvalue. Two other things do so too and must not be taken for it: the scatter of few averages, whose mean
+is known, and leakage. Within the width of the window the response changes its direction, so a segment's line
 holds a mixture of neighbouring directions; the first vectors, spread by the window as the window spreads
 power, tell how much second eigenvalue that makes. A line counts when its second eigenvalue stands above both,
 and above a share of the first below which a second force does not matter.
@@ -18,7 +18,7 @@ import numpy as np
 
 from .._validation import FloatArray
 from .evidence import Evidence
-from .findings import Finding, NotTested, Said
+from .findings import Finding, NotTested, Said, rounded
 
 NAME = "one_force"
 # Fewer independent averages than this leave no scatter to compare with.
@@ -45,11 +45,11 @@ def one_force(seen: Evidence) -> Said:
     """Second eigenvalue against the first, the noise and the leakage."""
     n = len(seen.dofs)
     if seen.eigenvalues is None:
-        return [NotTested(NAME, "needs records with several averages; measured responses and single hits hold "
-                                "one vector a line, which one force always explains")]
+        return [NotTested(NAME, "measured responses and single hits hold one vector a line, which one force "
+                                "always explains; a record with several averages is needed")]
     if seen.n_averages < LEAST_AVERAGES:
-        return [NotTested(NAME, f"{seen.n_averages:.1f} independent averages; {LEAST_AVERAGES:g} are needed to "
-                                "tell a second force from noise")]
+        return [NotTested(NAME, f"{seen.n_averages:.1f} independent averages; {LEAST_AVERAGES:g} are needed "
+                                "to tell a second force from noise")]
     if n < 3:
         return [_two_channels(seen)]
     first, second = seen.eigenvalues[:, 0], seen.eigenvalues[:, 1]
@@ -60,16 +60,16 @@ def one_force(seen: Evidence) -> Said:
     if lines > LINES:
         middle = float(np.median((second - 0.5 * limit)[counts] / first[counts]))
         text = (f"The responses need more than one force: at {100 * lines:.0f} % of the lines the second "
-                f"eigenvalue of the spectral matrix stands clear of noise and leakage, at {100 * middle:.1g} % of "
-                "the first (median of these lines).")
+                "eigenvalue of the spectral matrix stands clear of noise and leakage, at "
+                f"{rounded(100 * middle)} % of the first (median of these lines).")
         advice = ("Stop the other source (a second shaker, machines, wind, people), or record while only the "
                   "known force acts.")
         return [Finding(NAME, "fatal" if middle > FATAL else "warning", (), lines, LINES, text, advice)]
     middle = float(np.median(share))
     if middle > UNEXPLAINED:
         text = (f"One force does not explain the responses: at the median line the second eigenvalue of the "
-                f"spectral matrix is {100 * middle:.0f} % of the first, {100 * UNEXPLAINED:.0f} % being the limit. "
-                "Noise and many forces at once look alike here.")
+                f"spectral matrix is {100 * middle:.0f} % of the first, {100 * UNEXPLAINED:.0f} % being the "
+                "limit. Noise and many forces at once look alike here.")
         advice = "Force harder, use quieter sensors, narrow the band, or stop other sources."
         return [Finding(NAME, "warning", (), middle, UNEXPLAINED, text, advice)]
     return []

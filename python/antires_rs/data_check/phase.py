@@ -1,7 +1,7 @@
 r"""Are all channels on one clock and of one kind?
 
-On a lightly damped structure all responses at one line are in phase or against phase, whatever the force; only
-within the width of its own antiresonance does a channel turn from one to the other. A channel that was
+On a lightly damped structure all responses at one line are in phase or against phase, whatever the force;
+only within the width of its own antiresonance does a channel turn from one to the other. A channel that was
 sampled later turns against the others in proportion to frequency; one of another kind (a velocity among
 accelerations) stands at right angles. Twice the phase does not know the sign, so a channel p is compared with
 the others by
@@ -9,8 +9,8 @@ the others by
     z_p(f) = sum_q u_pq^2,   u_pq the phase factor of the cross spectrum of p and q,
 
 over all other q that are coherent with p at that line, one vote each; the delay t and offset c are those that
-maximise abs(sum_f z_p exp(2i (2 pi f t - c))). Polarity cannot be seen: a sensor upside down is at half a turn,
-like a mode shape with a node in between.
+maximise abs(sum_f z_p exp(2i (2 pi f t - c))). Polarity cannot be seen: a sensor upside down is at half a
+turn, like a mode shape with a node in between.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ LEAST_LINES = 32
 SINGLE_SNR = 10.0
 # Share of the votes, and of the lines, that must agree on a delay and an offset for either to mean something.
 AGREEMENT = 0.7
-# Phase (degrees) at the band's upper edge from which a delay is named. Damping of 2 % looks like 25 degrees on
-# the ends of a chain; identification itself bears any delay that is short beside a segment.
+# Phase (degrees) at the band's upper edge from which a delay is named. Damping of 2 % looks like 25 degrees
+# on the ends of a chain; identification itself bears any delay that is short beside a segment.
 SHIFT_DEG = 45.0
 QUADRATURE_DEG = 40.0
 # Candidate delays are at most this part of the time that the spacing of the lines resolves.
@@ -143,11 +143,13 @@ def _finding(seen: Evidence, where: tuple[int, ...], fit: _Fit) -> Finding:
     delay, offset = fit.delay, fit.offset
     if abs(offset) > QUADRATURE_DEG:
         text = (f"{who} at right angles to the other channels (phase {offset:+.0f} degrees, delay "
-                f"{1e3 * delay:+.3g} ms): it looks like another kind of quantity, a velocity among accelerations.")
+                f"{1e3 * delay:+.3g} ms): it looks like another kind of quantity, a velocity among "
+                "accelerations.")
         return Finding(QUADRATURE, "warning", dofs, abs(offset), QUADRATURE_DEG, text,
                        "Check the sensor and its conditioning; convert all channels to one kind.")
     samples = "" if seen.fs_hz is None else f", {delay * seen.fs_hz:+.2f} samples"
-    text = (f"{who} {'late' if delay > 0 else 'early'} against the other channels by {1e3 * abs(delay):.3g} ms"
-            f"{samples}: {_shift_deg(fit, seen):.0f} degrees at {seen.freq_hz[-1]:g} Hz.")
+    sense = "late" if delay > 0 else "early"
+    text = (f"{who} {sense} against the other channels by {1e3 * abs(delay):.3g} ms{samples}: "
+            f"{_shift_deg(fit, seen):.0f} degrees at {seen.freq_hz[-1]:g} Hz.")
     return Finding(TIME_SHIFT, "warning", dofs, delay, SHIFT_DEG / 360.0 / float(seen.freq_hz[-1]), text,
                    "Check that all channels share one clock and one filter, or shift it back.")

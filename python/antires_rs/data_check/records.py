@@ -62,8 +62,8 @@ def of_recording(rec: Recording, excitation: Any, band: tuple[float, float], npe
     if 0 < len(rows) < len(live.dofs):
         # What holds only noise must not speak in the other tests.
         spectra, frfs = _some(spectra, rows), None if frfs is None else frfs[rows]
-        seen = of_spectra(spectra, inside, tuple(live.dofs[p] for p in rows), nperseg=length, fs_hz=live.fs_hz,
-                          taper=taper)
+        seen = of_spectra(spectra, inside, tuple(live.dofs[p] for p in rows), nperseg=length,
+                          fs_hz=live.fs_hz, taper=taper)
     return [*said, *dead, *phase.in_phase(seen), *channels.buried(seen, lost), *one_force.one_force(seen),
             *force_location.force_location(seen, excitation, frfs)], seen
 
@@ -76,7 +76,8 @@ def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
     said: Said = list(found)
     force = rec.force
     if force is not None and force.max() == force.min():
-        said.append(Finding(channels.DEAD, "warning", (FORCE,), 0.0, 0.0, "The force is recorded as a constant.",
+        said.append(Finding(channels.DEAD, "warning", (FORCE,), 0.0, 0.0,
+                            "The force is recorded as a constant.",
                             "Check its cable; antiresonances do not need it."))
         force = None
     if not rows:
@@ -99,7 +100,8 @@ def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
     return said, Recording(moving[keep], rec.fs_hz, [names[p] for p in keep], force)
 
 
-def _without_force(spectra: CrossSpectra, inside: Any, rec: Recording) -> tuple[CrossSpectra, ComplexArray | None]:
+def _without_force(spectra: CrossSpectra, inside: Any, rec: Recording,
+                   ) -> tuple[CrossSpectra, ComplexArray | None]:
     """Spectra of the responses alone, and their FRFs where the force was recorded and is believed."""
     if rec.force is None:
         return spectra, None
@@ -159,8 +161,8 @@ def _single_hit(n_hits: int) -> Said:
 def _hopeless(rec: Recording) -> Finding:
     least = LEAST_SAMPLES * SEGMENTS
     return Finding(resolution.LENGTH, "fatal", (), float(rec.n_samples), least,
-                   f"The record of {rec.n_samples} samples ({rec.duration_s:.3g} s) is too short for averaged "
-                   f"spectra, which need {least:.0f}.", "Record for longer, or give nperseg.")
+                   f"The record of {rec.n_samples} samples ({rec.duration_s:.3g} s) is too short for "
+                   f"averaged spectra, which need {least:.0f}.", "Record for longer, or give nperseg.")
 
 
 def _none_by_line(why: str) -> Said:

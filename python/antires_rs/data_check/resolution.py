@@ -6,12 +6,12 @@ import numpy as np
 
 from .._validation import FloatArray
 from ..segment_length import BANDWIDTHS, NARROWEST, SEGMENTS, _half_power_widths
-from .findings import Finding, NotTested, Said, Severity
+from .findings import Finding, NotTested, Said, Severity, rounded
 
 RESOLUTION, LENGTH, AVERAGES = "resolution", "record_length", "averages"
-# Lines per half-power bandwidth of the sharp resonances, for averaged segments, whose leakage fills what is narrower
-# than a line. On the 8-mass chain two were enough for all 28 values to 1e-3; one gave false ones now and then,
-# half a line gave several in every run.
+# Lines per half-power bandwidth of the sharp resonances, for averaged segments, whose leakage fills what is
+# narrower than a line. On the 8-mass chain two were enough for all 28 values to 1e-3; one gave false ones now
+# and then, half a line gave several in every run.
 ENOUGH, TOO_FEW = 2.0, 1.0
 # Whole hits and measured responses have no leakage; what is narrower than two lines is only poorly sampled.
 ENOUGH_WITHOUT_LEAKAGE = 0.5
@@ -39,8 +39,8 @@ def of_segments(bandwidth_hz: float | None, spacing_hz: float, duration_s: float
                 known: bool) -> Said:
     """Lines per bandwidth of averaged segments, and what would mend it.
 
-    ``longer``: the record allows longer segments. ``known``: the bandwidth was resolved; otherwise it is an upper
-    limit.
+    ``longer``: the record allows longer segments. ``known``: the bandwidth was resolved; otherwise it is an
+    upper limit.
     """
     if bandwidth_hz is None:
         return [_nothing_sharp()]
@@ -48,22 +48,23 @@ def of_segments(bandwidth_hz: float | None, spacing_hz: float, duration_s: float
     if lines >= ENOUGH:
         return []
     severity: Severity = "fatal" if lines < TOO_FEW else "warning"
-    width = (f"{bandwidth_hz:.2g} Hz wide at half power" if known else
-             f"not resolved (narrower than about {max(bandwidth_hz, spacing_hz):.2g} Hz at half power)")
+    width = (f"{rounded(bandwidth_hz)} Hz wide at half power" if known else
+             f"not resolved (narrower than about {rounded(max(bandwidth_hz, spacing_hz))} Hz at half power)")
     seen = (f"the sharp resonances are {width}, the lines {spacing_hz:.3g} Hz apart. That is "
-            f"{'' if known else 'at most '}{lines:.1f} lines per bandwidth; {ENOUGH:g} are needed, {BANDWIDTHS:g} "
-            "are good.")
+            f"{'' if known else 'at most '}{lines:.1f} lines per bandwidth; {ENOUGH:g} are needed, "
+            f"{BANDWIDTHS:g} are good.")
     wanted_s = BANDWIDTHS / max(bandwidth_hz, 0.5 * spacing_hz)
     if longer:
         return [Finding(RESOLUTION, severity, (), lines, ENOUGH, "The resolution is too coarse: " + seen,
-                        f"Use longer segments, of {wanted_s:.2g} s, or let nperseg=None choose.")]
+                        f"Use longer segments, of {rounded(wanted_s)} s, or let nperseg=None choose.")]
     constants = np.pi * bandwidth_hz * duration_s
     # With as few lines as are needed; more are better.
     least_s = SEGMENTS * wanted_s * ENOUGH / BANDWIDTHS
     return [Finding(LENGTH, severity, (), lines, ENOUGH,
-                    f"The record of {duration_s:.3g} s is too short: {seen} It holds {constants:.0f} time constants "
-                    "of these resonances.",
-                    f"Record {'' if known else 'at least '}{least_s:.2g} s, better {SEGMENTS * wanted_s:.2g} s.")]
+                    f"The record of {duration_s:.3g} s is too short: {seen} It holds {constants:.0f} time "
+                    "constants of these resonances.",
+                    f"Record {'' if known else 'at least '}{rounded(least_s)} s, better "
+                    f"{rounded(SEGMENTS * wanted_s)} s.")]
 
 
 def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool) -> Said:
@@ -75,14 +76,14 @@ def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool)
         return []
     limit = ENOUGH_WITHOUT_LEAKAGE
     wanted_hz = max(bandwidth_hz, 0.25 * spacing_hz) / ENOUGH
-    seen = (f"the sharp resonances are about {bandwidth_hz:.2g} Hz wide at half power, the lines {spacing_hz:.3g} Hz "
-            f"apart; {limit:g} lines per bandwidth is the least.")
+    seen = (f"the sharp resonances are about {rounded(bandwidth_hz)} Hz wide at half power, the lines "
+            f"{spacing_hz:.3g} Hz apart; {limit:g} lines per bandwidth is the least.")
     if hit:
         return [Finding(LENGTH, "warning", (), lines, limit,
                         f"The record after the hit ({1.0 / spacing_hz:.3g} s) is too short: {seen}",
-                        f"Record until the response has died, for some {1.0 / wanted_hz:.2g} s.")]
+                        f"Record until the response has died, for some {rounded(1.0 / wanted_hz)} s.")]
     return [Finding(RESOLUTION, "warning", (), lines, limit, f"The resolution is too coarse: {seen}",
-                    f"Measure with lines {wanted_hz:.2g} Hz apart.")]
+                    f"Measure with lines {rounded(wanted_hz)} Hz apart.")]
 
 
 def averages(n_averages: float, duration_s: float, nperseg: int) -> Said:
@@ -91,7 +92,8 @@ def averages(n_averages: float, duration_s: float, nperseg: int) -> Said:
         return []
     return [Finding(AVERAGES, "warning", (), n_averages, LEAST_AVERAGES,
                     f"Segments of {nperseg} samples leave {n_averages:.1f} independent averages in "
-                    f"{duration_s:.3g} s; {LEAST_AVERAGES:g} are needed for noise and coherence to mean something.",
+                    f"{duration_s:.3g} s; {LEAST_AVERAGES:g} are needed for noise and coherence to mean "
+                    "something.",
                     "Use shorter segments, or record for longer.")]
 
 

@@ -37,9 +37,9 @@ def of_response(resp: FrequencyResponse, excitation: Any, band: tuple[float, flo
             said.append(Finding(channels.DEAD, "fatal", (dof,), 0.0, 0.0,
                                 f"Dof {dof!r} is zero throughout the band.", "Leave the channel out."))
         elif rough > ROUGH * power:
-            said.append(Finding(channels.DEAD, "fatal", (dof,), rough / power, ROUGH,
-                                f"Dof {dof!r} holds only noise in the band: it changes as much from line to line "
-                                f"as white noise does ({rough / power:.2f} of its power, limit {ROUGH:g}).",
+            text = (f"Dof {dof!r} holds only noise in the band: from line to line it changes as much as "
+                    f"white noise does ({rough / power:.2f} of its power, limit {ROUGH:g}).")
+            said.append(Finding(channels.DEAD, "fatal", (dof,), rough / power, ROUGH, text,
                                 "Check sensor, cable and gain; leave the channel out."))
         else:
             live.append(p)
@@ -67,5 +67,5 @@ def _incoherent(seen: Evidence) -> Said:
     share = np.mean(seen.coherence < COHERENT, axis=1)
     return [Finding(channels.NOISE, "note", (dof,), float(part), channels.BURIED,
                     f"Dof {dof!r} has a coherence under {COHERENT:g} in {100 * part:.0f} % of the band.",
-                    "Antiresonances there come from the other channels or not at all; force harder or average "
-                    "longer.") for dof, part in zip(seen.dofs, share, strict=True) if part > channels.BURIED]
+                    channels.BURIED_ADVICE)
+            for dof, part in zip(seen.dofs, share, strict=True) if part > channels.BURIED]

@@ -1,4 +1,4 @@
-"""What stands behind an identification: coherence, and the eigenvalues that tell whether one force is enough."""
+"""What stands behind an identification: coherence, and whether one force is enough."""
 
 from __future__ import annotations
 
@@ -63,7 +63,8 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None) -> Any:
     else:
         for i, curve in enumerate(curves):
             ax.plot(resp.freq_hz, curve, lw=0.7, color="#B8B8B8", label="each dof" if i == 0 else None)
-        ax.plot(resp.freq_hz, curves.min(axis=0), lw=1.0, ls="--", color=COLOURS["vermillion"], label="lowest")
+        ax.plot(resp.freq_hz, curves.min(axis=0), lw=1.0, ls="--", color=COLOURS["vermillion"],
+                label="lowest")
         ax.plot(resp.freq_hz, np.median(curves, axis=0), lw=1.6, color=COLOURS["blue"], label="median")
     if resp.n_averages is not None and resp.n_averages > 1.0:
         ax.axhline(1.0 / resp.n_averages, color=COLOURS["black"], lw=0.9, ls=":",
