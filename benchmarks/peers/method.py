@@ -21,7 +21,8 @@ class Method:
     """One way to get antiresonances out of a package.
 
     ``sweep(record, highest order, estimator)`` returns, for each response, the complex poles (rad/s) of every
-    order, lowest order first. ``package`` is the name under which it is installed.
+    order, lowest order first. ``package`` is the name under which it is installed; ``data`` is "T" for what
+    ``estimator`` estimates, or says what is used instead.
     """
 
     name: str

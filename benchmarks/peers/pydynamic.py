@@ -1,4 +1,4 @@
-"""PyDynamic: least-squares IIR filter to each FRF; the zeros of the filter are the antiresonances."""
+"""PyDynamic: least-squares IIR filter to each FRF or its reciprocal, whose poles are the antiresonances."""
 
 from __future__ import annotations
 
@@ -7,8 +7,12 @@ import numpy as np
 from .method import HIGH_HZ, LOW_HZ, Method, responses_to_force
 
 
-def lsiir(record, highest, estimator, nperseg=4096, reciprocal=False):
-    """Numerator and denominator of equal order, without stabilisation by a delay, which moves the zeros."""
+def lsiir(record, highest, estimator, nperseg=1024, reciprocal=True):
+    """Numerator and denominator of equal order, without stabilisation by a delay, which would move the roots.
+
+    Fits to the reciprocal (``inv=True``) have no false values at any length; found of 252: segments of 2 s
+    240, 4 s 233, 8 s 227. The zeros of fits to the FRF itself: 242 with 57 false, 242 with 20, 238 with none.
+    """
     from PyDynamic.model_estimation.fit_filter import LSIIR
     freq, frfs = responses_to_force(record, nperseg, low_hz=LOW_HZ)
     rate_hz = 2.0 * HIGH_HZ
@@ -24,4 +28,5 @@ def lsiir(record, highest, estimator, nperseg=4096, reciprocal=False):
     return sweeps
 
 
-METHODS = (Method("PyDynamic LSIIR", "PyDynamic", "H_j", "", lsiir),)
+METHODS = (Method("PyDynamic LSIIR", "PyDynamic", "FRF, H1",
+                  "of the reciprocal, orders 2-60, segments of 2 s", lsiir),)

@@ -12,6 +12,8 @@ SCALE_HZ = 100.0
 def aaa(record, highest, estimator, nperseg=2048, step=2):
     """sum_p abs(T_pj)^2 as a real rational function of f^2; the number of terms is the order.
 
+    Found less false of 252: 147 (107 with every number of terms: 127 false values); segments of 2 s 141. One
+    call with a tolerance instead of the sweep finds 19 of 28 at best, with as many false ones.
     A pole pair of T at s and its mirror image at -conj(s) make a conjugate pair in (f / SCALE_HZ)^2.
     """
     from scipy.interpolate import AAA
@@ -28,7 +30,10 @@ def aaa(record, highest, estimator, nperseg=2048, step=2):
 
 
 def aaa_complex(record, highest, estimator, nperseg=2048):
-    """sum_p T_pj and its conjugate at -f; every second number of terms, for pairs."""
+    """sum_p T_pj and its conjugate at -f; every second number of terms, for pairs.
+
+    Found less false of 168: 81; every number of terms without the conjugates finds more, but half are false.
+    """
     from scipy.interpolate import AAA
     freq, tables = transmissibilities(record, nperseg, estimator, low_hz=LOW_HZ)
     s = 2j * np.pi * freq
@@ -36,11 +41,12 @@ def aaa_complex(record, highest, estimator, nperseg=2048):
     for values in tables:
         x, y = np.concatenate([s, -s]), values.sum(axis=0)
         y = np.concatenate([y, y.conj()])
-        sweeps.append([AAA(x, y, rtol=0.0, max_terms=terms + 1).poles() for terms in range(2, highest + 1, 2)])
+        sweeps.append([AAA(x, y, rtol=0.0, max_terms=terms + 1).poles()
+                       for terms in range(2, highest + 1, 2)])
     return sweeps
 
 
 METHODS = (
-    Method("SciPy AAA, sum of T", "scipy", "T_pj", "", aaa_complex),
-    Method("SciPy AAA, sum of |T|^2", "scipy", "T_pj", "", aaa),
+    Method("SciPy AAA of sum T", "scipy", "T", "2-60 terms in steps of two, segments of 4 s", aaa_complex),
+    Method("SciPy AAA of sum abs(T)^2", "scipy", "T", "2-60 terms in steps of two, segments of 4 s", aaa),
 )

@@ -7,11 +7,15 @@ import numpy as np
 from .method import HIGH_HZ, LOW_HZ, Method, transmissibilities
 
 PAIRS = 40
-RFP_WIDTH_HZ, RFP_ORDER = 30.0, 20
+RFP_WIDTH_HZ, RFP_ORDER = 60.0, 20
 
 
-def lscf(record, highest, estimator, nperseg=4096, pairs=PAIRS):
-    """All T_pj of one j in one model; its own table of poles for each order."""
+def lscf(record, highest, estimator, nperseg=1024, pairs=PAIRS):
+    """All T_pj of one j in one model; its own table of poles for each order.
+
+    Its orders count pairs, and 30 of them give too few rows for the rule: 40 find 223 of 252 with 14 false on
+    three seeds, 30 find 206 with 3, 60 (segments of 4 s) 234 with 90.
+    """
     from sdypy import EMA
     freq, tables = transmissibilities(record, nperseg, estimator)
     sweeps = []
@@ -23,8 +27,11 @@ def lscf(record, highest, estimator, nperseg=4096, pairs=PAIRS):
     return sweeps
 
 
-def rfp(record, highest, estimator, nperseg=8192, width_hz=RFP_WIDTH_HZ):
-    """Windows that overlap by half, each answering for its middle half; orders of a window side by side."""
+def rfp(record, highest, estimator, nperseg=2048, width_hz=RFP_WIDTH_HZ):
+    """Windows that overlap by half, each answering for its middle half; orders of a window side by side.
+
+    Windows of 60 Hz find twice as much as those of 30 Hz or as the whole band.
+    """
     from sdypy import EMA
     freq, tables = transmissibilities(record, nperseg, estimator)
     starts = np.arange(LOW_HZ, HIGH_HZ - width_hz / 2, width_hz / 2)
@@ -47,6 +54,8 @@ def rfp(record, highest, estimator, nperseg=8192, width_hz=RFP_WIDTH_HZ):
 
 
 METHODS = (
-    Method("sdypy-EMA LSCF", "sdypy-EMA", "T_pj", "", lscf),
-    Method("sdypy-EMA RFP", "sdypy-EMA", "T_pj", "", rfp),
+    Method("sdypy-EMA LSCF", "sdypy-EMA", "T",
+           f"1-{PAIRS} pole pairs: 30 are too few rows for the rule; segments of 2 s", lscf),
+    Method("sdypy-EMA RFP", "sdypy-EMA", "T",
+           f"orders 1-{RFP_ORDER}, its limit, in windows of {RFP_WIDTH_HZ:g} Hz; segments of 4 s", rfp),
 )

@@ -11,6 +11,7 @@ See ARCHITECTURE.md for the map of the package, and :mod:`antires_rs.cases` for 
 from . import cases
 from ._core import __version__
 from .antiresonance_set import AntiresonanceSet
+from .data_check import DataCheck, Finding, check_data
 from .exceptions import (
     AntiresError,
     AntiresWarning,
@@ -22,6 +23,7 @@ from .exceptions import (
     UnsuitableDataError,
 )
 from .identification import identify_antiresonances
+from .modal_identification import identify_modes
 from .modal_set import ModalSet
 from .models import MassSpringChain, MatrixModel
 from .optimizer import History, IslandGA, OptimizeResult
@@ -39,6 +41,8 @@ __all__ = [
     "AntiresonanceSet",
     "DamagePenalty",
     "DamageResult",
+    "DataCheck",
+    "Finding",
     "FrequencyResponse",
     "FrequencyTable",
     "History",
@@ -62,9 +66,11 @@ __all__ = [
     "__version__",
     "assess_damage",
     "cases",
+    "check_data",
     "fit_rational",
     "frf",
     "identify_antiresonances",
+    "identify_modes",
     "mass_factor",
     "stabilization",
     "stiffness_factor",

@@ -19,6 +19,7 @@ from .exceptions import MissingDependencyError
 from .signals import frozen
 
 if TYPE_CHECKING:
+    from .data_check import DataCheck
     from .second_opinion import SecondOpinion
 
 __all__ = ["AntiresonanceSet", "Edit"]
@@ -55,6 +56,8 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         Stabilization diagram by dof where the set was identified; not saved.
     second_opinion : SecondOpinion or None
         What another method says of the values, where it was asked; not saved.
+    data_check : DataCheck or None
+        Whether the data were fit for it; not saved.
 
     Raises
     ------
@@ -76,6 +79,7 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
     """
 
     second_opinion: SecondOpinion | None
+    data_check: DataCheck | None
 
     def __init__(self, excitation: Any, freq_hz: Mapping[Any, Any],
                  damping_ratio: Mapping[Any, Any] | None = None, std_hz: Mapping[Any, Any] | None = None, *,
@@ -91,7 +95,7 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         self._freq_hz: dict[Any, FloatArray] = {}
         self.diagrams: dict[Any, Any] = dict(diagrams or {})
         self.edits: tuple[Edit, ...] = ()
-        self.second_opinion = None
+        self.second_opinion = self.data_check = None
         self._original: AntiresonanceSet | None = None
         rank: dict[Any, Any] = {}
         for key, value in freq_hz.items():
@@ -136,7 +140,10 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
 
     def __str__(self) -> str:
         width = max(3, *(len(str(dof)) for dof in self._freq_hz))
-        lines = [f"antiresonances, force at {self.excitation}", f"{'dof':>{width}}  count  freq_hz"]
+        lines = [f"antiresonances, force at {self.excitation}"]
+        if self.data_check is not None:
+            lines += [f"do not trust: {f.text}" for f in self.data_check.findings if f.severity == "fatal"]
+        lines.append(f"{'dof':>{width}}  count  freq_hz")
         for dof, freq in self._freq_hz.items():
             values = "  ".join(f"{f:.3f}" for f in freq) or "-"
             lines.append(f"{dof!s:>{width}}  {freq.size:5d}  {values}")

@@ -91,5 +91,6 @@ def std_of_rank_one(matrix: ComplexArray, j: int, n_averages: float) -> FloatArr
     v_j = np.where(own[:, j] == 0.0, 1e-300, own[:, j])[:, None]
     t = own / v_j
     error = np.abs((others - t[:, :, None] * others[:, j:j + 1, :]) / v_j[:, :, None])**2 @ share[:, :, None]
-    return np.asarray((np.sqrt(error[:, :, 0] / (2.0 * (n_averages - 1.0))) * root / root[j]).T,
-                      dtype=np.float64)
+    std = (np.sqrt(error[:, :, 0] / (2.0 * (n_averages - 1.0))) * root / root[j]).T
+    std[j] = 0.0
+    return np.asarray(std, dtype=np.float64)

@@ -47,14 +47,12 @@ from .exceptions import AntiresWarning
 from .first_guess import guessed_weights
 from .power_fit import PowerFit, PowerSweep
 from .rational import NestedFit
-from .response_lines import Lines
+from .response_lines import SNR_CAP, Lines
 from .stabilization import PoleSweep, Rule
 
 __all__ = ["FORMULATIONS", "sweep_of", "warn_of_formulation"]
 
 FORMULATIONS = ("joint", "sum", "power", "eq10")
-# Signal-to-noise power beyond which a line gains no more weight: what is left there is leakage.
-SNR_CAP = 1e4
 # Order of the denominator guessed for the weights: the trend over the band, from which every order gains.
 # Higher ones find more near the noise, and false ones with them.
 GUESS_ORDER = 4

@@ -11,7 +11,7 @@ peak of a Welch spectrum, is gone. An exponential over the lags keeps the tail, 
 from counting; its decay is taken off the poles exactly. White noise of a sensor lives at lag zero and adds a
 constant.
 
-What remains is scatter: the force is known only on average. For one force of flat spectrum no method can do
+What remains is scatter: the force is known only on average. For well separated modes no method can do
 better than a relative standard deviation of 1 / sqrt(2 pi zeta N) in damping and sqrt(zeta / (4 pi N)) in
 frequency, N the cycles of the mode in the record: 6 % and 0.04 % for 22 Hz with 1 % damping in 200 s.
 

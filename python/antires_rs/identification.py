@@ -18,6 +18,7 @@ Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -27,18 +28,19 @@ import numpy as np
 from ._validation import FloatArray, choice, frequency_band, integer, reject
 from .antiresonance_set import AntiresonanceSet
 from .bands import join, windows
-from .exceptions import UnsuitableDataError
-from .numerator_selection import SNR_CAP, select
+from .data_check import DataCheck, check_data
+from .exceptions import AntiresWarning, UnsuitableDataError
+from .formulations import FORMULATIONS, sweep_of, warn_of_formulation
+from .numerator_selection import select
 from .persistence import add_persistent
 from .presets import rule_options
-from .rational import NestedFit
 from .response_lines import FORCE, Lines, lines_of_recording, lines_of_response
-from .signals import FrequencyResponse, Recording
+from .signals import FrequencyResponse, Recording, without_force
 from .stabilization import PoleSweep, Rule, StabilizationDiagram, ZeroSweep, diagram, without_common
 
 __all__ = ["identify_antiresonances"]
 
-FORMULATIONS = ("auto", "numerators", "joint")
+CHOICES = ("auto", "numerators", *FORMULATIONS)
 # Real numbers of data (two a line) an order needs: with fewer, poles follow the noise of single lines.
 LINES_PER_ORDER = 3
 
@@ -50,7 +52,8 @@ def identify_antiresonances(
         preset: str | None = None, formulation: str | None = None, max_order: int = 60, min_order: int = 2,
         freq_tol: float | None = None, damping_tol: float | None = None, min_rows: int | None = None,
         max_damping: float | None = None, min_dominance: float | None = None, persistent: bool | None = None,
-        keep_common: bool = False, second_opinion: str | None = None) -> AntiresonanceSet:
+        keep_common: bool = False, second_opinion: str | None = None,
+        check: str = "warn") -> AntiresonanceSet:
     """Identify the antiresonances of every response, automatically.
 
     Parameters
@@ -76,9 +79,9 @@ def identify_antiresonances(
     estimator : {"rank1", "h1", "h2", "hv"}
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
         :func:`~antires_rs.spectra.transmissibility` and :func:`~antires_rs.spectra.frf`.
-    formulation : {"auto", "numerators", "joint"}, optional
-        See the module. "auto" (default) takes "numerators" for averaged records with ``estimator="rank1"``,
-        else "joint".
+    formulation : {"auto", "numerators", "joint", "sum", "power", "eq10"}, optional
+        See the module, and :mod:`~antires_rs.formulations` for the last three. "auto" (default) takes
+        "numerators" for averaged records with ``estimator="rank1"``, else "joint".
     preset : {None, "paper", "strict", "sensitive"}
         A named set of the options formulation, freq_tol to min_dominance and persistent, see
         :mod:`~antires_rs.presets`. What is given beside it wins.
@@ -92,6 +95,9 @@ def identify_antiresonances(
         :func:`~antires_rs.second_opinion.second_opinion`. It changes no value.
     keep_common : bool
         Keep values that all of three or more channels share, see Notes.
+    check : {"warn", "raise", "off"}
+        What to do with :func:`~antires_rs.check_data`: warn of what it finds, refuse data in which it finds
+        something fatal, or leave it out. The answer is ``.data_check`` of the set.
 
     Returns
     -------
@@ -105,8 +111,8 @@ def identify_antiresonances(
     InvalidInputError
         A malformed argument, a band outside the data, or too few lines in it.
     UnsuitableDataError
-        A single channel on the transmissibility route; no force on the FRF route; a hit that the record
-        missed.
+        A fatal finding under ``check="raise"``; a single channel on the transmissibility route; no force on
+        the FRF route; a hit that the record missed.
 
     Notes
     -----
@@ -134,14 +140,19 @@ def identify_antiresonances(
     choice("route", route, ("transmissibility", "frf"))
     choice("method", method, ("auto", "welch", "transient"))
     choice("estimator", estimator, ("rank1", "h1", "h2", "hv"))
+    choice("check", check, ("warn", "raise", "off"))
     choice("second_opinion", second_opinion, (None, "aaa", "vector_fitting"))
     options = rule_options(preset, formulation=formulation, freq_tol=freq_tol, damping_tol=damping_tol,
                            min_rows=min_rows, max_damping=max_damping, min_dominance=min_dominance,
                            persistent=persistent)
-    formulation = choice("formulation", options.pop("formulation"), FORMULATIONS)
+    formulation = choice("formulation", options.pop("formulation"), CHOICES)
     if formulation == "numerators" and estimator != "rank1":
         reject("estimator", estimator, "'rank1' with formulation='numerators'",
                "That fit uses the whole spectral matrix; formulation='joint' takes any estimator.")
+    if route == "frf" and formulation in ("sum", "power", "eq10"):
+        reject("formulation", formulation, "'numerators' or 'joint' with route='frf'",
+               "Sums and magnitudes are those of transmissibilities.")
+    warn_of_formulation(formulation)
     rule = Rule(**options).checked()
     if isinstance(source, Recording):
         band = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=source.fs_hz / 2)
@@ -170,12 +181,15 @@ def identify_antiresonances(
 
     orders = (min_order, max_order)
     first = lines_for(FORCE if use_force else 0)
+    checked = None if check == "off" else _checked(
+        source if use_force or isinstance(source, FrequencyResponse) else without_force(source), excitation,
+        band, nperseg, noverlap, window, method, strict=check == "raise")
     if formulation == "auto":
         formulation = "numerators" if first.segments is not None and estimator == "rank1" else "joint"
     if formulation == "numerators":
         found = _from_numerators(source.dofs, first, band, orders, rule, keep_common)
     else:
-        found = _one_by_one(source.dofs, lines_for, band, orders, rule, use_force)
+        found = _one_by_one(source.dofs, lines_for, band, orders, rule, use_force, formulation)
     if not keep_common:
         found = without_common(found)
     found = {dof: found[dof] for dof in wanted}
@@ -185,6 +199,7 @@ def identify_antiresonances(
         {dof: d.accepted.std_hz for dof, d in found.items()},
         diagrams=found,
         scores={dof: d.accepted.scores(graded=formulation == "numerators") for dof, d in found.items()})
+    identified.data_check = checked
     if second_opinion is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
         from .second_opinion import judge
@@ -205,7 +220,8 @@ def _from_numerators(dofs: tuple[Any, ...], lines: Lines, band: tuple[float, flo
 
 
 def _one_by_one(dofs: tuple[Any, ...], lines_for: Callable[[int], Lines], band: tuple[float, float],
-                orders: tuple[int, int], rule: Rule, use_force: bool) -> dict[Any, StabilizationDiagram]:
+                orders: tuple[int, int], rule: Rule, use_force: bool, formulation: str,
+                ) -> dict[Any, StabilizationDiagram]:
     """Every dof from its own joint fit of all T_pj; with a force, from one joint fit of all H_jk."""
     found: dict[Any, StabilizationDiagram] = {}
     shared: dict[int, tuple[PoleSweep, range, FloatArray]] = {}
@@ -218,7 +234,7 @@ def _one_by_one(dofs: tuple[Any, ...], lines_for: Callable[[int], Lines], band: 
         for window in cut:
             part = lines.part(window.first, window.last)
             if not use_force or window.first not in shared:
-                shared[window.first] = _sweep(part, below, _orders(part, orders, rule))
+                shared[window.first] = sweep_of(part, below, *orders, rule, formulation)
             parent, swept, background = shared[window.first]
             sweep: PoleSweep = parent
             if use_force:
@@ -232,6 +248,20 @@ def _one_by_one(dofs: tuple[Any, ...], lines_for: Callable[[int], Lines], band: 
             parts.append(replace(one, accepted=one.accepted.scored(part.freq_hz, background, *curves)))
         found[dof] = join(parts, cut, band, rule.freq_tol)
     return found
+
+
+def _checked(source: Recording | FrequencyResponse, excitation: Any, band: tuple[float, float],
+             nperseg: int | None, noverlap: int | None, window: Any, method: str, *,
+             strict: bool) -> DataCheck:
+    """The data check, with a warning or an error if there is cause."""
+    checked = check_data(source, excitation=excitation, band_hz=band, nperseg=nperseg, noverlap=noverlap,
+                         window=window, method=method)
+    if strict and checked.fatal:
+        fatal = [str(f) for f in checked.findings if f.severity == "fatal"]
+        raise UnsuitableDataError("source: " + " ".join(fatal))
+    if not checked.ok:
+        warnings.warn("data check: " + " ".join(checked.warnings), AntiresWarning, stacklevel=3)
+    return checked
 
 
 def _can_answer(source: Recording | FrequencyResponse, use_force: bool) -> None:
@@ -268,11 +298,3 @@ def _orders(lines: Lines, orders: tuple[int, int], rule: Rule) -> range:
                f"orders that span more than min_rows = {rule.min_rows}",
                "Widen the band, or use longer segments.")
     return range(low, highest + 1)
-
-
-def _sweep(lines: Lines, row: int, orders: range) -> tuple[PoleSweep, range, FloatArray]:
-    """Joint fit of all rows over one row, and abs of their sum."""
-    quotients, power = lines.quotients(row)
-    weights = lines.snr / (1.0 + lines.snr / SNR_CAP) / (1.0 + power)
-    nested = NestedFit(lines.freq_hz, quotients, weights, orders[-1])
-    return PoleSweep(nested), orders, np.abs(quotients.sum(axis=0))

@@ -5,8 +5,8 @@ misfit loses its accuracy; below it, the fit is wrong. So the order is the one o
 
     BIC = (n_data - n_free) log Q(m) + n_free(m) log(n_data)
 
-with n_data the number of independent real data and n_free = (n - 1)(m + 1) (the common factor is not counted);
-the level of the noise need not be known. The weights of each turn come from the turn before: of the
+with n_data the number of independent real data and n_free = (n - 1)(m + 1) (the common factor is not
+counted); the level of the noise need not be known. The weights of each turn come from the turn before: of the
 lowest order that fits nearly as well as the best, and once that stands, of the best order. Q itself does not
 depend on the weights, so that the best of all turns can be kept.
 
@@ -83,8 +83,8 @@ def likeliest(freq_hz: FloatArray, covariance: ComplexArray, cap: float, indepen
         source = first if (int(orders[first]), int(orders[pick])) != last else pick
         last = (int(orders[first]), int(orders[pick]))
         middle = int(orders[source])
-        at = fit.basis.at(np.asarray(1j * freq_hz / fit.scale_hz, dtype=np.complex128), middle) @ solutions[source]
-        size = np.sum(np.abs(at)**2, axis=1)
+        at = fit.basis.at(np.asarray(1j * freq_hz / fit.scale_hz, dtype=np.complex128), middle)
+        size = np.sum(np.abs(at @ solutions[source])**2, axis=1)
         size = np.maximum(size, LEAST_SIZE * size.max())
         orders = np.arange(max(middle - BELOW, LEAST_ORDER), min(middle + ABOVE, max_order) + 1)
     _, order, size = best

@@ -20,7 +20,7 @@ from .half_spectra import half_spectra
 from .modal_set import ModalSet
 from .rational import NestedFit
 from .residues import dominant_shapes, residues
-from .response_lines import FORCE, lines_of_response
+from .response_lines import FORCE, SNR_CAP, lines_of_response
 from .segment_length import choose_nperseg
 from .signals import FrequencyResponse, Recording
 from .spectra import cross_spectra, two_channel
@@ -29,8 +29,6 @@ from .transient import is_transient, transient_spectra
 
 __all__ = ["identify_modes"]
 
-# Signal-to-noise power beyond which a line of an FRF gains no more weight: what is left there is leakage.
-SNR_CAP = 1e4
 # A joint fit needs resolution at its poles more than averages: segments longer by this than for
 # antiresonances.
 FRF_SEGMENT_FACTOR = 2

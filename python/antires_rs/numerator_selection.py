@@ -29,12 +29,10 @@ from .accepted import Accepted, Value
 from .bands import Window
 from .likelihood import Likeliest, likeliest
 from .numerators import NumeratorSweep, shared
-from .response_lines import Lines
+from .response_lines import SNR_CAP, Lines
 from .stabilization import Rule, StabilizationDiagram, diagram
 from .uncertainty import Influence, standard_deviations
 
-# Line weights grow with the signal-to-noise power up to here: beyond, leakage would rule.
-SNR_CAP = 1e4
 # A chain and a zero of the likeliest fit this close belong together: the chain may be biased by so much.
 SAME = 0.05
 # Largest standard deviation in frequency tolerances.
@@ -43,8 +41,8 @@ KNOWN = 0.5
 # many roots glued to the noise of single lines: such a zero must own this much of its curve.
 LEAST_DAMPING, MOST_NEGATIVE = 5e-4, 0.01
 RIGHT_DOMINANCE = 0.9
-# Two zeros of one modulus, whose frequencies differ by less than this share of the difference of their damping
-# ratios, are the halves of one that is complex without damping; at least so far apart in damping.
+# Two zeros of one modulus, whose frequencies differ by less than this share of the difference of their
+# damping ratios, are the halves of one that is complex without damping; at least so far apart in damping.
 PAIR, PAIR_DAMPING = 0.25, 0.004
 # Roots up to this damping may be the other half of such a pair.
 WIDEST = 0.15

@@ -48,8 +48,8 @@ SHARED = 0.003
 class NumeratorFit:
     """The quadratic form of the weighted direction misfit, factored once for all orders up to ``max_order``.
 
-    Parameters are the lines' frequencies (n_freq,), covariances (n_freq, n, n), their largest eigenvalues, and
-    the weights of the turn, all checked by the caller.
+    Parameters are the lines' frequencies (n_freq,), covariances (n_freq, n, n), their largest eigenvalues,
+    and the weights of the turn, all checked by the caller.
     """
 
     def __init__(self, freq_hz: FloatArray, covariance: ComplexArray, largest: FloatArray,

@@ -16,8 +16,7 @@ import numpy as np
 from ._validation import ComplexArray, FloatArray, reject
 from .exceptions import UnsuitableDataError
 from .noise_level import noise_power
-from .rankone import NOISE_LINES as FEW_LINES
-from .rankone import channel_noise, noise_floor, response_vectors
+from .rankone import channel_noise, response_vectors
 from .segment_length import choose_nperseg
 from .signals import FrequencyResponse, Recording
 from .spectra import CrossSpectra, cross_spectra, two_channel
@@ -25,6 +24,8 @@ from .transient import is_transient, require_stationary, transient_spectra
 
 # Row index of the force in ``Lines.vectors``: the last.
 FORCE = -1
+# Signal-to-noise power beyond which a line gains no more weight: what is left there is leakage.
+SNR_CAP = 1e4
 # The SNR given to lines of data whose noise cannot be known; above the cap of the weights.
 UNKNOWN_SNR = 1e12
 # Lines over which the noise of measured curves is taken to be constant.

@@ -125,6 +125,11 @@ class Recording:
                 f"dofs={self.dofs}, {force})")
 
 
+def without_force(rec: Recording) -> Recording:
+    """The same record as if the force had not been measured."""
+    return rec if rec.force is None else Recording(rec.responses, rec.fs_hz, rec.dofs)
+
+
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class FrequencyResponse:
     """Frequency responses, or transmissibilities, of several dofs to one excitation.

@@ -271,10 +271,11 @@ def transmissibility(
     spectra = averaged_spectra(rec, nperseg, noverlap, window, method)
     values, coherence = two_channel(spectra.matrix, j, "h1" if estimator == "rank1" else estimator)
     std = None
-    if estimator == "rank1":
+    # A single average is of rank one as it stands.
+    if estimator == "rank1" and spectra.n_averages > 1:
         vectors, _ = response_vectors(spectra.matrix, spectra.noise)
         values = vectors / vectors[j]
-        if spectra.n_averages > 1 and rec.n_channels > 1:
+        if rec.n_channels > 1:
             std = std_of_rank_one(spectra.matrix, j, spectra.n_effective)
     values[j] = 1.0
     return FrequencyResponse(spectra.freq_hz, values, rec.dofs, "transmissibility", reference,

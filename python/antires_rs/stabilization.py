@@ -266,7 +266,8 @@ def diagram(sweep: Sweep, orders: range, band: tuple[float, float], rule: Rule, 
         if len(chain) - 1 <= rule.min_rows:
             continue
         members = [(orders[row], rows[row][i]) for row, i in chain]
-        share = float(np.median([sweep.dominances(order, np.array([s]))[0] for order, s in members[::max(1, len(members) // 5)]]))
+        some = members[::max(1, len(members) // 5)]
+        share = float(np.median([sweep.dominances(order, np.array([s]))[0] for order, s in some]))
         if share >= rule.min_dominance:
             found.append(_value(sweep, members, share, rule.freq_tol, added_decay_per_s))
     rows = [s + added_decay_per_s for s in rows]

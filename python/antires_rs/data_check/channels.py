@@ -146,8 +146,8 @@ def unrelated(seen: Evidence) -> Said:
     lost = [p for p, share in enumerate(seen.explained) if share < limit]
     if len(lost) == 2 and len(seen.dofs) == 2:
         text = (f"Dofs {seen.dofs[0]!r} and {seen.dofs[1]!r} have nothing in common in the band: either "
-                f"explains {100 * seen.explained.max():.0f} % of the other's power. One of them, or both, hold "
-                "only noise.")
+                f"explains {100 * seen.explained.max():.0f} % of the other's power. One of them, or both, "
+                "hold only noise.")
         return [Finding(DEAD, "fatal", seen.dofs, float(seen.explained.max()), limit, text,
                         "Check cables, sensors and the band.")]
     return [Finding(DEAD, "fatal", (seen.dofs[p],), float(seen.explained[p]), limit,

@@ -34,6 +34,13 @@ class Finding:
         What was seen, with its numbers.
     advice : str
         What can be done about it.
+
+    Examples
+    --------
+    >>> from antires_rs import Finding
+    >>> seen = Finding("dead_channel", "fatal", (3,), 0.0, 0.1, "Channel 3 is constant.", "Leave it out.")
+    >>> print(seen)
+    fatal: Channel 3 is constant. Leave it out.
     """
 
     name: str
@@ -93,6 +100,14 @@ class DataCheck:
         Effective number of independent averages.
     nperseg : int or None
         Samples per segment of the spectra, where segments were used.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> case = ar.cases.chain8()
+    >>> checked = ar.check_data(case.experiment(noise=0.01, rng=1), excitation=0, band_hz=(3, 130))
+    >>> checked.ok, checked.eigenvalues.shape[1]
+    (True, 8)
     """
 
     findings: tuple[Finding, ...]

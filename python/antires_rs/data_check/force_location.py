@@ -14,8 +14,8 @@ between from all channels together; the zero itself may lie deep in noise.
 With the force recorded the residues are seen directly: the imaginary parts of the accelerance H_kk at the
 resonances have one sign.
 
-References: L. Miu, ASME J. Dyn. Syst. Meas. Control 113 (1991) 419-424 (collocated zeros interlace with the
-poles); D. J. Ewins, Modal Testing, 2nd ed., 2000, sec. 2 (antiresonances of point FRFs).
+References: D. K. Miu, ASME J. Dyn. Syst. Meas. Control 113 (1991) 419-424 (zeros of a driving point interlace
+with the poles); D. J. Ewins, Modal Testing, 2nd ed., 2000, ch. 2 (antiresonances of point FRFs).
 """
 
 from __future__ import annotations
@@ -55,9 +55,7 @@ IN_PHASE = 0.7
 DIP, DIP_WIDTH, DIP_GAP, DIP_SMOOTHING = 2.0, 0.05, 0.2, 4
 
 
-
-def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = None,
-                   ) -> Said:
+def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = None) -> Said:
     """Is the stated dof the driving point, and if not, which recorded one is?
 
     ``frfs``, (n, n_freq), where the force was measured: residues are then seen, not inferred.
@@ -126,7 +124,7 @@ def _residues(over_peaks: ComplexArray) -> list[list[tuple[int, int, bool]]]:
     unit = over_peaks / np.maximum(np.abs(over_peaks), 1e-300)
     # Imaginary for accelerance and receptance, real for mobility: the axis along which they lie, common to
     # all.
-    mean = np.mean(unit**2)
+    mean = np.sum(unit**2) / max(int(np.count_nonzero(unit)), 1)
     along = (unit * np.exp(-0.5j * np.angle(mean))).real
     pairs: list[list[tuple[int, int, bool]]] = [[] for _ in over_peaks]
     if np.abs(mean) >= IN_PHASE:

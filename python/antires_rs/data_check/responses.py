@@ -6,13 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from .._validation import ComplexArray
 from ..signals import FrequencyResponse
 from . import channels, force_location, one_force, phase, resolution
 from .evidence import Evidence, of_curves
 from .findings import Finding, NotTested, Said
 
-# Roughness from line to line over the power of a curve above which it is noise: white noise has one.
-ROUGH = 0.5
+# Roughness from line to line over the power of a curve above which it is noise, white noise having one; if
+# another curve is smooth: lines too far apart make all of them rough.
+ROUGH, SMOOTH = 0.5, 0.1
 # Coherence below which a line is more noise than response.
 COHERENT = 0.5
 
@@ -29,20 +31,24 @@ def of_response(resp: FrequencyResponse, excitation: Any, band: tuple[float, flo
         said.append(resolution.too_few_lines(int(inside.sum()), band))
         return said + [NotTested(name, "too few lines in the band") for name in by_line], None
     values = resp.values[:, inside]
+    rough = np.array([_roughness(curve) for curve in values])
     live = []
-    for p, (dof, curve) in enumerate(zip(resp.dofs, values, strict=True)):
-        power = float(np.mean(np.abs(curve)**2))
-        rough = float(np.mean(np.abs(curve[2:] - 2.0 * curve[1:-1] + curve[:-2])**2)) / 6.0
-        if power == 0.0:
+    for p, dof in enumerate(resp.dofs):
+        if not values[p].any():
             said.append(Finding(channels.DEAD, "fatal", (dof,), 0.0, 0.0,
                                 f"Dof {dof!r} is zero throughout the band.", "Leave the channel out."))
-        elif rough > ROUGH * power:
+        elif rough[p] > ROUGH and rough.min() < SMOOTH:
             text = (f"Dof {dof!r} holds only noise in the band: from line to line it changes as much as "
-                    f"white noise does ({rough / power:.2f} of its power, limit {ROUGH:g}).")
-            said.append(Finding(channels.DEAD, "fatal", (dof,), rough / power, ROUGH, text,
+                    f"white noise does ({rough[p]:.2f} of its power, limit {ROUGH:g}).")
+            said.append(Finding(channels.DEAD, "fatal", (dof,), float(rough[p]), ROUGH, text,
                                 "Check sensor, cable and gain; leave the channel out."))
         else:
             live.append(p)
+    if rough.min() >= SMOOTH and np.median(rough) > ROUGH:
+        text = (f"The curves change from line to line as white noise does ({np.median(rough):.2f} of their "
+                f"power, limit {ROUGH:g}): they are noise, or their lines too far apart.")
+        said.append(Finding(resolution.RESOLUTION, "fatal", (), float(np.median(rough)), ROUGH, text,
+                            "Measure with a finer resolution, or force harder."))
     if not live:
         return said + [NotTested(name, "no channel holds a response") for name in by_line], None
     dofs = tuple(resp.dofs[p] for p in live)
@@ -59,6 +65,13 @@ def of_response(resp: FrequencyResponse, excitation: Any, band: tuple[float, flo
     else:
         said += force_location.force_location(seen, excitation, values[live])
     return said, seen
+
+
+def _roughness(curve: ComplexArray) -> float:
+    """Second differences over the power, by medians: the few lines of a sharp resonance are rough too."""
+    power = float(np.median(np.abs(curve)**2))
+    second = float(np.median(np.abs(curve[2:] - 2.0 * curve[1:-1] + curve[:-2])**2)) / 6.0
+    return second / power if power > 0.0 else 0.0
 
 
 def _incoherent(seen: Evidence) -> Said:

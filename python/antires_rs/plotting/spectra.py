@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import reject
+from .._validation import frequency_band, reject
 from ..signals import FrequencyResponse
 from .canvas import COLOURS, GREY, LINES, below, new_axes
 
@@ -19,7 +20,8 @@ __all__ = ["plot_coherence", "plot_singular_values"]
 FEW = 5
 
 
-def plot_coherence(resp: FrequencyResponse, ax: Any = None) -> Any:
+def plot_coherence(resp: FrequencyResponse, ax: Any = None, *,
+                   band_hz: Sequence[float] | None = None) -> Any:
     """Draw the ordinary coherence of every output by frequency.
 
     Parameters
@@ -28,6 +30,8 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None) -> Any:
         With ``coherence``, e.g. from :func:`~antires_rs.frf` or :func:`~antires_rs.transmissibility`.
     ax : matplotlib.axes.Axes, optional
         Drawn into; a new figure by default.
+    band_hz : (low, high), optional
+        Lines drawn; all of the data by default.
 
     Returns
     -------
@@ -36,7 +40,7 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None) -> Any:
     Raises
     ------
     InvalidInputError
-        Responses without coherence.
+        Responses without coherence, or a band outside the data.
     MissingDependencyError
         matplotlib is not installed.
 
@@ -54,6 +58,9 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None) -> Any:
                else type(resp).__name__, "a FrequencyResponse with coherence",
                "Estimate it from a record with several averages.")
     ax = new_axes(ax, (9.0, 4.0))
+    ends = float(resp.freq_hz[0]), float(resp.freq_hz[-1])
+    low, high = ends if band_hz is None else frequency_band(
+        "band_hz", band_hz, low_hz=ends[0], high_hz=ends[1])
     rows = [p for p, dof in enumerate(resp.dofs) if dof != resp.reference]
     curves = resp.coherence[rows]
     if len(rows) <= FEW:
@@ -69,7 +76,7 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None) -> Any:
     if resp.n_averages is not None and resp.n_averages > 1.0:
         ax.axhline(1.0 / resp.n_averages, color=COLOURS["black"], lw=0.9, ls=":",
                    label=f"noise alone, {resp.n_averages:.0f} averages")
-    ax.set_xlim(float(resp.freq_hz[0]), float(resp.freq_hz[-1]))
+    ax.set_xlim(low, high)
     ax.set_ylim(0.0, 1.03)
     ax.set_xlabel("Frequency (Hz)")
     to = "the force" if resp.reference is None else f"dof {resp.reference}"
