@@ -8,8 +8,8 @@ import pytest
 from antires_rs.identification import identify_antiresonances
 from antires_rs.likelihood import likeliest
 from antires_rs.noise_level import noise_power
-from antires_rs.rankone import channel_noise
 from antires_rs.numerators import NumeratorFit, shared
+from antires_rs.rankone import channel_noise
 from antires_rs.response_lines import Lines
 from antires_rs.signals import Recording
 from antires_rs.uncertainty import Influence, standard_deviations
@@ -120,8 +120,8 @@ def lines_of(x):
 @pytest.mark.parametrize("level", [0.01, 0.1])
 def test_the_order_is_that_of_the_structure(level):
     """Three modes and a rigid body seen by four sensors: numerators of order six."""
-    orders = [likeliest(FREQ, lines_of(draw(np.random.default_rng(seed), level)).covariance(), 1e4, 1.0, 30).order
-              for seed in range(5)]
+    covariances = [lines_of(draw(np.random.default_rng(seed), level)).covariance() for seed in range(5)]
+    orders = [likeliest(FREQ, covariance, 1e4, 1.0, 30).order for covariance in covariances]
     assert orders == [6] * 5
 
 

@@ -10,8 +10,8 @@ from .method import LOW_HZ, Method, transmissibilities
 def vector_fitting(record, highest, estimator, nperseg=2048, iterations=5, normed=True):
     """All T_pj of one j as entries of a three-port network, the two left over zero.
 
-    Scaled to unit rms, because its weights depend on the level: one or two values more. Three relocations find
-    one or two values fewer, ten no more.
+    Scaled to unit rms, because its weights depend on the level: one or two values more. Three relocations
+    find one or two values fewer, ten no more.
     """
     import skrf
     from skrf.vectorFitting import VectorFitting

@@ -26,10 +26,10 @@ def choose_nperseg(rec: Recording, band_hz: tuple[float, float]) -> int:
     """Samples per segment from the record's length and the sharpness of its resonances.
 
     The rule: 16 / (narrow half-power bandwidth), at most a tenth of the record; rounded to the nearest power
-    of two; with no more than 5,000 lines in the band. The bandwidth is the lower quartile of those of the peaks
-    that stand 10 dB over the median of the summed, channel-normalised power spectrum in the band, measured
-    with the longest segments allowed. For the 8-mass chain with 1 % damping at 512 Hz: 32 s of a record of
-    600 s, 16 s of one of 200 s, 8 s of one of 60 s.
+    of two; with no more than 5,000 lines in the band. The bandwidth is the lower quartile of those of the
+    peaks that stand 10 dB over the median of the summed, channel-normalised power spectrum in the band,
+    measured with the longest segments allowed. For the 8-mass chain with 1 % damping at 512 Hz: 32 s of a
+    record of 600 s, 16 s of one of 200 s, 8 s of one of 60 s.
     """
     n_long = _power_of_two(rec.n_samples / SEGMENTS)
     while n_long * (band_hz[1] - band_hz[0]) / rec.fs_hz > MOST_LINES:

@@ -32,9 +32,9 @@ LEAST_LINES = 32
 SINGLE_SNR = 10.0
 # Share of the votes, and of the lines, that must agree on a delay and an offset for either to mean something.
 AGREEMENT = 0.7
-# Phase (degrees) at the band's upper edge from which a delay is named. Damping of 2 % looks like 25 degrees
+# Phase (degrees) at the band's upper edge from which a delay is named. Damping of 2 % looks like 30 degrees
 # on the ends of a chain; identification itself bears any delay that is short beside a segment.
-SHIFT_DEG = 45.0
+SHIFT_DEG = 60.0
 QUADRATURE_DEG = 40.0
 # Candidate delays are at most this part of the time that the spacing of the lines resolves.
 SPAN = 0.25
