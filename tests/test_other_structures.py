@@ -48,7 +48,8 @@ def test_unequal_sensors():
 def test_a_dashpot_moves_zeros_by_more_than_their_error_but_they_are_those_of_the_damped_structure():
     structure = structures.dashpot_between(102)
     record = structure.record(seed=102)
-    found = ar.identify_antiresonances(record, excitation=0, band_hz=structure.band_hz)
+    # To the data check a strong damper at one place looks like a channel that is not on time.
+    found = ar.identify_antiresonances(record, excitation=0, band_hz=structure.band_hz, check="off")
     off_damped, off_undamped = [], []
     for dof, truth in structure.truth().items():
         size = np.abs(structure.damped_zeros(dof)) / (2 * np.pi)

@@ -94,8 +94,8 @@ def test_singular_values_are_in_decibels_over_the_noise(check, ax):
     lines = {line.get_label(): line for line in ax.lines}
     np.testing.assert_allclose(lines["first"].get_ydata(), 10 * np.log10(check.eigenvalues[:, 0]))
     np.testing.assert_allclose(lines["second"].get_ydata(), 10 * np.log10(check.eigenvalues[:, 1]))
-    np.testing.assert_allclose(lines["second expected of noise alone"].get_ydata(),
-                               10 * np.log10(check.noise_limit))
+    np.testing.assert_allclose(lines["second expected under one force"].get_ydata(),
+                               10 * np.log10(check.second_expected))
     assert len({line.get_linestyle() for line in lines.values()}) >= 3
     assert ax.get_title() == ""
     assert ax.get_xlim() == BAND

@@ -37,14 +37,17 @@ def test_an_order_above_the_true_one_does_not_lose_the_poles():
 
 
 def test_noise_costs_accuracy_in_proportion():
-    """The first guess puts the fit where reweighting converges, in noise as well."""
+    """The first guess puts the fit where reweighting converges, in noise as well.
+
+    Beyond 1e-7 the bias of a linear fit shows: errors grow faster than the noise.
+    """
     freq, values, poles, _ = draw("spread", 20, 13)
     rng = np.random.default_rng(13)
     noise = rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape)
     errors = []
-    for level in (1e-9, 1e-6, 1e-4):
+    for level in (1e-10, 1e-8, 1e-4):
         found = fit_rational(freq, values + level * noise, 20).poles.s
         errors.append(np.median(np.abs(found - poles[:, None]).min(axis=1) / np.abs(poles)))
     assert errors[0] < 1e-10
-    assert errors[1] / errors[0] == pytest.approx(1e3, rel=0.2)
+    assert errors[1] / errors[0] == pytest.approx(100.0, rel=0.05)
     assert errors[2] < 1e-5

@@ -22,6 +22,7 @@ import numpy as np
 
 from ._validation import ComplexArray, FloatArray, complex_array, frequency_band, integer, real_array, reject
 from .exceptions import NumericalError
+from .first_guess import guessed_weights
 from .forsythe import Basis, forsythe_basis, roots
 from .signals import check_freq
 
@@ -285,6 +286,7 @@ def fit_rational(freq_hz: Any, values: Any, order: int, *, band_hz: Sequence[flo
     single = np.ndim(values) == 1
     freq, array, weight = prepare(freq_hz, values, order, band_hz, weights, "order")
     first, fits = weight, []
+    weight = first * guessed_weights(freq, np.sum(np.abs(array)**2, axis=0), order)
     for _ in range(integer("reweightings", reweightings, low=0) + 1):
         nested = NestedFit(freq, array, weight, order)
         try:
@@ -293,9 +295,10 @@ def fit_rational(freq_hz: Any, values: Any, order: int, *, band_hz: Sequence[flo
             raise NumericalError(f"fit_rational: the least-squares problem of order {order} did not converge "
                                  f"({exc}); lower the order or narrow the band.") from exc
         fits.append(_fit_of(nested, freq, d, first, single))
-        below = np.abs(nested.denominator_basis.p * 1j ** np.arange(order + 1) @ d)**2
-        # A line on a pole must not get all the weight there is.
-        weight = first / np.maximum(below, 1e-30 * below.max())
+        terms = nested.denominator_basis.p * d
+        # A line on a pole must not get all the weight there is: less than this is rounding.
+        below = np.maximum(np.abs(terms @ 1j ** np.arange(order + 1)), 1e-15 * np.abs(terms).sum(axis=1))
+        weight = first / below**2
     # Reweighting need not converge: where the last turn is much worse than an earlier one, that one counts.
     best = min(fits, key=lambda fit: fit.residual)
     return fits[-1] if fits[-1].residual <= 2.0 * best.residual else best

@@ -20,8 +20,8 @@ LEVELS_BELOW = 3
 # A pile of so many samples at an extreme, this many times what the levels below hold, is a clipped one. A
 # slow sine piles up by 3.
 PILE, PILE_RATIO = 8, 5.0
-# Extremes are looked for among so many samples.
-TAIL = 2048
+# Extremes are looked for in this part of a channel's range.
+HIGH = 0.25
 # Correlation of two channels above which they are one signal.
 SAME = 1.0 - 1e-9
 # Equal samples in a row that make a dropout, unless the digits are so coarse that this share repeat anyway.
@@ -47,12 +47,12 @@ def clipped(data: FloatArray, labels: tuple[Any, ...]) -> Said:
     """Channels whose samples pile up at their largest or smallest value."""
     found: Said = []
     for label, x in zip(labels, data, strict=True):
-        sides = [side for side in (1.0, -1.0) if _pile(side * x) > 0]
-        if not sides:
+        piles = {float(x.max()): _pile(x), float(x.min()): _pile(-x)}
+        count = sum(piles.values())
+        if count == 0:
             continue
-        count = sum(_pile(side * x) for side in sides)
         share = count / x.size
-        where = " and ".join(f"{(x.max() if side > 0 else x.min()):.4g}" for side in sides)
+        where = " and ".join(f"{value:.4g}" for value, pile in piles.items() if pile)
         text = f"Channel {label!r} is clipped at {where}: {count} samples, {100 * share:.2g} % of the record."
         advice = ("Lower the gain or the force and record again; clipping adds harmonics that look like "
                   "noise of the channel.")
@@ -62,20 +62,18 @@ def clipped(data: FloatArray, labels: tuple[Any, ...]) -> Said:
 
 def _pile(x: FloatArray) -> int:
     """Samples at the largest value if they are a pile, else 0."""
-    spread = float(x.max() - x.min())
-    count = min(TAIL, x.size)
-    top = np.sort(np.partition(x, x.size - count)[x.size - count:])
-    if spread == 0.0:
-        return 0
-    steps = np.diff(top)
+    largest, spread = float(x.max()), float(x.max() - x.min())
+    high = np.sort(x[x >= largest - HIGH * spread])
+    steps = np.diff(high)
     steps = steps[steps > 1e-9 * spread]
     # Levels as wide as the digits of the converter, where these are coarse.
     level = max(LEVEL * spread, 1.5 * float(steps.min()) if steps.size else 0.0)
-    if x.max() - np.median(x) <= level:
-        return 0  # rest, not a peak: the force between two hits
-    at_top = int(np.count_nonzero(x >= x.max() - level))
-    below = int(np.count_nonzero(x >= x.max() - (1 + LEVELS_BELOW) * level)) - at_top
-    return at_top if at_top >= PILE and at_top > PILE_RATIO * below / LEVELS_BELOW else 0
+    count = int(np.count_nonzero(high >= largest - level))
+    more = int(np.count_nonzero(high >= largest - (1 + LEVELS_BELOW) * level))
+    if count < PILE or count <= PILE_RATIO * (more - count) / LEVELS_BELOW:
+        return 0
+    # Rest is no pile: the force between two hits.
+    return count if largest - np.median(x) > level else 0
 
 
 def duplicated(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], list[int]]:

@@ -57,7 +57,8 @@ def check_data(source: Recording | FrequencyResponse, *, excitation: Any = None,
     - ``dead_channel`` (fatal): constant, or nothing in common with any other channel in the band;
     - ``clipped_channel``, ``duplicated_channels``, ``dropouts``, ``spikes`` (warnings): in the time records;
     - ``time_shift``, ``quadrature`` (warnings): a channel late against the others, or of another kind.
-      Polarity cannot be seen in data: a sensor upside down looks like a mode shape with a node more;
+      Polarity cannot be seen in data: a sensor upside down looks like a mode shape with a node more. A
+      strong damper at one place turns phases too and may be taken for a delay;
     - ``signal_to_noise`` (note): a channel under its own noise in much of the band;
     - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;
     - ``one_force``: the second eigenvalue of the spectral matrix against the first, noise and leakage. Two
@@ -109,8 +110,8 @@ def _result(said: Said, seen: Evidence | None, dofs: tuple[Any, ...], excitation
     if seen.eigenvalues is None:
         return DataCheck(found, untested, seen.dofs, excitation, band, frozen(seen.freq_hz),
                          coherence=None if seen.coherence is None else frozen(seen.coherence))
-    limit = one_force.noise_level(seen) if len(seen.dofs) > 2 else None
+    expected = one_force.expected(seen) if len(seen.dofs) > 2 else None
     return DataCheck(found, untested, seen.dofs, excitation, band, frozen(seen.freq_hz),
-                     frozen(seen.eigenvalues), None if limit is None else frozen(limit),
+                     frozen(seen.eigenvalues), None if expected is None else frozen(expected),
                      None if seen.coherence is None else frozen(seen.coherence), seen.n_averages,
                      seen.nperseg)

@@ -92,8 +92,8 @@ class DataCheck:
     eigenvalues : (n_freq, n_channels) or None
         Of the spectral matrix, largest first, with the channels scaled to equal noise: in units of the noise
         power. None for measured frequency responses.
-    noise_limit : (n_freq,) or None
-        What the second eigenvalue would be, on average, under one force and noise alone.
+    second_expected : (n_freq,) or None
+        What noise and leakage make the second eigenvalue under one force, on average.
     coherence : (n_channels, n_freq) or None
         Highest ordinary coherence of each channel with any other; for a FrequencyResponse its own.
     n_averages : float or None
@@ -117,7 +117,7 @@ class DataCheck:
     band_hz: tuple[float, float]
     freq_hz: FloatArray | None = None
     eigenvalues: FloatArray | None = None
-    noise_limit: FloatArray | None = None
+    second_expected: FloatArray | None = None
     coherence: FloatArray | None = None
     n_averages: float | None = None
     nperseg: int | None = None

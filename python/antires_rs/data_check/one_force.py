@@ -80,6 +80,11 @@ def one_force(seen: Evidence) -> Said:
     return []
 
 
+def expected(seen: Evidence) -> FloatArray:
+    """Second eigenvalue that one force gives with noise and leakage, (n_freq,)."""
+    return np.asarray(np.maximum(noise_level(seen), leakage(seen)), dtype=np.float64)
+
+
 def noise_level(seen: Evidence) -> FloatArray:
     """Mean second eigenvalue under one force and noise, by line, from the lower ones; (n_freq,)."""
     assert seen.eigenvalues is not None
