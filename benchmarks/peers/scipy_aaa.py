@@ -30,11 +30,7 @@ def aaa(record, highest, estimator, nperseg=2048, step=2):
 
 
 def aaa_complex(record, highest, estimator, nperseg=1024):
-    """sum_p T_pj and its conjugate at -f; every second number of terms, for pairs.
-
-    Found less false of 168: 105, with segments of 4 s 81; every number of terms without the conjugates finds
-    more, but half are false.
-    """
+    """sum_p T_pj and its conjugate at -f; every second number of terms, for pairs."""
     from scipy.interpolate import AAA
     freq, tables = transmissibilities(record, nperseg, estimator, low_hz=LOW_HZ)
     s = 2j * np.pi * freq

@@ -13,8 +13,7 @@ RFP_WIDTH_HZ, RFP_ORDER = 60.0, 20
 def lscf(record, highest, estimator, nperseg=1024, pairs=PAIRS):
     """All T_pj of one j in one model; its own table of poles for each order.
 
-    Its orders count pairs, and 30 of them give too few rows for the rule: 40 find 223 of 252 with 14 false on
-    three seeds, 30 find 206 with 3, 60 (segments of 4 s) 234 with 90.
+    Its orders count pairs, and 30 of them give too few rows for the rule: 40 find more.
     """
     from sdypy import EMA
     freq, tables = transmissibilities(record, nperseg, estimator)

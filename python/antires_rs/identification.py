@@ -40,6 +40,8 @@ from .stabilization import PoleSweep, Rule, StabilizationDiagram, ZeroSweep, dia
 
 __all__ = ["identify_antiresonances"]
 
+# Beyond, a narrower band or windows serve better than more orders.
+HIGHEST_ORDER = 200
 CHOICES = ("auto", "numerators", *FORMULATIONS)
 # Real numbers of data (two a line) an order needs: with fewer, poles follow the noise of single lines.
 LINES_PER_ORDER = 3
@@ -141,6 +143,8 @@ def identify_antiresonances(
     choice("method", method, ("auto", "welch", "transient"))
     choice("estimator", estimator, ("rank1", "h1", "h2", "hv"))
     choice("check", check, ("warn", "raise", "off"))
+    choice("keep_common", keep_common, (True, False))
+    choice("persistent", persistent, (None, True, False))
     choice("second_opinion", second_opinion, (None, "aaa", "vector_fitting"))
     options = rule_options(preset, formulation=formulation, freq_tol=freq_tol, damping_tol=damping_tol,
                            min_rows=min_rows, max_damping=max_damping, min_dominance=min_dominance,
@@ -163,7 +167,7 @@ def identify_antiresonances(
     else:
         reject("source", type(source).__name__, "a Recording or a FrequencyResponse")
     wanted = _wanted_dofs(dofs, source.dofs)
-    max_order = integer("max_order", max_order, low=2)
+    max_order = integer("max_order", max_order, low=2, high=HIGHEST_ORDER)
     min_order = integer("min_order", min_order, low=1, high=max_order)
     if max_order - min_order < rule.min_rows:
         reject("max_order", max_order, f"at least min_order + min_rows = {min_order + rule.min_rows}",
@@ -196,7 +200,7 @@ def identify_antiresonances(
     identified = AntiresonanceSet(
         excitation, {dof: d.identified for dof, d in found.items()},
         {dof: d.identified_damping for dof, d in found.items()},
-        {dof: d.accepted.std_hz for dof, d in found.items()},
+        {dof: d.accepted.std_hz for dof, d in found.items()} if formulation == "numerators" else None,
         diagrams=found,
         scores={dof: d.accepted.scores(graded=formulation == "numerators") for dof, d in found.items()})
     identified.data_check = checked

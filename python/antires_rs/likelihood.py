@@ -22,7 +22,7 @@ import numpy as np
 from ._validation import ComplexArray, FloatArray
 from .numerators import NumeratorFit
 
-# Orders settle in two or three turns of weights.
+# Orders settle in two or three turns of the weights; the others may find better ones.
 TURNS = 6
 # The weights are those of the lowest order whose misfit is within this factor of the least: a superfluous
 # common factor of the numerators would distort them.
@@ -41,7 +41,7 @@ class Likeliest:
     """Numerators of least misfit.
 
     ``fit`` holds the weights (and all orders up to its highest), ``coefficients`` are (order + 1, n),
-    ``misfit`` is the smallest eigenvalue.
+    ``misfit`` is their Rayleigh quotient, the smallest eigenvalue but for rounding.
     """
 
     fit: NumeratorFit

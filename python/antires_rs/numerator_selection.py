@@ -96,7 +96,7 @@ def select(lines: Lines, n_responses: int, window: Window, orders: range, rule: 
         for zero in zeros:
             seen = _seen(zero, sweep, best.order, orders, rule)
             if _credible(zero, len(seen), higher, others, rule, lines.added_decay_per_s):
-                value = _value(zero, seen, one.accepted, lines.added_decay_per_s)
+                value = _value(zero, seen, _chain_of(zero, zeros, one.accepted), lines.added_decay_per_s)
                 if rule.persistent or value.how == "chain":
                     values.append(value)
         fitted = np.delete(numerators, row, axis=0) / numerators[row]
@@ -143,12 +143,13 @@ def _of(s: complex, added: float) -> tuple[float, float]:
 def _credible(zero: Zero, seen: int, higher: int, others: list[ComplexArray], rule: Rule,
               added: float) -> bool:
     """Whether a zero may be accepted: at once, or because the higher orders have it too."""
-    near = len(others) < 2 or bool(shared(np.array([zero.s]), others, NEARLY_SHARED)[0])
+    # With fewer than two others nothing can be told of what all rows share: the higher orders decide.
+    unknown = len(others) < 2
+    near = not unknown and bool(shared(np.array([zero.s]), others, NEARLY_SHARED)[0])
+    stays = seen > rule.min_rows and seen >= PRESENCE * higher
     if _of(zero.s, added)[1] < LEAST_DAMPING:
-        return not near and zero.dominance >= RIGHT_DOMINANCE
-    if near or zero.dominance < WEAK:
-        return seen > rule.min_rows and seen >= PRESENCE * higher
-    return True
+        return not near and zero.dominance >= RIGHT_DOMINANCE and (stays or not unknown)
+    return stays or not (near or unknown or zero.dominance < WEAK)
 
 
 def _seen(zero: Zero, sweep: NumeratorSweep, order: int, orders: range, rule: Rule) -> list[float]:
@@ -168,12 +169,21 @@ def _seen(zero: Zero, sweep: NumeratorSweep, order: int, orders: range, rule: Ru
     return seen
 
 
-def _value(zero: Zero, seen: list[float], chains: Accepted, added: float) -> Value:
+def _chain_of(zero: Zero, zeros: list[Zero], chains: Accepted) -> Value | None:
+    """The chain nearest to a zero, if no other zero is nearer to it."""
+    if not len(chains):
+        return None
+    distance = np.abs(chains.freq_hz / zero.freq_hz - 1.0)
+    i = int(np.argmin(distance))
+    nearest = min(abs(chains.freq_hz[i] / other.freq_hz - 1.0) for other in zeros)
+    return chains.values()[i] if distance[i] <= min(SAME, nearest) else None
+
+
+def _value(zero: Zero, seen: list[float], chain: Value | None, added: float) -> Value:
     """The value, with the scores of its chain if it has one."""
     freq, damping = _of(zero.s, added)
-    if len(chains) and np.abs(chains.freq_hz / freq - 1.0).min() <= SAME:
-        i = int(np.argmin(np.abs(chains.freq_hz - freq)))
-        return chains.values()[i]._replace(freq_hz=freq, damping_ratio=damping, dominance=zero.dominance,
-                                           std_hz=zero.std_hz)
+    if chain is not None:
+        return chain._replace(freq_hz=freq, damping_ratio=damping, dominance=zero.dominance,
+                              std_hz=zero.std_hz)
     spread = float(np.std(seen) / abs(zero.s)) if seen else float("nan")
     return Value(freq, damping, len(seen), spread, zero.dominance, "persistent", zero.std_hz)

@@ -18,8 +18,9 @@ def residual_weights(weights: Any, sets: Sequence[AntiresonanceSet],
                      measured_hz: FloatArray) -> FloatArray | None:
     """Weight of every measured value, mean one; None for equal weights.
 
-    "std" gives 1 / sqrt(s^2 + 0.002^2), s = 2 std_hz / freq_hz the standard deviation of the residual
-    omega_A^2 / omega_E^2 - 1; a value whose deviation is not known counts like the median of those known.
+    "std" gives 1 / sqrt(s^2 + 0.002^2), scaled to mean one, where s = 2 std_hz / freq_hz is the deviation of
+    the residual omega_A^2 / omega_E^2 - 1; a value whose deviation is not known counts like the median of
+    those known.
     """
     if weights is None:
         return None
@@ -30,8 +31,9 @@ def residual_weights(weights: Any, sets: Sequence[AntiresonanceSet],
                               for each in sets for dof, freq in each.items()])
         if not np.isfinite(std).any():
             reject("weights", "'std' for values without standard deviations", "sets with std_hz",
-                   "Identify from an averaged record, or give std_hz by hand.")
-        spread = 2.0 * np.where(np.isfinite(std), std, np.nanmedian(std)) / measured_hz
+                   "Identify an averaged record with formulation='numerators' (its default), or give std_hz.")
+        spread = 2.0 * std / measured_hz
+        spread = np.where(np.isfinite(spread), spread, np.nanmedian(spread))
         made = 1.0 / np.hypot(spread, MODEL_ERROR)
         return np.asarray(made / made.mean(), dtype=np.float64)
     wanted = f"{measured_hz.size} numbers of at least 0, one for each measured value"
