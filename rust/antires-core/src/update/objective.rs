@@ -127,8 +127,8 @@ impl AntiresonanceObjective {
     /// [`Error::InvalidInput`] when there is not one finite, not negative weight for each measured value,
     /// or all are zero.
     pub fn with_weights(mut self, weights: Vec<f64>) -> Result<Self> {
-        let usable = weights.iter().all(|w| w.is_finite() && *w >= 0.0)
-            && weights.iter().any(|w| *w > 0.0);
+        let usable =
+            weights.iter().all(|w| w.is_finite() && *w >= 0.0) && weights.iter().any(|w| *w > 0.0);
         if weights.len() != self.weights.len() || !usable {
             return Err(Error::input(
                 "weights",
