@@ -199,3 +199,10 @@ def test_light_damping_without_a_third_witness(options):
         true = true_antiresonances(stiffness, mass, dof, 0)
         near = [np.abs(found[dof] / f - 1.0).min(initial=np.inf) < 0.01 for f in true]
         assert sum(near) >= len(true) - 2
+
+
+def test_exact_rank_one_has_no_noise_to_tell():
+    x = vectors()
+    noise = channel_noise(x.conj()[:, :, None] * x[:, None, :])
+    assert np.isfinite(noise).all()
+    assert (noise > 0.0).all()

@@ -19,6 +19,8 @@ NOISE_LINES = 500
 # No channel is taken to have less than this share of the noise that the passes start from: with next to no
 # noise they would end by calling a single channel perfect.
 LEAST_NOISE = 0.1
+# Second eigenvalue over the first of a matrix that holds nothing but rounding beside its vector.
+EXACT = 1e-13
 
 
 def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> FloatArray:
@@ -34,6 +36,8 @@ def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> Floa
     scale = first
     for _ in range(NOISE_PASSES):
         values, vectors = _eigh(some, scale)
+        if values.shape[1] > 1 and np.median(values[:, -2] / np.maximum(values[:, -1], 1e-300)) < EXACT:
+            break  # of rank one but for rounding: there is no noise to tell
         # The noise is in the largest eigenvalue as well.
         floor = values[:, :-1].mean(axis=1, keepdims=True) if auto.shape[1] > 1 else 0.0
         left = auto / scale - (values[:, -1:] - floor) * np.abs(vectors[:, :, -1])**2

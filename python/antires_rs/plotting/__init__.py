@@ -9,14 +9,17 @@ from .convergence import plot_convergence
 from .damage import plot_damage
 from .damping_clusters import plot_damping_clusters
 from .differences import plot_differences
+from .spectra import plot_coherence, plot_singular_values
 from .stabilization import plot_stabilization
 from .transmissibility import plot_transmissibility
 
 __all__ = [
+    "plot_coherence",
     "plot_convergence",
     "plot_damage",
     "plot_damping_clusters",
     "plot_differences",
+    "plot_singular_values",
     "plot_stabilization",
     "plot_transmissibility",
 ]
