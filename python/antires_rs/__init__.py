@@ -21,6 +21,18 @@ from .exceptions import (
     ObjectiveError,
     UnsuitableDataError,
 )
+from .frame import FrameModel
+from .frame_parameters import (
+    angle,
+    density,
+    diameter,
+    inertia,
+    point_mass,
+    support_stiffness,
+    thickness,
+    youngs_modulus,
+)
+from .frame_parts import GroundSpring, NodeSpring, PointMass
 from .identification import identify_antiresonances
 from .modal_set import ModalSet
 from .models import MassSpringChain, MatrixModel
@@ -28,6 +40,7 @@ from .optimizer import History, IslandGA, OptimizeResult
 from .parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
 from .rational import RationalFit, fit_rational
 from .results import DamageResult, FrequencyTable, UpdateResult
+from .sections import Rectangle, Section, Tube
 from .signals import FrequencyResponse, Recording
 from .spectra import frf, transmissibility, transmissibility_sum
 from .stabilization import StabilizationDiagram, stabilization
@@ -39,8 +52,10 @@ __all__ = [
     "AntiresonanceSet",
     "DamagePenalty",
     "DamageResult",
+    "FrameModel",
     "FrequencyResponse",
     "FrequencyTable",
+    "GroundSpring",
     "History",
     "InternalError",
     "InvalidInputError",
@@ -49,27 +64,40 @@ __all__ = [
     "MatrixModel",
     "MissingDependencyError",
     "ModalSet",
+    "NodeSpring",
     "NumericalError",
     "ObjectiveError",
     "OptimizeResult",
     "Parameter",
+    "PointMass",
     "RationalFit",
     "Recording",
+    "Rectangle",
+    "Section",
     "StabilizationDiagram",
+    "Tube",
     "UnsuitableDataError",
     "UpdateResult",
     "UpdatingProblem",
     "__version__",
+    "angle",
     "assess_damage",
     "cases",
+    "density",
+    "diameter",
     "fit_rational",
     "frf",
     "identify_antiresonances",
+    "inertia",
     "mass_factor",
+    "point_mass",
     "stabilization",
     "stiffness_factor",
     "stiffness_reduction",
+    "support_stiffness",
+    "thickness",
     "transmissibility",
     "transmissibility_sum",
     "update",
+    "youngs_modulus",
 ]

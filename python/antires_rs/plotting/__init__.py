@@ -8,6 +8,7 @@ those of Okabe and Ito, and no curve, bar or mark is told from another by colour
 from .convergence import plot_convergence
 from .damage import plot_damage
 from .differences import plot_differences
+from .frame import plot_frame
 from .stabilization import plot_stabilization
 from .transmissibility import plot_transmissibility
 
@@ -15,6 +16,7 @@ __all__ = [
     "plot_convergence",
     "plot_damage",
     "plot_differences",
+    "plot_frame",
     "plot_stabilization",
     "plot_transmissibility",
 ]

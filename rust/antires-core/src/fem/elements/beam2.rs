@@ -24,7 +24,7 @@ use crate::fem::section::Rigidity;
 pub fn stiffness(a: [f64; 2], b: [f64; 2], section: &Rigidity) -> Matrix6<f64> {
     let (l, axes) = axes(a, b);
     let ea = section.axial_n / l;
-    let k = section.bending_z_nm2 / l.powi(3);
+    let k = section.bending_z_nm2 / (l * l * l);
     let (k12, k6, k4, k2) = (12.0 * k, 6.0 * k * l, 4.0 * k * l * l, 2.0 * k * l * l);
     #[rustfmt::skip]
     let local = Matrix6::new(
@@ -62,7 +62,7 @@ pub fn mass(a: [f64; 2], b: [f64; 2], section: &Rigidity) -> Matrix6<f64> {
 /// Length, and the rotation from global to local axes (θ stays).
 fn axes(a: [f64; 2], b: [f64; 2]) -> (f64, Matrix3<f64>) {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-    let l = dx.hypot(dy);
+    let l = (dx * dx + dy * dy).sqrt();
     let (c, s) = (dx / l, dy / l);
     (l, Matrix3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0))
 }

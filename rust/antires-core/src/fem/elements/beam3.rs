@@ -40,7 +40,7 @@ pub fn stiffness(a: [f64; 3], b: [f64; 3], up: [f64; 3], section: &Rigidity) -> 
         (PLANE_XY, section.bending_z_nm2),
         (PLANE_XZ, section.bending_y_nm2),
     ] {
-        let k = ei / l.powi(3);
+        let k = ei / (l * l * l);
         let (k12, k6, k4, k2) = (
             12.0 * k,
             sign * 6.0 * k * l,
