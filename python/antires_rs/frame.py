@@ -72,14 +72,12 @@ class FrameModel(StructuralModel):
 
     Examples
     --------
-    A cantilever, its first bending frequency against 3.516 / (2 pi L**2) sqrt(EI / rho A):
-
     >>> import antires_rs as ar
     >>> rod = ar.Tube(0.02, 0.01, 2.1e11, 7850.0)
     >>> nodes = [(0.1 * i, 0.0) for i in range(11)]
     >>> beam = ar.FrameModel(nodes, [(i, i + 1) for i in range(10)], rod, fixed=[0])
-    >>> beam.modes(1).freq_hz.round(3)
-    array([14.471])
+    >>> beam.modes(1).freq_hz.round(3)   # 3.516 / (2 pi L**2) sqrt(EI / rho A)
+    array([14.472])
     >>> tip = beam.dof(10, "v")
     >>> beam.antiresonances(tip, tip, f_max_hz=300.0).round(1)
     array([ 63.5, 205.7])

@@ -115,7 +115,7 @@ class UpdatingProblem:
         self.measured_hz = np.concatenate([np.empty(0), *(freq for _, _, freq in targets)])
         self.measured_dofs = np.repeat([dof for dof, _, _ in targets], counts)
         self.measured_excitations = np.repeat([force for _, force, _ in targets], counts)
-        self.bounds = np.array([p.bounds for p in self.parameters])
+        self.bounds = np.array([p.bounds for p in self.parameters], dtype=np.float64).reshape(-1, 2)
         parts = core_parameters(model, self.parameters)
         self._nominal = _core.nominal_values(model._core, parts)
         _core.check_bounds(model._core, parts, self.bounds[:, 0].copy(), self.bounds[:, 1].copy())

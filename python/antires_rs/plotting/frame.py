@@ -20,8 +20,10 @@ ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0],
                       [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])
 #: Up to this many elements are numbered unless told otherwise.
 MOST_NUMBERS = 120
-#: Length of an arrow in points.
-ARROW = 26.0
+#: Length of an arrow, and distance of a number from its element, in points.
+ARROW, NUMBER = 26.0, 7.0
+#: Colours of sections; vermillion and black are those of the arrows.
+SHADES = [COLOURS[name] for name in ("blue", "orange", "sky", "purple", "green")]
 
 
 def plot_frame(model: FrameModel, values: Any = None, ax: Any = None, *, sensors: Sequence[int] = (),
@@ -79,8 +81,10 @@ def plot_frame(model: FrameModel, values: Any = None, ax: Any = None, *, sensors
         _by_value(ax, ends, given, label)
     if numbers or (numbers is None and len(ends) <= MOST_NUMBERS):
         for i, (a, b) in enumerate(ends):
-            ax.annotate(str(i + 1), 0.5 * (a + b), ha="center", va="center", fontsize=6.5, zorder=4,
-                        bbox={"boxstyle": "round,pad=0.12", "fc": "white", "ec": "none", "alpha": 0.85})
+            across = np.array([a[1] - b[1], b[0] - a[0]])
+            beside = NUMBER * across / max(float(np.linalg.norm(across)), 1e-300)
+            ax.annotate(str(i + 1), 0.5 * (a + b), xytext=tuple(beside), textcoords="offset points",
+                        ha="center", va="center", fontsize=6.5, zorder=4)
     _carried(ax, model, points)
     frame_names = model._frame.dof_names()
     for dof in sensors:
@@ -119,12 +123,11 @@ def _values(model: FrameModel, values: Any) -> FloatArray | None:
 
 def _by_section(ax: Any, model: FrameModel, ends: FloatArray) -> None:
     of = model.element_sections
-    shades = list(COLOURS.values())
     for i, name in enumerate(model.sections):
         chosen = [e for e, section in enumerate(of) if section == name]
         for number, element in enumerate(chosen):
-            ax.plot(*ends[element].T, color=shades[i % len(shades)], lw=3.0, zorder=2,
-                    ls=LINES[i // len(shades) % len(LINES)], solid_capstyle="round",
+            ax.plot(*ends[element].T, color=SHADES[i % len(SHADES)], lw=3.0, zorder=2,
+                    ls=LINES[i // len(SHADES) % len(LINES)], solid_capstyle="round",
                     label=model.section_label(i) if number == 0 and len(model.sections) > 1 else None)
 
 
