@@ -70,3 +70,18 @@ NOISY_SEVERITY = 0.02
 # ---- interruption ----------------------------------------------------------------------------------
 #: Seconds from Ctrl-C to the end of the process: the bar is 1, doubled for slow machines.
 INTERRUPT_S = 2.0
+
+# ---- frames -----------------------------------------------------------------------------------------
+#: First ten frequencies against an independent finite-element package (the bar of row 2).
+FRAME_PACKAGE_HZ = 1e-6
+#: Entries of its matrices, relative to the largest: rounding of rotations and sums.
+FRAME_PACKAGE_ENTRIES = 1e-13
+#: Forces of a rigid motion, relative to the largest stiffness: sums of a few rounded entries.
+RIGID_FORCE = 1e-13
+#: A frequency of a slender beam of 20 elements against the closed form: (beta h)**4 / 1440 and its kin.
+BEAM_HZ = 1e-6
+#: Antiresonances of one softly hung frame assembled in two ways, in omega squared: one ulp of K, of 1e10
+#: between the stiffest motion and the softest, is 1e-9 of what is measured.
+SOFT_ZERO = 1e-9
+#: A tube found again from exact zeros, relative to its bounds' width: the search's own stop.
+FOUND_AGAIN = 1e-3

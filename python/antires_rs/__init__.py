@@ -22,6 +22,18 @@ from .exceptions import (
     ObjectiveError,
     UnsuitableDataError,
 )
+from .frame import FrameModel
+from .frame_parameters import (
+    angle,
+    density,
+    diameter,
+    inertia,
+    point_mass,
+    support_stiffness,
+    thickness,
+    youngs_modulus,
+)
+from .frame_parts import GroundSpring, NodeSpring, PointMass
 from .identification import identify_antiresonances
 from .modal_identification import identify_modes
 from .modal_set import ModalSet
@@ -30,6 +42,7 @@ from .optimizer import History, IslandGA, OptimizeResult
 from .parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
 from .rational import RationalFit, fit_rational
 from .results import DamageResult, FrequencyTable, UpdateResult
+from .sections import Rectangle, Section, Tube
 from .signals import FrequencyResponse, Recording
 from .spectra import frf, transmissibility, transmissibility_sum
 from .stabilization import StabilizationDiagram, stabilization
@@ -43,8 +56,10 @@ __all__ = [
     "DamageResult",
     "DataCheck",
     "Finding",
+    "FrameModel",
     "FrequencyResponse",
     "FrequencyTable",
+    "GroundSpring",
     "History",
     "InternalError",
     "InvalidInputError",
@@ -53,29 +68,42 @@ __all__ = [
     "MatrixModel",
     "MissingDependencyError",
     "ModalSet",
+    "NodeSpring",
     "NumericalError",
     "ObjectiveError",
     "OptimizeResult",
     "Parameter",
+    "PointMass",
     "RationalFit",
     "Recording",
+    "Rectangle",
+    "Section",
     "StabilizationDiagram",
+    "Tube",
     "UnsuitableDataError",
     "UpdateResult",
     "UpdatingProblem",
     "__version__",
+    "angle",
     "assess_damage",
     "cases",
     "check_data",
+    "density",
+    "diameter",
     "fit_rational",
     "frf",
     "identify_antiresonances",
     "identify_modes",
+    "inertia",
     "mass_factor",
+    "point_mass",
     "stabilization",
     "stiffness_factor",
     "stiffness_reduction",
+    "support_stiffness",
+    "thickness",
     "transmissibility",
     "transmissibility_sum",
     "update",
+    "youngs_modulus",
 ]

@@ -8,9 +8,23 @@ from numpy.typing import NDArray
 
 _Floats = NDArray[np.float64]
 _Term = tuple[NDArray[np.uint32], NDArray[np.uint32], _Floats]
+_Section = tuple[str, list[float], float, float, float]
+_PointMass = tuple[int, float, tuple[float, float, float]]
+_GroundSpring = tuple[int, str, float]
+_NodeSpring = tuple[int, int, str | None, float]
+_Parameter = tuple[str, list[int], bool, tuple[int, tuple[float, float, float]] | None]
 _Progress = Callable[[dict[str, Any]], bool | None]
 
-__all__ = ["AntiresonanceObjective", "Model", "__version__", "island_options", "minimize"]
+__all__ = [
+    "AntiresonanceObjective",
+    "Frame",
+    "Model",
+    "__version__",
+    "check_bounds",
+    "island_options",
+    "minimize",
+    "nominal_values",
+]
 
 __version__: str
 
@@ -30,6 +44,9 @@ class Model:
         stiffness_terms: Sequence[_Term],
         mass_terms: Sequence[_Term],
     ) -> Model: ...
+    @staticmethod
+    def from_frame(frame: Frame) -> Model: ...
+    def frame(self) -> Frame | None: ...
     @property
     def n_dof(self) -> int: ...
     @property
@@ -57,11 +74,32 @@ class Model:
     ) -> list[tuple[_Floats, bool]]: ...
 
 @final
+class Frame:
+    def __new__(
+        cls,
+        nodes_m: _Floats,
+        elements: Sequence[tuple[int, int, int]],
+        references: _Floats | None,
+        sections: Sequence[_Section],
+        point_masses: Sequence[_PointMass],
+        ground_springs: Sequence[_GroundSpring],
+        node_springs: Sequence[_NodeSpring],
+        fixed: Sequence[tuple[int, str]],
+    ) -> Frame: ...
+    def nodes_m(self) -> _Floats: ...
+    def sections(self) -> list[_Section]: ...
+    def point_masses(self) -> list[_PointMass]: ...
+    def ground_springs(self) -> list[_GroundSpring]: ...
+    def dof(self, node: int, direction: str) -> int: ...
+    def dof_names(self) -> list[tuple[int, str]]: ...
+    def parts(self) -> list[int]: ...
+
+@final
 class AntiresonanceObjective:
     def __new__(
         cls,
         model: Model,
-        parameters: Sequence[tuple[str, Sequence[int]]],
+        parameters: Sequence[_Parameter],
         targets: Sequence[tuple[int, int, _Floats]],
         misfit: str,
         penalty: tuple[float, float] | None,
@@ -96,3 +134,7 @@ def minimize(
     on_progress: _Progress | None,
 ) -> dict[str, Any]: ...
 def island_options(options: dict[str, Any]) -> dict[str, Any]: ...
+def nominal_values(model: Model, parameters: Sequence[_Parameter]) -> _Floats: ...
+def check_bounds(
+    model: Model, parameters: Sequence[_Parameter], lower: _Floats, upper: _Floats
+) -> None: ...

@@ -95,10 +95,10 @@ def identifiability(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
         jacobian[:, j] = np.where(np.isfinite(change), change, 0.0)
     _, singular, rows = np.linalg.svd(jacobian, full_matrices=True)
     rank = int(np.count_nonzero(singular > _UNSEEN))
-    # All factors up by the same fraction: p by p, 1 - beta by 1 - beta.
-    scale = np.array([value if p.nominal == 1.0 else value - 1.0
-                      for p, value in zip(problem.parameters, x, strict=True)]) / width
-    scale_unseen = bool(np.linalg.norm(jacobian @ scale) <= _UNSEEN * np.linalg.norm(scale))
+    # All stiffness and mass up by the same fraction.
+    scale = np.array([p.common_scale(value) for p, value in zip(problem.parameters, x, strict=True)]) / width
+    length = np.linalg.norm(scale)
+    scale_unseen = bool(length > 0 and np.linalg.norm(jacobian @ scale) <= _UNSEEN * length)
     return Identifiability(tuple(problem.names), np.linalg.norm(jacobian, axis=0), rank, rows[rank:],
                            scale_unseen)
 

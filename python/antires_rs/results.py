@@ -152,7 +152,7 @@ class UpdateResult:
     def summary(self) -> str:
         """Parameters, frequencies and notes as text."""
         width = max(len(name) for name in self.problem.names)
-        values = [f"{name:<{width}}  {value:9.4f}   [{low:g}, {high:g}]"
+        values = [f"{name:<{width}}  {value:#12.6g}   [{low:g}, {high:g}]"
                   for name, value, (low, high) in zip(self.problem.names, self.x, self.problem.bounds,
                                                       strict=True)]
         head = (f"J = {self.fun:.6g} after {self.nfev:,} evaluations, {self.nit} generations: {self.status} "

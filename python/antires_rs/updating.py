@@ -21,7 +21,7 @@ from ._validation import FloatArray, choice, finite_scalar, integer, real_array,
 from .antiresonance_set import AntiresonanceSet
 from .models import StructuralModel
 from .optimizer import IslandGA, OptimizeResult, guesses, seed_of, thread_count
-from .parameters import Parameter, stiffness_reduction
+from .parameters import Parameter, core_parameters, parameter_name, stiffness_reduction
 from .results import DamageResult, UpdateResult
 from .weights import residual_weights
 
@@ -58,10 +58,11 @@ class UpdatingProblem:
 
     Parameters
     ----------
-    model : MassSpringChain or MatrixModel
+    model : MassSpringChain, FrameModel or MatrixModel
         The nominal model. Measured dofs are its zero-based dofs.
     parameters : sequence of Parameter
-        Unknowns, from :func:`stiffness_factor`, :func:`mass_factor`, :func:`stiffness_reduction`.
+        Unknowns, from :func:`stiffness_factor`, :func:`mass_factor`, :func:`stiffness_reduction`, and for
+        frames :func:`thickness`, :func:`youngs_modulus`, :func:`angle` and the others; all mix.
     measured : AntiresonanceSet or sequence of AntiresonanceSet
         Measured antiresonances, one set for each position of the force; each value is paired, at every
         evaluation, with the model's nearest of the same response and force.
@@ -89,7 +90,8 @@ class UpdatingProblem:
     Raises
     ------
     InvalidInputError
-        Dofs outside the model, no antiresonance, a parameter that changes nothing.
+        Dofs outside the model, no antiresonance, a parameter that changes nothing, bounds within which
+        stiffness or mass becomes indefinite.
 
     Examples
     --------
@@ -106,7 +108,7 @@ class UpdatingProblem:
                  objective: Literal["antiresonance"] = "antiresonance", misfit: Misfit = "absolute",
                  penalty: DamagePenalty | tuple[float, float] | None = None, weights: Any = None) -> None:
         if not isinstance(model, StructuralModel):
-            reject("model", model, "a MassSpringChain or MatrixModel")
+            reject("model", model, "a MassSpringChain, FrameModel or MatrixModel")
         self.parameters = _parameters(parameters)
         self.model, self.measured = model, _sets(measured)
         self.penalty = _penalty(penalty)
@@ -119,10 +121,13 @@ class UpdatingProblem:
         self.measured_dofs = np.repeat([dof for dof, _, _ in targets], counts)
         self.measured_excitations = np.repeat([force for _, force, _ in targets], counts)
         self.weights = residual_weights(weights, self.measured, self.measured_hz)
-        self.bounds = np.array([p.bounds for p in self.parameters])
-        self.names = [_name(model, p) for p in self.parameters]
+        self.bounds = np.array([p.bounds for p in self.parameters], dtype=np.float64).reshape(-1, 2)
+        parts = core_parameters(model, self.parameters)
+        self._nominal = _core.nominal_values(model._core, parts)
+        _core.check_bounds(model._core, parts, self.bounds[:, 0].copy(), self.bounds[:, 1].copy())
+        self.names = [parameter_name(model, p) for p in self.parameters]
         self._core = _core.AntiresonanceObjective(
-            model._core, [(p.quantity, list(p.terms)) for p in self.parameters], targets, misfit,
+            model._core, parts, targets, misfit,
             (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None,
             self.penalty.snap if self.penalty else 0.0, self.weights)
 
@@ -135,7 +140,7 @@ class UpdatingProblem:
     @property
     def nominal(self) -> FloatArray:
         """Parameter values of the model as it was given, (n,)."""
-        return np.array([p.nominal for p in self.parameters])
+        return self._nominal.copy()
 
     def cost(self, x: Any) -> float:
         """Objective J at ``x`` (n,); finite for every x in bounds."""
@@ -234,12 +239,13 @@ def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[
 
     Parameters
     ----------
-    model : MassSpringChain or MatrixModel
+    model : MassSpringChain, FrameModel or MatrixModel
         The undamaged structure, best updated first on an undamaged measurement.
     measured : AntiresonanceSet or sequence of AntiresonanceSet
         Antiresonances of the structure as it is now, one set for each position of the force.
     elements : sequence of int, optional
-        Candidate elements, zero-based. Default: all springs between masses, all stiffness terms.
+        Candidate elements, zero-based. Default: all springs between masses, all beams,
+        all stiffness terms.
     gamma1, gamma2 : float
         Penalties on the sum and the number of damages; small damage costs more than it explains, see
         ``DamageResult.detectable``.
@@ -271,7 +277,7 @@ def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[
     {0: 0.0, 1: 0.4, 2: 0.0}
     """
     if not isinstance(model, StructuralModel):
-        reject("model", model, "a MassSpringChain or MatrixModel")
+        reject("model", model, "a MassSpringChain, FrameModel or MatrixModel")
     chosen = model.default_elements if elements is None else (
         [elements] if shape_of(elements) == () else list(elements))
     if not chosen:
@@ -305,7 +311,7 @@ def _sets(measured: Any) -> tuple[AntiresonanceSet, ...]:
 
 
 def _parameters(parameters: Iterable[Parameter] | Parameter) -> tuple[Parameter, ...]:
-    wanted = "Parameters, from stiffness_factor, mass_factor or stiffness_reduction"
+    wanted = "Parameters, from stiffness_factor, mass_factor, stiffness_reduction and the like"
     if isinstance(parameters, Parameter):
         return (parameters,)
     try:
@@ -315,10 +321,6 @@ def _parameters(parameters: Iterable[Parameter] | Parameter) -> tuple[Parameter,
     for i, parameter in enumerate(chosen):
         if not isinstance(parameter, Parameter):
             reject(f"parameters[{i}]", parameter, wanted, "Join lists with +, without nesting them.")
-    acting = [(p.quantity, term) for p in chosen for term in p.terms]
-    twice = {pair for pair in acting if acting.count(pair) > 1}
-    if twice:
-        reject("parameters", f"{sorted(twice)} more than once", "each quantity of a term once")
     return chosen
 
 
@@ -328,11 +330,3 @@ def _penalty(penalty: Any) -> DamagePenalty | None:
     if np.shape(penalty) != (2,):
         reject("penalty", penalty, "a DamagePenalty, a pair (gamma1, gamma2) or None")
     return DamagePenalty(*penalty)
-
-
-def _name(model: StructuralModel, parameter: Parameter) -> str:
-    label = model.mass_label if parameter.quantity == "mass_factor" else model.element_label
-    what = {"stiffness_reduction": "stiffness loss of", "stiffness_factor": "stiffness of",
-            "mass_factor": "mass of"}[parameter.quantity]
-    # The label of a mass already says "mass".
-    return f"{what} {', '.join(label(t) for t in parameter.terms)}".replace("mass of mass", "mass")

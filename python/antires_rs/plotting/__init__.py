@@ -9,6 +9,7 @@ from .convergence import plot_convergence
 from .damage import plot_damage
 from .damping_clusters import plot_damping_clusters
 from .differences import plot_differences
+from .frame import plot_frame
 from .spectra import plot_coherence, plot_singular_values
 from .stabilization import plot_stabilization
 from .transmissibility import plot_transmissibility
@@ -20,6 +21,7 @@ __all__ = [
     "plot_damping_clusters",
     "plot_differences",
     "plot_singular_values",
+    "plot_frame",
     "plot_stabilization",
     "plot_transmissibility",
 ]

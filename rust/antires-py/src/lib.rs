@@ -10,15 +10,20 @@ use pyo3::prelude::*;
 
 mod convert;
 mod doorway;
+mod frame;
 mod model;
 mod objective;
 mod optimizer;
+mod parameters;
 
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<model::Model>()?;
+    module.add_class::<frame::Frame>()?;
     module.add_class::<objective::AntiresonanceObjective>()?;
+    module.add_function(wrap_pyfunction!(parameters::nominal_values, module)?)?;
+    module.add_function(wrap_pyfunction!(parameters::check_bounds, module)?)?;
     module.add_function(wrap_pyfunction!(optimizer::minimize, module)?)?;
     module.add_function(wrap_pyfunction!(optimizer::island_options, module)?)?;
     Ok(())

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 
 use crate::convert::{TermArrays, array, matrix, terms};
 use crate::doorway::{run, to_python};
+use crate::frame::Frame;
 
 type PyModes<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
@@ -57,6 +58,20 @@ impl Model {
         )
         .map_err(to_python)?;
         Ok(Self { core })
+    }
+
+    /// Beams, masses and springs.
+    #[staticmethod]
+    fn from_frame(frame: &Frame) -> PyResult<Self> {
+        let core = CoreModel::from_frame(frame.core.clone()).map_err(to_python)?;
+        Ok(Self { core })
+    }
+
+    /// The frame it was made from, if it was.
+    fn frame(&self) -> Option<Frame> {
+        self.core.frame().map(|frame| Frame {
+            core: frame.clone(),
+        })
     }
 
     #[getter]

@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 
 use antires_core::error::Error;
-use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::optimize::{
     Candidates, Failure, Objective, ObjectiveEvaluator, evaluate_many, minimize as minimize_core,
 };
@@ -18,6 +17,7 @@ use pyo3::types::PyDict;
 use crate::doorway::{Watch, guarded, run, to_python};
 use crate::model::Model;
 use crate::optimizer::{Search, outcome_to_python};
+use crate::parameters::{ParameterParts, core_parameters};
 
 /// J(x) of one model, parameter set and measurement.
 #[pyclass(frozen, module = "antires_rs._core")]
@@ -27,29 +27,20 @@ pub struct AntiresonanceObjective {
 
 #[pymethods]
 impl AntiresonanceObjective {
-    /// Parameters are (quantity, terms), targets (dof, excitation, frequencies), the penalty (gamma1, gamma2),
+    /// Parameters as in `parameters.rs`, targets (dof, excitation, frequencies), the penalty (gamma1, gamma2),
     /// weights one for each measured value.
     #[new]
     #[allow(clippy::too_many_arguments)]
     fn new(
         model: &Model,
-        parameters: Vec<(String, Vec<usize>)>,
+        parameters: Vec<ParameterParts>,
         targets: Vec<(usize, usize, PyReadonlyArray1<'_, f64>)>,
         misfit: &str,
         penalty: Option<(f64, f64)>,
         snap: f64,
         weights: Option<PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<Self> {
-        let parameters = parameters
-            .into_iter()
-            .map(|(name, terms)| {
-                Ok(Parameter {
-                    quantity: quantity(&name)?,
-                    terms,
-                })
-            })
-            .collect::<Result<_, Error>>()
-            .map_err(to_python)?;
+        let parameters = core_parameters(&model.core, parameters).map_err(to_python)?;
         let targets = targets
             .into_iter()
             .map(|(dof, excitation, freq)| Target {
@@ -188,18 +179,5 @@ impl AntiresonanceObjective {
             })
         })?;
         outcome_to_python(py, &outcome)
-    }
-}
-
-fn quantity(name: &str) -> Result<Quantity, Error> {
-    match name {
-        "stiffness_reduction" => Ok(Quantity::StiffnessReduction),
-        "stiffness_factor" => Ok(Quantity::StiffnessFactor),
-        "mass_factor" => Ok(Quantity::MassFactor),
-        _ => Err(Error::input(
-            "quantity",
-            format!("{name:?}"),
-            "a known parameter quantity",
-        )),
     }
 }

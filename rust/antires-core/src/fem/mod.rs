@@ -8,10 +8,16 @@
 //! the product of the factors that the parameters give to it. Damage: s_i = 1 − β_i. The nominal
 //! matrices come back bit for bit at s = 1.
 //!
+//! A model made of a [`frame`] also knows how its terms follow from sections, masses and coordinates,
+//! and forms them again when parameters change those.
+//!
 //! SI units throughout: kg, N/m, m, rad/s; degrees of freedom are zero-based.
 
+pub mod bounds;
 pub mod chain;
 pub mod elements;
+pub mod frame;
 pub mod model;
 pub mod parameters;
+pub mod section;
 pub mod term;

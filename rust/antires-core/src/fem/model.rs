@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef};
 
+use super::frame::{Frame, sum};
 use super::parameters::{Assembly, Parameter};
 use super::term::Term;
 use crate::error::{Error, Result};
@@ -16,6 +17,8 @@ pub struct Model {
     mass: Mat<f64>,
     stiffness_terms: Vec<Term>,
     mass_terms: Vec<Term>,
+    /// What the terms are formed from, in models of beams.
+    frame: Option<Frame>,
 }
 
 impl Model {
@@ -60,7 +63,52 @@ impl Model {
             mass,
             stiffness_terms,
             mass_terms,
+            frame: None,
         })
+    }
+
+    /// Model of a frame.
+    ///
+    /// # Errors
+    /// Those of [`Model::new`].
+    pub fn from_frame(frame: Frame) -> Result<Self> {
+        let n = frame.dofs().n_free();
+        let (stiffness_terms, mass_terms) = frame.terms();
+        let (stiffness, mass) = (sum(&stiffness_terms, n), sum(&mass_terms, n));
+        let model = Self::new(stiffness, mass, stiffness_terms, mass_terms)?;
+        Ok(Self {
+            frame: Some(frame),
+            ..model
+        })
+    }
+
+    /// The frame that this is the model of, if it is one.
+    #[must_use]
+    pub fn frame(&self) -> Option<&Frame> {
+        self.frame.as_ref()
+    }
+
+    /// Positions (i, j), i >= j, that K or M can fill at any parameter values, by column and row.
+    #[must_use]
+    pub fn sparsity(&self) -> Vec<(u32, u32)> {
+        let mut positions: Vec<(u32, u32)> = self
+            .stiffness_terms
+            .iter()
+            .chain(&self.mass_terms)
+            .flat_map(|term| term.entries().iter().map(|&(i, j, _)| (i, j)))
+            .filter(|(i, j)| i >= j)
+            .collect();
+        let n = self.n_dof();
+        for j in 0..n {
+            for i in j..n {
+                if self.stiffness[(i, j)] != 0.0 || self.mass[(i, j)] != 0.0 {
+                    positions.push((i as u32, j as u32));
+                }
+            }
+        }
+        positions.sort_unstable_by_key(|&(i, j)| (j, i));
+        positions.dedup();
+        positions
     }
 
     /// Number of degrees of freedom.
@@ -96,8 +144,11 @@ impl Model {
     /// The model whose nominal state is this model at parameter values `x`.
     ///
     /// # Errors
-    /// Those of [`Model::new`], for example when a factor makes a mass negative.
+    /// Those of [`Model::new`], for example when a factor makes a mass negative, and of [`Frame::at`].
     pub fn at(&self, parameters: &[Parameter], x: &[f64]) -> Result<Self> {
+        if let Some(frame) = &self.frame {
+            return Self::from_frame(frame.at(parameters, x)?);
+        }
         let mut assembly = Assembly::new(self);
         assembly.form(self, parameters, x);
         let scaled = |terms: &[Term], factors: &[f64]| {

@@ -6,14 +6,17 @@
 //! mass factor           s = p          p > 0
 //! ```
 //!
-//! Several parameters on one term multiply.
+//! Several parameters on one term multiply. A [`Property`] or an [`Angle`] of a frame acts on what the
+//! terms are formed from, see [`frame`](super::frame); all kinds mix.
 
 use faer::Mat;
 
+use super::frame::{Angle, Property, Reform, Scale};
 use super::model::Model;
+use crate::error::{Error, Result};
 
 /// What a parameter value means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Quantity {
     /// Stiffness loss β of the terms: s = 1 − β.
     StiffnessReduction,
@@ -21,6 +24,10 @@ pub enum Quantity {
     StiffnessFactor,
     /// Factor on the mass of the terms.
     MassFactor,
+    /// A property of sections, lumped masses or supports of a frame.
+    Property(Property, Scale),
+    /// Angle (degrees) of what lies downstream of a node of a frame.
+    Angle(Angle),
 }
 
 /// One scalar unknown and the terms it governs.
@@ -28,8 +35,87 @@ pub enum Quantity {
 pub struct Parameter {
     /// What the value means.
     pub quantity: Quantity,
-    /// Indices of the stiffness (or mass) terms.
+    /// Indices of the stiffness (or mass) terms; of the sections, lumped masses or springs of a
+    /// [`Property`]; of the nodes that turn by an [`Angle`].
     pub terms: Vec<usize>,
+}
+
+impl Parameter {
+    /// Checks that the parameter, called `name`, governs something of the model.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] for a term outside the model, a parameter that changes nothing, or a
+    /// frame's parameter on a model that is not one.
+    pub fn check(&self, name: &str, model: &Model) -> Result<()> {
+        let (terms, kind) = match self.quantity {
+            Quantity::MassFactor => (model.mass_terms(), "mass"),
+            Quantity::StiffnessReduction | Quantity::StiffnessFactor => {
+                (model.stiffness_terms(), "stiffness")
+            }
+            Quantity::Property(property, scale) => {
+                return needs_frame(name, model)?.check_property(
+                    name,
+                    property,
+                    scale,
+                    &self.terms,
+                );
+            }
+            Quantity::Angle(_) => {
+                let nodes = needs_frame(name, model)?.description().nodes_m.len();
+                if let Some(node) = self.terms.iter().find(|&&node| node >= nodes) {
+                    let wanted = format!("nodes below {nodes}");
+                    return Err(Error::input(name, format!("node {node}"), wanted));
+                }
+                return Ok(());
+            }
+        };
+        for &term in &self.terms {
+            if term >= terms.len() {
+                return Err(Error::input(
+                    name,
+                    format!("{kind} term {term}"),
+                    format!("a term below {}", terms.len()),
+                ));
+            }
+        }
+        if self.terms.iter().all(|&t| terms[t].is_zero()) {
+            return Err(Error::input(
+                name,
+                format!(
+                    "{kind} term(s) {:?}, which are zero in this model",
+                    self.terms
+                ),
+                "a parameter that changes the model",
+            )
+            .remedy("Give the spring or mass a nominal value, or leave the parameter out."));
+        }
+        Ok(())
+    }
+
+    /// Value at which the model is as it was given; none where one value stands for different ones.
+    #[must_use]
+    pub fn nominal(&self, model: &Model) -> Option<f64> {
+        match self.quantity {
+            Quantity::StiffnessReduction | Quantity::Angle(_) => Some(0.0),
+            Quantity::StiffnessFactor
+            | Quantity::MassFactor
+            | Quantity::Property(_, Scale::Factor) => Some(1.0),
+            Quantity::Property(property, Scale::Value) => {
+                model.frame()?.nominal(property, &self.terms)
+            }
+        }
+    }
+}
+
+fn needs_frame<'a>(name: &str, model: &'a Model) -> Result<&'a super::frame::Frame> {
+    model.frame().ok_or_else(|| {
+        Error::input(
+            name,
+            "a parameter of a frame for a model that is none",
+            "stiffness reductions, stiffness factors or mass factors",
+        )
+        .remedy("Build a FrameModel to change sections, masses, supports or angles.")
+    })
 }
 
 /// K and M at a parameter vector, with the memory to form them again.
@@ -41,6 +127,7 @@ pub struct Assembly {
     pub mass: Mat<f64>,
     stiffness_factors: Vec<f64>,
     mass_factors: Vec<f64>,
+    reform: Option<Reform>,
 }
 
 impl Assembly {
@@ -52,6 +139,9 @@ impl Assembly {
             mass: model.mass().to_owned(),
             stiffness_factors: vec![1.0; model.stiffness_terms().len()],
             mass_factors: vec![1.0; model.mass_terms().len()],
+            reform: model
+                .frame()
+                .map(|frame| Reform::new(frame, model.stiffness_terms(), model.mass_terms())),
         }
     }
 
@@ -64,10 +154,25 @@ impl Assembly {
                 Quantity::StiffnessReduction => (&mut self.stiffness_factors, 1.0 - value),
                 Quantity::StiffnessFactor => (&mut self.stiffness_factors, value),
                 Quantity::MassFactor => (&mut self.mass_factors, value),
+                Quantity::Property(..) | Quantity::Angle(_) => continue,
             };
             for &term in &parameter.terms {
                 factors[term] *= factor;
             }
+        }
+        if let (Some(reform), Some(frame)) = (&mut self.reform, model.frame()) {
+            reform.form(
+                frame,
+                parameters,
+                x,
+                (
+                    model.stiffness_terms(),
+                    &self.stiffness_factors,
+                    &mut self.stiffness,
+                ),
+                (model.mass_terms(), &self.mass_factors, &mut self.mass),
+            );
+            return;
         }
         self.stiffness.copy_from(model.stiffness());
         for (term, &s) in model.stiffness_terms().iter().zip(&self.stiffness_factors) {

@@ -22,6 +22,40 @@ impl Term {
         Self { entries }
     }
 
+    /// Makes this the term of an element whose local dofs are the global `dofs`, none where fixed. The
+    /// memory is reused; the same dofs give the same entries in the same order.
+    pub fn set_element<const N: usize>(
+        &mut self,
+        dofs: &[Option<usize>; N],
+        matrix: &SMatrix<f64, N, N>,
+    ) {
+        self.entries.clear();
+        for (i, row) in dofs.iter().enumerate() {
+            let Some(row) = row else { continue };
+            for (j, col) in dofs.iter().enumerate() {
+                if let Some(col) = col {
+                    self.entries
+                        .push((*row as u32, *col as u32, matrix[(i, j)]));
+                }
+            }
+        }
+    }
+
+    /// Makes this a diagonal term at the global `dofs`, none where fixed.
+    pub fn set_diagonal<const N: usize>(&mut self, dofs: &[Option<usize>; N], values: &[f64; N]) {
+        self.entries.clear();
+        for (dof, &value) in dofs.iter().zip(values) {
+            if let Some(dof) = dof {
+                self.entries.push((*dof as u32, *dof as u32, value));
+            }
+        }
+    }
+
+    /// Makes this term equal to `other`, reusing the memory.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.entries.clone_from(&other.entries);
+    }
+
     /// Term from explicit entries, both triangles given.
     #[must_use]
     pub fn from_entries(entries: Vec<(u32, u32, f64)>) -> Self {
@@ -38,6 +72,13 @@ impl Term {
     #[must_use]
     pub fn is_zero(&self) -> bool {
         self.entries.iter().all(|e| e.2 == 0.0)
+    }
+
+    /// Zeroes the target wherever the term has an entry.
+    pub fn clear_in(&self, target: &mut Mat<f64>) {
+        for &(row, col, _) in &self.entries {
+            target[(row as usize, col as usize)] = 0.0;
+        }
     }
 
     /// target += factor · term.

@@ -4,11 +4,13 @@
 //! |---|---|---|
 //! | [`symmetric`] | K φ = λ M φ, both symmetric | the modal route |
 //! | [`blocks`] | block-triangular form of a pencil | [`pencil`] |
+//! | [`definite`] | are all eigenvalues at or above zero | `fem::bounds` |
 //! | [`pencil`] | A v = x B v, general real | the pencil route |
 //!
 //! Everything runs with `Par::Seq`: parallelism belongs one level up, to the optimizer.
 
 pub mod blocks;
+pub mod definite;
 pub mod pencil;
 pub mod symmetric;
 pub mod tolerances;

@@ -98,7 +98,9 @@ impl AntiresonanceObjective {
         if parameters.is_empty() {
             return Err(Error::input("parameters", "none", "at least one parameter"));
         }
-        check_terms(&model, &parameters)?;
+        for (i, parameter) in parameters.iter().enumerate() {
+            parameter.check(&format!("parameters[{i}]"), &model)?;
+        }
         let connected = targets
             .iter()
             .map(|t| connected(model.stiffness(), model.mass(), t.dof, t.excitation))
@@ -252,34 +254,4 @@ impl Objective for AntiresonanceObjective {
             }
         }
     }
-}
-
-fn check_terms(model: &Model, parameters: &[Parameter]) -> Result<()> {
-    for (i, parameter) in parameters.iter().enumerate() {
-        let (terms, kind) = match parameter.quantity {
-            Quantity::MassFactor => (model.mass_terms(), "mass"),
-            _ => (model.stiffness_terms(), "stiffness"),
-        };
-        for &term in &parameter.terms {
-            if term >= terms.len() {
-                return Err(Error::input(
-                    format!("parameters[{i}]"),
-                    format!("{kind} term {term}"),
-                    format!("a term below {}", terms.len()),
-                ));
-            }
-        }
-        if parameter.terms.iter().all(|&t| terms[t].is_zero()) {
-            return Err(Error::input(
-                format!("parameters[{i}]"),
-                format!(
-                    "{kind} term(s) {:?}, which are zero in this model",
-                    parameter.terms
-                ),
-                "a parameter that changes the model",
-            )
-            .remedy("Give the spring or mass a nominal value, or leave the parameter out."));
-        }
-    }
-    Ok(())
 }

@@ -1,0 +1,150 @@
+//! K and M of a frame at a parameter vector: only the terms that changed are formed again.
+
+use faer::Mat;
+
+use super::Frame;
+use crate::fem::parameters::{Parameter, Quantity};
+use crate::fem::term::Term;
+
+/// A frame at a parameter vector, with its terms; the memory is reused from one vector to the next.
+///
+/// K and M are summed anew from all terms in their order. So they depend on the parameter vector alone, not on
+/// the one before, and are those of a model built with these values.
+#[derive(Debug, Clone)]
+pub struct Reform {
+    working: Frame,
+    stiffness: Terms,
+    mass: Terms,
+}
+
+/// Terms of one matrix as they are now.
+#[derive(Debug, Clone)]
+struct Terms {
+    now: Vec<Term>,
+    altered: Vec<bool>,
+    /// Whether the matrix differs from the nominal one.
+    matrix_altered: bool,
+}
+
+impl Reform {
+    /// The nominal state of `frame`, whose terms are `stiffness` and `mass`.
+    #[must_use]
+    pub fn new(frame: &Frame, stiffness: &[Term], mass: &[Term]) -> Self {
+        let terms = |terms: &[Term]| Terms {
+            now: terms.to_vec(),
+            altered: vec![false; terms.len()],
+            matrix_altered: false,
+        };
+        Self {
+            working: frame.clone(),
+            stiffness: terms(stiffness),
+            mass: terms(mass),
+        }
+    }
+
+    /// Forms both matrices at `x`: (nominal terms, factors on them, matrix) for stiffness and mass.
+    pub fn form(
+        &mut self,
+        nominal: &Frame,
+        parameters: &[Parameter],
+        x: &[f64],
+        stiffness: (&[Term], &[f64], &mut Mat<f64>),
+        mass: (&[Term], &[f64], &mut Mat<f64>),
+    ) {
+        if parameters
+            .iter()
+            .any(|p| matches!(p.quantity, Quantity::Property(..) | Quantity::Angle(_)))
+        {
+            self.working.reset_to(nominal);
+            self.working.apply(parameters, x);
+            let working = &self.working;
+            self.stiffness.refresh(
+                stiffness.0,
+                |i| working.stiffness_changed(nominal, i),
+                |i, term| working.form_stiffness(i, term),
+            );
+            self.mass.refresh(
+                mass.0,
+                |i| working.mass_changed(nominal, i),
+                |i, term| working.form_mass(i, term),
+            );
+        }
+        self.stiffness.sum(stiffness.1, stiffness.2);
+        self.mass.sum(mass.1, mass.2);
+    }
+}
+
+impl Terms {
+    fn refresh(
+        &mut self,
+        nominal: &[Term],
+        changed: impl Fn(usize) -> bool,
+        form: impl Fn(usize, &mut Term),
+    ) {
+        for (i, (term, altered)) in self.now.iter_mut().zip(&mut self.altered).enumerate() {
+            if changed(i) {
+                form(i, term);
+                *altered = true;
+            } else if *altered {
+                term.copy_from(&nominal[i]);
+                *altered = false;
+            }
+        }
+    }
+
+    fn sum(&mut self, factors: &[f64], matrix: &mut Mat<f64>) {
+        let altered = self.altered.contains(&true) || factors.iter().any(|f| *f != 1.0);
+        if !altered && !self.matrix_altered {
+            return;
+        }
+        self.matrix_altered = altered;
+        for term in &self.now {
+            term.clear_in(matrix);
+        }
+        for (term, &factor) in self.now.iter().zip(factors) {
+            term.add_to(matrix, factor);
+        }
+    }
+}
+
+impl Frame {
+    /// Brings back what [`Frame::apply`] can change.
+    fn reset_to(&mut self, nominal: &Self) {
+        let (now, then) = (&mut self.description, &nominal.description);
+        now.nodes_m.clone_from(&then.nodes_m);
+        now.sections.clone_from(&then.sections);
+        now.point_masses.clone_from(&then.point_masses);
+        now.ground_springs.clone_from(&then.ground_springs);
+        self.references.clone_from(&nominal.references);
+    }
+
+    fn stiffness_changed(&self, nominal: &Self, index: usize) -> bool {
+        let (now, then) = (&self.description, &nominal.description);
+        let Some(after_beams) = index.checked_sub(now.beams.len()) else {
+            return self.beam_changed(nominal, index);
+        };
+        match after_beams.checked_sub(now.ground_springs.len()) {
+            None => now.ground_springs[after_beams] != then.ground_springs[after_beams],
+            Some(after_ground) => self.moved(nominal, now.node_springs[after_ground].nodes),
+        }
+    }
+
+    fn mass_changed(&self, nominal: &Self, index: usize) -> bool {
+        let (now, then) = (&self.description, &nominal.description);
+        match index.checked_sub(now.beams.len()) {
+            None => self.beam_changed(nominal, index),
+            Some(lump) => now.point_masses[lump] != then.point_masses[lump],
+        }
+    }
+
+    fn beam_changed(&self, nominal: &Self, index: usize) -> bool {
+        let (now, then) = (&self.description, &nominal.description);
+        let beam = &now.beams[index];
+        now.sections[beam.section] != then.sections[beam.section] || self.moved(nominal, beam.nodes)
+    }
+
+    fn moved(&self, nominal: &Self, nodes: [usize; 2]) -> bool {
+        let (now, then) = (&self.description.nodes_m, &nominal.description.nodes_m);
+        nodes.iter().any(|&node| now[node] != then[node])
+    }
+}

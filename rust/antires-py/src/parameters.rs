@@ -1,0 +1,96 @@
+//! Parameters as Python gives them.
+
+use antires_core::error::{Error, Result};
+use antires_core::fem::bounds::check_bounds as check_core_bounds;
+use antires_core::fem::frame::{Angle, Property, Scale};
+use antires_core::fem::model::Model as CoreModel;
+use antires_core::fem::parameters::{Parameter, Quantity};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+
+use crate::doorway::{run, to_python};
+use crate::model::Model;
+
+/// (quantity, terms, relative, (pivot, axis) of an angle).
+pub type ParameterParts = (String, Vec<usize>, bool, Option<(usize, [f64; 3])>);
+
+/// Core parameters, checked against the model.
+pub fn core_parameters(model: &CoreModel, parts: Vec<ParameterParts>) -> Result<Vec<Parameter>> {
+    parts
+        .into_iter()
+        .enumerate()
+        .map(|(i, parts)| {
+            let name = format!("parameters[{i}]");
+            let parameter = parameter(&name, model, parts)?;
+            parameter.check(&name, model)?;
+            Ok(parameter)
+        })
+        .collect()
+}
+
+fn parameter(name: &str, model: &CoreModel, parts: ParameterParts) -> Result<Parameter> {
+    let (quantity, terms, relative, turn) = parts;
+    let scale = if relative {
+        Scale::Factor
+    } else {
+        Scale::Value
+    };
+    let quantity = match (quantity.as_str(), turn) {
+        ("stiffness_reduction", None) => Quantity::StiffnessReduction,
+        ("stiffness_factor", None) => Quantity::StiffnessFactor,
+        ("mass_factor", None) => Quantity::MassFactor,
+        ("youngs_modulus", None) => Quantity::Property(Property::YoungsModulus, scale),
+        ("density", None) => Quantity::Property(Property::Density, scale),
+        ("thickness", None) => Quantity::Property(Property::Thickness, scale),
+        ("diameter", None) => Quantity::Property(Property::Diameter, scale),
+        ("point_mass", None) => Quantity::Property(Property::Mass, scale),
+        ("inertia", None) => Quantity::Property(Property::Inertia, scale),
+        ("support_stiffness", None) => Quantity::Property(Property::SupportStiffness, scale),
+        ("angle", Some((pivot, axis))) => {
+            let Some(frame) = model.frame() else {
+                let got = "an angle for a model that is no frame";
+                return Err(Error::input(name, got, "a FrameModel"));
+            };
+            return Ok(Parameter {
+                quantity: Quantity::Angle(Angle { pivot, axis }),
+                terms: frame.downstream(&terms, pivot)?,
+            });
+        }
+        (quantity, _) => {
+            let got = format!("{quantity:?}");
+            return Err(Error::input("quantity", got, "a known parameter quantity"));
+        }
+    };
+    Ok(Parameter { quantity, terms })
+}
+
+/// Nominal value of each parameter (n,), NaN where one value stands for different ones.
+#[pyfunction]
+pub fn nominal_values<'py>(
+    py: Python<'py>,
+    model: &Model,
+    parameters: Vec<ParameterParts>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let parameters = core_parameters(&model.core, parameters).map_err(to_python)?;
+    let nominal: Vec<f64> = parameters
+        .iter()
+        .map(|p| p.nominal(&model.core).unwrap_or(f64::NAN))
+        .collect();
+    Ok(nominal.into_pyarray(py))
+}
+
+/// Refuses bounds (n,) within which the model is no structure.
+#[pyfunction]
+pub fn check_bounds(
+    py: Python<'_>,
+    model: &Model,
+    parameters: Vec<ParameterParts>,
+    lower: PyReadonlyArray1<'_, f64>,
+    upper: PyReadonlyArray1<'_, f64>,
+) -> PyResult<()> {
+    let (lower, upper) = (lower.as_array().to_vec(), upper.as_array().to_vec());
+    run(py, || {
+        let parameters = core_parameters(&model.core, parameters)?;
+        check_core_bounds(&model.core, &parameters, &lower, &upper)
+    })
+}
