@@ -8,7 +8,10 @@
 //!
 //! Everything runs with `Par::Seq`: parallelism belongs one level up, to the optimizer.
 
+pub mod banded;
 pub mod blocks;
+pub mod ordering;
 pub mod pencil;
 pub mod symmetric;
 pub mod tolerances;
+pub mod tridiagonal;
