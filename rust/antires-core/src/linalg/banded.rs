@@ -150,7 +150,11 @@ impl Banded {
         for j in (0..self.n).rev() {
             let column = self.column(j);
             let (head, below) = x[j..=j + self.half].split_at_mut(1);
-            let sum: f64 = column[1..].iter().zip(below.iter()).map(|(l, xi)| l * xi).sum();
+            let sum: f64 = column[1..]
+                .iter()
+                .zip(below.iter())
+                .map(|(l, xi)| l * xi)
+                .sum();
             head[0] = head[0] / column[0] - sum;
         }
     }
@@ -190,7 +194,13 @@ mod tests {
     fn solve_undoes_multiply() {
         let (n, half) = (17, 4);
         let mut a = Banded::new(n, half);
-        a.fill(|i, j| if i == j { 9.0 } else { ((3 * i + 5 * j) as f64).sin() });
+        a.fill(|i, j| {
+            if i == j {
+                9.0
+            } else {
+                ((3 * i + 5 * j) as f64).sin()
+            }
+        });
         let mut x = vec![0.0; n + half];
         for (i, v) in x[..n].iter_mut().enumerate() {
             *v = (i as f64).cos();

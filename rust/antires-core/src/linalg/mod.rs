@@ -10,6 +10,7 @@
 
 pub mod banded;
 pub mod blocks;
+pub mod krylov;
 pub mod ordering;
 pub mod pencil;
 pub mod symmetric;

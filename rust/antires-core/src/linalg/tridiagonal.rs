@@ -84,7 +84,10 @@ mod tests {
             v[j * n + j] = 1.0;
         }
         assert!(decompose(&mut d, &mut e, &mut v, n));
-        let scale = diagonal.iter().chain(off).fold(1e-300_f64, |m, x| m.max(x.abs()));
+        let scale = diagonal
+            .iter()
+            .chain(off)
+            .fold(1e-300_f64, |m, x| m.max(x.abs()));
         for j in 0..n {
             let y = &v[j * n..(j + 1) * n];
             for i in 0..n {
@@ -123,6 +126,9 @@ mod tests {
         check(&[1.0, 2.0, 3.0, 4.0], &[0.5, 0.0, 0.5]);
         check(&[0.0, 0.0], &[1.0]);
         let graded: Vec<f64> = (0..20).map(|j| 10.0_f64.powi(-j)).collect();
-        check(&graded, &graded[1..].iter().map(|x| 0.3 * x).collect::<Vec<_>>());
+        check(
+            &graded,
+            &graded[1..].iter().map(|x| 0.3 * x).collect::<Vec<_>>(),
+        );
     }
 }

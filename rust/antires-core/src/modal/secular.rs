@@ -14,7 +14,7 @@
 
 use super::bracket::root_in_cell;
 use super::enclosure::{Cell, Enclosure};
-use super::receptance::{NEGLIGIBLE_RESIDUE, Receptance};
+use super::receptance::Receptance;
 use super::tail::is_rootless;
 
 /// Upper end of an unbounded search, relative to the last pole.
@@ -197,9 +197,8 @@ impl Secular<'_> {
         };
         // At a pole that i or k does not see, the pencil has a root if the rest of H stands out there:
         // at a distance of residue / H, and the residue may be as large as what counts as negligible.
-        let largest = h.residues.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
         let hollow = |&l: &f64| {
-            let least = h.noise_and_slope(l).0 + NEGLIGIBLE_RESIDUE * largest / (ON_A_POLE * l);
+            let least = h.noise_and_slope(l).0 + h.negligible / (ON_A_POLE * l);
             l > 0.0 && least.is_finite() && h.value(l).abs() <= least
         };
         self.doubtful |= self.roots[start..].iter().any(drowned) || h.cancelled.iter().any(hollow);

@@ -1,0 +1,278 @@
+//! Poles of one excitation up to a limit, from band matrices, with the proof that none is missing.
+//!
+//! 1. [`Krylov`] gives H_ik for every i as partial fractions that are exact to rounding below the limit.
+//! 2. By Sylvester's law the inertia of K − xM counts all modes below the limit. Each of the poles found has
+//!    a residual far below its distance from the next, so if there are as many, they are the modes.
+//! 3. If there are more modes than poles, the load does not excite the others: a node at the excitation, or
+//!    a repeated eigenvalue, of which any load excites one combination only. They are sought in the
+//!    complement of those found, from a start of fixed pseudo-random numbers, until the count is met.
+//!
+//! What cannot be settled so is left to the dense solver.
+
+use std::sync::Arc;
+
+use faer::MatRef;
+
+use super::receptance::Receptance;
+use super::structure::Structure;
+use crate::linalg::banded::{Banded, count_below};
+use crate::linalg::krylov::{Krylov, Operator};
+
+/// Shift σ as a fraction of the limit in x. A small one separates the poles best, a large one keeps the
+/// digits of the lowest: at one tenth the digits of λ are lost to (λ + σ)/σ, eleven at most.
+const SHIFT: f64 = 0.1;
+
+/// Least pivot of M, relative to its diagonal, for which all directions have a mass.
+const LEAST_MASS: f64 = 1e-8;
+
+/// Residual, relative to θ, of a pole that counts as found. The eigenvalue is good to its square.
+const FOUND: f64 = 1e-6;
+
+/// Part of a mode in the load, relative to the largest, below which a pole that is not found is rounding.
+const UNSEEN: f64 = 1e-11;
+
+/// Relative distance from the limit at which a mode is neither below nor above it.
+const ON_THE_LIMIT: f64 = 1e-8;
+
+/// Modes and pseudo-modes as seen by one excitation.
+pub struct ReducedModes {
+    structure: Arc<Structure>,
+    stiffness: Banded,
+    mass: Banded,
+    shifted: Banded,
+    work: Banded,
+    krylov: Krylov,
+    second: Krylov,
+    sigma: f64,
+    limit: f64,
+    /// Eigenvalues below this are zero at working precision.
+    zero: f64,
+    /// For each pole up to the limit: whether it is a mode.
+    found: Vec<bool>,
+    /// Modes that the load does not excite: λ, and the vectors after those that it does.
+    hidden: Vec<f64>,
+    weighted: Vec<f64>,
+    vectors: Vec<f64>,
+    row: Vec<f64>,
+    solved: Option<(usize, f64, bool)>,
+}
+
+impl ReducedModes {
+    /// Reserves the memory.
+    #[must_use]
+    pub fn new(structure: Arc<Structure>) -> Self {
+        let band = Banded::new(structure.n_dof(), structure.half());
+        Self {
+            structure,
+            stiffness: band.clone(),
+            mass: band.clone(),
+            shifted: band.clone(),
+            work: band,
+            krylov: Krylov::default(),
+            second: Krylov::default(),
+            sigma: 0.0,
+            limit: 0.0,
+            zero: 0.0,
+            found: Vec::new(),
+            hidden: Vec::new(),
+            weighted: Vec::new(),
+            vectors: Vec::new(),
+            row: Vec::new(),
+            solved: None,
+        }
+    }
+
+    /// Takes K and M.
+    pub fn set_matrices(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) {
+        let structure = &self.structure;
+        let dof = |row| structure.dof(row);
+        self.stiffness.fill(|i, j| k[(dof(i), dof(j))]);
+        self.mass.fill(|i, j| m[(dof(i), dof(j))]);
+        self.solved = None;
+    }
+
+    /// Finds the poles up to `limit` of the excitation; false where the dense solver has to.
+    pub fn solve(&mut self, excitation: usize, limit: f64) -> bool {
+        match self.solved {
+            Some((k, x, well)) if k == excitation && x == limit => well,
+            _ => {
+                let well = self.try_solve(excitation, limit);
+                self.solved = Some((excitation, limit, well));
+                well
+            }
+        }
+    }
+
+    fn try_solve(&mut self, excitation: usize, limit: f64) -> bool {
+        let n = self.mass.n();
+        self.work.clone_from(&self.mass);
+        if !self.work.factorize_definite(LEAST_MASS) {
+            return false;
+        }
+        (self.limit, self.sigma) = (limit, SHIFT * limit);
+        self.shifted
+            .combine(&self.stiffness, self.sigma, &self.mass);
+        if !self.shifted.factorize_definite(0.0) {
+            return false;
+        }
+        let mut load = vec![0.0; n + self.mass.half()];
+        load[self.structure.row(excitation)] = 1.0;
+        let op = Operator {
+            shifted: &self.shifted,
+            mass: &self.mass,
+            outside: (&[], &[]),
+        };
+        if !self.krylov.grow(op, &load, limit + self.sigma, n) {
+            return false;
+        }
+        self.classify() && self.complete()
+    }
+
+    /// λ_j of a pole.
+    fn pole(&self, theta: f64) -> f64 {
+        theta.recip() - self.sigma
+    }
+
+    /// Tells the modes among the poles up to the limit.
+    fn classify(&mut self) -> bool {
+        let theta = self.krylov.theta();
+        let least = (self.limit + self.sigma).recip();
+        let strongest = (0..theta.len())
+            .map(|j| self.krylov.first(j).abs())
+            .fold(0.0, f64::max);
+        self.found.clear();
+        for (j, &t) in theta.iter().enumerate().take_while(|(_, t)| **t >= least) {
+            let found = self.krylov.residual(j) <= FOUND * t;
+            if !found && self.krylov.first(j).abs() > UNSEEN * strongest {
+                return false;
+            }
+            self.found.push(found);
+        }
+        self.weighted.clear();
+        self.vectors.clear();
+        let lowest = self.krylov.theta().first().copied().unwrap_or(0.0);
+        self.zero = 0.0;
+        for j in 0..self.found.len() {
+            // Rigid-body modes, whose λ is the rounding of K: a few lie lowest.
+            if self.found[j] && self.krylov.theta()[j] >= 0.5 * lowest && j < 6 {
+                self.krylov.vector(j, &mut self.weighted, &mut self.vectors);
+                let ulps = self.stiffness.absolute_form(&self.vectors);
+                self.zero = self.zero.max(16.0 * f64::EPSILON * ulps);
+                self.weighted.clear();
+                self.vectors.clear();
+            }
+        }
+        true
+    }
+
+    /// Meets the count of modes below the limit.
+    fn complete(&mut self) -> bool {
+        self.hidden.clear();
+        let poles = self.krylov.theta();
+        let near = |t: f64| (self.pole(t) - self.limit).abs() <= ON_THE_LIMIT * self.limit;
+        let mut cut = self.limit;
+        if poles.iter().any(|&t| near(t)) {
+            // Just above the mode that lies on the limit.
+            cut *= 1.0 + 4.0 * ON_THE_LIMIT;
+        }
+        let below = |t: &f64| *t >= (cut + self.sigma).recip();
+        let shown = poles
+            .iter()
+            .zip(&self.found)
+            .filter(|(t, f)| below(t) && **f)
+            .count();
+        let Some(count) = count_below(&self.stiffness, &self.mass, cut, &mut self.work) else {
+            return false;
+        };
+        if count <= shown {
+            return count == shown;
+        }
+        for j in 0..self.found.len() {
+            if self.found[j] {
+                self.krylov.vector(j, &mut self.weighted, &mut self.vectors);
+            }
+        }
+        let mut state = 1_u64;
+        while shown + self.hidden.len() < count {
+            let mut load = vec![0.0; self.mass.n() + self.mass.half()];
+            for x in &mut load[..self.mass.n()] {
+                // The 64-bit congruential generator of Knuth, MMIX.
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                *x = (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
+            }
+            let mut start = vec![0.0; load.len()];
+            self.mass.multiply(&load, &mut start);
+            start[self.mass.n()..].fill(0.0);
+            let op = Operator {
+                shifted: &self.shifted,
+                mass: &self.mass,
+                outside: (&self.weighted, &self.vectors),
+            };
+            let most = self.mass.n();
+            if !self.second.grow(op, &start, cut + self.sigma, most) {
+                return false;
+            }
+            let before = self.hidden.len();
+            for (j, &t) in self.second.theta().iter().enumerate() {
+                if below(&t) && self.second.residual(j) <= FOUND * t {
+                    self.hidden.push(t.recip() - self.sigma);
+                    self.second.vector(j, &mut self.weighted, &mut self.vectors);
+                }
+            }
+            if self.hidden.len() == before {
+                return false;
+            }
+        }
+        shown + self.hidden.len() == count
+    }
+
+    /// Eigenvalues and roots below this are zero at working precision.
+    #[must_use]
+    pub fn zero(&self) -> f64 {
+        self.zero
+    }
+
+    /// Forms the partial fractions between dof `i` and the excitation of the last [`solve`](Self::solve).
+    pub fn form(&mut self, i: usize, h: &mut Receptance) {
+        h.clear();
+        let krylov = &self.krylov;
+        krylov.row(self.structure.row(i), &mut self.row);
+        let (mut size_i, mut size_k, mut modes) = (0.0_f64, 0.0_f64, 0);
+        let top = (4.0 * (self.limit + self.sigma)).recip();
+        let largest_theta = krylov.theta()[0];
+        for (j, (&theta, &phi_i)) in krylov.theta().iter().zip(&self.row).enumerate() {
+            let strength = krylov.start_norm() * krylov.first(j);
+            if theta <= f64::EPSILON * largest_theta {
+                // So stiff that its term is constant in band.
+                h.constant += strength * phi_i;
+                continue;
+            }
+            let phi_k = strength / theta;
+            if theta >= top {
+                size_i = size_i.max(phi_i.abs());
+                size_k = size_k.max(phi_k.abs());
+            }
+            if j >= self.found.len() {
+                h.floor_error += (strength * phi_i).abs();
+            } else if !self.found[j] {
+                continue;
+            }
+            let lambda = self.pole(theta);
+            let lambda = if lambda.abs() <= self.zero {
+                0.0
+            } else {
+                lambda
+            };
+            h.add(lambda, phi_i * phi_k, 4.0 * f64::EPSILON * lambda.abs());
+            if j < self.found.len() {
+                modes = h.poles.len();
+            }
+        }
+        h.cancelled
+            .extend(self.hidden.iter().filter(|&&l| l <= self.limit));
+        h.floor_error = 4.0 * f64::EPSILON * (h.floor_error + h.constant.abs());
+        h.finish(self.mass.n(), modes, (size_i, size_k));
+    }
+}
