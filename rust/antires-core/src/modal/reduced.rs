@@ -31,6 +31,18 @@ const FOUND: f64 = 1e-6;
 /// Part of a mode in the load, relative to the largest, below which a pole that is not found is rounding.
 const UNSEEN: f64 = 1e-11;
 
+/// Rounding errors of Θ within which two poles are one.
+const REPEATED: f64 = 32.0;
+
+/// Relative distance of two poles from which on it is asked whether they are one.
+const CLOSE: f64 = 1e-6;
+
+/// Most rigid-body modes a structure has.
+const RIGID: usize = 6;
+
+/// Largest share of the modes below the limit for which a part of them costs less than all.
+const MOST_MODES: f64 = 0.35;
+
 /// Relative distance from the limit at which a mode is neither below nor above it.
 const ON_THE_LIMIT: f64 = 1e-8;
 
@@ -49,6 +61,7 @@ pub struct ReducedModes {
     zero: f64,
     /// For each pole up to the limit: whether it is a mode.
     found: Vec<bool>,
+    repeated: Vec<f64>,
     /// Modes that the load does not excite: λ, and the vectors after those that it does.
     hidden: Vec<f64>,
     weighted: Vec<f64>,
@@ -74,6 +87,7 @@ impl ReducedModes {
             limit: 0.0,
             zero: 0.0,
             found: Vec::new(),
+            repeated: Vec::new(),
             hidden: Vec::new(),
             weighted: Vec::new(),
             vectors: Vec::new(),
@@ -115,6 +129,10 @@ impl ReducedModes {
         if !self.shifted.factorize_definite(0.0) {
             return false;
         }
+        let few = |c| c as f64 <= MOST_MODES * n as f64;
+        if !count_below(&self.stiffness, &self.mass, limit, &mut self.work).is_some_and(few) {
+            return false;
+        }
         let mut load = vec![0.0; n + self.mass.half()];
         load[self.structure.row(excitation)] = 1.0;
         let op = Operator {
@@ -125,7 +143,11 @@ impl ReducedModes {
         if !self.krylov.grow(op, &load, limit + self.sigma, n) {
             return false;
         }
-        self.classify() && self.complete()
+        if !self.classify() {
+            return false;
+        }
+        self.tell_repeated();
+        self.complete()
     }
 
     /// λ_j of a pole.
@@ -148,21 +170,37 @@ impl ReducedModes {
             }
             self.found.push(found);
         }
+        self.zero = (0..self.found.len().min(RIGID))
+            .map(|j| 16.0 * self.ulps(j))
+            .fold(0.0, f64::max);
+        true
+    }
+
+    /// How far one ulp in each entry of K and M can move the eigenvalue of pole `j`.
+    fn ulps(&mut self, j: usize) -> f64 {
         self.weighted.clear();
         self.vectors.clear();
-        let lowest = self.krylov.theta().first().copied().unwrap_or(0.0);
-        self.zero = 0.0;
+        self.krylov.vector(j, &mut self.weighted, &mut self.vectors);
+        let lambda = self.pole(self.krylov.theta()[j]).abs();
+        let moved = self.stiffness.absolute_form(&self.vectors)
+            + lambda * self.mass.absolute_form(&self.vectors);
+        f64::EPSILON * moved
+    }
+
+    /// Notes how near each pole may come to the one below and still be the same, repeated.
+    fn tell_repeated(&mut self) {
+        self.repeated.clear();
         for j in 0..self.found.len() {
-            // Rigid-body modes, whose λ is the rounding of K: a few lie lowest.
-            if self.found[j] && self.krylov.theta()[j] >= 0.5 * lowest && j < 6 {
-                self.krylov.vector(j, &mut self.weighted, &mut self.vectors);
-                let ulps = self.stiffness.absolute_form(&self.vectors);
-                self.zero = self.zero.max(16.0 * f64::EPSILON * ulps);
-                self.weighted.clear();
-                self.vectors.clear();
+            let theta = self.krylov.theta();
+            let (s, largest) = (theta[j].recip(), theta[0]);
+            let mut tolerance = REPEATED * f64::EPSILON * s * s * largest;
+            if j > 0 && s - theta[j - 1].recip() <= CLOSE * s {
+                tolerance += 4.0 * self.ulps(j);
             }
+            self.repeated.push(tolerance);
         }
-        true
+        self.weighted.clear();
+        self.vectors.clear();
     }
 
     /// Meets the count of modes below the limit.
@@ -265,7 +303,11 @@ impl ReducedModes {
             } else {
                 lambda
             };
-            h.add(lambda, phi_i * phi_k, 4.0 * f64::EPSILON * lambda.abs());
+            h.add(
+                lambda,
+                phi_i * phi_k,
+                self.repeated.get(j).copied().unwrap_or(0.0),
+            );
             if j < self.found.len() {
                 modes = h.poles.len();
             }
