@@ -8,9 +8,9 @@
 //!
 //! Reference: Golub & Van Loan, Matrix Computations, 4th ed., sections 4.3 and 8.4.
 
-/// Growth of the factors, relative to the matrix, at which a count of signs is no longer trusted:
-/// rounding is then still below 1e-9 of the matrix.
-const LARGEST_GROWTH: f64 = 1e6;
+/// Growth of the factors, relative to the matrix, at which they are no longer trusted: rounding is then
+/// still below 1e-9 of the matrix.
+pub const LARGEST_GROWTH: f64 = 1e6;
 
 /// A symmetric band matrix, or its factors L (unit, below the diagonal) and D (on it).
 #[derive(Debug, Clone, Default)]

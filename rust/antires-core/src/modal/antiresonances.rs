@@ -29,6 +29,12 @@ use crate::linalg::symmetric::SymmetricSolver;
 /// Relative distance within which a pencil root is the cancelled one expected at a pole.
 const SAME_ROOT: f64 = 1e-6;
 
+/// Relative uncertainty of a root in x from which on it is doubtful.
+const DOUBTFUL_ROOT: f64 = 1e-9;
+
+/// Relative uncertainty of a root in x from which on it is polished on the matrices.
+const POLISHED_ROOT: f64 = 1e-10;
+
 /// How the roots are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Route {
@@ -69,6 +75,8 @@ pub struct AntiresonanceSolver {
     dense: Option<(SymmetricSolver, bool)>,
     /// Roots below this are zero at working precision.
     floor: f64,
+    /// Whether the receptance in hand is that of the band route.
+    by_reduced: bool,
     receptance: Receptance,
     lambda: Vec<f64>,
     scratch: Vec<f64>,
@@ -85,6 +93,7 @@ impl AntiresonanceSolver {
                 .then(|| ReducedModes::new(Arc::clone(structure))),
             dense: None,
             floor: 0.0,
+            by_reduced: false,
             receptance: Receptance::default(),
             lambda: Vec::new(),
             scratch: Vec::new(),
@@ -115,6 +124,7 @@ impl AntiresonanceSolver {
         {
             reduced.form(i, &mut self.receptance);
             self.floor = reduced.zero();
+            self.by_reduced = true;
             return Ok(());
         }
         let n = self.n;
@@ -126,6 +136,7 @@ impl AntiresonanceSolver {
             *current = true;
         }
         self.receptance.form(solver, i, k);
+        self.by_reduced = false;
         self.floor = 16.0 * solver.uncertainty(0.0);
         Ok(())
     }
@@ -163,11 +174,12 @@ impl AntiresonanceSolver {
             &mut self.lambda,
             &mut self.scratch,
         );
+        self.lambda.retain(|&x| x > floor);
+        let certain = certain && self.place_roots(i);
         if !certain && let Ok(settled) = self.pencil(matrices, i, k, query) {
             freq_hz.extend(settled);
             return Ok(true);
         }
-        self.lambda.retain(|&x| x > floor);
         if query.include_cancelled {
             let inside = |x: &&f64| **x > floor && **x <= ceiling;
             self.lambda
@@ -176,6 +188,30 @@ impl AntiresonanceSolver {
         }
         freq_hz.extend(self.lambda.iter().map(|&x| hertz(x)));
         Ok(true)
+    }
+
+    /// Compares what rounding of the series can move each root with its place, and mends what is too much on
+    /// the matrices themselves. False where that cannot be done.
+    fn place_roots(&mut self, i: usize) -> bool {
+        for x in &mut self.lambda {
+            let (noise, slope) = self.receptance.noise_and_slope(*x);
+            let mut moved = noise / slope.abs();
+            if let (Some(reduced), true) = (&mut self.reduced, self.by_reduced) {
+                moved += reduced.pole_error(*x);
+                if moved > POLISHED_ROOT * *x
+                    && let Some(better) = reduced.polish(i, *x, 16.0 * moved)
+                {
+                    *x = better;
+                    continue;
+                }
+            }
+            // NaN counts as doubtful.
+            if !(moved <= DOUBTFUL_ROOT * *x) {
+                return false;
+            }
+        }
+        self.lambda.sort_by(f64::total_cmp);
+        true
     }
 
     /// Pencil route: antiresonances (Hz) of H_ik up to `f_max_hz`, ascending.

@@ -15,7 +15,7 @@ use faer::MatRef;
 
 use super::receptance::Receptance;
 use super::structure::Structure;
-use crate::linalg::banded::{Banded, count_below};
+use crate::linalg::banded::{Banded, LARGEST_GROWTH, count_below};
 use crate::linalg::krylov::{Krylov, Operator};
 
 /// Shift σ as a fraction of the limit in x. A small one separates the poles best, a large one keeps the
@@ -42,6 +42,15 @@ const RIGID: usize = 6;
 
 /// Largest share of the modes below the limit for which a part of them costs less than all.
 const MOST_MODES: f64 = 0.35;
+
+/// Steps of a polish: from six digits two lead to the last.
+const NEWTON_STEPS: usize = 4;
+
+/// Relative step of a polish below which it is done.
+const POLISHED: f64 = 1e-12;
+
+/// Farthest that a polish may carry a root, relatively.
+const NEAR: f64 = 1e-5;
 
 /// Relative distance from the limit at which a mode is neither below nor above it.
 const ON_THE_LIMIT: f64 = 1e-8;
@@ -264,6 +273,49 @@ impl ReducedModes {
             }
         }
         shown + self.hidden.len() == count
+    }
+
+    /// Rounding error of the poles near x: that of Θ.
+    #[must_use]
+    pub fn pole_error(&self, x: f64) -> f64 {
+        4.0 * f64::EPSILON * (x + self.sigma).powi(2) * self.krylov.theta()[0]
+    }
+
+    /// The root of H_ik nearest to `x` within `reach`, by Newton's method on the matrices; none where there is
+    /// none, or where rounding spoils the factors of K − xM.
+    ///
+    /// ```text
+    /// H = e_iᵀu,  H' = wᵀMu,  (K − xM) u = e_k,  (K − xM) w = e_i
+    /// ```
+    pub fn polish(&mut self, i: usize, x: f64, reach: f64) -> Option<f64> {
+        let (k, ..) = self.solved?;
+        let (i, k) = (self.structure.row(i), self.structure.row(k));
+        let padded = self.mass.n() + self.mass.half();
+        let (mut u, mut w, mut mu) = (vec![0.0; padded], vec![0.0; padded], vec![0.0; padded]);
+        let mut at = x;
+        for _ in 0..NEWTON_STEPS {
+            self.work.combine(&self.stiffness, -at, &self.mass);
+            let (_, growth) = self.work.factorize();
+            if growth > LARGEST_GROWTH {
+                return None;
+            }
+            u.fill(0.0);
+            w.fill(0.0);
+            (u[k], w[i]) = (1.0, 1.0);
+            self.work.solve(&mut u);
+            self.work.solve(&mut w);
+            self.mass.multiply(&u, &mut mu);
+            let slope: f64 = w.iter().zip(&mu).map(|(a, b)| a * b).sum();
+            let step = -u[i] / slope;
+            at += step;
+            if !((at - x).abs() <= reach.min(NEAR * x)) {
+                return None;
+            }
+            if step.abs() <= POLISHED * at {
+                break;
+            }
+        }
+        Some(at)
     }
 
     /// Eigenvalues and roots below this are zero at working precision.
