@@ -70,3 +70,8 @@ NOISY_SEVERITY = 0.02
 # ---- interruption ----------------------------------------------------------------------------------
 #: Seconds from Ctrl-C to the end of the process: the bar is 1, doubled for slow machines.
 INTERRUPT_S = 2.0
+
+# ---- frames ---------------------------------------------------------------------------------------
+#: The promise: each root within max(PROMISE, PROMISE_ULPS times the shift of one ulp in K and M).
+PROMISE = 1e-9
+PROMISE_ULPS = 20.0

@@ -52,7 +52,16 @@ const POLISHED: f64 = 1e-12;
 /// Farthest that a polish may carry a root, relatively.
 const NEAR: f64 = 1e-5;
 
-/// Relative distance from the limit at which a mode is neither below nor above it.
+/// The modes are counted at the limit, or up to this part of it above, where the count is clear.
+const MARGIN: f64 = 0.02;
+
+/// Places of the count within the margin.
+const CUTS: [f64; 5] = [0.0, 0.37, 0.61, 0.84, 0.99];
+
+/// Distance of the count from the next pole, in rounding errors of the count.
+const CLEAR: f64 = 10.0;
+
+/// Least relative distance of the count from a pole.
 const ON_THE_LIMIT: f64 = 1e-8;
 
 /// Modes and pseudo-modes as seen by one excitation.
@@ -60,6 +69,9 @@ pub struct ReducedModes {
     structure: Arc<Structure>,
     stiffness: Banded,
     mass: Banded,
+    /// Power of two that brings each diagonal entry of M near one. It rounds nothing, gives translations and
+    /// rotations one unit, and scales H_ik by a factor, which moves no zero.
+    scale: Vec<f64>,
     shifted: Banded,
     work: Banded,
     krylov: Krylov,
@@ -88,6 +100,7 @@ impl ReducedModes {
             structure,
             stiffness: band.clone(),
             mass: band.clone(),
+            scale: Vec::new(),
             shifted: band.clone(),
             work: band,
             krylov: Krylov::default(),
@@ -109,8 +122,16 @@ impl ReducedModes {
     pub fn set_matrices(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) {
         let structure = &self.structure;
         let dof = |row| structure.dof(row);
-        self.stiffness.fill(|i, j| k[(dof(i), dof(j))]);
-        self.mass.fill(|i, j| m[(dof(i), dof(j))]);
+        self.scale.clear();
+        self.scale.extend((0..structure.n_dof()).map(|row| {
+            let mass = m[(dof(row), dof(row))];
+            (-0.5 * mass.log2()).round().exp2()
+        }));
+        let scale = &self.scale;
+        self.stiffness
+            .fill(|i, j| k[(dof(i), dof(j))] * scale[i] * scale[j]);
+        self.mass
+            .fill(|i, j| m[(dof(i), dof(j))] * scale[i] * scale[j]);
         self.solved = None;
     }
 
@@ -139,7 +160,7 @@ impl ReducedModes {
             return false;
         }
         let few = |c| c as f64 <= MOST_MODES * n as f64;
-        if !count_below(&self.stiffness, &self.mass, limit, &mut self.work).is_some_and(few) {
+        if !few(count_below(&self.stiffness, &self.mass, limit, &mut self.work).0) {
             return false;
         }
         let mut load = vec![0.0; n + self.mass.half()];
@@ -149,7 +170,10 @@ impl ReducedModes {
             mass: &self.mass,
             outside: (&[], &[]),
         };
-        if !self.krylov.grow(op, &load, limit + self.sigma, n) {
+        if !self
+            .krylov
+            .grow(op, &load, (1.0 + MARGIN) * limit + self.sigma, n)
+        {
             return false;
         }
         if !self.classify() {
@@ -167,7 +191,7 @@ impl ReducedModes {
     /// Tells the modes among the poles up to the limit.
     fn classify(&mut self) -> bool {
         let theta = self.krylov.theta();
-        let least = (self.limit + self.sigma).recip();
+        let least = ((1.0 + MARGIN) * self.limit + self.sigma).recip();
         let strongest = (0..theta.len())
             .map(|j| self.krylov.first(j).abs())
             .fold(0.0, f64::max);
@@ -212,25 +236,30 @@ impl ReducedModes {
         self.vectors.clear();
     }
 
+    /// A place at the limit or just above it, away from all poles, and the number of modes below it.
+    fn count(&mut self) -> Option<(f64, usize)> {
+        CUTS.iter().find_map(|c| {
+            let cut = (1.0 + c * MARGIN) * self.limit;
+            let distance = |&t: &f64| (self.pole(t) - cut).abs();
+            let room = self.krylov.theta().iter().map(distance).fold(cut, f64::min);
+            let (count, error) = count_below(&self.stiffness, &self.mass, cut, &mut self.work);
+            (CLEAR * error <= room && room > ON_THE_LIMIT * cut).then_some((cut, count))
+        })
+    }
+
     /// Meets the count of modes below the limit.
     fn complete(&mut self) -> bool {
         self.hidden.clear();
-        let poles = self.krylov.theta();
-        let near = |t: f64| (self.pole(t) - self.limit).abs() <= ON_THE_LIMIT * self.limit;
-        let mut cut = self.limit;
-        if poles.iter().any(|&t| near(t)) {
-            // Just above the mode that lies on the limit.
-            cut *= 1.0 + 4.0 * ON_THE_LIMIT;
-        }
+        let Some((cut, count)) = self.count() else {
+            return false;
+        };
         let below = |t: &f64| *t >= (cut + self.sigma).recip();
+        let poles = self.krylov.theta();
         let shown = poles
             .iter()
             .zip(&self.found)
             .filter(|(t, f)| below(t) && **f)
             .count();
-        let Some(count) = count_below(&self.stiffness, &self.mass, cut, &mut self.work) else {
-            return false;
-        };
         if count <= shown {
             return count == shown;
         }
@@ -258,7 +287,10 @@ impl ReducedModes {
                 outside: (&self.weighted, &self.vectors),
             };
             let most = self.mass.n();
-            if !self.second.grow(op, &start, cut + self.sigma, most) {
+            if !self
+                .second
+                .grow(op, &start, (1.0 + MARGIN) * self.limit + self.sigma, most)
+            {
                 return false;
             }
             let before = self.hidden.len();
