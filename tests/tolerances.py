@@ -85,3 +85,7 @@ BEAM_HZ = 1e-6
 SOFT_ZERO = 1e-9
 #: A tube found again from exact zeros, relative to its bounds' width: the search's own stop.
 FOUND_AGAIN = 1e-3
+# ---- frames ---------------------------------------------------------------------------------------
+#: The promise: each root within max(PROMISE, PROMISE_ULPS times the shift of one ulp in K and M).
+PROMISE = 1e-9
+PROMISE_ULPS = 20.0

@@ -9,8 +9,12 @@
 //!
 //! Everything runs with `Par::Seq`: parallelism belongs one level up, to the optimizer.
 
+pub mod banded;
 pub mod blocks;
 pub mod definite;
+pub mod krylov;
+pub mod ordering;
 pub mod pencil;
 pub mod symmetric;
 pub mod tolerances;
+pub mod tridiagonal;

@@ -12,11 +12,15 @@
 //! Source: Meruane, J. Sound Vib. 332 (2013) 807-820; D'Ambrogio & Fregolent, J. Sound Vib. 236
 //! (2000) 227-243.
 
+use std::sync::Arc;
+
 use faer::{Mat, MatRef};
 
 use super::modes::{eigenvalue, hertz};
 use super::receptance::Receptance;
+use super::reduced::ReducedModes;
 use super::secular;
+use super::structure::Structure;
 use crate::error::Result;
 use crate::fem::model::{Model, connected};
 use crate::linalg::pencil::real_eigenvalues;
@@ -24,6 +28,12 @@ use crate::linalg::symmetric::SymmetricSolver;
 
 /// Relative distance within which a pencil root is the cancelled one expected at a pole.
 const SAME_ROOT: f64 = 1e-6;
+
+/// Relative uncertainty of a root in x from which on it is doubtful.
+const DOUBTFUL_ROOT: f64 = 1e-9;
+
+/// Relative uncertainty of a root in x from which on it is polished on the matrices.
+const POLISHED_ROOT: f64 = 1e-10;
 
 /// How the roots are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,32 +64,81 @@ pub struct Antiresonances {
     pub identically_zero: bool,
 }
 
-/// Solver with its working memory; one symmetric eigenproblem serves every response.
+/// Solver with its working memory; one eigenproblem serves every response.
+///
+/// A slender structure with a limit in frequency is solved by [`ReducedModes`], all else, and what that
+/// leaves open, by the dense [`SymmetricSolver`].
 pub struct AntiresonanceSolver {
-    modes: SymmetricSolver,
+    n: usize,
+    reduced: Option<ReducedModes>,
+    /// Made when first needed, with whether it holds the matrices last set.
+    dense: Option<(SymmetricSolver, bool)>,
+    /// Roots below this are zero at working precision.
+    floor: f64,
+    /// Whether the receptance in hand is that of the band route.
+    by_reduced: bool,
     receptance: Receptance,
     lambda: Vec<f64>,
     scratch: Vec<f64>,
 }
 
 impl AntiresonanceSolver {
-    /// Reserves the memory for `n` degrees of freedom.
+    /// Reserves the memory for the models of one structure.
     #[must_use]
-    pub fn new(n: usize) -> Self {
+    pub fn new(structure: &Arc<Structure>) -> Self {
         Self {
-            modes: SymmetricSolver::new(n),
+            n: structure.n_dof(),
+            reduced: structure
+                .is_slender()
+                .then(|| ReducedModes::new(Arc::clone(structure))),
+            dense: None,
+            floor: 0.0,
+            by_reduced: false,
             receptance: Receptance::default(),
             lambda: Vec::new(),
             scratch: Vec::new(),
         }
     }
 
-    /// Solves the symmetric eigenproblem that the following queries share.
-    ///
-    /// # Errors
-    /// Those of [`SymmetricSolver::solve`].
-    pub fn set_matrices(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) -> Result<()> {
-        self.modes.solve(k, m)
+    /// Takes the matrices of the following queries.
+    pub fn set_matrices(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) {
+        if let Some(reduced) = &mut self.reduced {
+            reduced.set_matrices(k, m);
+        }
+        if let Some((_, current)) = &mut self.dense {
+            *current = false;
+        }
+    }
+
+    /// Forms the receptance between dofs `i` and `k`, exact up to the limit of the query.
+    fn form(
+        &mut self,
+        (k_mat, m_mat): (MatRef<'_, f64>, MatRef<'_, f64>),
+        i: usize,
+        k: usize,
+        query: &Query,
+    ) -> Result<()> {
+        if query.f_max_hz.is_finite()
+            && let Some(reduced) = &mut self.reduced
+            && reduced.solve(k, eigenvalue(query.f_max_hz))
+        {
+            reduced.form(i, &mut self.receptance);
+            self.floor = reduced.zero();
+            self.by_reduced = true;
+            return Ok(());
+        }
+        let n = self.n;
+        let (solver, current) = self
+            .dense
+            .get_or_insert_with(|| (SymmetricSolver::new(n), false));
+        if !*current {
+            solver.solve(k_mat, m_mat)?;
+            *current = true;
+        }
+        self.receptance.form(solver, i, k);
+        self.by_reduced = false;
+        self.floor = 16.0 * solver.uncertainty(0.0);
+        Ok(())
     }
 
     /// Antiresonances (Hz) of H_ik up to the limit of the query, appended to `freq_hz`; `matrices` are
@@ -88,7 +147,7 @@ impl AntiresonanceSolver {
     /// Where rounding leaves the modal route in doubt, the pencil decides.
     ///
     /// # Errors
-    /// Those of the pencil, if that is the route asked for.
+    /// Those of [`SymmetricSolver::solve`], and of the pencil if that is the route asked for.
     pub fn find(
         &mut self,
         matrices: (MatRef<'_, f64>, MatRef<'_, f64>),
@@ -97,7 +156,7 @@ impl AntiresonanceSolver {
         query: &Query,
         freq_hz: &mut Vec<f64>,
     ) -> Result<bool> {
-        self.receptance.form(&self.modes, i, k);
+        self.form(matrices, i, k, query)?;
         if query.route == Route::Pencil {
             freq_hz.extend(self.pencil(matrices, i, k, query)?);
             return Ok(true);
@@ -105,7 +164,7 @@ impl AntiresonanceSolver {
         if self.receptance.is_zero {
             return Ok(false);
         }
-        let floor = self.zero_root();
+        let floor = self.floor;
         let ceiling = eigenvalue(query.f_max_hz);
         self.lambda.clear();
         let certain = secular::roots(
@@ -115,11 +174,12 @@ impl AntiresonanceSolver {
             &mut self.lambda,
             &mut self.scratch,
         );
+        self.lambda.retain(|&x| x > floor);
+        let certain = certain && self.place_roots(i);
         if !certain && let Ok(settled) = self.pencil(matrices, i, k, query) {
             freq_hz.extend(settled);
             return Ok(true);
         }
-        self.lambda.retain(|&x| x > floor);
         if query.include_cancelled {
             let inside = |x: &&f64| **x > floor && **x <= ceiling;
             self.lambda
@@ -130,6 +190,30 @@ impl AntiresonanceSolver {
         Ok(true)
     }
 
+    /// Compares what rounding of the series can move each root with its place, and mends what is too much on
+    /// the matrices themselves. False where that cannot be done.
+    fn place_roots(&mut self, i: usize) -> bool {
+        for x in &mut self.lambda {
+            let (noise, slope) = self.receptance.noise_and_slope(*x);
+            let mut moved = noise / slope.abs();
+            if let (Some(reduced), true) = (&mut self.reduced, self.by_reduced) {
+                moved += reduced.pole_error(*x);
+                if moved > POLISHED_ROOT * *x
+                    && let Some(better) = reduced.polish(i, *x, 16.0 * moved)
+                {
+                    *x = better;
+                    continue;
+                }
+            }
+            // NaN counts as doubtful.
+            if !(moved <= DOUBTFUL_ROOT * *x) {
+                return false;
+            }
+        }
+        self.lambda.sort_by(f64::total_cmp);
+        true
+    }
+
     /// Pencil route: antiresonances (Hz) of H_ik up to `f_max_hz`, ascending.
     fn pencil(
         &self,
@@ -138,7 +222,7 @@ impl AntiresonanceSolver {
         k: usize,
         query: &Query,
     ) -> Result<Vec<f64>> {
-        let (floor, ceiling) = (self.zero_root(), eigenvalue(query.f_max_hz));
+        let (floor, ceiling) = (self.floor, eigenvalue(query.f_max_hz));
         let (k_ik, m_ik) = (deleted(k_mat, i, k), deleted(m_mat, i, k));
         let without = |gone: usize| {
             (0..k_mat.nrows())
@@ -164,11 +248,6 @@ impl AntiresonanceSolver {
         }
         Ok(x.into_iter().map(hertz).collect())
     }
-
-    /// Roots below this are zero at working precision.
-    fn zero_root(&self) -> f64 {
-        16.0 * self.modes.uncertainty(0.0)
-    }
 }
 
 /// Antiresonances of each response of a model.
@@ -186,8 +265,8 @@ pub fn antiresonances(
         model.check_dof("response", i)?;
     }
     let (k_mat, m_mat) = (model.stiffness(), model.mass());
-    let mut solver = AntiresonanceSolver::new(model.n_dof());
-    solver.set_matrices(k_mat, m_mat)?;
+    let mut solver = AntiresonanceSolver::new(&Arc::new(Structure::of(model)));
+    solver.set_matrices(k_mat, m_mat);
     let mut out = Vec::with_capacity(responses.len());
     for &i in responses {
         let mut found = Antiresonances::default();

@@ -168,7 +168,9 @@ impl Enclosure {
         ends.add::<1>(&mut value);
         Self {
             value,
-            noise: f64::EPSILON * h.constant.abs() + h.residue_error * (reciprocals + ends.reach()),
+            noise: f64::EPSILON * h.constant.abs()
+                + h.floor_error
+                + h.residue_error * (reciprocals + ends.reach()),
             slope: Range::about(a[1], spread[1]),
             curvature: Range::about(a[2], spread[2]),
             ends,

@@ -17,5 +17,7 @@ pub mod enclosure;
 pub mod frf;
 pub mod modes;
 pub mod receptance;
+pub mod reduced;
 pub mod secular;
+pub mod structure;
 pub mod tail;

@@ -9,7 +9,7 @@ use crate::linalg::symmetric::SymmetricSolver;
 
 /// Below this fraction of the largest residue a pole is cancelled. Measured gap: residues that
 /// vanish by symmetry come out below 1e-16, all others above 1e-8.
-pub const NEGLIGIBLE_RESIDUE: f64 = 1e-12;
+const NEGLIGIBLE_RESIDUE: f64 = 1e-12;
 
 /// Largest residue, relative to |φ_i||φ_k|, at which the whole receptance is zero at working precision.
 const IDENTICALLY_ZERO: f64 = 1e-14;
@@ -30,6 +30,10 @@ pub struct Receptance {
     pub cancelled: Vec<f64>,
     /// Absolute error to be expected of one residue.
     pub residue_error: f64,
+    /// Absolute error of the part of H that stands for the poles far above.
+    pub floor_error: f64,
+    /// Residue below which a pole is cancelled.
+    pub negligible: f64,
     /// True when nothing of H_ik is left at working precision.
     pub is_zero: bool,
 }
@@ -39,45 +43,66 @@ impl Receptance {
     pub fn form(&mut self, solver: &SymmetricSolver, i: usize, k: usize) {
         let (lambda, phi) = (solver.eigenvalues(), solver.vectors());
         let n = phi.nrows();
-        self.poles.clear();
-        self.residues.clear();
-        self.cancelled.clear();
+        self.clear();
         let (mut size_i, mut size_k) = (0.0_f64, 0.0_f64);
-        let mut group_start = 0;
         for r in 0..lambda.len() {
             let (a, b) = (phi[(i, r)], phi[(k, r)]);
             size_i = size_i.max(a.abs());
             size_k = size_k.max(b.abs());
-            let repeated = r > 0
-                && lambda[r] - lambda[r - 1]
-                    <= REPEATED * solver.uncertainty(lambda[r].abs().max(lambda[r - 1].abs()));
-            if repeated {
-                // The eigenspace adds m − 1 roots on the pole, whatever its residue.
-                self.cancelled.push(lambda[group_start]);
-                if let Some(c) = self.residues.last_mut() {
-                    *c += a * b;
-                }
-            } else {
-                group_start = r;
-                self.poles.push(lambda[r]);
-                self.residues.push(a * b);
-            }
+            self.add(
+                lambda[r],
+                a * b,
+                REPEATED * solver.uncertainty(lambda[r].abs()),
+            );
         }
         self.constant = (lambda.len()..n).map(|r| phi[(i, r)] * phi[(k, r)]).sum();
-        let scale = size_i * size_k;
-        let largest = self.residues.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
-        self.residue_error = n as f64 * f64::EPSILON * scale;
-        self.is_zero = largest <= IDENTICALLY_ZERO * scale && self.constant == 0.0;
-        self.drop_negligible(NEGLIGIBLE_RESIDUE * largest);
+        self.finish(n, self.poles.len(), (size_i, size_k));
         if self.constant.abs() <= self.residue_error {
             self.constant = 0.0;
         }
     }
 
-    fn drop_negligible(&mut self, threshold: f64) {
+    /// Empties the partial fractions.
+    pub fn clear(&mut self) {
+        self.poles.clear();
+        self.residues.clear();
+        self.cancelled.clear();
+        (self.constant, self.floor_error) = (0.0, 0.0);
+    }
+
+    /// Adds a mode, λ ascending; within `repeated` of the last it shares its pole.
+    pub fn add(&mut self, lambda: f64, residue: f64, repeated: f64) {
+        match (self.poles.last(), self.residues.last_mut()) {
+            (Some(&pole), Some(c)) if lambda - pole <= repeated => {
+                // The eigenspace adds m − 1 roots on the pole, whatever its residue.
+                self.cancelled.push(pole);
+                *c += residue;
+            }
+            _ => {
+                self.poles.push(lambda);
+                self.residues.push(residue);
+            }
+        }
+    }
+
+    /// Sets the cancelled ones of the lowest `modes` poles aside; the others stand for modes far above.
+    /// `size_i` and `size_k` are the largest entries of the modes at the two dofs.
+    pub fn finish(&mut self, n: usize, modes: usize, (size_i, size_k): (f64, f64)) {
+        let scale = size_i * size_k;
+        let of = if modes == 0 { self.poles.len() } else { modes };
+        let largest = self.residues[..of]
+            .iter()
+            .fold(0.0_f64, |m, c| m.max(c.abs()));
+        self.residue_error = n as f64 * f64::EPSILON * scale;
+        self.is_zero = largest <= IDENTICALLY_ZERO * scale && self.constant == 0.0;
+        self.negligible = NEGLIGIBLE_RESIDUE * largest;
+        self.drop_negligible(modes);
+    }
+
+    fn drop_negligible(&mut self, modes: usize) {
         let mut kept = 0;
         for r in 0..self.poles.len() {
-            if self.residues[r].abs() <= threshold {
+            if r < modes && self.residues[r].abs() <= self.negligible {
                 self.cancelled.push(self.poles[r]);
             } else {
                 self.poles[kept] = self.poles[r];
@@ -120,6 +145,6 @@ impl Receptance {
             reach += s.abs();
             slope += c * s * s;
         }
-        (self.residue_error * reach, slope)
+        (self.residue_error * reach + self.floor_error, slope)
     }
 }

@@ -14,7 +14,7 @@
 
 use super::bracket::root_in_cell;
 use super::enclosure::{Cell, Enclosure};
-use super::receptance::{NEGLIGIBLE_RESIDUE, Receptance};
+use super::receptance::Receptance;
 use super::tail::is_rootless;
 
 /// Upper end of an unbounded search, relative to the last pole.
@@ -31,9 +31,6 @@ const FAR_ORDER: usize = 10;
 /// model comes near.
 const MOST_CELLS: usize = 100_000;
 
-/// Relative uncertainty of a root in x from which on it is doubtful.
-const DOUBTFUL_ROOT: f64 = 1e-9;
-
 /// Relative distance in x within which a root lies on a pole; closer than the pencil's by a margin.
 const ON_A_POLE: f64 = 1e-7;
 
@@ -46,7 +43,7 @@ pub struct Secular<'a> {
 }
 
 /// Appends the roots of `h` in (low, high] to `roots`, ascending; `high` may be infinite. False when
-/// rounding leaves a doubt about the number or the place of a root.
+/// rounding leaves a doubt about the number of them. Their places are good to [`Receptance::noise_and_slope`].
 pub fn roots(
     h: &Receptance,
     low: f64,
@@ -99,7 +96,7 @@ pub fn roots(
             beyond_last,
         );
     }
-    search.check_uncertainty(start);
+    search.check_cancelled();
     let doubtful = search.doubtful;
     roots[start..].sort_by(f64::total_cmp);
     !doubtful
@@ -187,22 +184,16 @@ impl Secular<'_> {
         self.doubtful = true;
     }
 
-    /// Compares what rounding can move each root with its place, and looks whether H really vanishes on
-    /// the poles that are taken for cancelled ones.
-    fn check_uncertainty(&mut self, start: usize) {
+    /// Looks whether H really vanishes on the poles that are taken for cancelled ones.
+    fn check_cancelled(&mut self) {
         let h = self.h;
-        let drowned = |&x: &f64| {
-            let (noise, slope) = h.noise_and_slope(x);
-            noise > DOUBTFUL_ROOT * x.abs() * slope.abs()
-        };
         // At a pole that i or k does not see, the pencil has a root if the rest of H stands out there:
         // at a distance of residue / H, and the residue may be as large as what counts as negligible.
-        let largest = h.residues.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
         let hollow = |&l: &f64| {
-            let least = h.noise_and_slope(l).0 + NEGLIGIBLE_RESIDUE * largest / (ON_A_POLE * l);
+            let least = h.noise_and_slope(l).0 + h.negligible / (ON_A_POLE * l);
             l > 0.0 && least.is_finite() && h.value(l).abs() <= least
         };
-        self.doubtful |= self.roots[start..].iter().any(drowned) || h.cancelled.iter().any(hollow);
+        self.doubtful |= h.cancelled.iter().any(hollow);
     }
 }
 

@@ -1,9 +1,12 @@
 //! The antiresonance objective J(x).
 
+use std::sync::Arc;
+
 use crate::error::{Error, Result};
 use crate::fem::model::{Model, connected};
 use crate::fem::parameters::{Assembly, Parameter, Quantity};
 use crate::modal::antiresonances::{AntiresonanceSolver, Query, Route};
+use crate::modal::structure::Structure;
 use crate::optimize::Objective;
 
 use super::misfit::Misfit;
@@ -37,6 +40,7 @@ pub struct AntiresonanceObjective {
     penalty: Option<Penalty>,
     snap: f64,
     query: Query,
+    structure: Arc<Structure>,
     connected: Vec<bool>,
     weights: Vec<f64>,
 }
@@ -106,7 +110,9 @@ impl AntiresonanceObjective {
             .map(|t| connected(model.stiffness(), model.mass(), t.dof, t.excitation))
             .collect();
         let weights = vec![1.0; targets.iter().map(|t| t.freq_hz.len()).sum()];
+        let structure = Arc::new(Structure::of(&model));
         Ok(Self {
+            structure,
             model,
             parameters,
             targets,
@@ -184,7 +190,7 @@ impl AntiresonanceObjective {
     ) -> Result<()> {
         ws.assembly.form(&self.model, &self.parameters, x);
         ws.solver
-            .set_matrices(ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref())?;
+            .set_matrices(ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref());
         for (target, &connected) in self.targets.iter().zip(&self.connected) {
             ws.analytic_hz.clear();
             if connected && !target.freq_hz.is_empty() {
@@ -214,7 +220,7 @@ impl Objective for AntiresonanceObjective {
     fn workspace(&self) -> Workspace {
         Workspace {
             assembly: Assembly::new(&self.model),
-            solver: AntiresonanceSolver::new(self.model.n_dof()),
+            solver: AntiresonanceSolver::new(&self.structure),
             analytic_hz: Vec::with_capacity(self.model.n_dof()),
         }
     }

@@ -1,0 +1,155 @@
+"""The band route on frames: against SciPy's QZ, and against 50 digits. The full 200: benchmarks/frames_against_scipy.py."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+import antires_rs as ar
+from exact_roots import ExactPencil
+from random_frames import assemble, random_frame
+from random_models import Oracle, cancelled
+from tolerances import AGAINST_SCIPY, PROMISE, PROMISE_ULPS
+
+
+def band_hz(k_mat, m_mat, modes):
+    lam = scipy.linalg.eigvalsh(k_mat, m_mat)
+    return np.sqrt(0.3 * lam[modes - 1] + 0.7 * lam[modes]) / (2 * np.pi)
+
+
+def assert_promise(k_mat, m_mat, i, k, freq_hz):
+    """Each root within max(1e-9, 20 times the shift of one ulp) of the root of the assembled doubles."""
+    exact = ExactPencil(k_mat, m_mat)
+    for f in freq_hz:
+        error, ulp = exact.error(i, k, f)
+        assert abs(error) <= max(PROMISE, PROMISE_ULPS * ulp), (f, error, ulp)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_frames(seed):
+    rng = np.random.default_rng([5, seed])
+    k_mat, m_mat = random_frame(rng, most_dofs=110)
+    limit_hz = band_hz(k_mat, m_mat, int(rng.integers(5, 26)))
+    k = int(rng.integers(0, len(k_mat)))
+    responses = [k, *rng.integers(0, len(k_mat), 2).tolist()]
+    found = ar.MatrixModel(k_mat, m_mat).antiresonances(responses, k, f_max_hz=limit_hz)
+    for i, ours in zip(responses, found, strict=True):
+        roots = Oracle(k_mat, m_mat, i, k).freq_hz(0.0, (2 * np.pi * limit_hz) ** 2)
+        seen = roots[~cancelled(k_mat, m_mat, i, k, roots)]
+        assert ours.size == seen.size
+        sound = np.abs(ours / seen - 1.0) <= AGAINST_SCIPY
+        # Where QZ itself lost the digits, 50 of them speak for ours.
+        assert_promise(k_mat, m_mat, i, k, ours[~sound])
+        assert sound.mean() > 0.5 or not sound.size
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_every_root_keeps_the_promise(seed):
+    rng = np.random.default_rng([6, seed])
+    k_mat, m_mat = random_frame(rng, most_dofs=120)
+    limit_hz = band_hz(k_mat, m_mat, 15)
+    k, i = rng.integers(0, len(k_mat), 2).tolist()
+    assert_promise(k_mat, m_mat, i, k, ar.MatrixModel(k_mat, m_mat).antiresonances(i, k, f_max_hz=limit_hz))
+
+
+def straight(n_nodes, length=2.0):
+    """A straight free tube along x; axial and bending motion do not know of one another."""
+    nodes = np.column_stack([np.linspace(0, length, n_nodes), np.zeros(n_nodes)])
+    elements = [(j, j + 1) for j in range(n_nodes - 1)]
+    return assemble(nodes, elements, [(0.04, 0.002)] * len(elements))
+
+
+@pytest.mark.parametrize("method", ["modal", "pencil"])
+def test_a_symmetric_beam_driven_at_its_middle_hides_its_odd_modes(method):
+    k_mat, m_mat = straight(21)
+    model, middle = ar.MatrixModel(k_mat, m_mat), 3 * 10 + 1
+    bending = np.flatnonzero(np.arange(63) % 3 != 0)
+    lam, phi = scipy.linalg.eigh(*(a[np.ix_(bending, bending)] for a in (k_mat, m_mat)))
+    at_middle = np.abs(phi[list(bending).index(middle)])
+    limit_hz = 1500.0
+    hz = np.sqrt(np.maximum(lam, 0)) / (2 * np.pi)
+    odd = hz[(at_middle < 1e-6 * at_middle.max()) & (hz > 5) & (hz < limit_hz)]
+    plain = model.antiresonances(middle, middle, f_max_hz=limit_hz, method=method)
+    full = model.antiresonances(middle, middle, f_max_hz=limit_hz, method=method, include_cancelled=True)
+    lost = [f for f in odd if plain.size == 0 or np.abs(plain / f - 1).min() > 1e-6]
+    assert odd.size >= 2 and len(lost) == odd.size
+    for f in odd:
+        assert np.abs(full / f - 1).min() <= 1e-6
+
+
+def test_both_routes_agree_with_and_without_cancelled_roots_on_a_square_tube_of_repeated_modes():
+    """A straight space tube: every bending mode twice, axial and torsional motion apart."""
+    nodes = np.column_stack([np.linspace(0, 1.5, 12), np.zeros((12, 2))])
+    k_mat, m_mat = assemble(nodes, [(j, j + 1) for j in range(11)], [(0.04, 0.002)] * 11)
+    for d in (0, 1, 2, 3):
+        k_mat[d, d] += 4e3
+    model = ar.MatrixModel(k_mat, m_mat)
+    for i, k in ((7, 7), (1, 25), (61, 13)):
+        for flag in (False, True):
+            modal, pencil = (model.antiresonances(i, k, f_max_hz=900.0, method=m, include_cancelled=flag)
+                             for m in ("modal", "pencil"))
+            assert modal.size == pencil.size
+            np.testing.assert_allclose(modal, pencil, rtol=AGAINST_SCIPY)
+
+
+def tuned(masses, springs, rigid=False):
+    """A tube of 20 nodes with grounded oscillators hung on it: (node, kg, N/m) each."""
+    base_k, base_m = straight(20)
+    n = len(base_k)
+    k_mat, m_mat = np.zeros((n + len(masses), n + len(masses))), np.zeros((n + len(masses), n + len(masses)))
+    k_mat[:n, :n], m_mat[:n, :n] = base_k, base_m
+    if not rigid:
+        k_mat[1, 1] += 2e4
+        k_mat[n - 2, n - 2] += 3e4
+        k_mat[0, 0] += 1e5
+    for j, ((node, kg), spring) in enumerate(zip(masses, springs, strict=True)):
+        dof = 3 * node + 1
+        m_mat[n + j, n + j] = kg
+        k_mat[[n + j, dof], [n + j, dof]] += spring
+        k_mat[[n + j, dof], [dof, n + j]] -= spring
+    return k_mat, m_mat
+
+
+@pytest.mark.parametrize("gap", [1e-7, 1e-8])
+def test_two_zeros_closer_than_a_millionth_are_two(gap):
+    """Two absorbers on the driven dof: each is a zero of H_kk at its own frequency, a pole lies between."""
+    springs = [3e4, 3e4 * (1 + 2 * gap)]
+    k_mat, m_mat = tuned([(6, 0.5), (6, 0.5)], springs)
+    k = 3 * 6 + 1
+    found = ar.MatrixModel(k_mat, m_mat).antiresonances(k, k, f_max_hz=400.0)
+    want = np.sqrt(np.array(springs) / 0.5) / (2 * np.pi)
+    near = found[np.abs(found / want[0] - 1) < 1e-4]
+    assert near.size == 2
+    np.testing.assert_allclose(near, want, rtol=1e-9)
+
+
+def test_a_zero_beside_a_pole_is_found():
+    """A light absorber far from where it is felt: pole and zero agree to a part in a million."""
+    k_mat, m_mat = tuned([(15, 1e-6)], [1e-6 * (2 * np.pi * 60.0) ** 2])
+    lam = scipy.linalg.eigvalsh(k_mat, m_mat)
+    poles = np.sqrt(np.maximum(lam, 0)) / (2 * np.pi)
+    for i, k in ((3 * 6 + 1, 3 * 6 + 1), (3 * 6 + 1, 3 * 15 + 1), (3 * 15 + 1, 3 * 15 + 1)):
+        found = ar.MatrixModel(k_mat, m_mat).antiresonances(i, k, f_max_hz=300.0)
+        near = found[np.abs(found / 60.0 - 1) < 1e-3]
+        assert near.size == 1
+        assert np.abs(poles / near - 1).min() < 2e-5
+        assert_promise(k_mat, m_mat, i, k, found)
+
+
+def test_rigid_bodies_free_in_the_plane():
+    k_mat, m_mat = tuned([(6, 0.5)], [3e4], rigid=True)
+    for i, k in ((1, 1), (1, 58), (4, 31)):
+        found = ar.MatrixModel(k_mat, m_mat).antiresonances(i, k, f_max_hz=500.0)
+        roots = Oracle(k_mat, m_mat, i, k).freq_hz((2 * np.pi * 0.5) ** 2, (2 * np.pi * 500.0) ** 2)
+        seen = roots[~cancelled(k_mat, m_mat, i, k, roots)]
+        assert found.size == seen.size
+        assert_promise(k_mat, m_mat, i, k, found)
+
+
+def test_the_same_matrices_give_the_same_bits_whatever_was_asked_before():
+    rng = np.random.default_rng(3)
+    k_mat, m_mat = random_frame(rng, most_dofs=110)
+    model = ar.MatrixModel(k_mat, m_mat)
+    responses = list(range(0, 30, 3))
+    together = model.antiresonances(responses, 4, f_max_hz=800.0)
+    for i, freq in reversed(list(zip(responses, together, strict=True))):
+        np.testing.assert_array_equal(model.antiresonances(i, 4, f_max_hz=800.0), freq)
