@@ -14,4 +14,5 @@ pub mod chain;
 pub mod elements;
 pub mod model;
 pub mod parameters;
+pub mod slopes;
 pub mod term;

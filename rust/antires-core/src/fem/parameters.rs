@@ -23,6 +23,17 @@ pub enum Quantity {
     MassFactor,
 }
 
+impl Quantity {
+    /// The value at which a parameter leaves the model as it is.
+    #[must_use]
+    pub fn nominal(self) -> f64 {
+        match self {
+            Self::StiffnessReduction => 0.0,
+            Self::StiffnessFactor | Self::MassFactor => 1.0,
+        }
+    }
+}
+
 /// One scalar unknown and the terms it governs.
 #[derive(Debug, Clone)]
 pub struct Parameter {

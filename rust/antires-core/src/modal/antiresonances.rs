@@ -82,6 +82,12 @@ impl AntiresonanceSolver {
         self.modes.solve(k, m)
     }
 
+    /// The modes of the matrices last set.
+    #[must_use]
+    pub fn modes(&self) -> &SymmetricSolver {
+        &self.modes
+    }
+
     /// Antiresonances (Hz) of H_ik up to the limit of the query, appended to `freq_hz`; `matrices` are
     /// those last set. Returns false when H_ik is identically zero at working precision.
     ///

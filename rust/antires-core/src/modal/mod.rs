@@ -18,4 +18,5 @@ pub mod frf;
 pub mod modes;
 pub mod receptance;
 pub mod secular;
+pub mod sensitivities;
 pub mod tail;
