@@ -18,10 +18,10 @@ use super::super::outcome::Hooks;
 use super::{Point, Polish};
 
 /// Sizes to which a gene is raised, as fractions of its range.
-const SIZES: [f64; 6] = [0.08, 0.2, 0.36, 0.54, 0.72, 0.88];
+const SIZES: [f64; 7] = [0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.9];
 
 /// How many genes of a scan are followed up, and with how many steps at most.
-const FOLLOWED: usize = 3;
+const FOLLOWED: usize = 6;
 const FOLLOWED_STEPS: usize = 20;
 
 /// A gain counts where it exceeds this fraction of J.

@@ -146,14 +146,25 @@ impl Subproblem<'_> {
             .zip(self.price)
             .map(|(a, c)| a + c)
             .collect();
-        let extra = g.iter().map(|g| g.abs()).sum::<f64>() / n as f64 + f64::MIN_POSITIVE.sqrt();
+        // Room for both, in the unit of the cost over the width of the box.
+        let extra: Vec<f64> = (0..n)
+            .map(|j| room * (1 + m) as f64 / (n as f64 * (self.high[j] - self.low[j])))
+            .collect();
         Point {
             d,
             y,
             u,
             v,
-            z_low: g.iter().map(|g| g.max(0.0) + extra).collect(),
-            z_high: g.iter().map(|g| (-g).max(0.0) + extra).collect(),
+            z_low: g
+                .iter()
+                .zip(&extra)
+                .map(|(g, more)| g.max(0.0) + more)
+                .collect(),
+            z_high: g
+                .iter()
+                .zip(&extra)
+                .map(|(g, more)| (-g).max(0.0) + more)
+                .collect(),
         }
     }
 
