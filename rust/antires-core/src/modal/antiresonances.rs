@@ -121,10 +121,7 @@ impl AntiresonanceSolver {
             &mut self.lambda,
             &mut self.scratch,
         );
-        if !certain
-           
-            && let Ok(settled) = self.pencil(matrices, i, k, query)
-        {
+        if !certain && let Ok(settled) = self.pencil(matrices, i, k, query) {
             freq_hz.extend(settled);
             return Ok(true);
         }

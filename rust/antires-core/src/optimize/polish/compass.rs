@@ -15,15 +15,16 @@ use super::Point;
 const FIRST_STEP: f64 = 1.0 / 16.0;
 const LEAST_STEP: f64 = 1e-7;
 
-/// Brings `point` down, with at most about `allowance` evaluations; it never gets worse.
+/// Brings `point` down, with at most `limits` steps and about so many evaluations; it never
+/// gets worse.
 pub(super) fn descend<E: Evaluator>(
     point: &mut Point,
     composition: &Composition,
-    allowance: usize,
+    limits: (usize, usize),
     ledger: &mut Ledger<'_, E>,
     hooks: &mut Hooks<'_>,
 ) -> Result<(), Stop<E::Fault>> {
-    let end = ledger.evaluations.saturating_add(allowance);
+    let end = ledger.evaluations.saturating_add(limits.1);
     let (lower, upper) = (ledger.bounds.lower(), ledger.bounds.upper());
     let free: Vec<usize> = (0..point.x.len())
         .filter(|&gene| {
@@ -33,7 +34,10 @@ pub(super) fn descend<E: Evaluator>(
     let n = point.x.len();
     let (mut batch, mut costs) = (Vec::new(), Vec::new());
     let mut size = FIRST_STEP;
-    while size >= LEAST_STEP && ledger.evaluations < end && !free.is_empty() {
+    for _ in 0..limits.0 {
+        if size < LEAST_STEP || ledger.evaluations >= end || free.is_empty() {
+            break;
+        }
         batch.clear();
         for &gene in &free {
             for sign in [1.0, -1.0] {

@@ -13,7 +13,7 @@ use super::super::ledger::{Ledger, Stop};
 use super::super::objective::Evaluator;
 use super::super::outcome::Hooks;
 use super::Point;
-use super::step::Subproblem;
+use super::subproblem::Subproblem;
 
 /// First trust radius, as a fraction of each gene's range.
 const FIRST_RADIUS: f64 = 0.25;

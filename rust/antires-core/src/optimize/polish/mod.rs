@@ -9,13 +9,15 @@
 //!   derivative, and between neighbours that explain nearly the same data no path leads downhill.
 //!
 //! A polish is deterministic: it draws no random number. It may spend a number of evaluations on each
-//! point, all of them counted, and no point gets worse. What was settled once is remembered, so that
+//! point, all of them counted, and no point gets worse. What a move led to is remembered, so that
 //! islands that arrive at the same optimum do not pay for its neighbours again.
 
-mod compass;
-mod descent;
-mod moves;
-mod step;
+pub mod cholesky;
+pub mod compass;
+pub mod descent;
+pub mod moves;
+pub mod step;
+pub mod subproblem;
 
 use super::composition::Composition;
 use super::ledger::{Ledger, Stop};
@@ -50,8 +52,6 @@ impl Point {
 pub(super) struct Polish {
     composition: Composition,
     allowance: usize,
-    /// Optima whose neighbours are known to be no better.
-    settled: Vec<Point>,
     /// Points to which single genes have been added, and the best that came of it.
     scanned: Vec<moves::Scan>,
 }
@@ -72,7 +72,6 @@ impl Polish {
         composition.map(|composition| Self {
             composition,
             allowance: options.polish_evaluations,
-            settled: Vec::new(),
             scanned: Vec::new(),
         })
     }
@@ -128,8 +127,9 @@ impl Polish {
         if let Some(norm) = self.composition.norm {
             return descent::descend(points, norm, &self.composition, most_steps, ledger, hooks);
         }
+        let limits = (most_steps, self.allowance);
         points.iter_mut().try_for_each(|point| {
-            compass::descend(point, &self.composition, self.allowance, ledger, hooks)
+            compass::descend(point, &self.composition, limits, ledger, hooks)
         })
     }
 

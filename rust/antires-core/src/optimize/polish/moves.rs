@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! drop    one gene after another goes to its lower bound, as long as J falls
-//! add     every gene at rest is raised to a few sizes; the best few are brought down and dropped from
+//! add     every gene at rest is raised to a few sizes; from the best size of each a few steps are
+//!         taken, and the best few are brought all the way and dropped from
 //! swap    the same, after one of the raised genes was put to rest
 //! ```
 //!
@@ -17,21 +18,23 @@ use super::super::objective::Evaluator;
 use super::super::outcome::Hooks;
 use super::{Point, Polish};
 
-/// Sizes to which a gene is raised, as fractions of its range.
-const SIZES: [f64; 7] = [0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.9];
+/// Sizes to which a gene is raised, as fractions of its range. A stiffness that is nearly lost acts by
+/// what is left of it, so they are denser at the upper end.
+const SIZES: [f64; 6] = [0.12, 0.32, 0.52, 0.7, 0.82, 0.92];
 
-/// How many genes of a scan are followed up, and with how many steps at most.
-const FOLLOWED: usize = 6;
-const FOLLOWED_STEPS: usize = 20;
+/// How many genes of a scan are followed a few steps, and how many of those all the way: what a coarse
+/// size costs says little of what the right one will.
+const FOLLOWED: (usize, usize) = (40, 4);
+const FOLLOWED_FAR: (usize, usize) = (6, 20);
 
 /// A gain counts where it exceeds this fraction of J.
 const GAIN: f64 = 1e-7;
 
-/// What came of raising each gene of a point.
+/// What came of adding a gene to a point.
 pub(super) struct Scan {
     base: Vec<f64>,
-    /// The best size of each gene tried, cheapest first.
-    raised: Vec<Point>,
+    /// `None` where no gene was left to add.
+    best: Option<Point>,
 }
 
 impl Polish {
@@ -44,26 +47,13 @@ impl Polish {
     ) -> Result<(), Stop<E::Fault>> {
         let end = ledger.evaluations.saturating_add(self.allowance);
         self.prune(point, ledger, hooks)?;
-        loop {
-            if let Some(known) = self
-                .settled
-                .iter()
-                .find(|known| Self::same(ledger, &known.x, &point.x))
-            {
-                point.take(&known.x, known.cost);
-                return Ok(());
-            }
-            let Some(better) = self.neighbour(point, end, ledger, hooks)? else {
-                if ledger.evaluations < end {
-                    self.settled.push(point.clone());
-                }
-                return Ok(());
-            };
+        while let Some(better) = self.neighbour(point, end, ledger, hooks)? {
             *point = better;
         }
+        Ok(())
     }
 
-    /// The best point that adding or swapping a gene leads to, where it gains.
+    /// The best point that swapping or adding a gene leads to, where it gains.
     fn neighbour<E: Evaluator>(
         &mut self,
         point: &Point,
@@ -72,32 +62,21 @@ impl Polish {
         hooks: &mut Hooks<'_>,
     ) -> Result<Option<Point>, Stop<E::Fault>> {
         let lower = ledger.bounds.lower();
-        let raised: Vec<usize> = self.raised(&point.x, lower);
-        let without = |&gene: &usize| {
+        // Swaps first: they keep the count.
+        let mut bases: Vec<Vec<f64>> = Vec::new();
+        for gene in self.raised(&point.x, lower) {
             let mut base = point.x.clone();
             base[gene] = lower[gene];
-            base
-        };
-        // Swaps first where there is something to swap: they keep the count.
-        let bases: Vec<Vec<f64>> = raised
-            .iter()
-            .map(without)
-            .chain([point.x.clone()])
-            .collect();
+            bases.push(base);
+        }
+        bases.push(point.x.clone());
         for base in bases {
             if ledger.evaluations >= end {
                 return Ok(None);
             }
-            let scan = self.scan(base, ledger, hooks)?;
-            let mut tried = self.scanned[scan].raised[..].to_vec();
-            tried.truncate(FOLLOWED);
-            self.descend(&mut tried, FOLLOWED_STEPS, ledger, hooks)?;
-            for candidate in &mut tried {
-                self.prune(candidate, ledger, hooks)?;
-            }
-            let best = tried.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-            if let Some(best) = best.filter(|best| best.cost < point.cost - GAIN * point.cost.abs())
-            {
+            let best = self.scan(base, ledger, hooks)?;
+            let gains = |best: &Point| best.cost < point.cost - GAIN * point.cost.abs();
+            if let Some(best) = best.filter(gains) {
                 return Ok(Some(best));
             }
         }
@@ -111,59 +90,69 @@ impl Polish {
             .collect()
     }
 
-    /// Raises every sparse gene at rest of `base`; returns which of the scans tells what came of it.
+    /// The best that adding a gene to `base` leads to. What is known from an earlier scan is not computed
+    /// again: islands arrive at the same optima, and these have common neighbours.
     fn scan<E: Evaluator>(
         &mut self,
         base: Vec<f64>,
         ledger: &mut Ledger<'_, E>,
         hooks: &mut Hooks<'_>,
-    ) -> Result<usize, Stop<E::Fault>> {
-        if let Some(known) = self
-            .scanned
-            .iter()
-            .position(|scan| Self::same(ledger, &scan.base, &base))
-        {
-            return Ok(known);
+    ) -> Result<Option<Point>, Stop<E::Fault>> {
+        let known = |scan: &&Scan| Self::same(ledger, &scan.base, &base);
+        if let Some(scan) = self.scanned.iter().find(known) {
+            return Ok(scan.best.clone());
         }
+        let mut tried = self.additions(&base, ledger, hooks)?;
+        for (most, steps) in [FOLLOWED, FOLLOWED_FAR] {
+            // A stable sort: of equal costs the lower gene first.
+            tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            tried.truncate(most);
+            self.descend(&mut tried, steps, ledger, hooks)?;
+        }
+        for candidate in &mut tried {
+            self.prune(candidate, ledger, hooks)?;
+        }
+        let best = tried.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        self.scanned.push(Scan {
+            base,
+            best: best.clone(),
+        });
+        Ok(best)
+    }
+
+    /// `base` with each sparse gene at rest raised to the best of a few sizes.
+    fn additions<E: Evaluator>(
+        &self,
+        base: &[f64],
+        ledger: &mut Ledger<'_, E>,
+        hooks: &mut Hooks<'_>,
+    ) -> Result<Vec<Point>, Stop<E::Fault>> {
         let (lower, upper) = (ledger.bounds.lower(), ledger.bounds.upper());
-        let resting: Vec<usize> = (0..base.len())
-            .filter(|&gene| {
-                self.composition.sparse[gene]
-                    && base[gene] == lower[gene]
-                    && upper[gene] > lower[gene]
-            })
-            .collect();
         let (mut batch, mut costs) = (Vec::new(), Vec::new());
-        for &gene in &resting {
+        for gene in (0..base.len()).filter(|&gene| self.composition.sparse[gene]) {
+            if base[gene] > lower[gene] || lower[gene] == upper[gene] {
+                continue;
+            }
             for size in SIZES {
-                let mut trial = base.clone();
+                let mut trial = base.to_vec();
                 trial[gene] = lower[gene] + size * (upper[gene] - lower[gene]);
                 ledger.repair(&mut trial);
                 batch.extend(trial);
             }
         }
         ledger.all_costs(&batch, &mut costs, hooks)?;
-        let candidates: Vec<Point> = batch
-            .chunks_exact(base.len())
-            .zip(&costs)
-            .map(|(x, &cost)| Point {
-                x: x.to_vec(),
-                cost,
-            })
-            .collect();
-        let mut raised: Vec<Point> = candidates
-            .chunks_exact(SIZES.len())
-            .filter_map(|sizes| {
-                sizes
-                    .iter()
-                    .min_by(|a, b| a.cost.total_cmp(&b.cost))
-                    .cloned()
-            })
-            .collect();
-        // A stable sort: of equal costs the lower gene first.
-        raised.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        self.scanned.push(Scan { base, raised });
-        Ok(self.scanned.len() - 1)
+        let genes = batch.chunks_exact(base.len() * SIZES.len());
+        let best = |(sizes, costs): (&[f64], &[f64])| {
+            let mut best = Point {
+                x: sizes[..base.len()].to_vec(),
+                cost: costs[0],
+            };
+            for (x, &cost) in sizes.chunks_exact(base.len()).zip(costs) {
+                best.take(x, cost);
+            }
+            best
+        };
+        Ok(genes.zip(costs.chunks_exact(SIZES.len())).map(best).collect())
     }
 
     /// Drops raised genes as long as that lowers J, each time followed by a descent of the rest.
@@ -185,24 +174,30 @@ impl Polish {
                 batch.extend(trial);
             }
             ledger.all_costs(&batch, &mut costs, hooks)?;
+            let before = point.cost;
+            let mut trial = point.x.clone();
+            for (row, &cost) in batch.chunks_exact(n).zip(&costs) {
+                point.take(row, cost);
+            }
+            // The cheapest to lose, then that and the next, and so on: many may go at once.
             let mut order: Vec<usize> = (0..raised.len()).collect();
             order.sort_by(|&a, &b| costs[a].total_cmp(&costs[b]));
-            // The cheapest to lose, then that and the next, and so on: many may go at once.
-            let mut trial = point.x.clone();
             batch.clear();
-            for &i in &order {
+            for (nth, &i) in order.iter().enumerate() {
                 trial[raised[i]] = lower[raised[i]];
-                batch.extend_from_slice(&trial);
+                // The first alone was among the single drops.
+                if nth > 0 {
+                    batch.extend_from_slice(&trial);
+                }
             }
             ledger.all_costs(&batch, &mut costs, hooks)?;
-            let before = point.cost;
             for (row, &cost) in batch.chunks_exact(n).zip(&costs) {
                 point.take(row, cost);
             }
             if point.cost >= before {
                 return Ok(());
             }
-            self.descend(std::slice::from_mut(point), FOLLOWED_STEPS, ledger, hooks)?;
+            self.descend(std::slice::from_mut(point), FOLLOWED_FAR.1, ledger, hooks)?;
         }
     }
 }

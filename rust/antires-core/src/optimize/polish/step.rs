@@ -19,30 +19,17 @@
 //! S. Mehrotra, SIAM J. Optim. 2 (1992) 575-601.
 
 use super::super::composition::Norm;
+use super::cholesky::Factor;
+use super::subproblem::Subproblem;
 
 /// Most iterations; some 15 are typical.
 const MOST_ITERATIONS: usize = 50;
 
-/// Duality gap, relative to the cost at the start, at which the step is found.
-const GAP: f64 = 1e-10;
+/// Duality gap, relative to the cost at the start, at which the step is found: squares count as such.
+const GAP: (f64, f64) = (1e-10, 1e-18);
 
 /// A component this near to a bound, relative to the box, lies on it.
 const ON_BOUND: f64 = 1e-7;
-
-/// The model and its box.
-pub(super) struct Subproblem<'a> {
-    pub(super) norm: Norm,
-    /// e, m of them.
-    pub(super) residuals: &'a [f64],
-    /// A, m x n, row by row.
-    pub(super) jacobian: &'a [f64],
-    /// c, n of them.
-    pub(super) price: &'a [f64],
-    /// Lower ends of the box; each below its upper end.
-    pub(super) low: &'a [f64],
-    /// Upper ends of the box.
-    pub(super) high: &'a [f64],
-}
 
 /// The iterate.
 struct Point {
@@ -57,44 +44,22 @@ struct Point {
 }
 
 /// A direction for each part of the [`Point`].
-#[derive(Default)]
-struct Direction {
-    d: Vec<f64>,
-    y: Vec<f64>,
-    u: Vec<f64>,
-    v: Vec<f64>,
-    z_low: Vec<f64>,
-    z_high: Vec<f64>,
-}
+type Direction = Point;
 
 impl Subproblem<'_> {
-    /// The value of the model at `d`, without the price of the point the step starts from.
-    pub(super) fn value(&self, d: &[f64]) -> f64 {
-        let norm: f64 = self
-            .residuals
-            .iter()
-            .zip(self.times(d))
-            .map(|(e, change)| match self.norm {
-                Norm::Absolute => (e + change).abs(),
-                Norm::Squared => (e + change).powi(2),
-            })
-            .sum();
-        norm + dot(self.price, d)
-    }
-
     /// The step; inside the box, to the tolerance of the gap.
     pub(super) fn solve(&self) -> Vec<f64> {
         let mut at = self.start();
         let n = at.d.len();
-        let products = match self.norm {
-            Norm::Absolute => 2 * (at.u.len() + n),
-            Norm::Squared => 2 * n,
+        let (products, tolerance) = match self.norm {
+            Norm::Absolute => (2 * (at.u.len() + n), GAP.0),
+            Norm::Squared => (2 * n, GAP.1),
         };
-        let scale = self.value(&vec![0.0; n]).abs().max(f64::MIN_POSITIVE);
+        let value = self.value(&vec![0.0; n]).abs();
         let mut last_gap = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
             let gap = self.gap(&at, None);
-            if gap <= GAP * scale || gap >= last_gap * 0.999 {
+            if gap <= tolerance * value || gap >= last_gap * 0.999 {
                 break;
             }
             last_gap = gap;
@@ -302,25 +267,6 @@ impl Subproblem<'_> {
         length
     }
 
-    /// A d.
-    fn times(&self, d: &[f64]) -> Vec<f64> {
-        self.jacobian
-            .chunks_exact(d.len())
-            .map(|row| dot(row, d))
-            .collect()
-    }
-
-    /// Aᵀ y.
-    fn transposed_times(&self, y: &[f64]) -> Vec<f64> {
-        let n = self.low.len();
-        let mut sum = vec![0.0; n];
-        for (row, &y) in self.jacobian.chunks_exact(n).zip(y) {
-            for (sum, a) in sum.iter_mut().zip(row) {
-                *sum += y * a;
-            }
-        }
-        sum
-    }
 }
 
 impl Point {
@@ -341,44 +287,80 @@ impl Point {
     }
 }
 
-/// L of a positive definite matrix L Lᵀ, row by row.
-struct Factor {
-    n: usize,
-    l: Vec<f64>,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl Factor {
-    /// `None` where the matrix is not positive definite at working precision.
-    fn of(mut a: Vec<f64>, n: usize) -> Option<Self> {
-        for j in 0..n {
-            for i in j..n {
-                let done: f64 = (0..j).map(|k| a[i * n + k] * a[j * n + k]).sum();
-                let rest = a[i * n + j] - done;
-                a[i * n + j] = if i > j {
-                    rest / a[j * n + j]
-                } else if rest > 0.0 && rest.is_finite() {
-                    rest.sqrt()
-                } else {
-                    return None;
-                };
+    fn solve(norm: Norm, e: &[f64], a: &[f64], price: &[f64], reach: f64) -> Vec<f64> {
+        let (low, high) = (vec![-reach; price.len()], vec![reach; price.len()]);
+        let problem = Subproblem {
+            norm,
+            residuals: e,
+            jacobian: a,
+            price,
+            low: &low,
+            high: &high,
+        };
+        problem.solve()
+    }
+
+    #[test]
+    fn one_unknown_goes_to_the_median_the_mean_or_the_end_of_the_box() {
+        let (e, ones) = ([3.0, -1.0, 10.0, 2.0, 4.0], [1.0; 5]);
+        let at = |norm, price, reach| solve(norm, &e, &ones, &[price], reach)[0];
+        assert!((at(Norm::Absolute, 0.0, 20.0) + 3.0).abs() < 1e-8);
+        // Σ (e + d)² + c d: d = −mean − c / 10.
+        assert!((at(Norm::Squared, 5.0, 20.0) + 3.6 + 0.5).abs() < 1e-8);
+        // Σ |e + d| + 2 d turns where one is above and three are below.
+        assert!((at(Norm::Absolute, 2.0, 20.0) + 4.0).abs() < 1e-8);
+        for norm in [Norm::Absolute, Norm::Squared] {
+            assert_eq!(at(norm, 0.0, 1.0), -1.0);
+        }
+    }
+
+    #[test]
+    fn a_consistent_system_is_solved_whatever_the_flat_directions() {
+        // Twelve residuals of four unknowns, the last two of which act as one.
+        let a: Vec<f64> = (0..12)
+            .flat_map(|i| {
+                let at = |k: f64| (k * f64::from(i) + 0.3 * k).sin();
+                [at(0.7), at(1.9), at(0.4), at(0.4)]
+            })
+            .collect();
+        let truth = [0.3, -0.2, 0.15, 0.1];
+        let e: Vec<f64> = a.chunks_exact(4).map(|row| -row.iter().zip(truth).map(|(a, x)| a * x).sum::<f64>()).collect();
+        for norm in [Norm::Absolute, Norm::Squared] {
+            let d = solve(norm, &e, &a, &[0.0; 4], 1.0);
+            assert!((d[0] - 0.3).abs() < 1e-6 && (d[1] + 0.2).abs() < 1e-6, "{d:?}");
+            assert!((d[2] + d[3] - 0.25).abs() < 1e-6, "{d:?}");
+        }
+    }
+
+    #[test]
+    fn no_neighbour_of_a_step_is_better() {
+        let a: Vec<f64> = (0..40).map(|i| (1.7 * f64::from(i * i)).cos()).collect();
+        let e: Vec<f64> = (0..10).map(|i| (2.9 * f64::from(i)).sin()).collect();
+        let price = [0.1, 0.3, 0.0, -0.2];
+        for (norm, reach) in [(Norm::Absolute, 0.2), (Norm::Absolute, 5.0), (Norm::Squared, 5.0)] {
+            let (low, high) = ([-reach; 4], [reach; 4]);
+            let problem = Subproblem {
+                norm,
+                residuals: &e,
+                jacobian: &a,
+                price: &price,
+                low: &low,
+                high: &high,
+            };
+            let d = problem.solve();
+            let best = problem.value(&d);
+            for k in 0..200 {
+                let mut near = d.clone();
+                for (j, x) in near.iter_mut().enumerate() {
+                    let shift = 1e-3 * (f64::from(k) * 1.3 + 2.1 * j as f64).sin();
+                    *x = (*x + shift).clamp(-reach, reach);
+                }
+                assert!(problem.value(&near) >= best - 1e-9, "{norm:?} {reach}");
             }
         }
-        Some(Self { n, l: a })
     }
-
-    fn solve(&self, b: &mut [f64]) {
-        let (n, l) = (self.n, &self.l);
-        for i in 0..n {
-            let done: f64 = (0..i).map(|k| l[i * n + k] * b[k]).sum();
-            b[i] = (b[i] - done) / l[i * n + i];
-        }
-        for i in (0..n).rev() {
-            let done: f64 = (i + 1..n).map(|k| l[k * n + i] * b[k]).sum();
-            b[i] = (b[i] - done) / l[i * n + i];
-        }
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
