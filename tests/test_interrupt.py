@@ -23,7 +23,7 @@ import signal, sys, threading, numpy as np, antires_rs as ar
 signal.signal(signal.SIGINT, signal.default_int_handler)
 case = ar.cases.chain8(perturbation=0.08, rng=0)
 problem = case.updating_problem()
-endless = ar.IslandGA(patience=10**9, max_evaluations=10**15)  # no island ever waits
+endless = ar.IslandGA(patience=10**9, polish_interval=10**9, max_evaluations=10**15)  # no island ever waits
 started = []
 def announce(state):
     if state["nit"] >= 5 and not started:
@@ -102,7 +102,7 @@ def test_progress_ends_its_line_when_interrupted():
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_time_limit_ends_a_search_with_its_best_so_far(workers):
     case = ar.cases.chain8(perturbation=0.08, rng=0)
-    endless = ar.IslandGA(patience=10**9, max_evaluations=10**15, max_seconds=0.3)
+    endless = ar.IslandGA(patience=10**9, polish_interval=10**9, max_evaluations=10**15, max_seconds=0.3)
     start = time.monotonic()
     result = ar.update(case.updating_problem(), optimizer=endless, rng=0, workers=workers)
     assert time.monotonic() - start < 0.3 + INTERRUPT_S

@@ -242,3 +242,31 @@ def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
 def test_an_objective_without_any_finite_cost_is_refused():
     with pytest.raises(ar.ObjectiveError, match="no finite cost"):
         ar.IslandGA().minimize(lambda x: float("nan"), [(0, 1)] * 2, rng=0)
+
+
+def test_a_polish_is_asked_for_with_a_truth_value():
+    options = ar.IslandGA().options
+    assert (options["polish"], options["polish_interval"], options["polish_evaluations"]) == (None, 10, 1000)
+    assert ar.IslandGA(polish=False).options["polish"] is False
+    with pytest.raises(ar.InvalidInputError, match="polish"):
+        ar.IslandGA(polish="yes")
+    with pytest.raises(ar.InvalidInputError, match="polish_interval"):
+        ar.IslandGA(polish_interval=0)
+
+
+def test_a_polished_function_reaches_its_minimum_to_more_digits():
+    plain = ar.IslandGA(**SHORT).minimize(sphere, BOX, rng=0)
+    polished = ar.IslandGA(**SHORT, polish=True).minimize(sphere, BOX, rng=0)
+    assert polished.fun < min(1e-10, plain.fun)
+    assert polished.nfev <= SHORT["max_evaluations"]
+
+
+def test_a_polished_function_has_exact_zeros():
+    """One damage of seven, each further one to be paid for."""
+    def penalised(x):
+        misfit = np.abs(x - np.array([0, 0, 0.55, 0, 0, 0, 0])).sum()
+        return float(misfit + 0.1 * x.sum() + 0.1 * np.count_nonzero(x))
+
+    result = ar.IslandGA(polish=True, max_evaluations=6000).minimize(penalised, [(0, 0.99)] * 7, rng=0)
+    np.testing.assert_allclose(result.x, [0, 0, 0.55, 0, 0, 0, 0], atol=1e-5)
+    assert np.count_nonzero(result.x) == 1

@@ -94,7 +94,8 @@ class IslandGA:
     heuristic, BLX-0.5, uniform, in turn), mutates genes to a bound or anywhere, and never loses its
     best. An island that finds nothing better for ``patience`` generations waits; when all wait they
     compare their bests, and stop or exchange them with their ring neighbours (best out, worst
-    replaced). Parameters not given take the defaults of the Rust core, shown by ``.options``.
+    replaced). Where the objective allows, a local search polishes the bests before they are compared;
+    ``IslandGA(polish=False)`` leaves it out. Parameters not given take the defaults of the Rust core, shown by ``.options``.
 
     Parameters
     ----------
@@ -121,6 +122,17 @@ class IslandGA:
     cost_tolerance, cost_floor, cost_migrations : float, float, int
         Bests agree in cost within ``cost_tolerance`` (1e-6, relative) plus ``cost_floor`` at
         ``cost_migrations`` (3) migrations in a row.
+    polish : bool, optional
+        Local search from the nominal model and from the islands' bests. By default where the objective
+        tells how it is composed, as an :class:`UpdatingProblem` does and a plain function does not:
+        sequential linear programming with analytic sensitivities on the parameters, and moves that drop,
+        add or exchange single damages, which a count of damages needs. ``True`` polishes plain functions
+        too, without derivatives; variables with lower bound 0 may then be dropped and exchanged.
+        ``False`` is the paper's algorithm.
+    polish_interval : int, default 10
+        Generations after which the islands meet when their bests are polished, even if not all wait.
+    polish_evaluations : int, default 1000
+        Evaluations after which the polish of one point begins no new move; all count in ``nfev``.
     max_evaluations : int, default 200000
         Budget of evaluations, never exceeded.
     max_generations : int, optional
@@ -308,7 +320,8 @@ class _batch:
 _MOST_WORKERS = 1024
 #: Largest count that the core can hold.
 _MOST = 2**63 - 1
-_INTEGERS = {"islands", "population", "patience", "cost_migrations", "max_evaluations", "max_generations"}
+_INTEGERS = {"islands", "population", "patience", "cost_migrations", "polish_interval",
+             "polish_evaluations", "max_evaluations", "max_generations"}
 
 
 def _check_option_type(name: str, value: Any) -> None:
@@ -318,6 +331,9 @@ def _check_option_type(name: str, value: Any) -> None:
             integer(name, value, low=0, high=_MOST)
     elif name == "agreement":
         _texts(name, [value])
+    elif name == "polish":
+        if value is not None and not isinstance(value, bool):
+            reject(name, value, "True, False or None")
     elif name != "crossovers" and name in _core.island_options({}):
         finite_scalar(name, value)
 

@@ -41,6 +41,9 @@ fn read_options(dict: &Bound<'_, PyDict>) -> PyResult<IslandOptions> {
         cost_tolerance,
         cost_floor,
         cost_migrations,
+        polish,
+        polish_interval,
+        polish_evaluations,
         max_evaluations,
         max_generations,
     );
@@ -89,8 +92,9 @@ fn write_options<'py>(py: Python<'py>, options: &IslandOptions) -> PyResult<Boun
     write!(
         cost_floor,
         cost_migrations,
-        max_evaluations, max_generations
+        polish, polish_interval, polish_evaluations
     );
+    write!(max_evaluations, max_generations);
     dict.set_item("agreement", options.agreement.name())?;
     let names: Vec<&str> = options.crossovers.iter().map(Crossover::name).collect();
     dict.set_item("crossovers", names)?;

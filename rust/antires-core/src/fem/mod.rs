@@ -20,4 +20,5 @@ pub mod frame;
 pub mod model;
 pub mod parameters;
 pub mod section;
+pub mod slopes;
 pub mod term;

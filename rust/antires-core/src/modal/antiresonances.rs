@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 use faer::{Mat, MatRef};
 
+use super::columns::modal_columns;
 use super::modes::{eigenvalue, hertz};
 use super::receptance::Receptance;
 use super::reduced::ReducedModes;
@@ -69,7 +70,6 @@ pub struct Antiresonances {
 /// A slender structure with a limit in frequency is solved by [`ReducedModes`], all else, and what that
 /// leaves open, by the dense [`SymmetricSolver`].
 pub struct AntiresonanceSolver {
-    n: usize,
     reduced: Option<ReducedModes>,
     /// Made when first needed, with whether it holds the matrices last set.
     dense: Option<(SymmetricSolver, bool)>,
@@ -87,7 +87,6 @@ impl AntiresonanceSolver {
     #[must_use]
     pub fn new(structure: &Arc<Structure>) -> Self {
         Self {
-            n: structure.n_dof(),
             reduced: structure
                 .is_slender()
                 .then(|| ReducedModes::new(Arc::clone(structure))),
@@ -127,18 +126,38 @@ impl AntiresonanceSolver {
             self.by_reduced = true;
             return Ok(());
         }
-        let n = self.n;
-        let (solver, current) = self
-            .dense
-            .get_or_insert_with(|| (SymmetricSolver::new(n), false));
-        if !*current {
-            solver.solve(k_mat, m_mat)?;
-            *current = true;
-        }
+        let solver = dense(&mut self.dense, (k_mat, m_mat))?;
         self.receptance.form(solver, i, k);
         self.by_reduced = false;
         self.floor = 16.0 * solver.uncertainty(0.0);
         Ok(())
+    }
+
+    /// Columns i and k of (K − xM)⁻¹, each up to a factor, into `left` and `right`; returns leftᵀ M right. `matrices`
+    /// are those last set, and `k` is the excitation of the last query.
+    ///
+    /// # Errors
+    /// Those of [`SymmetricSolver::solve`].
+    pub fn columns(
+        &mut self,
+        matrices: (MatRef<'_, f64>, MatRef<'_, f64>),
+        (i, k): (usize, usize),
+        x: f64,
+        left: &mut Vec<f64>,
+        right: &mut Vec<f64>,
+    ) -> Result<f64> {
+        if let Some(reduced) = &mut self.reduced
+            && let Some(slope) = reduced.columns((i, k), x, left, right)
+        {
+            return Ok(slope);
+        }
+        Ok(modal_columns(
+            dense(&mut self.dense, matrices)?,
+            (i, k),
+            x,
+            left,
+            right,
+        ))
     }
 
     /// Antiresonances (Hz) of H_ik up to the limit of the query, appended to `freq_hz`; `matrices` are
@@ -275,6 +294,20 @@ pub fn antiresonances(
         out.push(found);
     }
     Ok(out)
+}
+
+/// The dense solution of the matrices last set, made when first asked for.
+fn dense<'a>(
+    kept: &'a mut Option<(SymmetricSolver, bool)>,
+    (k_mat, m_mat): (MatRef<'_, f64>, MatRef<'_, f64>),
+) -> Result<&'a SymmetricSolver> {
+    let (solver, current) =
+        kept.get_or_insert_with(|| (SymmetricSolver::new(k_mat.nrows()), false));
+    if !*current {
+        solver.solve(k_mat, m_mat)?;
+        *current = true;
+    }
+    Ok(solver)
 }
 
 /// The matrix without row `i` and column `k`.

@@ -13,11 +13,13 @@
 
 pub mod antiresonances;
 pub mod bracket;
+mod columns;
 pub mod enclosure;
 pub mod frf;
 pub mod modes;
 pub mod receptance;
 pub mod reduced;
 pub mod secular;
+pub mod sensitivities;
 pub mod structure;
 pub mod tail;

@@ -13,9 +13,10 @@ use std::sync::Arc;
 
 use faer::MatRef;
 
+use super::columns::Columns;
 use super::receptance::Receptance;
 use super::structure::Structure;
-use crate::linalg::banded::{Banded, LARGEST_GROWTH, count_below};
+use crate::linalg::banded::{Banded, count_below};
 use crate::linalg::krylov::{Krylov, Operator};
 
 /// Shift σ as a fraction of the limit in x. A small one separates the poles best, a large one keeps the
@@ -43,15 +44,6 @@ const RIGID: usize = 6;
 /// Largest share of the modes below the limit for which a part of them costs less than all.
 const MOST_MODES: f64 = 0.35;
 
-/// Steps of a polish: from six digits two lead to the last.
-const NEWTON_STEPS: usize = 4;
-
-/// Relative step of a polish below which it is done.
-const POLISHED: f64 = 1e-12;
-
-/// Farthest that a polish may carry a root, relatively.
-const NEAR: f64 = 1e-5;
-
 /// The modes are counted at the limit, or up to this part of it above, where the count is clear.
 const MARGIN: f64 = 0.02;
 
@@ -66,14 +58,14 @@ const ON_THE_LIMIT: f64 = 1e-8;
 
 /// Modes and pseudo-modes as seen by one excitation.
 pub struct ReducedModes {
-    structure: Arc<Structure>,
-    stiffness: Banded,
-    mass: Banded,
+    pub(super) structure: Arc<Structure>,
+    pub(super) stiffness: Banded,
+    pub(super) mass: Banded,
     /// Power of two that brings each diagonal entry of M near one. It rounds nothing, gives translations and
     /// rotations one unit, and scales H_ik by a factor, which moves no zero.
-    scale: Vec<f64>,
+    pub(super) scale: Vec<f64>,
     shifted: Banded,
-    work: Banded,
+    pub(super) work: Banded,
     krylov: Krylov,
     second: Krylov,
     sigma: f64,
@@ -88,7 +80,8 @@ pub struct ReducedModes {
     weighted: Vec<f64>,
     vectors: Vec<f64>,
     row: Vec<f64>,
-    solved: Option<(usize, f64, bool)>,
+    pub(super) columns: Columns,
+    pub(super) solved: Option<(usize, f64, bool)>,
 }
 
 impl ReducedModes {
@@ -114,6 +107,7 @@ impl ReducedModes {
             weighted: Vec::new(),
             vectors: Vec::new(),
             row: Vec::new(),
+            columns: Columns::default(),
             solved: None,
         }
     }
@@ -311,43 +305,6 @@ impl ReducedModes {
     #[must_use]
     pub fn pole_error(&self, x: f64) -> f64 {
         4.0 * f64::EPSILON * (x + self.sigma).powi(2) * self.krylov.theta()[0]
-    }
-
-    /// The root of H_ik nearest to `x` within `reach`, by Newton's method on the matrices; none where there is
-    /// none, or where rounding spoils the factors of K − xM.
-    ///
-    /// ```text
-    /// H = e_iᵀu,  H' = wᵀMu,  (K − xM) u = e_k,  (K − xM) w = e_i
-    /// ```
-    pub fn polish(&mut self, i: usize, x: f64, reach: f64) -> Option<f64> {
-        let (k, ..) = self.solved?;
-        let (i, k) = (self.structure.row(i), self.structure.row(k));
-        let padded = self.mass.n() + self.mass.half();
-        let (mut u, mut w, mut mu) = (vec![0.0; padded], vec![0.0; padded], vec![0.0; padded]);
-        let mut at = x;
-        for _ in 0..NEWTON_STEPS {
-            self.work.combine(&self.stiffness, -at, &self.mass);
-            let (_, growth) = self.work.factorize();
-            if growth > LARGEST_GROWTH {
-                return None;
-            }
-            u.fill(0.0);
-            w.fill(0.0);
-            (u[k], w[i]) = (1.0, 1.0);
-            self.work.solve(&mut u);
-            self.work.solve(&mut w);
-            self.mass.multiply(&u, &mut mu);
-            let slope: f64 = w.iter().zip(&mu).map(|(a, b)| a * b).sum();
-            let step = -u[i] / slope;
-            at += step;
-            if !((at - x).abs() <= reach.min(NEAR * x)) {
-                return None;
-            }
-            if step.abs() <= POLISHED * at {
-                break;
-            }
-        }
-        Some(at)
     }
 
     /// Eigenvalues and roots below this are zero at working precision.

@@ -2,8 +2,10 @@
 //!
 //! ```text
 //! populations at random, guesses among them; evaluate
+//! polish the objective's own starting point, which settles on the first island
 //! repeat
-//!     if every island waits: finished if their bests agree, else exchange and search on
+//!     if every island waits, or it is time to polish: polish the islands' bests;
+//!         finished if they agree, else exchange and search on
 //!     finished if a budget is spent
 //!     every searching island proposes a generation; evaluate all proposals as one batch; accept
 //! ```
@@ -11,7 +13,7 @@
 //! Each island draws from its own stream of the seed, proposals and acceptance go island by island,
 //! and only the evaluation of a batch is parallel. So one seed gives the same bits for any number
 //! of threads. Of equal costs the one found first wins, within a batch the lower island, then the
-//! lower index.
+//! lower index. Without a [polish](super::polish) islands meet only when all wait, as in the paper.
 //!
 //! V. Meruane, Model updating using antiresonant frequencies identified from transmissibility
 //! functions, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021.
@@ -21,12 +23,14 @@ use std::ops::ControlFlow;
 use super::bounds::Bounds;
 use super::evaluate::ObjectiveEvaluator;
 use super::island::{Habitat, Island};
+use super::ledger::{Ledger, Stop};
 use super::migration::exchange;
-use super::objective::{Candidates, Evaluator, Objective};
+use super::objective::{Evaluator, Objective};
 use super::options::IslandOptions;
 use super::outcome::{
     Failure, History, Hooks, Interrupt, IslandProgress, Outcome, Progress, Status,
 };
+use super::polish::{Point, Polish};
 use super::selection::GeometricSelection;
 use super::termination::Consensus;
 use crate::error::{Error, Result};
@@ -83,16 +87,16 @@ pub fn minimize_objective<O: Objective>(
 
 /// A search under way.
 struct Archipelago<'a, E: Evaluator> {
-    evaluator: &'a mut E,
+    ledger: Ledger<'a, E>,
     habitat: Habitat<'a>,
     islands: Vec<Island>,
+    polish: Option<Polish>,
     consensus: Consensus,
     generation: usize,
-    evaluations: usize,
+    /// Generation of the last meeting.
+    met: usize,
     /// Evaluations at the last migration.
     evaluations_before: usize,
-    best_x: Vec<f64>,
-    best_cost: f64,
     history: History,
     // Buffers reused from generation to generation.
     batch: Vec<f64>,
@@ -121,15 +125,15 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
         for island in &mut islands {
             island.repair_first(bounds, &|x| evaluator.repair(x));
         }
+        let best_x = islands[0].candidate(0).to_vec();
         Self {
-            best_x: islands[0].candidate(0).to_vec(),
-            best_cost: f64::INFINITY,
-            evaluator,
+            polish: Polish::new(&*evaluator, bounds.lower(), options),
+            ledger: Ledger::new(evaluator, bounds, options.max_evaluations, best_x),
             habitat,
             islands,
             consensus: Consensus::default(),
             generation: 0,
-            evaluations: 0,
+            met: 0,
             evaluations_before: 0,
             history: History {
                 n_islands: n,
@@ -147,13 +151,18 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
             return Ok(interrupt.into());
         }
         self.record();
+        if let ControlFlow::Break(interrupt) = self.begin(hooks)? {
+            return Ok(interrupt.into());
+        }
         loop {
+            let meeting = self.time_to_meet();
+            if meeting && let ControlFlow::Break(interrupt) = self.polish_bests(hooks)? {
+                return Ok(interrupt.into());
+            }
             if let Some(interrupt) = self.report(hooks) {
                 return Ok(interrupt.into());
             }
-            if self.islands.iter().all(Island::waiting)
-                && let Some(status) = self.meet()
-            {
+            if meeting && let Some(status) = self.meet() {
                 return Ok(status);
             }
             if let Some(status) = self.budget() {
@@ -168,19 +177,91 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
         }
     }
 
-    /// All islands wait: they agree, or exchange.
+    /// Polishes the objective's own starting point.
+    ///
+    /// It settles on the first island only, so that the others' agreement means something.
+    fn begin(
+        &mut self,
+        hooks: &mut Hooks<'_>,
+    ) -> std::result::Result<ControlFlow<Interrupt>, E::Fault> {
+        let Some(polish) = &mut self.polish else {
+            return Ok(ControlFlow::Continue(()));
+        };
+        let flow = match polish.begin(&mut self.ledger, hooks) {
+            Ok(Some(point)) => {
+                self.islands[0].welcome(&point.x, point.cost);
+                Ok(())
+            }
+            Ok(None) => return Ok(ControlFlow::Continue(())),
+            Err(stop) => Err(stop),
+        };
+        self.polished(flow)
+    }
+
+    /// Polishes every island's best in its place.
+    fn polish_bests(
+        &mut self,
+        hooks: &mut Hooks<'_>,
+    ) -> std::result::Result<ControlFlow<Interrupt>, E::Fault> {
+        let Some(polish) = &mut self.polish else {
+            return Ok(ControlFlow::Continue(()));
+        };
+        let best = |island: &Island| Point {
+            x: island.best_row().to_vec(),
+            cost: island.best_cost(),
+        };
+        let mut points: Vec<Point> = self.islands.iter().map(best).collect();
+        let flow = polish.run(&mut points, &mut self.ledger, hooks);
+        for (island, point) in self.islands.iter_mut().zip(&points) {
+            island.refine_best(&point.x, point.cost);
+        }
+        self.polished(flow)
+    }
+
+    /// After a polish: what was found on the way is not lost, and the record says what it cost.
+    fn polished(
+        &mut self,
+        flow: std::result::Result<(), Stop<E::Fault>>,
+    ) -> std::result::Result<ControlFlow<Interrupt>, E::Fault> {
+        let stopped = flow.is_err();
+        let flow = match flow {
+            // The main loop sees a spent budget by itself.
+            Ok(()) | Err(Stop::Budget) => ControlFlow::Continue(()),
+            Err(Stop::Interrupt(interrupt)) => ControlFlow::Break(interrupt),
+            Err(Stop::Fault(fault)) => return Err(fault),
+        };
+        let known = self.islands.iter().map(Island::best_cost);
+        if stopped && known.fold(f64::INFINITY, f64::min) > self.ledger.best_cost {
+            self.islands[0].welcome(&self.ledger.best_x, self.ledger.best_cost);
+        }
+        self.history.evaluations.pop();
+        let kept = self.history.best_costs.len() - self.islands.len();
+        self.history.best_costs.truncate(kept);
+        self.record();
+        Ok(flow)
+    }
+
+    /// Whether all islands wait or, with a polish, enough generations have passed.
+    fn time_to_meet(&self) -> bool {
+        let interval = self.habitat.options.polish_interval;
+        self.islands.iter().all(Island::waiting)
+            || (self.polish.is_some() && self.generation - self.met >= interval)
+    }
+
+    /// The islands' bests agree, or are exchanged.
     fn meet(&mut self) -> Option<Status> {
         let Habitat {
             bounds, options, ..
         } = self.habitat;
+        self.met = self.generation;
         let status = self.consensus.reached(&self.islands, bounds, options);
         if status.is_some() {
             return status;
         }
-        if self.evaluations == self.evaluations_before {
+        if self.ledger.evaluations == self.evaluations_before {
             return Some(Status::Collapsed);
         }
-        self.evaluations_before = self.evaluations;
+        self.evaluations_before = self.ledger.evaluations;
         self.history.migrations.push(self.generation);
         exchange(&mut self.islands);
         None
@@ -188,7 +269,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
 
     fn budget(&self) -> Option<Status> {
         let options = self.habitat.options;
-        if self.evaluations >= options.max_evaluations {
+        if self.ledger.left() == 0 {
             Some(Status::MaxEvaluations)
         } else if options
             .max_generations
@@ -201,9 +282,9 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     }
 
     fn propose(&mut self) {
-        let evaluator = &*self.evaluator;
+        let ledger = &self.ledger;
         for island in self.islands.iter_mut().filter(|island| !island.waiting()) {
-            island.propose(&self.habitat, &|x| evaluator.repair(x));
+            island.propose(&self.habitat, &|x| ledger.repair(x));
         }
     }
 
@@ -214,64 +295,30 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
         &mut self,
         hooks: &mut Hooks<'_>,
     ) -> std::result::Result<ControlFlow<Interrupt>, E::Fault> {
-        let Habitat {
-            bounds, options, ..
-        } = self.habitat;
-        let n_genes = bounds.n_genes();
-        let left = options.max_evaluations - self.evaluations;
         self.batch.clear();
-        let candidates = self
-            .islands
-            .iter()
-            .filter(|island| !island.waiting())
-            .flat_map(|island| island.pending().iter().map(|&i| island.candidate(i)));
-        for candidate in candidates.take(left) {
-            self.batch.extend_from_slice(candidate);
-        }
-        let batch = Candidates::new(&self.batch, n_genes);
-        self.costs.clear();
-        self.costs.resize(batch.len(), f64::NAN);
-        if !batch.is_empty() {
-            let flow = self
-                .evaluator
-                .evaluate(batch, &mut self.costs, &mut || hooks.poll())?;
-            if flow.is_break() {
-                self.evaluations += self.costs.iter().filter(|cost| !cost.is_nan()).count();
-                self.keep_best();
-                return Ok(flow);
+        for island in self.islands.iter().filter(|island| !island.waiting()) {
+            for &i in island.pending() {
+                self.batch.extend_from_slice(island.candidate(i));
             }
         }
-        self.evaluations += self.costs.len();
-        self.keep_best();
+        let flow = self.ledger.costs(&self.batch, &mut self.costs, hooks)?;
+        if flow.is_break() {
+            return Ok(flow);
+        }
         let mut costs = &self.costs[..];
         for island in self.islands.iter_mut().filter(|island| !island.waiting()) {
             let (own, others) = costs.split_at(island.pending().len().min(costs.len()));
-            island.accept(own, options);
+            island.accept(own, self.habitat.options);
             costs = others;
         }
-        Ok(ControlFlow::Continue(()))
-    }
-
-    /// Makes costs that are not finite the worst, and notes a candidate better than all before.
-    fn keep_best(&mut self) {
-        let n_genes = self.habitat.bounds.n_genes();
-        for (i, cost) in self.costs.iter_mut().enumerate() {
-            if !cost.is_finite() {
-                *cost = f64::INFINITY;
-            }
-            if *cost < self.best_cost {
-                self.best_cost = *cost;
-                self.best_x
-                    .copy_from_slice(&self.batch[i * n_genes..][..n_genes]);
-            }
-        }
+        Ok(flow)
     }
 
     fn record(&mut self) {
         self.progress.clear();
         self.progress
             .extend(self.islands.iter().map(Island::progress));
-        self.history.evaluations.push(self.evaluations);
+        self.history.evaluations.push(self.ledger.evaluations);
         let costs = self.progress.iter().map(|island| island.best_cost);
         self.history.best_costs.extend(costs);
     }
@@ -279,10 +326,10 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     fn report(&self, hooks: &mut Hooks<'_>) -> Option<Interrupt> {
         let progress = Progress {
             generation: self.generation,
-            evaluations: self.evaluations,
+            evaluations: self.ledger.evaluations,
             migrations: self.history.migrations.len(),
-            best_cost: self.best_cost,
-            best_x: &self.best_x,
+            best_cost: self.ledger.best_cost,
+            best_x: &self.ledger.best_x,
             islands: &self.progress,
         };
         hooks.report(&progress).or_else(|| hooks.poll())
@@ -290,9 +337,9 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
 
     fn into_outcome(self, status: Status) -> Outcome {
         Outcome {
-            x: self.best_x,
-            fun: self.best_cost,
-            nfev: self.evaluations,
+            x: self.ledger.best_x,
+            fun: self.ledger.best_cost,
+            nfev: self.ledger.evaluations,
             nit: self.generation,
             migrations: self.history.migrations.len(),
             status,

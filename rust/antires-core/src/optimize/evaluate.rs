@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
+use super::composition::{Composition, Linearization};
 use super::objective::{Candidates, Evaluator, Objective};
 use super::outcome::Interrupt;
 use crate::error::{Error, Result};
@@ -174,6 +175,26 @@ impl<O: Objective> Evaluator for ObjectiveEvaluator<'_, O> {
             &|i, workspace| objective.cost(candidates.row(i), workspace),
             poll,
             |i, cost| costs[i] = cost,
+        ))
+    }
+
+    fn composition(&self) -> Option<Composition> {
+        self.objective.composition()
+    }
+
+    fn linearize(
+        &mut self,
+        candidates: Candidates<'_>,
+        found: &mut [Option<Linearization>],
+        poll: &mut dyn FnMut() -> Option<Interrupt>,
+    ) -> std::result::Result<ControlFlow<Interrupt>, Infallible> {
+        let objective = self.objective;
+        Ok(self.workers.run(
+            &mut self.workspaces,
+            candidates.len(),
+            &|i, workspace| objective.linearize(candidates.row(i), workspace),
+            poll,
+            |i, linearization| found[i] = linearization,
         ))
     }
 }

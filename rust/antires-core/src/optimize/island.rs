@@ -187,6 +187,20 @@ impl Island {
         }
     }
 
+    /// Takes a newcomer in place of its worst individual.
+    pub(super) fn welcome(&mut self, genes: &[f64], cost: f64) {
+        let worst = self.population.worst();
+        self.population.replace(worst, genes, cost);
+    }
+
+    /// Puts what a polish made of the best in its place, where that is better.
+    pub(super) fn refine_best(&mut self, genes: &[f64], cost: f64) {
+        let best = self.population.best();
+        if cost < self.population.cost(best) {
+            self.population.replace(best, genes, cost);
+        }
+    }
+
     /// Searches on with new patience.
     pub(super) fn resume(&mut self) {
         self.reference = self.best_cost();

@@ -1,4 +1,4 @@
-//! The island genetic algorithm: minimize `J(x)` over a box, knowing nothing but `J`.
+//! The island genetic algorithm: minimize `J(x)` over a box.
 //!
 //! Several populations (islands) search on their own, each with its own crossover operator, and
 //! exchange their bests when all of them are stuck; the search ends when the islands agree.
@@ -10,6 +10,7 @@
 //! | mutation | per gene with `p_m`: to a bound, or uniform | [`mutation`] |
 //! | elitism, waiting | the best survives; 40 generations without improvement | [`island`] |
 //! | migration | the best to both neighbours on a ring, for the worst there | [`migration`] |
+//! | polish | local search from the bests, where the objective tells its parts | [`polish`] |
 //! | end | the bests agree in genes, or in cost at 3 migrations, or a budget | [`termination`] |
 //!
 //! Beyond an objective ([`Objective`], or [`Evaluator`] for whole batches), [`Bounds`] and
@@ -36,20 +37,24 @@
 
 pub mod archipelago;
 pub mod bounds;
+pub mod composition;
 pub mod crossover;
 pub mod evaluate;
 pub mod island;
+mod ledger;
 pub mod migration;
 pub mod mutation;
 pub mod objective;
 pub mod options;
 pub mod outcome;
+pub mod polish;
 pub mod population;
 pub mod selection;
 pub mod termination;
 
 pub use archipelago::{minimize, minimize_objective};
 pub use bounds::Bounds;
+pub use composition::{Composition, Linearization, Norm};
 pub use crossover::Crossover;
 pub use evaluate::{ObjectiveEvaluator, Workers, evaluate_many, parallel_map};
 pub use objective::{Candidates, Evaluator, Objective};

@@ -1,4 +1,5 @@
-//! What is minimized: `J(x)`, and nothing more is known about it.
+//! What is minimized: `J(x)`. Nothing more need be known about it; what can be told besides serves the
+//! [polish](super::polish).
 //!
 //! `x` holds `n` genes inside box [bounds](super::Bounds). Two layers meet here:
 //!
@@ -13,6 +14,7 @@
 
 use std::ops::ControlFlow;
 
+use super::composition::{Composition, Linearization};
 use super::outcome::Interrupt;
 
 /// A cost function of one candidate, callable from several threads at once.
@@ -34,6 +36,17 @@ pub trait Objective: Sync {
     /// Moves a proposed `x` to the point that shall stand for it, for example by snapping
     /// negligible genes to zero. The result, clipped to the bounds, is what is evaluated and kept.
     fn repair(&self, _x: &mut [f64]) {}
+
+    /// How the cost is composed, where the objective tells.
+    fn composition(&self) -> Option<Composition> {
+        None
+    }
+
+    /// The cost and its residuals' first derivatives at `x`, where the objective can tell; under the same
+    /// rule as [`cost`](Self::cost), and with the same cost.
+    fn linearize(&self, _x: &[f64], _workspace: &mut Self::Workspace) -> Option<Linearization> {
+        None
+    }
 }
 
 impl<F: Fn(&[f64]) -> f64 + Sync> Objective for F {
@@ -117,4 +130,23 @@ pub trait Evaluator {
         costs: &mut [f64],
         poll: &mut dyn FnMut() -> Option<Interrupt>,
     ) -> Result<ControlFlow<Interrupt>, Self::Fault>;
+
+    /// As [`Objective::composition`].
+    fn composition(&self) -> Option<Composition> {
+        None
+    }
+
+    /// Writes the linearization of candidate `i` to `found[i]`, under the rules of
+    /// [`evaluate`](Self::evaluate); `found` arrives filled with `None`.
+    ///
+    /// # Errors
+    /// Whatever the evaluation failed with.
+    fn linearize(
+        &mut self,
+        _candidates: Candidates<'_>,
+        _found: &mut [Option<Linearization>],
+        _poll: &mut dyn FnMut() -> Option<Interrupt>,
+    ) -> Result<ControlFlow<Interrupt>, Self::Fault> {
+        Ok(ControlFlow::Continue(()))
+    }
 }

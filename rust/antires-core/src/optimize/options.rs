@@ -39,7 +39,7 @@ impl Agreement {
 }
 
 /// The settings of a search. [`IslandOptions::default`] is the paper's algorithm, completed where the
-/// paper is silent.
+/// paper is silent, and polished where the objective allows; `polish: Some(false)` leaves that out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IslandOptions {
     /// Islands, at least 1. Default 4.
@@ -78,6 +78,16 @@ pub struct IslandOptions {
     pub cost_floor: f64,
     /// Successive migrations at which the costs must agree, at least 1. Default 3.
     pub cost_migrations: usize,
+    /// Whether a local search [polishes](super::polish) the objective's starting point and, when they meet,
+    /// the islands' bests: never for `Some(false)`, the paper's algorithm; always for `Some(true)`,
+    /// without derivatives where need be; for `None` where the objective tells how it is composed.
+    /// Default `None`.
+    pub polish: Option<bool>,
+    /// Generations after which polished islands meet, even if not all of them wait; at least 1. Default
+    /// 10.
+    pub polish_interval: usize,
+    /// Evaluations after which the polish of one point begins nothing new; at least 1. Default 1000.
+    pub polish_evaluations: usize,
     /// Budget of evaluations, at least 1; never exceeded. Default 200,000.
     pub max_evaluations: usize,
     /// Budget of generations after the initial one; none by default.
@@ -100,6 +110,9 @@ impl Default for IslandOptions {
             cost_tolerance: 1e-6,
             cost_floor: 1e-12,
             cost_migrations: 3,
+            polish: None,
+            polish_interval: 10,
+            polish_evaluations: 1000,
             max_evaluations: 200_000,
             max_generations: None,
         }
@@ -117,6 +130,8 @@ impl IslandOptions {
             ("population", self.population, 4),
             ("patience", self.patience, 1),
             ("cost_migrations", self.cost_migrations, 1),
+            ("polish_interval", self.polish_interval, 1),
+            ("polish_evaluations", self.polish_evaluations, 1),
             ("max_evaluations", self.max_evaluations, 1),
         ];
         for (name, got, least) in counts {
@@ -184,12 +199,14 @@ mod tests {
     #[test]
     fn every_setting_out_of_range_is_refused_by_name() {
         type Spoil = fn(&mut IslandOptions);
-        let cases: [(&str, Spoil); 20] = [
+        let cases: [(&str, Spoil); 22] = [
             ("islands", |o| o.islands = 0),
             ("islands", |o| o.islands = usize::MAX),
             ("population", |o| o.population = 3),
             ("patience", |o| o.patience = 0),
             ("cost_migrations", |o| o.cost_migrations = 0),
+            ("polish_interval", |o| o.polish_interval = 0),
+            ("polish_evaluations", |o| o.polish_evaluations = 0),
             ("max_evaluations", |o| o.max_evaluations = 0),
             ("crossover_probability", |o| o.crossover_probability = 1.1),
             ("crossover_probability", |o| {

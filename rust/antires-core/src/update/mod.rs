@@ -10,6 +10,7 @@
 //!
 //! Source: Meruane, J. Sound Vib. 332 (2013) 807-820.
 
+pub mod linearization;
 pub mod misfit;
 pub mod objective;
 pub mod pairing;

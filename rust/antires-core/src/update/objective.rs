@@ -7,7 +7,7 @@ use crate::fem::model::{Model, connected};
 use crate::fem::parameters::{Assembly, Parameter, Quantity};
 use crate::modal::antiresonances::{AntiresonanceSolver, Query, Route};
 use crate::modal::structure::Structure;
-use crate::optimize::Objective;
+use crate::optimize::{Composition, Linearization, Objective};
 
 use super::misfit::Misfit;
 use super::pairing::{UNPAIRED, nearest, residual};
@@ -33,22 +33,22 @@ pub struct Target {
 
 /// J(x) for one model, one parameter set and one measurement.
 pub struct AntiresonanceObjective {
-    model: Model,
-    parameters: Vec<Parameter>,
-    targets: Vec<Target>,
-    misfit: Misfit,
-    penalty: Option<Penalty>,
+    pub(super) model: Model,
+    pub(super) parameters: Vec<Parameter>,
+    pub(super) targets: Vec<Target>,
+    pub(super) misfit: Misfit,
+    pub(super) penalty: Option<Penalty>,
     snap: f64,
     query: Query,
     structure: Arc<Structure>,
     connected: Vec<bool>,
-    weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
 }
 
 /// Working memory of one thread.
 pub struct Workspace {
-    assembly: Assembly,
-    solver: AntiresonanceSolver,
+    pub(super) assembly: Assembly,
+    pub(super) solver: AntiresonanceSolver,
     analytic_hz: Vec<f64>,
 }
 
@@ -209,7 +209,23 @@ impl AntiresonanceObjective {
         Ok(())
     }
 
-    fn is_reduction(&self, index: usize) -> bool {
+    /// Number of measured antiresonances.
+    #[must_use]
+    pub fn n_measured(&self) -> usize {
+        self.targets.iter().map(|t| t.freq_hz.len()).sum()
+    }
+
+    /// The penalty of parameter values that are already snapped.
+    pub(super) fn penalty_at(&self, snapped: &[f64]) -> f64 {
+        let beta = snapped
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| self.is_reduction(*i))
+            .map(|(_, &b)| b);
+        self.penalty.map_or(0.0, |p| p.of(beta))
+    }
+
+    pub(super) fn is_reduction(&self, index: usize) -> bool {
         self.parameters[index].quantity == Quantity::StiffnessReduction
     }
 }
@@ -242,12 +258,15 @@ impl Objective for AntiresonanceObjective {
                 .iter()
                 .fold(0.0, |total, w| self.misfit.add(total, w * UNPAIRED));
         }
-        let beta = snapped
-            .iter()
-            .enumerate()
-            .filter(|(i, _)| self.is_reduction(*i))
-            .map(|(_, &b)| b);
-        misfit + self.penalty.map_or(0.0, |p| p.of(beta))
+        misfit + self.penalty_at(&snapped)
+    }
+
+    fn composition(&self) -> Option<Composition> {
+        Some(self.parts())
+    }
+
+    fn linearize(&self, x: &[f64], ws: &mut Workspace) -> Option<Linearization> {
+        self.linearized(x, ws)
     }
 
     /// Negligible severities become exactly zero.

@@ -5,4 +5,5 @@ mod closed_forms;
 mod laws;
 mod parameters;
 mod portal;
+mod sensitivities;
 mod wrong;

@@ -108,6 +108,27 @@ impl Terms {
 }
 
 impl Frame {
+    /// The frame with its own parameters at `x`; factors on terms are left to the caller.
+    #[must_use]
+    pub fn formed(&self, parameters: &[Parameter], x: &[f64]) -> Self {
+        let mut frame = self.clone();
+        frame.apply(parameters, x);
+        frame
+    }
+
+    /// Indices of the stiffness terms in which this frame differs from `other`, formed from the same one.
+    pub fn stiffness_terms_unlike<'a>(
+        &'a self,
+        other: &'a Self,
+    ) -> impl Iterator<Item = usize> + 'a {
+        (0..self.n_stiffness_terms()).filter(|&t| self.stiffness_changed(other, t))
+    }
+
+    /// Indices of the mass terms in which this frame differs from `other`, formed from the same one.
+    pub fn mass_terms_unlike<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = usize> + 'a {
+        (0..self.n_mass_terms()).filter(|&t| self.mass_changed(other, t))
+    }
+
     /// Brings back what [`Frame::apply`] can change.
     fn reset_to(&mut self, nominal: &Self) {
         let (now, then) = (&mut self.description, &nominal.description);

@@ -24,19 +24,30 @@ impl Frame {
     /// All stiffness and all mass terms.
     #[must_use]
     pub fn terms(&self) -> (Vec<Term>, Vec<Term>) {
-        let form = |count, set: &dyn Fn(usize, &mut Term)| -> Vec<Term> {
-            (0..count)
-                .map(|i| {
-                    let mut term = Term::default();
-                    set(i, &mut term);
-                    term
-                })
-                .collect()
-        };
         (
-            form(self.n_stiffness_terms(), &|i, t| self.form_stiffness(i, t)),
-            form(self.n_mass_terms(), &|i, t| self.form_mass(i, t)),
+            (0..self.n_stiffness_terms())
+                .map(|t| self.stiffness_term(t))
+                .collect(),
+            (0..self.n_mass_terms())
+                .map(|t| self.mass_term(t))
+                .collect(),
         )
+    }
+
+    /// Stiffness term `index` as it now is.
+    #[must_use]
+    pub fn stiffness_term(&self, index: usize) -> Term {
+        let mut term = Term::default();
+        self.form_stiffness(index, &mut term);
+        term
+    }
+
+    /// Mass term `index` as it now is.
+    #[must_use]
+    pub fn mass_term(&self, index: usize) -> Term {
+        let mut term = Term::default();
+        self.form_mass(index, &mut term);
+        term
     }
 
     /// Forms stiffness term `index` into `term`.

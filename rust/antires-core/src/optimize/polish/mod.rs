@@ -1,0 +1,141 @@
+//! Polish: what a local search makes of the islands' bests.
+//!
+//! Two things that recombination is slow at are done here, at the start and whenever the islands meet:
+//!
+//! - [`descent`] solves for all continuous genes at once where the objective can be linearized, and
+//!   [`compass`] searches along the genes where it cannot;
+//! - [`moves`] change which sparse genes are above their lower bound: a gene is dropped, added, or
+//!   exchanged for another whose size is then found anew. A count of damaged elements has no
+//!   derivative, and between neighbours that explain nearly the same data no path leads downhill.
+//!
+//! A polish is deterministic: it draws no random number. It may spend a number of evaluations on each
+//! point, all of them counted, and no point gets worse. What a move led to is remembered, so that
+//! islands that arrive at the same optimum do not pay for its neighbours again.
+
+pub mod cholesky;
+pub mod compass;
+pub mod descent;
+pub mod moves;
+pub mod step;
+pub mod subproblem;
+
+use super::composition::Composition;
+use super::ledger::{Ledger, Stop};
+use super::objective::Evaluator;
+use super::options::IslandOptions;
+use super::outcome::Hooks;
+
+/// Most steps of one descent.
+const MOST_STEPS: usize = 60;
+
+/// Two points are one where every gene agrees to this fraction of its range.
+const SAME: f64 = 1e-6;
+
+/// A candidate and its cost.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Point {
+    pub(super) x: Vec<f64>,
+    pub(super) cost: f64,
+}
+
+impl Point {
+    /// Moves to `x` where that costs less.
+    fn take(&mut self, x: &[f64], cost: f64) {
+        if cost < self.cost {
+            self.x.copy_from_slice(x);
+            self.cost = cost;
+        }
+    }
+}
+
+/// The polish of one search, with its memory.
+pub(super) struct Polish {
+    composition: Composition,
+    allowance: usize,
+    /// Points to which single genes have been added, and the best that came of it.
+    scanned: Vec<moves::Scan>,
+}
+
+impl Polish {
+    /// The polish that `options` ask for, if any.
+    pub(super) fn new<E: Evaluator>(
+        evaluator: &E,
+        lower: &[f64],
+        options: &IslandOptions,
+    ) -> Option<Self> {
+        let told = || evaluator.composition();
+        let composition = match options.polish {
+            Some(false) => None,
+            None => told(),
+            Some(true) => Some(told().unwrap_or_else(|| Composition::unknown(lower))),
+        };
+        composition.map(|composition| Self {
+            composition,
+            allowance: options.polish_evaluations,
+            scanned: Vec::new(),
+        })
+    }
+
+    /// The optimum reached from where a search begins that knows nothing.
+    pub(super) fn begin<E: Evaluator>(
+        &mut self,
+        ledger: &mut Ledger<'_, E>,
+        hooks: &mut Hooks<'_>,
+    ) -> Result<Option<Point>, Stop<E::Fault>> {
+        let Some(mut x) = self.composition.start.clone() else {
+            return Ok(None);
+        };
+        for (gene, &sparse) in self.composition.sparse.iter().enumerate() {
+            if sparse {
+                x[gene] = ledger.bounds.lower()[gene];
+            }
+        }
+        ledger.repair(&mut x);
+        let mut costs = Vec::new();
+        ledger.all_costs(&x, &mut costs, hooks)?;
+        let mut points = [Point { x, cost: costs[0] }];
+        self.run(&mut points, ledger, hooks)?;
+        let [point] = points;
+        Ok(Some(point))
+    }
+
+    /// Improves every point as far as its allowance goes.
+    ///
+    /// When the search must stop in the midst, the points are left somewhere on their way down.
+    pub(super) fn run<E: Evaluator>(
+        &mut self,
+        points: &mut [Point],
+        ledger: &mut Ledger<'_, E>,
+        hooks: &mut Hooks<'_>,
+    ) -> Result<(), Stop<E::Fault>> {
+        self.descend(points, MOST_STEPS, ledger, hooks)?;
+        if self.composition.sparse.contains(&true) {
+            for point in points {
+                self.settle(point, ledger, hooks)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn descend<E: Evaluator>(
+        &self,
+        points: &mut [Point],
+        most_steps: usize,
+        ledger: &mut Ledger<'_, E>,
+        hooks: &mut Hooks<'_>,
+    ) -> Result<(), Stop<E::Fault>> {
+        if let Some(norm) = self.composition.norm {
+            return descent::descend(points, norm, &self.composition, most_steps, ledger, hooks);
+        }
+        let limits = (most_steps, self.allowance);
+        points
+            .iter_mut()
+            .try_for_each(|point| compass::descend(point, &self.composition, limits, ledger, hooks))
+    }
+
+    /// Whether the two candidates are the same, as far as a polish can tell.
+    fn same<E: Evaluator>(ledger: &Ledger<'_, E>, a: &[f64], b: &[f64]) -> bool {
+        let (lower, upper) = (ledger.bounds.lower(), ledger.bounds.upper());
+        (0..a.len()).all(|i| (a[i] - b[i]).abs() <= SAME * (upper[i] - lower[i]))
+    }
+}

@@ -1,0 +1,170 @@
+//! Sensitivities of antiresonances against central differences of the whole computation.
+
+use antires_core::fem::chain::mass_spring_chain;
+use antires_core::fem::model::Model;
+use antires_core::fem::parameters::{Parameter, Quantity};
+use std::sync::Arc;
+
+use antires_core::fem::slopes::Slopes;
+use antires_core::modal::antiresonances::{AntiresonanceSolver, Query, Route, antiresonances};
+use antires_core::modal::modes::eigenvalue;
+use antires_core::modal::sensitivities::ZeroSensitivity;
+use antires_core::modal::structure::Structure;
+use antires_core::optimize::{Linearization, Objective};
+use antires_core::update::misfit::Misfit;
+use antires_core::update::objective::{AntiresonanceObjective, Target};
+use antires_core::update::penalties::Penalty;
+
+/// A grounded chain with no symmetry.
+fn chain() -> Model {
+    let masses = [0.56, 0.42, 0.38, 0.47, 0.41, 0.44];
+    let springs = [5.1e4, 6.2e4, 4.7e4, 5.9e4, 5.3e4];
+    mass_spring_chain(&masses, &springs, 900.0, 0.0).unwrap()
+}
+
+/// One parameter of each kind, two of them on the same term.
+fn parameters() -> Vec<Parameter> {
+    let of = |quantity, terms: &[usize]| Parameter {
+        quantity,
+        terms: terms.to_vec(),
+    };
+    vec![
+        of(Quantity::StiffnessReduction, &[2]),
+        of(Quantity::StiffnessFactor, &[1, 2]),
+        of(Quantity::MassFactor, &[3]),
+        of(Quantity::MassFactor, &[0, 4]),
+        of(Quantity::StiffnessFactor, &[5]),
+    ]
+}
+
+const AT: [f64; 5] = [0.3, 1.1, 0.9, 1.05, 1.2];
+
+fn solver(model: &Model) -> AntiresonanceSolver {
+    let mut solver = AntiresonanceSolver::new(&Arc::new(Structure::of(model)));
+    solver.set_matrices(model.stiffness(), model.mass());
+    solver
+}
+
+fn zeros(model: &Model, response: usize) -> Vec<f64> {
+    let query = Query {
+        route: Route::Modal,
+        f_max_hz: f64::INFINITY,
+        include_cancelled: false,
+    };
+    let found = antiresonances(model, &[response], 1, &query).unwrap();
+    found[0].freq_hz.iter().map(|&f| eigenvalue(f)).collect()
+}
+
+#[test]
+fn analytic_sensitivities_are_the_limit_of_differences() {
+    let (model, parameters) = (chain(), parameters());
+    let here = model.at(&parameters, &AT).unwrap();
+    let mut solver = solver(&here);
+    let slopes = Slopes::new(&model, &parameters, &AT);
+    let mut zero = ZeroSensitivity::default();
+    let mut compared = 0;
+    for response in 0..6 {
+        for (nth, x) in zeros(&here, response).into_iter().enumerate() {
+            let matrices = (here.stiffness(), here.mass());
+            zero.set(&mut solver, matrices, (response, 1), x).unwrap();
+            for index in 0..parameters.len() {
+                let moved = |h: f64| {
+                    let mut p = AT;
+                    p[index] += h;
+                    zeros(&model.at(&parameters, &p).unwrap(), response)[nth]
+                };
+                // Fourth order: truncation h^4 = 1e-12, rounding 1e-15 / h = 1e-12.
+                let h = 1e-3;
+                let difference =
+                    (8.0 * (moved(h) - moved(-h)) - moved(2.0 * h) + moved(-2.0 * h)) / (12.0 * h);
+                let analytic = zero.along(&slopes.along(index));
+                assert!(
+                    (analytic - difference).abs() <= 1e-8 * x,
+                    "response {response}, zero {nth}, parameter {index}: {analytic} and {difference}"
+                );
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 90, "{compared} compared");
+}
+
+#[test]
+fn one_mass_between_two_springs_moves_as_the_textbook_says() {
+    // H_11 of two masses on a spring between them: its zero is x = k / m_2.
+    let model = mass_spring_chain(&[1.0, 2.0], &[500.0], 0.0, 0.0).unwrap();
+    let parameters =
+        [Quantity::StiffnessReduction, Quantity::MassFactor].map(|quantity| Parameter {
+            quantity,
+            terms: vec![usize::from(quantity == Quantity::MassFactor)],
+        });
+    let slopes = Slopes::new(&model, &parameters, &[0.0, 1.0]);
+    let mut zero = ZeroSensitivity::default();
+    let matrices = (model.stiffness(), model.mass());
+    zero.set(&mut solver(&model), matrices, (0, 0), 250.0)
+        .unwrap();
+    for index in 0..2 {
+        let slope = zero.along(&slopes.along(index));
+        assert!((slope + 250.0).abs() < 1e-9, "{slope}");
+    }
+}
+
+fn objective(misfit: Misfit, penalty: Option<Penalty>) -> AntiresonanceObjective {
+    let truth = chain()
+        .at(&parameters(), &[0.5, 1.02, 1.1, 0.97, 0.8])
+        .unwrap();
+    let hertz = |x: &f64| x.sqrt() / std::f64::consts::TAU;
+    let targets = (0..6).map(|dof| Target {
+        dof,
+        excitation: 1,
+        freq_hz: zeros(&truth, dof).iter().map(hertz).collect(),
+    });
+    AntiresonanceObjective::new(
+        chain(),
+        parameters(),
+        targets.collect(),
+        misfit,
+        penalty,
+        1e-3,
+    )
+    .unwrap()
+}
+
+#[test]
+fn a_linearization_has_the_objectives_cost_and_its_slope() {
+    let penalty = Some(Penalty {
+        gamma1: 0.1,
+        gamma2: 0.1,
+    });
+    for (misfit, penalty) in [(Misfit::Absolute, penalty), (Misfit::Squared, None)] {
+        let objective = objective(misfit, penalty);
+        let ws = &mut objective.workspace();
+        let Linearization {
+            cost,
+            residuals,
+            jacobian,
+        } = objective.linearize(&AT, ws).unwrap();
+        assert_eq!(cost, objective.cost(&AT, ws));
+        let price = objective.composition().unwrap().price;
+        for (index, price) in price.iter().enumerate() {
+            let columns = residuals.iter().zip(jacobian.chunks_exact(5));
+            let slope: f64 = columns
+                .map(|(e, row)| match misfit {
+                    Misfit::Squared => 2.0 * e * row[index],
+                    _ => e.signum() * row[index],
+                })
+                .sum();
+            let h = 1e-6;
+            let moved = |h: f64| {
+                let mut p = AT;
+                p[index] += h;
+                objective.cost(&p, &mut objective.workspace())
+            };
+            let difference = (moved(h) - moved(-h)) / (2.0 * h);
+            assert!(
+                (slope + price - difference).abs() < 1e-6,
+                "{index}: {slope} {difference}"
+            );
+        }
+    }
+}
