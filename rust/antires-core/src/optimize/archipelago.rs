@@ -4,8 +4,8 @@
 //! populations at random, guesses among them; evaluate
 //! polish the objective's own starting point, which settles on the first island
 //! repeat
-//!     if every island waits, or it is time to polish: polish the islands' bests;
-//!         finished if they agree, else exchange and search on
+//!     if every island waits, or it is time to polish: polish the islands' bests; finished if they agree
+//!     if every island waits: exchange and search on
 //!     finished if a budget is spent
 //!     every searching island proposes a generation; evaluate all proposals as one batch; accept
 //! ```
@@ -13,7 +13,8 @@
 //! Each island draws from its own stream of the seed, proposals and acceptance go island by island,
 //! and only the evaluation of a batch is parallel. So one seed gives the same bits for any number
 //! of threads. Of equal costs the one found first wins, within a batch the lower island, then the
-//! lower index. Without a [polish](super::polish) islands meet only when all wait, as in the paper.
+//! lower index. Without a [polish](super::polish) islands meet only when all wait, as in the paper. With
+//! one, bests that are the same before any exchange were found independently, so that is asked at once.
 //!
 //! V. Meruane, Model updating using antiresonant frequencies identified from transmissibility
 //! functions, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021.
@@ -93,8 +94,8 @@ struct Archipelago<'a, E: Evaluator> {
     polish: Option<Polish>,
     consensus: Consensus,
     generation: usize,
-    /// Generation of the last meeting.
-    met: usize,
+    /// Generation of the last polish.
+    polished: usize,
     /// Evaluations at the last migration.
     evaluations_before: usize,
     history: History,
@@ -133,7 +134,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
             islands,
             consensus: Consensus::default(),
             generation: 0,
-            met: 0,
+            polished: 0,
             evaluations_before: 0,
             history: History {
                 n_islands: n,
@@ -218,12 +219,12 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
         self.polished(flow)
     }
 
-    /// After a polish: what was found on the way is not lost, and the record says what it cost.
+    /// After a polish: what was found on the way is not lost, be it a gain too small for a move or what an
+    /// interrupted one had reached; and the record says what it cost.
     fn polished(
         &mut self,
         flow: std::result::Result<(), Stop<E::Fault>>,
     ) -> std::result::Result<ControlFlow<Interrupt>, E::Fault> {
-        let stopped = flow.is_err();
         let flow = match flow {
             // The main loop sees a spent budget by itself.
             Ok(()) | Err(Stop::Budget) => ControlFlow::Continue(()),
@@ -231,7 +232,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
             Err(Stop::Fault(fault)) => return Err(fault),
         };
         let known = self.islands.iter().map(Island::best_cost);
-        if stopped && known.fold(f64::INFINITY, f64::min) > self.ledger.best_cost {
+        if known.fold(f64::INFINITY, f64::min) > self.ledger.best_cost {
             self.islands[0].welcome(&self.ledger.best_x, self.ledger.best_cost);
         }
         self.history.evaluations.pop();
@@ -244,19 +245,30 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     /// Whether all islands wait or, with a polish, enough generations have passed.
     fn time_to_meet(&self) -> bool {
         let interval = self.habitat.options.polish_interval;
-        self.islands.iter().all(Island::waiting)
-            || (self.polish.is_some() && self.generation - self.met >= interval)
+        self.all_wait() || (self.polish.is_some() && self.generation - self.polished >= interval)
     }
 
-    /// The islands' bests agree, or are exchanged.
+    fn all_wait(&self) -> bool {
+        self.islands.iter().all(Island::waiting)
+    }
+
+    /// The islands' bests agree, or are exchanged when it is time to.
     fn meet(&mut self) -> Option<Status> {
         let Habitat {
             bounds, options, ..
         } = self.habitat;
-        self.met = self.generation;
-        let status = self.consensus.reached(&self.islands, bounds, options);
-        if status.is_some() {
-            return status;
+        self.polished = self.generation;
+        let exchange_now = self.all_wait();
+        if exchange_now || self.history.migrations.is_empty() {
+            let status = self
+                .consensus
+                .reached(&self.islands, bounds, options, exchange_now);
+            if status.is_some() {
+                return status;
+            }
+        }
+        if !exchange_now {
+            return None;
         }
         if self.ledger.evaluations == self.evaluations_before {
             return Some(Status::Collapsed);
