@@ -35,6 +35,7 @@ class ExactPencil:
     """K and M in 50 digits, ordered to a band."""
 
     def __init__(self, k_mat, m_mat):
+        k_mat, m_mat = (np.tril(a) + np.tril(a, -1).T for a in (k_mat, m_mat))
         self.order = reverse_cuthill_mckee(csr_array((k_mat != 0) | (m_mat != 0)), symmetric_mode=True)
         self.row = np.argsort(self.order)
         self.doubles = [a[np.ix_(self.order, self.order)] for a in (k_mat, m_mat)]
@@ -79,6 +80,30 @@ class ExactPencil:
         moved = np.finfo(float).eps * math.sqrt(sum(float((e**2).sum()) for e in entries))
         ulp = moved / abs(float(slope / (size[0] * size[1]))) / float(x) / 2
         return float(u[i] / slope / x) / 2, ulp
+
+    def root_near(self, response, excitation, freq_hz):
+        """The root that Newton's steps reach from a frequency; None where they wander off."""
+        for _ in range(8):
+            step = self.error(response, excitation, freq_hz)[0]
+            if not math.isfinite(step) or abs(step) > 0.3:
+                return None
+            freq_hz *= 1.0 - step
+            if abs(step) < 1e-13:
+                return freq_hz
+        return None
+
+    def driving_zeros(self, dof, low_hz, high_hz):
+        """Number of roots of H_dd between two frequencies, cancelled ones too: Sylvester's law of inertia."""
+        kept = np.flatnonzero(np.arange(len(self.k_mat)) != self.row[dof])
+        low, high = (self._negative_pivots(kept, (2 * pi() * precise(f)) ** 2) for f in (low_hz, high_hz))
+        return high - low
+
+    def _negative_pivots(self, kept, x):
+        a = (self.k_mat - x * self.m_mat)[np.ix_(kept, kept)]
+        for j in range(len(a)):
+            end = min(len(a), j + self.half + 1)
+            a[j + 1:end, j + 1:end] -= np.outer(a[j + 1:end, j] / a[j, j], a[j, j + 1:end])
+        return sum(a[j, j] < 0 for j in range(len(a)))
 
     def _windows(self):
         n = len(self.k_mat)

@@ -16,6 +16,13 @@ def band_hz(k_mat, m_mat, modes):
     return np.sqrt(0.3 * lam[modes - 1] + 0.7 * lam[modes]) / (2 * np.pi)
 
 
+def rigid_hz(k_mat, m_mat):
+    """Below this a motion is rigid: a few ulp of the stiffness against the mass."""
+    scale = np.sqrt(np.diag(m_mat))
+    highest = np.abs(k_mat / np.outer(scale, scale)).sum(axis=0).max()
+    return np.sqrt(16 * np.finfo(float).eps * highest) / (2 * np.pi)
+
+
 def assert_promise(k_mat, m_mat, i, k, freq_hz):
     """Each root within max(1e-9, 20 times the shift of one ulp) of the root of the assembled doubles."""
     exact = ExactPencil(k_mat, m_mat)
@@ -24,22 +31,34 @@ def assert_promise(k_mat, m_mat, i, k, freq_hz):
         assert abs(error) <= max(PROMISE, PROMISE_ULPS * ulp), (f, error, ulp)
 
 
+def matches(freq_hz, others_hz):
+    """Which frequencies have one of the others at the bar of the comparison."""
+    if others_hz.size == 0:
+        return np.zeros(freq_hz.size, dtype=bool)
+    return np.abs(others_hz / freq_hz[:, None] - 1.0).min(axis=1) <= AGAINST_SCIPY
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_random_frames(seed):
+    """QZ loses roots of frames on soft supports (seed 3: one at 2.2 Hz); where it differs 50 digits decide."""
     rng = np.random.default_rng([5, seed])
     k_mat, m_mat = random_frame(rng, most_dofs=110)
     limit_hz = band_hz(k_mat, m_mat, int(rng.integers(5, 26)))
     k = int(rng.integers(0, len(k_mat)))
     responses = [k, *rng.integers(0, len(k_mat), 2).tolist()]
-    found = ar.MatrixModel(k_mat, m_mat).antiresonances(responses, k, f_max_hz=limit_hz)
-    for i, ours in zip(responses, found, strict=True):
+    model, exact = ar.MatrixModel(k_mat, m_mat), ExactPencil(k_mat, m_mat)
+    for i in responses:
+        ours = model.antiresonances(i, k, f_max_hz=limit_hz)
         roots = Oracle(k_mat, m_mat, i, k).freq_hz(0.0, (2 * np.pi * limit_hz) ** 2)
         seen = roots[~cancelled(k_mat, m_mat, i, k, roots)]
-        assert ours.size == seen.size
-        sound = np.abs(ours / seen - 1.0) <= AGAINST_SCIPY
-        # Where QZ itself lost the digits, 50 of them speak for ours.
-        assert_promise(k_mat, m_mat, i, k, ours[~sound])
-        assert sound.mean() > 0.5 or not sound.size
+        agreed = matches(ours, seen)
+        if not agreed.all() or ours.size != seen.size:
+            assert_promise(k_mat, m_mat, i, k, ours[~agreed])
+            moved = [exact.root_near(i, k, f) for f in seen[~matches(seen, ours)]]
+            assert all(matches(np.array([f]), ours) for f in moved if f is not None), moved
+            assert np.unique(ours).size == ours.size
+    full = model.antiresonances(k, k, f_max_hz=limit_hz, include_cancelled=True)
+    assert full.size == exact.driving_zeros(k, rigid_hz(k_mat, m_mat), limit_hz)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
@@ -109,17 +128,34 @@ def tuned(masses, springs, rigid=False):
     return k_mat, m_mat
 
 
-@pytest.mark.parametrize("gap", [1e-7, 1e-8])
+@pytest.mark.parametrize("gap", [5e-7, 1e-7, 1e-8])
 def test_two_zeros_closer_than_a_millionth_are_two(gap):
-    """Two absorbers on the driven dof: each is a zero of H_kk at its own frequency, a pole lies between."""
+    """One absorber where the force acts, one where the motion is measured: each makes a zero of its own."""
+    springs = [3e4, 3e4 * (1 + 2 * gap)]
+    k_mat, m_mat = tuned([(6, 0.5), (13, 0.5)], springs)
+    i, k = 3 * 6 + 1, 3 * 13 + 1
+    want = np.sqrt(np.array(springs) / 0.5) / (2 * np.pi)
+    for method in ("modal", "pencil"):
+        found = ar.MatrixModel(k_mat, m_mat).antiresonances(i, k, f_max_hz=400.0, method=method)
+        near = found[np.abs(found / want[0] - 1) < 1e-4]
+        assert near.size == 2
+        np.testing.assert_allclose(near, want, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("gap", "visible"), [(2e-5, 2), (1e-7, 1), (1e-8, 1)])
+def test_a_pole_between_two_zeros_cancels_one_of_them_when_it_cannot_be_seen(gap, visible):
+    """Two absorbers on the driven dof. The pole between their zeros has a residue of some gap squared."""
     springs = [3e4, 3e4 * (1 + 2 * gap)]
     k_mat, m_mat = tuned([(6, 0.5), (6, 0.5)], springs)
     k = 3 * 6 + 1
-    found = ar.MatrixModel(k_mat, m_mat).antiresonances(k, k, f_max_hz=400.0)
     want = np.sqrt(np.array(springs) / 0.5) / (2 * np.pi)
-    near = found[np.abs(found / want[0] - 1) < 1e-4]
-    assert near.size == 2
-    np.testing.assert_allclose(near, want, rtol=1e-9)
+    for method in ("modal", "pencil"):
+        for flag, count in ((False, visible), (True, 2)):
+            found = ar.MatrixModel(k_mat, m_mat).antiresonances(k, k, f_max_hz=400.0, method=method,
+                                                                include_cancelled=flag)
+            near = found[np.abs(found / want[0] - 1) < 1e-4]
+            assert near.size == count
+            assert np.abs(near[:, None] / want - 1).min(axis=1).max() <= gap
 
 
 def test_a_zero_beside_a_pole_is_found():
@@ -146,8 +182,9 @@ def test_rigid_bodies_free_in_the_plane():
 
 
 def test_the_same_matrices_give_the_same_bits_whatever_was_asked_before():
-    rng = np.random.default_rng(3)
-    k_mat, m_mat = random_frame(rng, most_dofs=110)
+    rng = np.random.default_rng(5)
+    k_mat, m_mat = random_frame(rng, most_dofs=200)
+    assert len(k_mat) > 100
     model = ar.MatrixModel(k_mat, m_mat)
     responses = list(range(0, 30, 3))
     together = model.antiresonances(responses, 4, f_max_hz=800.0)

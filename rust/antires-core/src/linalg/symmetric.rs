@@ -13,8 +13,8 @@
 //! (K − xM)⁻¹ = Σ_finite φ φᵀ / (λ − x) + Σ_infinite ψ ψᵀ
 //! ```
 //!
-//! Conventions: λ ascending, φᵀ M φ = 1, columns are modes. |λ| below
-//! [`zero_eigenvalue`] is returned as exactly 0.
+//! Conventions: λ ascending, φᵀ M φ = 1, columns are modes. |λ| below [`SymmetricSolver::zero`], what
+//! rounding makes of a rigid-body mode, is returned as exactly 0.
 //!
 //! Reference: Golub & Van Loan, Matrix Computations, 4th ed., section 8.7.
 
@@ -42,7 +42,14 @@ pub struct SymmetricSolver {
     vectors: Mat<f64>,
     /// Shift σ of the massless path, with the largest μ; none when M was reduced directly.
     shift: Option<(f64, f64)>,
+    zero: f64,
 }
+
+/// Ulp of every entry of K, in φᵀ K φ, up to which λ is zero.
+const RIGID_ULPS: f64 = 16.0;
+
+/// Most rigid-body modes a structure has.
+const RIGID_MODES: usize = 6;
 
 impl SymmetricSolver {
     /// Reserves the memory for `n` degrees of freedom.
@@ -68,7 +75,14 @@ impl SymmetricSolver {
             eigenvalues: Vec::with_capacity(n),
             vectors: Mat::zeros(n, n),
             shift: None,
+            zero: 0.0,
         }
+    }
+
+    /// Eigenvalues below this are zero at working precision.
+    #[must_use]
+    pub fn zero(&self) -> f64 {
+        self.zero
     }
 
     /// Absolute uncertainty of an eigenvalue near `lambda`: n ulp of what was decomposed.
@@ -205,24 +219,40 @@ impl SymmetricSolver {
                 self.eigenvalues.push(mu.recip() - sigma);
             }
         }
-        // The digits of λ near zero are those of σ, not of the largest λ.
-        let zero = zero_eigenvalue(self.n, sigma);
-        self.eigenvalues
-            .iter_mut()
-            .filter(|l| l.abs() <= zero)
-            .for_each(|l| *l = 0.0);
+        // The digits of λ near zero are those of σ, and of K itself, not of the largest λ.
+        let lowest = 0..self.eigenvalues.len().min(RIGID_MODES);
+        self.zero = lowest
+            .map(|j| RIGID_ULPS * f64::EPSILON * self.absolute_form(k, j))
+            .fold(zero_eigenvalue(self.n, sigma), f64::max);
+        self.clear_zeros();
         Ok(())
+    }
+
+    /// Σ |φ_i| |K_ij| |φ_j| of mode `j`: how far one ulp in each entry can move φᵀ K φ, over ulp.
+    fn absolute_form(&self, k: MatRef<'_, f64>, j: usize) -> f64 {
+        let phi = self.vectors.col(j);
+        (0..self.n)
+            .map(|c| {
+                let column: f64 = (0..self.n).map(|r| (k[(r, c)] * phi[r]).abs()).sum();
+                phi[c].abs() * column
+            })
+            .sum()
+    }
+
+    fn clear_zeros(&mut self) {
+        for l in &mut self.eigenvalues {
+            if l.abs() <= self.zero {
+                *l = 0.0;
+            }
+        }
     }
 
     fn keep_all_eigenvalues(&mut self) {
         let largest = self.raw.iter().fold(0.0_f64, |a, l| a.max(l.abs()));
-        let zero = zero_eigenvalue(self.n, largest);
+        self.zero = zero_eigenvalue(self.n, largest);
         self.eigenvalues.clear();
-        self.eigenvalues.extend(
-            self.raw
-                .iter()
-                .map(|&l| if l.abs() <= zero { 0.0 } else { l }),
-        );
+        self.eigenvalues.extend_from_slice(&self.raw);
+        self.clear_zeros();
     }
 
     /// `factor` = L of the given matrix; false when it is not positive definite.

@@ -129,7 +129,7 @@ impl AntiresonanceSolver {
         let solver = dense(&mut self.dense, (k_mat, m_mat))?;
         self.receptance.form(solver, i, k);
         self.by_reduced = false;
-        self.floor = 16.0 * solver.uncertainty(0.0);
+        self.floor = solver.zero();
         Ok(())
     }
 
