@@ -1,6 +1,6 @@
 """Wall time of a whole chain8 damage run: the library against five optimizers on a vectorised numpy objective.
 
-Run:  python benchmarks/chain8_race.py [--seeds 10] [--limit 100000]        (pip install cma pymoo deap pygmo)
+Run:  python benchmarks/chain8_race.py [--seeds 10] [--limit 100000]        (with the dependency group "rivals")
 
 Spring 5 has lost 55 %; the targets are the exact antiresonances. A rival's clock stops at the first candidate whose
 severities are all within 0.5 % of the truth, exact zeros included in that (severities below 1e-3 count as zero, or

@@ -5,8 +5,8 @@ Run:  python benchmarks/search_study.py [--elements 17 46] [--seeds 5] [--limit 
 Each problem has exact targets of the very model that is searched, with one element at 75 % loss, so the
 question is the search alone. Solved means J <= min(J(truth), J(0)) + 1e-6 within the limit of
 evaluations, which is the same for all and counts linearizations. All methods call the same objective,
-negligible severities set to zero; every run ends as soon as it has solved. The other optimizers are optional:
-pip install cma pymoo.
+negligible severities set to zero; every run ends as soon as it has solved. The other optimizers are in the
+dependency group "rivals".
 """
 
 import argparse
