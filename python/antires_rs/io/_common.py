@@ -1,0 +1,95 @@
+"""What all readers share: files named in errors, what is missing counted, optional packages named."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from .._validation import reject
+from ..exceptions import AntiresWarning, MissingDependencyError, UnsuitableDataError
+from ..signals import FrequencyResponse, Recording
+
+__all__ = ["Signal", "existing_file", "missing_package", "missing_part", "rate_of", "signal_given",
+           "simplest_between", "unsuitable"]
+
+Signal = Recording | FrequencyResponse
+
+
+def existing_file(path: str | os.PathLike[str]) -> Path:
+    """The path of a file that is there and not empty."""
+    if not isinstance(path, str | os.PathLike):
+        reject("path", path, "the path of a file")
+    file = Path(path)
+    if file.is_dir():
+        reject("path", str(file), "a file, not a folder")
+    if file.stat().st_size == 0:
+        unsuitable(file, "which is empty", "a file with data")
+    return file
+
+
+def unsuitable(path: Path, found: str, wanted: str, remedy: str = "") -> NoReturn:
+    """Raise for a file that is damaged or of another kind."""
+    raise UnsuitableDataError(f"path: got {str(path)!r}, {found}; wanted {wanted}."
+                              f"{' ' + remedy if remedy else ''}")
+
+
+def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) -> None:
+    """A file of which a part is missing: an error, or with ``partial`` a warning that counts it."""
+    if partial and kept:
+        warnings.warn(f"path: {str(path)!r} is incomplete: {found}; what is whole was read.", AntiresWarning,
+                      stacklevel=4)
+        return
+    remedy = "Copy or export it again" + (", or pass partial=True to read what is whole." if kept else ".")
+    unsuitable(path, found, wanted, remedy)
+
+
+def missing_package(what: str, package: str, extra: str | None, cause: ImportError) -> MissingDependencyError:
+    """The error that names the extra to install."""
+    install = package if extra is None else f'"antires-rs[{extra}]"'
+    error = MissingDependencyError(f"{what} needs {package}; install it with: pip install {install}")
+    error.__cause__ = cause
+    return error
+
+
+def signal_given(signal: Any) -> Signal:
+    """What a writer takes."""
+    if not isinstance(signal, Signal):
+        reject("signal", type(signal).__name__, "a Recording or a FrequencyResponse")
+    return signal
+
+
+def simplest_between(low: float, high: float) -> float:
+    """The number of fewest decimal digits in [low, high]; both positive."""
+    middle = 0.5 * (low + high)
+    for digits in range(1, 17):
+        number = float(f"{middle:.{digits - 1}e}")
+        if low <= number <= high:
+            return number
+    return middle
+
+
+def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
+    """Sampling rate of evenly spaced instants in s; refuses gaps.
+
+    ``digits`` is the relative rounding of the instants as they were written, which hides the last digits of
+    the rate: among the rates that fit, the one of fewest digits is taken.
+    """
+    wanted = "instants in s, evenly spaced and ascending"
+    if times.size < 2 or not np.isfinite(times).all():
+        unsuitable(path, f"whose {times.size} instants are too few or not finite", wanted)
+    span, rounding = float(times[-1] - times[0]), digits * float(np.abs(times).max())
+    step = span / (times.size - 1)
+    if span <= 0.0:
+        unsuitable(path, "whose time does not ascend", wanted)
+    # A lost sample moves its neighbour by a whole step; a tenth is jitter no writer makes by rounding.
+    late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
+    if late.size:
+        i = int(late[0])
+        unsuitable(path, f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of {step:.6g} s "
+                   f"({late.size} such gaps)", wanted, "Samples are missing, or the sampling was uneven.")
+    count = times.size - 1
+    return simplest_between(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))
