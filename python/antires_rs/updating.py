@@ -165,7 +165,8 @@ class UpdatingProblem:
 
     def model_at(self, x: Any) -> StructuralModel:
         """The model with parameters ``x`` applied."""
-        return self.model._with_core(self._core.model_at(self._core.repaired(self._vector(x))))
+        return self.model._with_core(self._core.model_at(self._core.repaired(self._vector(x))),
+                                     (self, self._vector(x).copy()))
 
     def _vector(self, x: Any) -> FloatArray:
         n = len(self.parameters)
@@ -300,7 +301,7 @@ def _search(problem: UpdatingProblem, optimizer: IslandGA | None, rng: Any, work
         raw = problem._core.minimize(
             problem.bounds[:, 0].copy(), problem.bounds[:, 1].copy(), guesses(x0, len(problem.parameters)),
             ga.options, seed, thread_count(workers), ga.max_seconds, watcher)
-    return OptimizeResult._of(raw), seed
+    return OptimizeResult._of(raw, ga), seed
 
 
 def _sets(measured: Any) -> tuple[AntiresonanceSet, ...]:

@@ -47,10 +47,10 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
     unsuitable(path, found, wanted, remedy)
 
 
-def missing_package(what: str, package: str, extra: str | None, cause: ImportError) -> MissingDependencyError:
+def missing_package(what: str, package: str, extra: str, cause: ImportError) -> MissingDependencyError:
     """The error that names the extra to install."""
-    install = package if extra is None else f'"antires-rs[{extra}]"'
-    error = MissingDependencyError(f"{what} needs {package}; install it with: pip install {install}")
+    error = MissingDependencyError(f'{what} needs {package}; install it with: '
+                                   f'pip install "antires-rs[{extra}]", or: pip install {package}')
     error.__cause__ = cause
     return error
 
@@ -89,7 +89,8 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
     if late.size:
         i = int(late[0])
-        unsuitable(path, f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of {step:.6g} s "
-                   f"({late.size} such gaps)", wanted, "Samples are missing, or the sampling was uneven.")
+        unsuitable(path, f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of "
+                   f"{step:.6g} s ({late.size} such gaps)", wanted,
+                   "Samples are missing, or the sampling was uneven.")
     count = times.size - 1
     return simplest_between(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))

@@ -1,9 +1,9 @@
 """A signal as named arrays and one JSON text: what npz, HDF5 and MAT files of our own hold.
 
-Version 1. The text has ``format``, ``version``, ``kind`` ("recording", "frf" or "transmissibility"), ``dofs`` and
-``arrays``, the shape and type of each array, so that one that is missing or cut is noticed; a recording has
-``fs_hz``, a response ``reference`` and ``n_averages``. Arrays: ``responses`` and ``force``, or ``freq_hz``,
-``values``, ``coherence`` and ``std``; values in SI, rows in the order of ``dofs``.
+Version 1. The text has ``format``, ``version``, ``kind`` ("recording", "frf" or "transmissibility"),
+``dofs`` and ``arrays``, the shape and type of each array, so that one that is missing or cut is noticed; a
+recording has ``fs_hz``, a response ``reference`` and ``n_averages``. Arrays: ``responses`` and ``force``, or
+``freq_hz``, ``values``, ``coherence`` and ``std``; values in SI, rows in the order of ``dofs``.
 """
 
 from __future__ import annotations

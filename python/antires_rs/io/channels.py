@@ -127,5 +127,5 @@ def _force(forces: list[Channel], force: Any) -> Channel | None:
                    "the name of one, or None", "The theory is that of one force.")
         return forces[0]
     if force not in names:
-        reject("force", repr(force), f"'auto', None or a channel of the file, {names or 'which has no force'}")
+        reject("force", repr(force), f"'auto', None or a channel of the file, {names or 'it has no force'}")
     return forces[names.index(force)]

@@ -1,7 +1,7 @@
 """CSV and TSV: rows are samples or frequencies, columns are channels.
 
-Ours begins with comment lines ``# name: JSON``, which hold kind, dofs, rate and the number of rows, so that a file
-that was cut between two rows is noticed too. Others are read with or without a line of names.
+Ours begins with comment lines ``# name: JSON``, which hold kind, dofs, rate and the number of rows, so that
+a file that was cut between two rows is noticed too. Others are read with or without a line of names.
 """
 
 from __future__ import annotations
@@ -97,8 +97,9 @@ def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: f
     if "rows" in table.header and len(table.values) != table.header["rows"]:
         stated = table.header["rows"]
         if not table.problem:
-            missing_part(file, f"{len(table.values)} of {stated} rows are there", f"{stated} rows, as its header "
-                         "states", partial, min(len(table.values), stated) * (len(table.values) < stated))
+            kept = len(table.values) if len(table.values) < stated else 0
+            missing_part(file, f"{len(table.values)} of {stated} rows are there",
+                         f"{stated} rows, as its header states", partial, kept)
     if len(table.values) < 2:
         unsuitable(file, f"with {len(table.values)} rows of numbers", "at least two")
     if "kind" in table.header:

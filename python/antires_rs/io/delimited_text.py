@@ -64,7 +64,8 @@ class Table:
         while i < n:
             here, after = (_PAIR.match(names[j]) if j < n else None for j in (i, i + 1))
             name, unit, column, step = names[i], units[i], columns[i], 1
-            if here and after and _part(here) == "re" and _part(after) == "im" and _base(here) == _base(after):
+            if (here and after and (_part(here), _part(after)) == ("re", "im")
+                    and _base(here) == _base(after)):
                 name, column, step = _base(here), columns[i] + 1j * columns[i + 1], 2
             for one, value in zip(out, (name, unit, column), strict=True):
                 one.append(value)
@@ -97,7 +98,8 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     point = decimal if decimal is not None else ("," if between != "," and _decimal_commas(body) else ".")
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
-        unsuitable(file, "without a row of numbers", "columns of numbers", "Name the delimiter= and decimal=.")
+        unsuitable(file, "without a row of numbers", "columns of numbers",
+                   "Name the delimiter= and decimal=.")
     _names(table, body[:start], between)
     rows = body[start:]
     width = len(_split(rows[0], between))
@@ -215,5 +217,5 @@ def _bare(part: str) -> str:
 
 
 def _warn_end(file: Path) -> None:
-    warnings.warn(f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. If it "
-                  "is whole, add one.", AntiresWarning, stacklevel=4)
+    warnings.warn(f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
+                  "If it is whole, add one.", AntiresWarning, stacklevel=4)

@@ -29,8 +29,8 @@ def write_csv(path: str | os.PathLike[str], signal: Signal, *, unit: str | None 
         Replaced if it exists.
     signal : Recording or FrequencyResponse
     unit : str, optional
-        Unit of the values, which are in SI and stay as they are: ``'m/s2'`` (default), ``'m/s'``, ``'m'`` for a
-        recording, ``'m/s2/N'`` and the like for FRFs.
+        Unit of the values, which are in SI and stay as they are: ``'m/s2'`` (default), ``'m/s'``, ``'m'``
+        for a recording, ``'m/s2/N'`` and the like for FRFs.
     delimiter : {",", ";", "\\\\t"}
 
     Returns

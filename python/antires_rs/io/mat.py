@@ -1,4 +1,4 @@
-"""MATLAB files: version 5 in a child process, since damaged ones can take the interpreter down; 7.3 is HDF5."""
+"""MATLAB files: version 5 in a child process, as damaged ones can crash the interpreter; 7.3 is HDF5."""
 
 from __future__ import annotations
 
@@ -42,7 +42,8 @@ def read_mat(path: str | os.PathLike[str], *, responses: Any = None, time: str |
         Version 5 (7 and 6 of MATLAB's ``save``) or 7.3, which needs h5py.
     responses, time, freq, force, fs_hz, dofs, unit, kind, reference
         For files of other programs, as in :func:`read_npz`; fields of structs are named ``struct.field``, and
-        ``struct[0].field`` where there are several. See :func:`antires_rs.io.mat_arrays` for what a file holds.
+        ``struct[0].field`` where there are several. See :func:`antires_rs.io.mat_arrays` for what a file
+        holds.
     time_limit_s, memory_limit_gb : float
         Limits of the child process that reads version 5 (the memory's where the system has such limits).
 
@@ -128,7 +129,8 @@ def write_mat(path: str | os.PathLike[str], signal: Signal) -> Path:
 
     Notes
     -----
-    Variables: ``responses`` and ``force``, or ``freq_hz``, ``values``, ``coherence`` and ``std``; channels in rows.
+    Variables: ``responses`` and ``force``, or ``freq_hz``, ``values``, ``coherence`` and ``std``; channels
+    in rows.
     The first, ``antires_rs``, is a JSON text with dofs, rate and the shapes (``jsondecode`` reads it).
 
     Examples

@@ -21,7 +21,8 @@ _SPELLED = ("data", "name", "unit_str", "fs", "time", "unit_tex", "start_timesta
 _PROHIBITED = ("unit", "timestamp", "signal", "sample_frequency")
 
 
-def from_sep005(channels: Any, *, dofs: Dofs = None, force: Any = "auto", unit: str | None = None) -> Recording:
+def from_sep005(channels: Any, *, dofs: Dofs = None, force: Any = "auto", unit: str | None = None,
+                ) -> Recording:
     """A recording of the channels of SEP 5.
 
     Parameters
@@ -51,8 +52,8 @@ def from_sep005(channels: Any, *, dofs: Dofs = None, force: Any = "auto", unit: 
 
     Notes
     -----
-    SEP 5, SDyPy Unified timeseries, W. Weijtjens and J. Slavic, draft of 2023-07-07. ``start_timestamp`` must be
-    the same in all channels that have it; it is not kept.
+    SEP 5, SDyPy Unified timeseries, W. Weijtjens and J. Slavic, draft of 2023-07-07. ``start_timestamp``
+    must be the same in all channels that have it; it is not kept.
 
     Examples
     --------
@@ -77,7 +78,8 @@ def from_sep005(channels: Any, *, dofs: Dofs = None, force: Any = "auto", unit: 
         reject("channels", f"the name {next(n for n in names if names.count(n) > 1)!r} twice",
                "names that differ")
     if max(rates) - min(rates) > 1e-9 * max(rates):
-        reject("channels", f"rates from {min(rates):g} to {max(rates):g} Hz", "one rate", "Resample them first.")
+        reject("channels", f"rates from {min(rates):g} to {max(rates):g} Hz", "one rate",
+               "Resample them first.")
     starts = {row["start_timestamp"] for row in rows if row.get("start_timestamp")}
     if len(starts) > 1:
         reject("channels", f"{len(starts)} different start_timestamp", "channels recorded together")
@@ -116,7 +118,7 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
     names = [str(dof) for dof in rec.dofs]
     taken = [*names, "force"] if rec.force is not None else names
     if len(set(taken)) != len(taken):
-        reject("rec", f"dofs {rec.dofs}", "dofs that differ as text" + (" and from 'force'" * (taken != names)))
+        reject("rec", f"dofs {rec.dofs}", "dofs that differ as text, and from 'force' where there is one")
     out = [{"name": name, "data": np.array(row), "fs": rec.fs_hz, "unit_str": unit, "dof": dof}
            for name, row, dof in zip(names, rec.responses, rec.dofs, strict=True)]
     if rec.force is not None:
@@ -133,7 +135,8 @@ def _check_keys(i: int, row: Any) -> None:
         if near:
             reject(here, f"the key {key!r}", f"{near[0]!r}, as SEP 5 spells it")
         if key in _PROHIBITED:
-            reject(here, f"the key {key!r}, which SEP 5 prohibits", "'unit_str', 'start_timestamp', 'data', 'fs'")
+            reject(here, f"the key {key!r}, which SEP 5 prohibits",
+                   "'unit_str', 'start_timestamp', 'data' or 'fs'")
     for key in _COMPULSORY:
         if key not in row:
             reject(here, f"no {key!r}", f"the keys {', '.join(map(repr, _COMPULSORY))}, and 'fs' or 'time'")

@@ -26,16 +26,17 @@ _KIND_OF = {"auto spectrum": "spectra", "cross spectrum": "spectra"}
 
 
 def read_uff(path: str | os.PathLike[str], *, kind: Kind | None = None, dofs: Any = None,
-             reference: Any = None, force: Any = "auto", unit: str | None = None, partial: bool = False) -> Signal:
+             reference: Any = None, force: Any = "auto", unit: str | None = None,
+             partial: bool = False) -> Signal:
     """Read dataset 58 of a universal file, in text or binary form.
 
     Parameters
     ----------
     path : path-like
     kind : {"time", "frf", "transmissibility", "spectra"}, optional
-        What to read, where a file holds several. Spectra: cross spectra S_jp (mean of X_p times the conjugate of
-        X_j) over the auto spectrum S_jj of their reference become FRFs where that is a force, and
-        transmissibilities otherwise (the H1 estimate). Coherences go with the values they belong to.
+        What to read, where a file holds several. Spectra: cross spectra S_jp (mean of X_p times the
+        conjugate of X_j) over the auto spectrum S_jj of their reference become FRFs where that is a force,
+        and transmissibilities otherwise (the H1 estimate). Coherences go with the values they belong to.
     dofs : mapping or callable, optional
         ``{(node, direction): dof}`` or a function of both, direction being ``'+Z'``, ``'-RX'`` or ``'S'``;
         None leaves a channel out. A mapping with ``(12, '+Z')`` takes a channel in ``-Z`` with its sign
@@ -67,9 +68,9 @@ def read_uff(path: str | os.PathLike[str], *, kind: Kind | None = None, dofs: An
 
     Notes
     -----
-    A universal file does not state how many sets it has. In one of another program that was cut exactly between
-    two sets the rest is missing without a trace; ours are numbered. Steps of time and frequency have six digits in
-    the format; the rate of fewest digits that fits is taken (1.95313E-03 s is 512 Hz).
+    A universal file does not state how many sets it has. In one of another program that was cut exactly
+    between two sets the rest is missing without a trace; ours are numbered. Steps of time and frequency have
+    six digits in the format; the rate of fewest digits that fits is taken (1.95313E-03 s is 512 Hz).
 
     Examples
     --------
@@ -86,13 +87,14 @@ def read_uff(path: str | os.PathLike[str], *, kind: Kind | None = None, dofs: An
     functions = functions_of(file, partial)
     there = list(dict.fromkeys(_KIND_OF.get(f.what, f.what) for f in functions
                                if f.what != "coherence" and not f.what.startswith("function type")))
+    found = ", ".join(there) or "no function that can be read"
     if kind is None:
         if len(there) != 1:
-            unsuitable(file, f"with {', '.join(there) or 'no function that can be read'}", "one kind of function",
+            unsuitable(file, f"with {found}", "one kind of function",
                        f"Pass kind={there[0]!r} or another of them." if there else _listed(functions))
         kind = there[0]  # type: ignore[assignment]
     elif kind not in there:
-        unsuitable(file, f"with {', '.join(there) or 'no function that can be read'}", f"kind={kind!r}")
+        unsuitable(file, f"with {found}", f"kind={kind!r}")
     own = {f.response: f.own["dof"] for f in functions if f.own.get("dof") is not None}
     named = dof_of(dofs, own)
     if kind == "time":

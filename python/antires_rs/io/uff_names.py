@@ -43,8 +43,8 @@ def as_point(argument: str, value: Any) -> Point:
 def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, float]]:
     """Function from a point to the user's dof and the sign that turns the channel into that dof.
 
-    A mapping that has ``12+Z`` and not ``12-Z`` takes a channel in ``-Z`` with its sign changed. ``own`` are the
-    dofs of a file of ours.
+    A mapping that has ``12+Z`` and not ``12-Z`` takes a channel in ``-Z`` with its sign changed. ``own`` are
+    the dofs of a file of ours.
     """
     if dofs is None:
         return lambda point: (own.get(point, label_of(point)), 1.0)
@@ -76,7 +76,8 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
         elif callable(given):
             points[dof] = as_point("dofs", given(dof))
         elif given is not None:
-            reject("dofs", type(given).__name__, "a mapping {dof: (node, direction)} or a function of the dof")
+            reject("dofs", type(given).__name__,
+                   "a mapping {dof: (node, direction)} or a function of the dof")
         elif isinstance(dof, str) and (match := _LABEL.match(dof)):
             points[dof] = int(match[1]), CODES[match[2]]
         elif isinstance(dof, int) and 0 <= dof < 999_999_999:

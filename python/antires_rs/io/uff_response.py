@@ -109,8 +109,8 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
         above, below = parse_unit(f.unit), parse_unit(f.reference_unit)
         if above is None or below is None:
             odd = f.unit if above is None else f.reference_unit
-            warnings.warn(f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit known here; "
-                          "its values are as in the file. Name unit= if they should be converted.",
+            warnings.warn(f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit "
+                          "known here; its values are as in the file. Name unit= if they should be converted.",
                           AntiresWarning, stacklevel=6)
         above, below = above or Unit(), below or Unit()
         # Some programs write the whole quotient into the numerator's label.
@@ -132,7 +132,8 @@ def _over_auto(file: Path, spectra: list[Function], point: Point) -> tuple[list[
     """Cross spectra over the auto spectrum of their reference."""
     autos = [f for f in spectra if f.response == point and f.reference in (point, (0, 0))
              and f.what == "auto spectrum"]
-    crosses = [f for f in spectra if f.reference == point and f.response != point and f.what == "cross spectrum"]
+    crosses = [f for f in spectra
+               if f.reference == point and f.response != point and f.what == "cross spectrum"]
     if len(autos) != 1 or not crosses:
         unsuitable(file, f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of the reference "
                    f"{label_of(point)}", "cross spectra, and one auto spectrum of their reference")

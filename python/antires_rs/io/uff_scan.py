@@ -1,7 +1,7 @@
 """Where the datasets of a universal file begin and end, found without trusting any of them.
 
-A dataset lies between two lines ``    -1``. The file does not say how many there are, nor does a reader notice
-that one is short; so each dataset 58 is measured here against the number of points in its own header.
+A dataset lies between two lines ``    -1``. The file does not say how many there are, nor does a reader
+notice that one is short; so each dataset 58 is measured here against the number of points in its own header.
 """
 
 from __future__ import annotations
@@ -87,10 +87,9 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
         return _binary(data, start, at, points, numbers, form[2], identity)
     end = _MARKER.search(data, at)
     body = data[at:end.start() if end else len(data)]
-    # Uneven spacing in double precision mixes fields of 13 (abscissa) and 20.
+    # Fields are 13 or 20 wide; an abscissa, where there is one, has 13.
     width = form[1] * form[0] + (0 if even else 13)
-    there = sum(len(line.rstrip()) + 1 for line in body.splitlines()) // (width + 1) if even == 0 and kind == 6 \
-        else int(sum(len(line.rstrip()) for line in body.splitlines()) / width)
+    there = sum(len(line.rstrip()) for line in body.splitlines()) // width
     return _judged(start, end, len(data), points, there)
 
 

@@ -33,7 +33,7 @@ class Function:
     Attributes
     ----------
     what : str
-        "time", "frf", "transmissibility", "coherence", "auto spectrum", "cross spectrum" or "function type n".
+        One of ``FUNCTIONS``, or "function type n".
     response, reference : (int, int)
         Node and direction code.
     x, values : (n_points,)
@@ -71,7 +71,8 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
     data = file.read_bytes()
     datasets = scan(data)
     if not datasets or all(d.number == 0 for d in datasets):
-        unsuitable(file, "without a dataset between lines '    -1'", WANTED, "It is no universal file, or cut.")
+        unsuitable(file, "without a dataset between lines '    -1'", WANTED,
+                   "It is no universal file, or was cut.")
     whole = [d for d in datasets if not d.problem]
     kept = sum(d.number == 58 for d in whole)
     bad = [(i, d) for i, d in enumerate(datasets) if d.problem]
@@ -86,7 +87,8 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
     return functions
 
 
-def _read(pyuff: Any, file: Path, data: bytes, datasets: list[Dataset], whole: list[Dataset]) -> list[Function]:
+def _read(pyuff: Any, file: Path, data: bytes, datasets: list[Dataset], whole: list[Dataset],
+          ) -> list[Function]:
     if len(whole) == len(datasets):
         return _through_pyuff(pyuff, file, file, whole)
     import tempfile
@@ -158,7 +160,8 @@ def _check_marks(file: Path, functions: list[Function], partial: bool) -> None:
     for f in functions:
         if "set" in f.own:
             if f.own["set"] != expected:
-                missing_part(file, f"set {expected} of {f.own['of']} is missing", WANTED, partial, len(functions))
+                missing_part(file, f"set {expected} of {f.own['of']} is missing", WANTED, partial,
+                             len(functions))
             expected = 1 if f.own["set"] == f.own["of"] else f.own["set"] + 1
     marked = [f for f in functions if "set" in f.own]
     if marked and expected != 1:

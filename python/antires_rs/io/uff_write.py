@@ -42,8 +42,8 @@ def write_uff(path: str | os.PathLike[str], signal: Signal, *, binary: bool = Tr
     unit : str, optional
         SI unit of the values: ``'m/s2'`` by default, for FRFs ``'m/s2/N'``.
     dofs : mapping or callable, optional
-        ``{dof: (node, direction)}``, such as ``(12, '+Z')``. Default: read from labels such as ``'12+Z'``; other
-        dofs become scalars of nodes of their own. The dofs themselves are kept in the ID lines.
+        ``{dof: (node, direction)}``, such as ``(12, '+Z')``. Default: read from labels such as ``'12+Z'``;
+        other dofs become scalars of nodes of their own. The dofs themselves are kept in the ID lines.
     excitation : int or str or (int, str), optional
         Point of the force: one of the dofs, or a node and direction. Not known by default.
 
@@ -58,9 +58,9 @@ def write_uff(path: str | os.PathLike[str], signal: Signal, *, binary: bool = Tr
 
     Notes
     -----
-    Standard deviations of a response are not kept, except that they follow from coherence and averages. Numbers of
-    the header have six digits; rate and frequencies are therefore repeated in full in ID line 4, the dof in ID
-    line 5 and the place among all sets in ID line 2, which :func:`read_uff` uses.
+    Standard deviations of a response are not kept, except that they follow from coherence and averages.
+    Numbers of the header have six digits; rate and frequencies are therefore repeated in full in ID line 4,
+    the dof in ID line 5 and the place among all sets in ID line 2, which :func:`read_uff` uses.
 
     Examples
     --------
@@ -89,8 +89,8 @@ def _recorded(rec: Recording, points: dict[Any, Point], force: Point | None, uni
     axis = {"abscissa": _OF_TIME, "units": ("s", unit, ""), "even": (0.0, 1.0 / rec.fs_hz),
             "line4": {"start": 0.0, "step": 1.0 / rec.fs_hz, "rate_hz": rec.fs_hz}}
     sets: list[tuple[dict[str, Any], NDArray[Any]]] = [
-        ({"kind": _TIME, "response": points[dof], "types": (_DATA[quantity], 0), "line5": {"dof": dof}, **axis},
-         row) for dof, row in zip(rec.dofs, rec.responses, strict=True)]
+        ({"kind": _TIME, "response": points[dof], "types": (_DATA[quantity], 0), "line5": {"dof": dof},
+          **axis}, row) for dof, row in zip(rec.dofs, rec.responses, strict=True)]
     if rec.force is not None:
         at = force or (max(node for node, _ in points.values()) + 1, 0)
         sets.append(({"kind": _TIME, "response": at, "types": (_DATA["force"], 0), "line5": {},
@@ -171,8 +171,8 @@ def _header(fields: dict[str, Any], points: int, is_complex: bool, number: int, 
         json.dumps(fields["line4"]), line5,
         f"{fields['kind']:5d}{0:10d}{0:5d}{0:10d} {'NONE':<10}{response[0]:10d}{response[1]:4d}"
         f" {'NONE':<10}{reference[0]:10d}{reference[1]:4d}",
-        f"{6 if is_complex else 4:10d}{points:10d}{int(fields['even'] is not None):10d}{start:13.5e}{step:13.5e}"
-        f"{0.0:13.5e}",
+        f"{6 if is_complex else 4:10d}{points:10d}{int(fields['even'] is not None):10d}"
+        f"{start:13.5e}{step:13.5e}{0.0:13.5e}",
         _axis(fields["abscissa"], units[0]), _axis(types[0], units[1]), _axis(types[1], units[2]),
         _axis(0, "NONE")]
 
@@ -188,4 +188,5 @@ def _text(numbers: NDArray[Any], uneven: bool, is_complex: bool) -> bytes:
     else:
         forms = ["%13.5e", "%20.11e", "%20.11e"] if is_complex else ["%13.5e", "%20.11e"] * 2
     rows = [numbers[i:i + len(forms)].tolist() for i in range(0, numbers.size, len(forms))]
-    return "".join("".join(form % v for form, v in zip(forms, row, strict=False)) + "\n" for row in rows).encode()
+    lines = ("".join(form % v for form, v in zip(forms, row, strict=False)) for row in rows)
+    return "".join(f"{line}\n" for line in lines).encode()

@@ -1,7 +1,7 @@
 """Units of channels and how they become SI: m/s2, m/s, m and N.
 
-Names are compared without brackets, spaces, carets and superscripts: ``m/s^2``, ``(m/s²)`` and ``m/s2`` are the
-same unit. An FRF has a quotient, such as ``g/N`` or ``m/s2/N``.
+Names are compared without brackets, spaces, carets and superscripts: ``m/s^2``, ``(m/s²)`` and ``m/s2`` are
+the same unit. An FRF has a quotient, such as ``g/N`` or ``m/s2/N``.
 """
 
 from __future__ import annotations
