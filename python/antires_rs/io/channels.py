@@ -55,8 +55,9 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, *, dofs:
         unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length")
     # The unit that a user names is that of the responses.
     units = {id(c): _unit(path, c) for c in channels}
-    forces = [c for c in channels if c.role == "force" or units[id(c)].quantity == "force"
-              or (force not in ("auto", None) and c.name == force)]
+    forces = [c for c in channels if c.role == "force" or units[id(c)].quantity == "force"]
+    if force not in ("auto", None) and all(c.name != force for c in forces):
+        forces += [c for c in channels if c.name == force]  # the user knows better than a silent file
     responses = [c for c in channels if not any(c is f for f in forces)]
     if not responses:
         unsuitable(path, f"with {len(forces)} force and no response", "at least one response channel")

@@ -120,9 +120,9 @@ def read_archive(file: Path) -> dict[str, NDArray[Any]]:
     """Every array of an archive; the checksums of zip are compared."""
     wanted = "a whole NumPy archive (.npz) of plain arrays"
     try:
+        if not zipfile.is_zipfile(file):
+            unsuitable(file, "which is no archive", wanted, "It was cut, or is a single array: use numpy.load.")
         with np.load(file, allow_pickle=False) as archive:
-            if not isinstance(archive, np.lib.npyio.NpzFile):
-                unsuitable(file, "which is a single array", wanted, "Use numpy.load.")
             return {name: archive[name] for name in archive.files}
     except (zipfile.BadZipFile, zlib.error, ValueError, KeyError, OSError, EOFError, NotImplementedError,
             MemoryError) as exc:

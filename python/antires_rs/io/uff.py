@@ -139,9 +139,10 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
     if len(rates) > 1 or len(starts) > 1:
         unsuitable(file, f"with records of rates {sorted(rates)} Hz that begin at {sorted(starts)} s",
                    "channels recorded together", "Read them one by one.")
-    twice = [f.response for f in functions]
+    # Force and acceleration of the driving point share their node and direction.
+    twice = [(f.response, f.role) for f in functions]
     if len(set(twice)) != len(twice):
-        again = next(p for p in twice if twice.count(p) > 1)
+        again = next(p for p in twice if twice.count(p) > 1)[0]
         unsuitable(file, f"with several records of {label_of(again)}", "one for each point",
                    "Split the file by runs.")
     channels, signs = [], {}

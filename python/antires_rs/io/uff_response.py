@@ -110,7 +110,7 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
         if above is None or below is None:
             odd = f.unit if above is None else f.reference_unit
             warnings.warn(f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit "
-                          "known here; its values are as in the file. Name unit= if they should be converted.",
+                          "known here; its values are as in the file. Name unit= to convert them.",
                           AntiresWarning, stacklevel=6)
         above, below = above or Unit(), below or Unit()
         # Some programs write the whole quotient into the numerator's label.

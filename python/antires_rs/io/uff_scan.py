@@ -59,6 +59,11 @@ def scan(data: bytes) -> list[Dataset]:
         dataset = _dataset(data, begin.start(), begin.end())
         found.append(dataset)
         position = dataset.stop
+    if data[position:].lstrip(b"\r\n"):
+        # Blanks without a line end are the beginning of a marker.
+        tail = data[position:].rpartition(b"\n")[2]
+        if tail.strip(b"\r\x1a\x00"):
+            found.append(Dataset(0, position, len(data), problem="it is cut in its first line"))
     return found
 
 
@@ -84,7 +89,7 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
         return Dataset(58, start, end.end() if end else len(data), problem="its header is cut or damaged")
     numbers = form[0] + (0 if even else 1)
     if binary:
-        return _binary(data, start, at, points, numbers, form[2], identity)
+        return _binary(data, start, at, points, numbers, form[2])
     end = _MARKER.search(data, at)
     body = data[at:end.start() if end else len(data)]
     # Fields are 13 or 20 wide; an abscissa, where there is one, has 13.
@@ -93,15 +98,10 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
     return _judged(start, end, len(data), points, there)
 
 
-def _binary(data: bytes, start: int, at: int, points: int, numbers: int, size: int, identity: bytes,
-            ) -> Dataset:
-    """The end is where the length says, by the header's count of points or of bytes."""
-    lengths = [points * numbers * size]
-    # Programs disagree on the abscissa's size, and some state the bytes wrongly.
-    if identity[31:43].strip().isdigit():
-        lengths.append(int(identity[31:43]))
-    lengths.append(points * numbers * 8)
-    for length in lengths:
+def _binary(data: bytes, start: int, at: int, points: int, numbers: int, size: int) -> Dataset:
+    """The end is where the number of points says; the number of bytes beside it is often wrong."""
+    # Some programs write single precision as double.
+    for length in dict.fromkeys((points * numbers * size, points * numbers * 8)):
         if at + length <= len(data):
             end = re.compile(rb"[\r\n]{0,2} {4}-1[ ]*(?=[\r\n]|\Z)").match(data, at + length)
             if end:
