@@ -35,7 +35,9 @@ class Format:
 
 
 def uff_ends(data):
-    return [m.end() for m in re.finditer(rb"(?:\A|(?<=\n)) {4}-1 *\n", data)][1::2]
+    """After each closing marker, with its line end and without: the dataset is whole either way."""
+    ends = [m.end() for m in re.finditer(rb"(?:\A|(?<=\n)) {4}-1 *\n", data)][1::2]
+    return sorted(end - i for end in ends for i in (0, 1))
 
 
 def line_ends(data):
