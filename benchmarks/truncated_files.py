@@ -1,12 +1,11 @@
 """Files of every format cut at random bytes: how many cuts are noticed.
 
-For each format 300 cuts at random bytes and as many on boundaries between records (all, where there are fewer). An
-error is the rule; "warned" is a result with a warning, "whole" a result equal to that of the whole file (a last line
-end was lost); "silent" is what must not be, except on a boundary of a format that does not state its size. For the
-formats with ``partial=True`` every cut is read that way too. A crash of the process would end the table.
+For each format 300 cuts at random bytes, and as many on boundaries between records (all, where there are
+fewer). An error is the rule; "warned" is a result with a warning, "whole" a result equal to that of the whole
+file (a last line end was lost); "silent" is what must not be, except on a boundary of a format that does not
+state its size. Formats with ``partial=True`` are read that way too. A crash of the process would end the table.
 
-Run: ``python benchmarks/truncated_files.py [--cuts 300] [--seed 0] [NAME ...]``; about three minutes, as every MAT 5
-file whose lengths fit is read in a process of its own.
+Run: ``python benchmarks/truncated_files.py [--cuts 300] [--seed 0] [NAME ...]``; half a minute.
 """
 
 import argparse

@@ -37,6 +37,23 @@ def test_names_and_units_in_every_dress(tmp_path, between, comma, head):
     np.testing.assert_array_equal(rec.force, PUSH)
 
 
+def test_names_in_a_comment(tmp_path):
+    """As numpy.savetxt writes them; a comment that does not fit is none."""
+    path = tmp_path / "a.csv"
+    table = np.column_stack([TIME, TIP, ROOT])
+    np.savetxt(path, table, delimiter=",", header="made on a Monday\ntime,tip,root")
+    assert ar.read_csv(path).dofs == ("tip", "root")
+    np.savetxt(path, table, delimiter=",", header="time, tip and root")
+    assert ar.read_csv(path, first="time").dofs == (0, 1)
+
+
+def test_rows_that_end_with_a_delimiter(tmp_path):
+    whole = text(TIME, TIP, ROOT, head="time;tip;root\n", between=";").replace("\n", ";\n")
+    assert ar.read_csv(saved(tmp_path / "a.csv", whole)).dofs == ("tip", "root")
+    with pytest.raises(ar.UnsuitableDataError, match="row 50 is cut"):
+        ar.read_csv(saved(tmp_path / "b.csv", whole[:-4]))
+
+
 def test_dofs_and_roles_by_name(tmp_path):
     path = saved(tmp_path / "a.csv", text(TIME, TIP, ROOT, PUSH, head="time,tip,root,push\n"))
     assert ar.read_csv(path).dofs == ("tip", "root", "push")

@@ -39,7 +39,8 @@ def problems():
     model = ar.MatrixModel(CHAIN.stiffness(), CHAIN.mass(), stiffness_terms=[SPRING], mass_terms=[np.eye(3)])
     yield "matrices", ar.UpdatingProblem(
         model, [ar.stiffness_reduction(0), ar.mass_factor(0, bounds=(0.9, 1.1))],
-        [zeros(model, [0, 1], 0), zeros(model, [1], 2)], penalty=(0.02, 0.01), misfit="squared", weights="std")
+        [zeros(model, [0, 1], 0), zeros(model, [1], 2)], penalty=(0.02, 0.01), misfit="squared",
+        weights="std")
     flat = frame(2)
     yield "plane frame", ar.UpdatingProblem(
         flat, [ar.thickness("pipe", bounds=(0.0015, 0.0025)), ar.point_mass(0, bounds=(0.2, 0.4)),

@@ -185,6 +185,45 @@ def test_spectra_become_quotients(tmp_path, unit, kind):
         ar.read_uff(lone)
 
 
+def test_spectra_in_other_units(tmp_path):
+    power = np.linspace(1.0, 2.0, 100)
+    path = written(tmp_path / "a.uff",
+                   dataset(power, kind=9, node=5, reference=(5, 3), unit="kN", data_type=FORCE),
+                   dataset(LINES[0] * power, kind=3, reference=(5, 3), unit="g", per="kN"))
+    np.testing.assert_allclose(ar.read_uff(path).values[0], 9.80665e-3 * LINES[0], rtol=1e-14)
+    np.testing.assert_allclose(ar.read_uff(path, unit="m/s2/N").values[0], LINES[0], rtol=1e-14)
+
+
+def units_of_the_file(length, force):
+    return {"type": 164, "units_code": 5, "units_description": "mm (milli-newton)", "temp_mode": 1,
+            "length": length, "force": force, "temp": 1.0, "temp_offset": 273.15}
+
+
+def test_units_of_the_whole_file(tmp_path):
+    """Dataset 164 holds for functions without a label: SI times its factors is the file's unit."""
+    path = written(tmp_path / "a.uff", units_of_the_file(1000.0, 1000.0), dataset(NOISE[0], unit="NONE"),
+                   dataset(NOISE[1], node=2, unit="g"), dataset(NOISE[2], unit="NONE", data_type=FORCE))
+    rec = ar.read_uff(path)
+    np.testing.assert_allclose(rec.responses, [1e-3 * NOISE[0], 9.80665 * NOISE[1]], rtol=1e-15)
+    np.testing.assert_allclose(rec.force, 1e-3 * NOISE[2], rtol=1e-15)
+    np.testing.assert_array_equal(ar.read_uff(path, unit="m/s2").responses, NOISE[:2])
+    frf = dataset(LINES[0], kind=4, reference=(1, 3), unit="NONE")
+    path = written(tmp_path / "b.uff", units_of_the_file(1000.0, 1.0),
+                   {**frf, "orddenom_spec_data_type": FORCE})
+    np.testing.assert_allclose(ar.read_uff(path).values[0], 1e-3 * LINES[0], rtol=1e-15)
+    path = written(tmp_path / "c.uff", units_of_the_file(0.0, 1.0), dataset(NOISE[0]))
+    with pytest.raises(ar.UnsuitableDataError, match="units .dataset 164. have the factors 0 and 1"):
+        ar.read_uff(path)
+
+
+def test_exact_numbers_of_ours_count_only_beside_their_header(tmp_path):
+    """Someone who changes the step in the header, and not our line, is believed."""
+    path = ar.write_uff(tmp_path / "a.uff", recording(), binary=False)
+    step = f"{1 / 512:.5e}".encode()
+    path.write_bytes(path.read_bytes().replace(step, b"3.90625e-03"))
+    assert ar.read_uff(path).fs_hz == 256.0
+
+
 def test_kinds_are_chosen_and_named(tmp_path):
     path = written(tmp_path / "a.uff", dataset(NOISE[0]), dataset(LINES[0], kind=4, reference=(1, 3)),
                    {"type": 151, "model_name": "m", "description": "", "db_app": "", "date_db_created": "",

@@ -129,6 +129,10 @@ def equal(a, b):
     """Whether nothing was lost."""
     if isinstance(a, ar.AntiresonanceSet):
         return a == b
+    if isinstance(a, ar.MatrixModel):
+        return all(abs(x - y).max() == 0.0 for x, y in ((a.stiffness(), b.stiffness()), (a.mass(), b.mass())))
+    if isinstance(a, ar.UpdateResult):
+        return a.summary() == b.summary()
     try:
         return set(differences(a, b).values()) == {0.0}
     except AssertionError:

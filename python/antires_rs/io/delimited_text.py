@@ -94,18 +94,23 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     if text.startswith(MARK):
         _header(file, lines, table)
     body = [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENT)]
+    trailing = delimiter is None and len(body) > 1 and all(line.rstrip()[-1] in ",;" for line in body[:-1])
+    if trailing:  # some programs end every row with a delimiter
+        whole = body[-1].rstrip()[-1] in ",;"
+        body = [line.rstrip()[:-1] for line in body[:-1]] + [body[-1].rstrip()[:-1] if whole else body[-1]]
+        ended, trailing = ended and whole, not whole
     between = delimiter if delimiter is not None else _delimiter(body)
     point = decimal if decimal is not None else ("," if between != "," and _decimal_commas(body) else ".")
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
         unsuitable(file, "without a row of numbers", "columns of numbers",
                    "Name the delimiter= and decimal=.")
-    _names(table, body[:start], between)
     rows = body[start:]
     width = len(_split(rows[0], between))
+    _names(table, body[:start] or _commented_names(lines, between, width), between)
     if not ended:
         # A number that lost its last digits still is one, so that only a line end proves the row whole.
-        cut = len(_split(rows[-1], between)) != width or "rows" in table.header
+        cut = len(_split(rows[-1], between)) != width or "rows" in table.header or trailing
         stated = f" of {table.header['rows']}" if "rows" in table.header else ""
         if cut:
             rows.pop()
@@ -210,6 +215,14 @@ def _names(table: Table, head: list[str], between: str | None) -> None:
                    for m, part in zip(bracketed, names, strict=True)]
     table.units = [m[2] if m and m[1] and not _PAIR.match(part) else ""
                    for m, part in zip(bracketed, names, strict=True)]
+
+
+def _commented_names(lines: list[str], between: str | None, width: int) -> list[str]:
+    """Names in the last comment above the numbers, as numpy.savetxt writes them; only if they fit."""
+    first = next(i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(_COMMENT))
+    above = lines[first - 1].lstrip().lstrip("#%/").strip() if first else ""
+    fits = len(_split(above, between)) == width and width > 1
+    return [above] if fits and not any(_numeric(part, None, ".") for part in _split(above, between)) else []
 
 
 def _bare(part: str) -> str:

@@ -121,7 +121,8 @@ def read_archive(file: Path) -> dict[str, NDArray[Any]]:
     wanted = "a whole NumPy archive (.npz) of plain arrays"
     try:
         if not zipfile.is_zipfile(file):
-            unsuitable(file, "which is no archive", wanted, "It was cut, or is a single array: use numpy.load.")
+            unsuitable(file, "which is no archive", wanted,
+                       "It was cut, or is a single array: use numpy.load.")
         with np.load(file, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
     except (zipfile.BadZipFile, zlib.error, ValueError, KeyError, OSError, EOFError, NotImplementedError,

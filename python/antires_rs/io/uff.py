@@ -36,7 +36,8 @@ def read_uff(path: str | os.PathLike[str], *, kind: Kind | None = None, dofs: An
     kind : {"time", "frf", "transmissibility", "spectra"}, optional
         What to read, where a file holds several. Spectra: cross spectra S_jp (mean of X_p times the
         conjugate of X_j) over the auto spectrum S_jj of their reference become FRFs where that is a force,
-        and transmissibilities otherwise (the H1 estimate). Coherences go with the values they belong to.
+        and transmissibilities otherwise (the H1 estimate); their labels name the units of the two channels.
+        Coherences go with the values they belong to.
     dofs : mapping or callable, optional
         ``{(node, direction): dof}`` or a function of both, direction being ``'+Z'``, ``'-RX'`` or ``'S'``;
         None leaves a channel out. A mapping with ``(12, '+Z')`` takes a channel in ``-Z`` with its sign
@@ -48,6 +49,7 @@ def read_uff(path: str | os.PathLike[str], *, kind: Kind | None = None, dofs: An
         force by its ordinate type or its unit.
     unit : str, optional
         Unit of the responses, in place of the file's labels: ``'g'``, ``'m/s2'``, ``'g/N'`` and the like.
+        Without labels the units of dataset 164 hold, where there is one, and SI otherwise.
     partial : bool
         Read the whole sets of a file that was cut, with a warning that counts what is missing.
 
@@ -149,7 +151,9 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
     for f in functions:
         if np.iscomplexobj(f.values):
             unsuitable(file, f"with a complex time record of {label_of(f.response)}", "real ones")
-        channels.append(Channel(f.response, f.values, f.unit, f.role))
+        named_by_user = unit is not None and f.role != "force"
+        values = f.values if f.scale == 1.0 or named_by_user else f.values * f.scale
+        channels.append(Channel(f.response, values, f.unit, f.role))
     if force not in ("auto", None):
         force = as_point("force", force)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -31,7 +32,7 @@ def response_of(file: Path, functions: list[Function], kind: str, named: Named, 
     point = _reference(file, [f for f in wanted if kind != "spectra" or f.response != f.reference], reference)
     beside = [f for f in functions if f.what == "coherence" and f.reference == point]
     if kind == "spectra":
-        wanted, is_force = _over_auto(file, wanted, point)
+        wanted, is_force = _over_auto(file, wanted, point, unit)
         kind = "frf" if is_force else "transmissibility"
     else:
         wanted = [f for f in wanted if f.reference == point]
@@ -114,7 +115,7 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
                           AntiresWarning, stacklevel=6)
         above, below = above or Unit(), below or Unit()
         # Some programs write the whole quotient into the numerator's label.
-        factor = above.factor / (1.0 if above.per else below.factor)
+        factor = f.scale * above.factor / (1.0 if above.per else below.factor)
     values = f.values.astype(np.complex128)
     return values if factor == 1.0 else values * factor
 
@@ -128,7 +129,8 @@ def _coherence(file: Path, rows: dict[Point, Any], beside: list[Function]) -> di
     return found if found and not lost else None
 
 
-def _over_auto(file: Path, spectra: list[Function], point: Point) -> tuple[list[Function], bool]:
+def _over_auto(file: Path, spectra: list[Function], point: Point, unit: str | None,
+               ) -> tuple[list[Function], bool]:
     """Cross spectra over the auto spectrum of their reference."""
     autos = [f for f in spectra if f.response == point and f.reference in (point, (0, 0))
              and f.what == "auto spectrum"]
@@ -143,11 +145,13 @@ def _over_auto(file: Path, spectra: list[Function], point: Point) -> tuple[list[
                    "a positive one")
     single = autos[0].unit or crosses[0].reference_unit
     is_force = autos[0].role == "force" or (parse_unit(single) or Unit()).quantity == "force"
+    if is_force and unit is None and any(f.scale != 1.0 for f in (*autos, *crosses)):
+        unsuitable(file, "with spectra without units where dataset 164 names others than SI",
+                   "the unit of their quotient", "Pass unit=, such as 'mm/s2/N'.")
     made = []
     for f in crosses:
         if f.values.shape != power.shape:
             unsuitable(file, f"with {f.values.size} lines at {label_of(f.response)} and {power.size} of the "
                        "reference", "one frequency axis")
-        made.append(Function("quotient", f.response, f.reference, f.x, f.values / power, "", "", "", f.even,
-                             f.step, f.own))
+        made.append(replace(f, values=f.values / power, reference_unit=single, scale=1.0))
     return made, is_force

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,8 @@ from numpy.typing import NDArray
 
 from .._files import write_atomically
 from .._validation import reject
+from ..estimators import std_of_coherence
+from ..exceptions import AntiresWarning
 from ..signals import FrequencyResponse, Recording
 from ._common import Signal, signal_given
 from ._packing import check_dofs
@@ -56,9 +59,13 @@ def write_uff(path: str | os.PathLike[str], signal: Signal, *, binary: bool = Tr
     InvalidInputError
         The folder does not exist, a unit that is not SI, two dofs at one point, labels that do not fit.
 
+    Warns
+    -----
+    AntiresWarning
+        Standard deviations that do not follow from coherence and averages, which the format cannot keep.
+
     Notes
     -----
-    Standard deviations of a response are not kept, except that they follow from coherence and averages.
     Numbers of the header have six digits; rate and frequencies are therefore repeated in full in ID line 4,
     the dof in ID line 5 and the place among all sets in ID line 2, which :func:`read_uff` uses.
 
@@ -106,6 +113,9 @@ def _responses(resp: FrequencyResponse, points: dict[Any, Point], force: Point |
     reference = (force or (0, 0)) if is_frf else points[resp.reference]
     step = (resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1)
     ideal = resp.freq_hz[0] + step * np.arange(resp.n_freq)
+    if resp.std is not None and not _follows(resp):
+        warnings.warn("signal: its standard deviations are not those of coherence and averages, and a "
+                      "universal file has no place for them; they are left out.", AntiresWarning, stacklevel=3)
     even = bool(np.abs(ideal - resp.freq_hz).max() <= 1e-12 * resp.freq_hz[-1])
     line4: dict[str, Any] = {} if resp.n_averages is None else {"n_averages": resp.n_averages}
     if even:
@@ -122,6 +132,13 @@ def _responses(resp: FrequencyResponse, points: dict[Any, Point], force: Point |
         sets.append(({"kind": _COHERENCE, "response": points[dof], "types": (0, 0), "units": ("Hz", "", ""),
                       "line5": {"dof": dof}, **axis}, row))
     return sets
+
+
+def _follows(resp: FrequencyResponse) -> bool:
+    """Whether the deviations are those that a reader derives."""
+    if resp.coherence is None or resp.n_averages is None or resp.n_averages <= 1.0 or resp.std is None:
+        return False
+    return bool(np.array_equal(resp.std, std_of_coherence(resp.values, resp.coherence, resp.n_averages)))
 
 
 def _quantity(unit: str) -> str:
