@@ -5,7 +5,6 @@ In the text an array stands as ``{"array": "a3"}``.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from pathlib import Path
@@ -37,8 +36,8 @@ def write_store(path: str | os.PathLike[str], data: dict[str, Any], store: Store
     """Write text, arrays and their hashes, whole or not at all."""
     hashes = {name: _digest(array) for name, array in store.arrays.items()}
     text = json.dumps({**data, "sha256": hashes}, allow_nan=False, indent=1)
-    own = hashlib.sha256(text.encode()).digest()
-    return write_archive(path, text, {**store.arrays, "text_sha256": np.frombuffer(own, dtype=np.uint8)})
+    own = np.frombuffer(bytes.fromhex(_sha256(text.encode())), dtype=np.uint8)
+    return write_archive(path, text, {**store.arrays, "text_sha256": own})
 
 
 def read_store(path: str | os.PathLike[str], form: str, version: int, wanted: str,
@@ -49,7 +48,7 @@ def read_store(path: str | os.PathLike[str], form: str, version: int, wanted: st
     if TEXT not in arrays or "text_sha256" not in arrays:
         unsuitable(file, "an archive of another kind", wanted)
     text = bytes(arrays[TEXT])
-    if hashlib.sha256(text).digest() != bytes(arrays["text_sha256"]):
+    if _sha256(text) != bytes(arrays["text_sha256"]).hex():
         unsuitable(file, "whose text does not have its checksum", wanted, "It was damaged or edited.")
     data = json.loads(text)
     if data.get("format") != form:
@@ -74,4 +73,9 @@ def _filled(value: Any, arrays: dict[str, NDArray[Any]]) -> Any:
 
 def _digest(array: NDArray[Any]) -> str:
     head = f"{array.dtype.str}{array.shape}".encode()
-    return hashlib.sha256(head + np.ascontiguousarray(array).tobytes()).hexdigest()
+    return _sha256(head + np.ascontiguousarray(array).tobytes())
+
+
+def _sha256(data: bytes) -> str:
+    import hashlib  # slow to load
+    return hashlib.sha256(data).hexdigest()

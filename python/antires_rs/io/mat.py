@@ -5,9 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
-import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -187,6 +185,8 @@ def _check_length(file: Path) -> None:
 def _in_a_child(file: Path, time_limit_s: float, memory_limit_gb: float,
                 ) -> tuple[str | None, dict[str, NDArray[Any]]]:
     """What the child makes of the file, handed over as an archive of plain arrays."""
+    import subprocess
+    import tempfile
     reader = Path(__file__).with_name("_mat_child.py")
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
                    "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}

@@ -6,7 +6,6 @@ returns fits ``dofs=`` of :func:`~antires_rs.io.read_uff`.
 
 from __future__ import annotations
 
-import gzip
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -202,6 +201,8 @@ def _sparse_npz(file: Path) -> Any:
 
 def _matrix_market(file: Path) -> Any:
     """A Matrix Market file, its entries counted against its header."""
+    import gzip
+
     from scipy.io import mmread
     wanted = "a whole Matrix Market file"
     try:

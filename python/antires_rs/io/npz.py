@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import zipfile
-import zlib
 from pathlib import Path
 from typing import Any
 
@@ -118,6 +116,8 @@ def write_archive(path: str | os.PathLike[str], text: str, arrays: dict[str, NDA
 
 def read_archive(file: Path) -> dict[str, NDArray[Any]]:
     """Every array of an archive; the checksums of zip are compared."""
+    import zipfile
+    import zlib
     wanted = "a whole NumPy archive (.npz) of plain arrays"
     try:
         if not zipfile.is_zipfile(file):

@@ -115,7 +115,8 @@ def _responses(resp: FrequencyResponse, points: dict[Any, Point], force: Point |
     ideal = resp.freq_hz[0] + step * np.arange(resp.n_freq)
     if resp.std is not None and not _follows(resp):
         warnings.warn("signal: its standard deviations are not those of coherence and averages, and a "
-                      "universal file has no place for them; they are left out.", AntiresWarning, stacklevel=3)
+                      "universal file has no place for them; they are left out.", AntiresWarning,
+                      stacklevel=3)
     even = bool(np.abs(ideal - resp.freq_hz).max() <= 1e-12 * resp.freq_hz[-1])
     line4: dict[str, Any] = {} if resp.n_averages is None else {"n_averages": resp.n_averages}
     if even:
