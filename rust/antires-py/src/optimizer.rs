@@ -166,6 +166,7 @@ impl Search {
         let mut hooks = Hooks {
             should_stop: Some(&mut should_stop),
             progress: Some(&mut progress),
+            ..Hooks::default()
         };
         let outcome = search(
             &self.bounds,
