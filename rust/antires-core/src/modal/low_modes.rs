@@ -26,6 +26,10 @@ use crate::error::Result;
 use crate::linalg::banded::LARGEST_GROWTH;
 use crate::linalg::symmetric::SymmetricSolver;
 
+/// Eigenvalues this near to one another, relatively, count as one that is repeated: their shapes are then a
+/// matter of rounding.
+const REPEATED: f64 = 1e-8;
+
 /// Modes up to a limit, with the memory to find them again.
 pub struct LowModes {
     n: usize,
@@ -116,6 +120,23 @@ impl LowModes {
         &self.shapes[r * self.n..(r + 1) * self.n]
     }
 
+    /// The shapes that belong to the eigenvalue of mode `r`, one after the other: more than one where it is
+    /// repeated.
+    #[must_use]
+    pub fn space(&self, r: usize) -> &[f64] {
+        let same = |a: usize, b: usize| {
+            (self.lambda[b] - self.lambda[a]).abs() <= REPEATED * self.lambda[b].abs()
+        };
+        let (mut first, mut last) = (r, r);
+        while first > 0 && same(first - 1, first) {
+            first -= 1;
+        }
+        while last + 1 < self.lambda.len() && same(last, last + 1) {
+            last += 1;
+        }
+        &self.shapes[first * self.n..(last + 1) * self.n]
+    }
+
     /// Eigenvalues up to this are zero at working precision: rigid-body modes.
     #[must_use]
     pub fn zero(&self) -> f64 {
@@ -125,7 +146,7 @@ impl LowModes {
     /// Solves (K − λM) z = g with zᵀMφ = 0 for mode `r` and a slope `g` with gᵀφ = 0; the matrices are those
     /// last solved.
     ///
-    /// Of a repeated mode, whose shape has no derivative, what is found is arbitrary, or not finite.
+    /// Not for a repeated mode, whose shape has no derivative.
     ///
     /// # Errors
     /// Those of [`SymmetricSolver::solve`].
@@ -235,5 +256,86 @@ impl ReducedModes {
             z[self.structure.dof(row)] = self.scale[row] * (solution[row] - part * shape[row]);
         }
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::chain::mass_spring_chain;
+    use crate::fem::model::Model;
+    use faer::Mat;
+
+    /// A free chain of 50 masses without symmetry.
+    fn chain() -> Model {
+        let wave = |i: usize, a: f64| 1.0 + 0.3 * (a * i as f64).sin();
+        let masses: Vec<f64> = (0..50).map(|i| 0.5 * wave(i, 1.7)).collect();
+        let springs: Vec<f64> = (1..50).map(|i| 5e4 * wave(i, 0.9)).collect();
+        mass_spring_chain(&masses, &springs, 0.0, 0.0).unwrap()
+    }
+
+    fn low(model: &Model, slender: bool, limit: f64) -> LowModes {
+        let mut modes = LowModes::new(&Arc::new(Structure::of(model)));
+        assert!(modes.reduced.is_some());
+        if !slender {
+            modes.reduced = None;
+        }
+        let matrices = (model.stiffness(), model.mass());
+        modes.solve(matrices, limit, 7).unwrap();
+        assert_eq!(modes.dense.is_none(), slender);
+        modes
+    }
+
+    #[test]
+    fn both_routes_give_one_answer() {
+        let model = chain();
+        let matrices = (model.stiffness(), model.mass());
+        let (mut band, mut dense) = (low(&model, true, 3e4), low(&model, false, 3e4));
+        let count = band.eigenvalues().len();
+        assert!(count > 8 && count == dense.eigenvalues().len(), "{count}");
+        assert!(band.eigenvalues()[0] <= band.zero() && dense.eigenvalues()[0] <= dense.zero());
+        let (mut by_band, mut densely) = (Vec::new(), Vec::new());
+        for r in 1..count {
+            let (a, b) = (band.eigenvalues()[r], dense.eigenvalues()[r]);
+            assert!(a > band.zero() && (a / b - 1.0).abs() < 1e-10, "{a} {b}");
+            let sign = (band.shape(r)[0] * dense.shape(r)[0]).signum();
+            for (p, q) in band.shape(r).iter().zip(dense.shape(r)) {
+                assert!((p - sign * q).abs() < 1e-8, "{p} {q}");
+            }
+            // A slope without part along the shape.
+            let mut g = vec![0.0; 50];
+            (g[3], g[20]) = (band.shape(r)[20], -band.shape(r)[3]);
+            band.adjoint(matrices, r, &g, &mut by_band).unwrap();
+            dense.adjoint(matrices, r, &g, &mut densely).unwrap();
+            assert!(band.dense.is_none(), "the band settled it");
+            let size = densely.iter().fold(0.0_f64, |m, z| m.max(z.abs()));
+            for (y, z) in by_band.iter().zip(&densely) {
+                assert!((y - z).abs() < 1e-7 * size, "{y} {z}");
+            }
+        }
+    }
+
+    #[test]
+    fn modes_that_the_start_does_not_move_are_found_and_repeated_ones_belong_together() {
+        // Two equal chains beside each other: every mode twice, and the load moves one of each two.
+        let one = chain();
+        let twice = |a: MatRef<'_, f64>| {
+            Mat::from_fn(100, 100, |i, j| {
+                if i / 50 == j / 50 {
+                    a[(i % 50, j % 50)]
+                } else {
+                    0.0
+                }
+            })
+        };
+        let model = Model::new(twice(one.stiffness()), twice(one.mass()), vec![], vec![]).unwrap();
+        let (single, double) = (low(&one, true, 2e4), low(&model, true, 2e4));
+        assert_eq!(double.eigenvalues().len(), 2 * single.eigenvalues().len());
+        for r in 2..double.eigenvalues().len() {
+            let ratio = double.eigenvalues()[r] / single.eigenvalues()[r / 2];
+            assert!((ratio - 1.0).abs() < 1e-10, "{ratio}");
+            assert_eq!(double.space(r).len(), 200);
+            assert_eq!(single.space(r / 2).len(), 50);
+        }
     }
 }

@@ -81,14 +81,38 @@ impl Shape {
         &self.dofs
     }
 
-    /// The MAC with a real shape `phi`, given at all dofs; zero where that is at rest at the measured ones.
+    /// The MAC with real shapes of `n` dofs each, given one after the other: with one, or with that
+    /// combination of several which is most alike, as every combination of the shapes of a repeated mode is one
+    /// of its shapes. Zero where they are at rest at the measured dofs.
     #[must_use]
-    pub fn mac(&self, phi: &[f64]) -> f64 {
-        let (along, square) = self.products(phi);
-        if self.at_rest(phi, square) {
-            return 0.0;
+    pub fn mac(&self, phi: &[f64], n: usize) -> f64 {
+        if phi.len() == n {
+            let (along, square) = self.products(phi);
+            return if self.at_rest(phi, square) {
+                0.0
+            } else {
+                ((along.0 * along.0 + along.1 * along.1) / square).min(1.0)
+            };
         }
-        ((along.0 * along.0 + along.1 * along.1) / square).min(1.0)
+        // An orthonormal basis q at the measured dofs: Σ |φ_Eᴴ q|².
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        for shape in phi.chunks_exact(n) {
+            let mut q: Vec<f64> = self.dofs.iter().map(|&dof| shape[dof]).collect();
+            for earlier in &basis {
+                let part = dot(earlier, &q);
+                q.iter_mut().zip(earlier).for_each(|(q, e)| *q -= part * e);
+            }
+            let size = dot(&q, &q).sqrt();
+            let largest = shape.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+            if size > AT_REST * largest {
+                q.iter_mut().for_each(|q| *q /= size);
+                basis.push(q);
+            }
+        }
+        let squares = basis
+            .iter()
+            .map(|q| dot(q, &self.real).powi(2) + dot(q, &self.imaginary).powi(2));
+        squares.sum::<f64>().min(1.0)
     }
 
     /// dMAC/dφ_A at all dofs, into `slope`.
@@ -122,6 +146,10 @@ impl Shape {
     }
 }
 
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,17 +160,17 @@ mod tests {
         let turn = (0.7_f64.cos(), 0.7_f64.sin());
         let entries = [1.0, -2.0].map(|v| (3.0 * v * turn.0, 3.0 * v * turn.1));
         let shape = Shape::new("shape", vec![3, 1], &entries).unwrap();
-        assert!((shape.mac(&[9.0, -4.0, 7.0, 2.0]) - 1.0).abs() < 1e-15);
-        assert!(shape.mac(&[9.0, 1.0, 7.0, 2.0]).abs() < 1e-15);
-        assert_eq!(shape.mac(&[9.0, 0.0, 7.0, 0.0]), 0.0);
-        assert_eq!(shape.mac(&[9.0, 1e-14, 7.0, 1e-13]), 0.0);
+        assert!((shape.mac(&[9.0, -4.0, 7.0, 2.0], 4) - 1.0).abs() < 1e-15);
+        assert!(shape.mac(&[9.0, 1.0, 7.0, 2.0], 4).abs() < 1e-15);
+        assert_eq!(shape.mac(&[9.0, 0.0, 7.0, 0.0], 4), 0.0);
+        assert_eq!(shape.mac(&[9.0, 1e-14, 7.0, 1e-13], 4), 0.0);
     }
 
     #[test]
     fn a_truly_complex_shape_by_hand() {
         // φ_E = (1, j), φ_A = (1, 2): |1 − 2j|² / (2 · 5).
         let shape = Shape::new("shape", vec![0, 1], &[(1.0, 0.0), (0.0, 1.0)]).unwrap();
-        assert!((shape.mac(&[1.0, 2.0]) - 0.5).abs() < 1e-15);
+        assert!((shape.mac(&[1.0, 2.0], 2) - 0.5).abs() < 1e-15);
     }
 
     #[test]
@@ -156,7 +184,7 @@ mod tests {
             let moved = |h: f64| {
                 let mut at = phi;
                 at[i] += h;
-                shape.mac(&at)
+                shape.mac(&at, 4)
             };
             let difference = (moved(1e-5) - moved(-1e-5)) / 2e-5;
             assert!((g - difference).abs() < 1e-9, "{i}: {g} {difference}");
@@ -166,10 +194,33 @@ mod tests {
     }
 
     #[test]
+    fn of_a_repeated_mode_every_combination_is_alike() {
+        // (1, 2, 0) and (0, 1, 1), unlike in size and not orthogonal; at dof 3 nothing is measured.
+        let space = [1.0, 2.0, 0.0, 5.0, 0.0, 300.0, 300.0, 0.0];
+        let of = |entries: &[(f64, f64)]| {
+            let shape = Shape::new("shape", vec![0, 1, 2], entries).unwrap();
+            shape.mac(&space, 4)
+        };
+        // 3 (1, 2, 0) − 2j (0, 1, 1), and the normal of the plane, (2, −1, 1).
+        assert!((of(&[(3.0, 0.0), (6.0, -2.0), (0.0, -2.0)]) - 1.0).abs() < 1e-14);
+        assert!(of(&[(2.0, 0.0), (-1.0, 0.0), (1.0, 0.0)]).abs() < 1e-14);
+        // Half of the square in the plane.
+        let half = [
+            (2.0 / 6.0_f64.sqrt(), 0.0),
+            (-1.0 / 6.0_f64.sqrt() + 0.5_f64.sqrt(), 0.0),
+        ];
+        let last = (1.0 / 6.0_f64.sqrt() + 0.5_f64.sqrt(), 0.0);
+        assert!((of(&[half[0], half[1], last]) - 0.5).abs() < 1e-14);
+        // The same shape twice is one.
+        let shape = Shape::new("shape", vec![0, 1], &[(1.0, 0.0), (0.0, 1.0)]).unwrap();
+        assert!((shape.mac(&[1.0, 2.0, 1.0, 2.0], 2) - 0.5).abs() < 1e-14);
+    }
+
+    #[test]
     fn tiny_and_huge_shapes_keep_their_digits() {
         for size in [1e-200, 1e200] {
             let shape = Shape::new("shape", vec![0, 1], &[(size, 0.0), (size, 0.0)]).unwrap();
-            assert!((shape.mac(&[1.0, 1.0]) - 1.0).abs() < 1e-15);
+            assert!((shape.mac(&[1.0, 1.0], 2) - 1.0).abs() < 1e-15);
         }
     }
 

@@ -41,12 +41,17 @@ impl ModeSensitivity {
         self.lambda = modes.eigenvalues()[r];
         self.phi.clear();
         self.phi.extend_from_slice(modes.shape(r));
+        if modes.space(r).len() > self.phi.len() {
+            self.z.clear();
+            self.z.resize(self.phi.len(), 0.0);
+            return Ok(());
+        }
         shape.slope(&self.phi, &mut self.slope);
         modes.adjoint(matrices, r, &self.slope, &mut self.z)
     }
 
-    /// dλ/dp in (rad/s)² and dMAC/dp, per unit of p; the latter is not finite, or arbitrary, where the mode is
-    /// repeated and its shape has no derivative.
+    /// dλ/dp in (rad/s)² and dMAC/dp, per unit of p. A repeated mode has no derivatives: the first is then that
+    /// of one of its shapes, right where p splits it not, the second zero.
     #[must_use]
     pub fn along(&self, slopes: &MatrixSlopes) -> (f64, f64) {
         let join = |left: &[f64], entries: &[(u32, u32, f64)]| -> f64 {

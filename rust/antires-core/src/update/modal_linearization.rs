@@ -47,7 +47,7 @@ impl ModalObjective {
             let rows = found.jacobian[2 * nth * n..].split_at_mut(n);
             for (index, slopes) in slopes.iter().enumerate() {
                 let (lambda, mac) = mode.along(slopes);
-                // The shape of a repeated mode has no derivative; the descent must not follow one.
+                // Two modes all but repeated: the descent must not follow what is no number.
                 let finite = |slope: f64| if slope.is_finite() { slope } else { 0.0 };
                 rows.0[index] = finite(weight * lambda / eigenvalue(measured.freq_hz));
                 rows.1[index] = finite(-along * weight * mac);

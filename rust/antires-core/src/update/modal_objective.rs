@@ -127,7 +127,7 @@ impl ModalObjective {
             .measured
             .iter()
             .map(|mode| {
-                let mac = |r: usize| mode.shape.mac(modes.shape(r));
+                let mac = |r: usize| mode.shape.mac(modes.space(r), self.structure.n_dof());
                 let measured = eigenvalue(mode.freq_hz);
                 least_apart(modes.eigenvalues(), modes.zero(), measured, mac)
             })
