@@ -51,6 +51,14 @@ pub struct ModalWorkspace {
     pub(super) modes: LowModes,
 }
 
+impl ModalWorkspace {
+    /// Mass-normalised shape of a partner found by the last [`ModalObjective::pairs`], one entry a dof.
+    #[must_use]
+    pub fn shape(&self, partner: Partner) -> &[f64] {
+        self.modes.shape(partner.mode)
+    }
+}
+
 impl ModalObjective {
     /// Joins a model, its parameters and a measurement; `penalty` and `snap` as of [`Unknowns::new`].
     ///

@@ -78,6 +78,12 @@ impl Unknowns {
         &self.parameters
     }
 
+    /// Number of degrees of freedom of the model.
+    #[must_use]
+    pub fn n_dof(&self) -> usize {
+        self.model.n_dof()
+    }
+
     /// The model at parameter values `x`, as its own nominal state.
     ///
     /// # Errors
