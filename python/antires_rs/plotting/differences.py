@@ -104,7 +104,7 @@ def _modes(table: Any) -> tuple[Any, list[tuple[int, int, str]], str]:
     if mode.size > MOST_LABELS // 4:
         return starts, [], "Measured resonance (Hz)"
     pairs = zip(table.before_mac, table.after_mac, strict=True)
-    named = [(r, r + 1, f"{before:.2f} \u2192\n{after:.3f}") for r, (before, after) in enumerate(pairs)]
+    named = [(r, r + 1, f"{before:.3f} \u2192\n{after:.3f}") for r, (before, after) in enumerate(pairs)]
     return starts, named, "Measured resonance (Hz); above: MAC before and after"
 
 
