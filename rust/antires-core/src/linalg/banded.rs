@@ -61,6 +61,16 @@ impl Banded {
         }
     }
 
+    /// Puts zeros into row and column `i`, and one on the diagonal.
+    pub fn pin(&mut self, i: usize) {
+        let width = self.half + 1;
+        for d in 1..=self.half.min(i) {
+            self.entries[(i - d) * width + d] = 0.0;
+        }
+        self.entries[i * width..(i + 1) * width].fill(0.0);
+        self.entries[i * width] = 1.0;
+    }
+
     fn column(&self, j: usize) -> &[f64] {
         &self.entries[j * (self.half + 1)..(j + 1) * (self.half + 1)]
     }
