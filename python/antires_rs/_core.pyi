@@ -6,6 +6,8 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+from .checkpoint import Checkpoint
+
 _Floats = NDArray[np.float64]
 _Term = tuple[NDArray[np.uint32], NDArray[np.uint32], _Floats]
 _Section = tuple[str, list[float], float, float, float]
@@ -131,6 +133,7 @@ class Objective:
         threads: int,
         max_seconds: float | None,
         on_progress: _Progress | None,
+        checkpoint: Checkpoint | None,
     ) -> dict[str, Any]: ...
 
 def minimize(

@@ -12,6 +12,7 @@ For comparison, with resonances in place of antiresonances, Eq. 18 adds the shap
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -23,6 +24,7 @@ from ._progress import watched
 from ._targets import AntiresonanceTargets, ModalTargets, targets_of
 from ._validation import FloatArray, choice, finite_scalar, real_array, reject, shape_of
 from .antiresonance_set import AntiresonanceSet
+from .checkpoint import Checkpoint, fingerprint
 from .modal_set import ModalSet
 from .models import StructuralModel
 from .optimizer import IslandGA, OptimizeResult, guesses, seed_of, thread_count
@@ -224,7 +226,7 @@ class UpdatingProblem:
 def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
            rng: int | np.random.Generator | None = None, workers: int | None = None,
            callback: Callable[[dict[str, Any]], bool | None] | None = None, x0: Any = None,
-           progress: bool | None = None) -> UpdateResult:
+           progress: bool | None = None, checkpoint: str | os.PathLike[str] | None = None) -> UpdateResult:
     """Find the parameters that bring the model's antiresonances, or modes, to the measured ones.
 
     Parameters
@@ -243,6 +245,9 @@ def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
         Guesses that join the initial populations.
     progress : bool, optional
         Show progress on standard error; by default on a terminal, after one second.
+    checkpoint : path-like, optional
+        File in which the search is kept, written every two seconds and at the end. If it is there, the search
+        goes on from it, to the same bits as if it had never stopped; see :mod:`antires_rs.checkpoint`.
 
     Returns
     -------
@@ -252,7 +257,9 @@ def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
     Raises
     ------
     InvalidInputError
-        Something that is not an UpdatingProblem, a guess outside the bounds.
+        Something that is not an UpdatingProblem, a guess outside the bounds, a checkpoint of another search.
+    UnsuitableDataError
+        A damaged checkpoint.
 
     Examples
     --------
@@ -267,7 +274,7 @@ def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
     """
     if not isinstance(problem, UpdatingProblem):
         reject("problem", problem, "an UpdatingProblem")
-    found, seed = _search(problem, optimizer, rng, workers, callback, x0, progress)
+    found, seed = _search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
     return UpdateResult(problem, found, seed)
 
 
@@ -277,7 +284,8 @@ def assess_damage(model: StructuralModel, measured: Measured, *,
                   optimizer: IslandGA | None = None, rng: int | np.random.Generator | None = None,
                   workers: int | None = None,
                   callback: Callable[[dict[str, Any]], bool | None] | None = None, x0: Any = None,
-                  progress: bool | None = None) -> DamageResult:
+                  progress: bool | None = None,
+                  checkpoint: str | os.PathLike[str] | None = None) -> DamageResult:
     """Locate and size damage: the stiffness loss of each element that explains the measurement.
 
     Parameters
@@ -297,7 +305,7 @@ def assess_damage(model: StructuralModel, measured: Measured, *,
         Severities below count as exactly 0; within [0, 1e-3], 0 for the algorithm as printed.
     weights : 'std' or array_like, optional
         As for :class:`UpdatingProblem`.
-    optimizer, rng, workers, callback, x0, progress
+    optimizer, rng, workers, callback, x0, progress, checkpoint
         As in :func:`update`.
 
     Returns
@@ -329,21 +337,25 @@ def assess_damage(model: StructuralModel, measured: Measured, *,
                "Give the MatrixModel its stiffness_terms.")
     penalty = DamagePenalty(gamma1, gamma2, snap)
     problem = UpdatingProblem(model, stiffness_reduction(chosen), measured, penalty=penalty, weights=weights)
-    found, seed = _search(problem, optimizer, rng, workers, callback, x0, progress)
+    found, seed = _search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
     return DamageResult(problem, found, seed)
 
 
 def _search(problem: UpdatingProblem, optimizer: IslandGA | None, rng: Any, workers: int | None,
             callback: Callable[[dict[str, Any]], bool | None] | None, x0: Any,
-            progress: bool | None) -> tuple[OptimizeResult, int]:
+            progress: bool | None, checkpoint: Any) -> tuple[OptimizeResult, int]:
     ga = IslandGA() if optimizer is None else optimizer
     if not isinstance(ga, IslandGA):
         reject("optimizer", optimizer, "an IslandGA")
-    seed = seed_of(rng)
+    first = guesses(x0, len(problem.parameters))
+    kept = None if checkpoint is None else Checkpoint(checkpoint)
+    seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
+    if kept:
+        kept.begin(fingerprint(problem, ga.options, first), seed)
     with watched(callback, progress, ga.options["max_evaluations"]) as watcher:
         raw = problem._core.minimize(
-            problem.bounds[:, 0].copy(), problem.bounds[:, 1].copy(), guesses(x0, len(problem.parameters)),
-            ga.options, seed, thread_count(workers), ga.max_seconds, watcher)
+            problem.bounds[:, 0].copy(), problem.bounds[:, 1].copy(), first, ga.options, seed,
+            thread_count(workers), ga.max_seconds, watcher, kept)
     return OptimizeResult._of(raw), seed
 
 

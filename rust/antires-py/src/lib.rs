@@ -8,6 +8,7 @@
 
 use pyo3::prelude::*;
 
+mod checkpoint;
 mod convert;
 mod doorway;
 mod frame;

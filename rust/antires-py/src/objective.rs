@@ -217,6 +217,7 @@ impl Objective {
         threads: usize,
         max_seconds: Option<f64>,
         on_progress: Option<Py<PyAny>>,
+        checkpoint: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let mut search = Search::new(
             &lower,
@@ -226,7 +227,8 @@ impl Objective {
             seed,
             max_seconds,
             on_progress,
-        )?;
+        )?
+        .kept_in(checkpoint)?;
         let outcome = guarded(py, || {
             search.run(|bounds, guesses, options, seed, hooks| {
                 with!(&self.core, o => {
