@@ -88,7 +88,7 @@ impl Shape {
     pub fn mac(&self, phi: &[f64], n: usize) -> f64 {
         if phi.len() == n {
             let (along, square) = self.products(phi);
-            return if self.at_rest(phi, square) {
+            return if at_rest(phi, square) {
                 0.0
             } else {
                 ((along.0 * along.0 + along.1 * along.1) / square).min(1.0)
@@ -105,7 +105,9 @@ impl Shape {
             let size = dot(&q, &q).sqrt();
             let largest = shape.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
             if size > AT_REST * largest {
-                q.iter_mut().for_each(|q| *q /= size);
+                for q in &mut q {
+                    *q /= size;
+                }
                 basis.push(q);
             }
         }
@@ -120,7 +122,7 @@ impl Shape {
         slope.clear();
         slope.resize(phi.len(), 0.0);
         let (along, square) = self.products(phi);
-        if self.at_rest(phi, square) {
+        if at_rest(phi, square) {
             return;
         }
         let mac = (along.0 * along.0 + along.1 * along.1) / square;
@@ -139,11 +141,12 @@ impl Shape {
         }
         (along, square)
     }
+}
 
-    fn at_rest(&self, phi: &[f64], square: f64) -> bool {
-        let largest = phi.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
-        !(square.sqrt() > AT_REST * largest)
-    }
+/// Whether a shape of that square sum at the measured dofs is at rest there.
+fn at_rest(phi: &[f64], square: f64) -> bool {
+    let largest = phi.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+    square.sqrt() <= AT_REST * largest
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
