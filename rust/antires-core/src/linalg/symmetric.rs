@@ -26,6 +26,7 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{Mat, MatRef, Par};
 
+use super::small::{MOST_ROWS, SmallSymmetric};
 use super::tolerances::{INFINITE_MODE, MASS_PIVOT_RATIO, zero_eigenvalue};
 use crate::error::{Error, Result};
 
@@ -38,6 +39,7 @@ pub struct SymmetricSolver {
     inverse_root_mass: Vec<f64>,
     raw: Vec<f64>,
     memory: MemBuffer,
+    small: SmallSymmetric,
     eigenvalues: Vec<f64>,
     vectors: Mat<f64>,
     /// Shift σ of the massless path, with the largest μ; none when M was reduced directly.
@@ -72,6 +74,7 @@ impl SymmetricSolver {
             inverse_root_mass: vec![0.0; n],
             raw: vec![0.0; n],
             memory: MemBuffer::new(requirement),
+            small: SmallSymmetric::default(),
             eigenvalues: Vec::with_capacity(n),
             vectors: Mat::zeros(n, n),
             shift: None,
@@ -156,8 +159,10 @@ impl SymmetricSolver {
     fn finish_diagonal(&mut self) -> Result<()> {
         self.decompose()?;
         for j in 0..self.n {
-            for i in 0..self.n {
-                self.vectors[(i, j)] = self.rotated[(i, j)] * self.inverse_root_mass[i];
+            let rotated = self.rotated.col_as_slice(j).iter();
+            let vector = self.vectors.col_as_slice_mut(j).iter_mut();
+            for ((v, q), s) in vector.zip(rotated).zip(&self.inverse_root_mass) {
+                *v = q * s;
             }
         }
         self.keep_all_eigenvalues();
@@ -298,6 +303,14 @@ impl SymmetricSolver {
 
     /// `reduced` = `rotated` diag(`raw`) `rotated`ᵀ.
     fn decompose(&mut self) -> Result<()> {
+        if self.n <= MOST_ROWS && self.small.solve(self.n, |i, j| self.reduced[(i, j)]) {
+            for j in 0..self.n {
+                let (value, vector) = self.small.pair(j);
+                self.raw[j] = value;
+                self.rotated.col_as_slice_mut(j).copy_from_slice(vector);
+            }
+            return Ok(());
+        }
         self_adjoint_evd(
             self.reduced.as_ref(),
             faer::diag::DiagMut::from_slice_mut(&mut self.raw),

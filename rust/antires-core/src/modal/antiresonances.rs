@@ -20,7 +20,7 @@ use super::columns::modal_columns;
 use super::modes::{eigenvalue, hertz};
 use super::receptance::Receptance;
 use super::reduced::ReducedModes;
-use super::secular;
+use super::secular::{self, Scratch};
 use super::structure::Structure;
 use crate::error::Result;
 use crate::fem::model::{Model, connected};
@@ -79,7 +79,7 @@ pub struct AntiresonanceSolver {
     by_reduced: bool,
     receptance: Receptance,
     lambda: Vec<f64>,
-    scratch: Vec<f64>,
+    scratch: Scratch,
 }
 
 impl AntiresonanceSolver {
@@ -95,7 +95,7 @@ impl AntiresonanceSolver {
             by_reduced: false,
             receptance: Receptance::default(),
             lambda: Vec::new(),
-            scratch: Vec::new(),
+            scratch: Scratch::default(),
         }
     }
 
