@@ -252,7 +252,7 @@ def test_the_table_has_a_column_of_mac(damage):
 
 
 def test_every_spring_of_a_free_chain_is_seen_alike(damage):
-    """A chain is statically determinate: phi' K_i phi / lambda, summed over all modes, is trace(K+ K_i) = 1 for
+    """A chain is statically determinate: phi' K_i phi / lambda, summed over modes, is trace(K+ K_i) = 1 for
     every spring i. To first order a loss beta costs beta whichever spring it is, against 0.1 beta + 0.1."""
     visible = np.array(list(damage.detectable.values()))
     np.testing.assert_allclose(visible, 1 / 9, rtol=0.1)

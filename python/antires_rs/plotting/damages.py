@@ -94,5 +94,6 @@ def plot_damages(results: Mapping[str, DamageResult], ax: Any = None,
     ax.set_xlim(-0.6, len(names) - 0.4)
     ax.set_xlabel("Candidate element (no bar: exactly 0)")
     ax.set_ylabel("Stiffness loss (%)")
-    below(ax, 3, drop_pt=44.0 + (5.5 * max(map(len, names)) if crowded else 0.0))
+    below(ax, 3, drop_pt=44.0 + (5.5 * max(map(len, names)) if crowded else 0.0),
+          first=tuple(results))
     return ax
