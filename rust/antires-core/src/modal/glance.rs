@@ -32,12 +32,12 @@ pub struct Glance {
 }
 
 /// What a glance tells of a cell.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sight {
     /// f has no root.
     Rootless,
-    /// f is monotone; the value of g in the middle.
-    Monotone(f64),
+    /// f is monotone.
+    Monotone,
     /// Nothing.
     Unclear,
 }
@@ -119,22 +119,35 @@ impl Glance {
         self.cells[index]
     }
 
+    /// Value of g in the middle of a cell.
+    pub fn middle(&self, index: usize, h: &Receptance, all: &Rest) -> f64 {
+        let mut sums = [0.0; LANES];
+        for (rows, (_, residues)) in self.factors_of(index).iter().zip(all.lanes()) {
+            for l in 0..LANES {
+                sums[l] += residues[l] * rows[4][l];
+            }
+        }
+        total(sums) + h.constant
+    }
+
+    fn factors_of(&self, index: usize) -> &[[Lanes; ROWS]] {
+        let chunks = self.poles.len().div_ceil(LANES);
+        &self.factors[index * chunks..(index + 1) * chunks]
+    }
+
     /// What the bounds over a cell tell of `h`, which `all` holds without a pole left out.
     pub fn at(&self, index: usize, h: &Receptance, all: &Rest) -> Sight {
-        let chunks = self.poles.len().div_ceil(LANES);
-        let factors = &self.factors[index * chunks..(index + 1) * chunks];
-        let mut sums = [[0.0; LANES]; ROWS];
-        for (rows, (_, residues)) in factors.iter().zip(all.lanes()) {
+        let mut sums = [[0.0; LANES]; 4];
+        for (rows, (_, residues)) in self.factors_of(index).iter().zip(all.lanes()) {
             for l in 0..LANES {
                 let (c, size) = (residues[l], residues[l].abs());
                 sums[0][l] += c * rows[0][l];
                 sums[1][l] += size * rows[1][l];
                 sums[2][l] += c * rows[2][l];
                 sums[3][l] += size * rows[3][l];
-                sums[4][l] += c * rows[4][l];
             }
         }
-        let [value, value_spread, slope, slope_spread, middle] = sums.map(total);
+        let [value, value_spread, slope, slope_spread] = sums.map(total);
         let mut value = Range::about(value + h.constant, value_spread);
         let mut slope = Range::about(slope, slope_spread);
         let ends = EndPoles::of(h, self.cells[index]);
@@ -145,7 +158,7 @@ impl Glance {
         if slope.sign(h.residue_error * reach * reach).is_some()
             && value.magnitude() > DROWNED * noise
         {
-            return Sight::Monotone(middle + h.constant);
+            return Sight::Monotone;
         }
         match value.sign(noise) {
             Some(_) => Sight::Rootless,
@@ -197,7 +210,7 @@ mod tests {
                         rootless += 1;
                         assert!(signs.clone().all(|s| s) || !signs.clone().any(|s| s));
                     }
-                    Sight::Monotone(_) => {
+                    Sight::Monotone => {
                         monotone += 1;
                         assert!(slopes.clone().all(|s| s) || !slopes.clone().any(|s| s));
                     }

@@ -8,6 +8,8 @@
 //! - f'' of one sign: f is convex or concave, with at most two roots, told apart at its extremum;
 //! - otherwise the cell is halved.
 //!
+//! Where the signs of the residues alone tell ([`Pattern`]), no bound is asked.
+//!
 //! Nothing is scanned, so two close roots are not stepped over. What rounding hides is decided by the
 //! computed signs and reported as doubtful, for the pencil to settle. Far beyond the last pole a root
 //! that rounding hides is infinite at working precision (H_ik of a long chain falls off as x^-n there,
@@ -16,7 +18,7 @@
 use super::bracket::root_in_cell;
 use super::enclosure::{Cell, DROWNED, Enclosure};
 use super::glance::{Glance, Sight};
-use super::receptance::Receptance;
+use super::receptance::{Pattern, Receptance};
 use super::rest::Rest;
 use super::tail::is_rootless;
 
@@ -78,13 +80,24 @@ pub fn roots(
         budget: MOST_CELLS,
         doubtful: false,
     };
+    let pattern = h.pattern();
     for index in 0..glance.len() {
         let cell = glance.cell(index);
         let beyond_last = !cell.pole_b && last < ceiling;
-        match glance.at(index, h, search.rest) {
+        let sight = match pattern {
+            Pattern::OneSign if !beyond_last => Sight::Monotone,
+            Pattern::OneSign if h.constant == 0.0 => Sight::Rootless,
+            Pattern::Counted if between_one_sign(h, cell) => Sight::Monotone,
+            Pattern::Counted => Sight::Rootless,
+            _ => glance.at(index, h, search.rest),
+        };
+        match sight {
             Sight::Rootless => {}
             // Beyond the last pole the sign at the ceiling may be rounding.
-            Sight::Monotone(middle) if !beyond_last => search.monotone(cell, Some(middle)),
+            Sight::Monotone if !beyond_last => {
+                let middle = glance.middle(index, h, search.rest);
+                search.monotone(cell, Some(middle));
+            }
             _ if beyond_last && is_rootless(h, tail) => {}
             _ => search.cell(cell, beyond_last),
         }
@@ -199,6 +212,13 @@ impl Secular<'_> {
         };
         self.doubtful |= h.cancelled.iter().any(hollow);
     }
+}
+
+/// Whether the poles on either side of the cell, at its ends or further away, have residues of one sign.
+fn between_one_sign(h: &Receptance, cell: Cell) -> bool {
+    cell.below > 0
+        && cell.below < h.residues.len()
+        && h.residues[cell.below - 1] * h.residues[cell.below] > 0.0
 }
 
 /// Sign of f at the left or right end of the cell, as the limit from inside.

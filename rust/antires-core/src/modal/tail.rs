@@ -18,10 +18,6 @@ pub fn is_rootless(h: &Receptance, scratch: &mut Vec<f64>) -> bool {
     if h.constant != 0.0 {
         return false;
     }
-    let first = h.residues[0];
-    if h.residues.iter().all(|c| c * first > 0.0) {
-        return true;
-    }
     let n = h.poles.len();
     // The first n entries hold c_r Π (λ_r − λ_i), the others their error, both up to a common scale.
     scratch.clear();
