@@ -83,12 +83,11 @@ impl Banded {
 
     /// Puts zeros into row and column `i`, and one on the diagonal.
     pub fn pin(&mut self, i: usize) {
-        let width = self.half + 1;
-        for d in 1..=self.half.min(i) {
-            self.entries[(i - d) * width + d] = 0.0;
+        for d in 1..=self.band.min(i) {
+            self.below[(i - d) * self.half + d - 1] = 0.0;
         }
-        self.entries[i * width..(i + 1) * width].fill(0.0);
-        self.entries[i * width] = 1.0;
+        self.below[i * self.half..(i + 1) * self.half].fill(0.0);
+        self.diagonal[i] = 1.0;
     }
 
     fn column(&self, j: usize) -> &[f64] {
