@@ -117,14 +117,6 @@ def one_run(case, first, element, seed, limit, method):
     return account.fun <= bar, account.nfev, right, close, time.perf_counter() - start
 
 
-def case_of_study():
-    """The exhaust case where the library has it, else the stand-in of its size."""
-    if hasattr(ar.cases, "exhaust"):
-        return ar.cases.exhaust()
-    from search_stand_in import StandIn
-    return StandIn()
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--elements", type=int, nargs=2, default=(17, 46), metavar=("FIRST", "LAST"),
@@ -133,7 +125,7 @@ def main():
     parser.add_argument("--limit", type=int, default=20_000, help="evaluations of one run")
     parser.add_argument("--methods", nargs="+", choices=METHODS, default=list(METHODS))
     args = parser.parse_args()
-    case = case_of_study()
+    case = ar.cases.exhaust()
     elements = range(args.elements[0], args.elements[1] + 1)
     print(f"{type(case).__name__}: elements {elements[0]}-{elements[-1]}, {args.seeds} seeds, "
           f"{args.limit:,} evaluations")
