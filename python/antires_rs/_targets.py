@@ -67,6 +67,10 @@ class AntiresonanceTargets:
         self.hz = np.concatenate([np.empty(0), *(freq for _, _, freq in self._parts)])
         self.dofs = np.repeat([dof for dof, _, _ in self._parts], counts)
         self.excitations = np.repeat([force for _, force, _ in self._parts], counts)
+        #: What the tables call the dofs of a frame: "3 v".
+        self.names = ({} if not hasattr(model, "dof_name") else
+                      {dof: model.dof_name(dof).removeprefix("node ")
+                       for part in self._parts for dof in part[:2]})
 
     def weights(self, given: Any) -> FloatArray | None:
         return residual_weights(given, self.sets, self.hz)
@@ -81,7 +85,7 @@ class AntiresonanceTargets:
 
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> FrequencyTable:
         return FrequencyTable(self.dofs, self.excitations, self.hz, core.pairs(before)[0],
-                              core.pairs(after)[0])
+                              core.pairs(after)[0], self.names)
 
     def change(self, core: _core.Objective, behind: FloatArray, ahead: FloatArray) -> FloatArray:
         return np.asarray((core.pairs(ahead)[0]**2 - core.pairs(behind)[0]**2) / self.hz**2)

@@ -93,14 +93,16 @@ class UpdateResult:
 
     def summary(self) -> str:
         """Parameters, frequencies and notes as text."""
-        width = max(len(name) for name in self.problem.names)
-        values = [f"{name:<{width}}  {value:#12.6g}   [{low:g}, {high:g}]"
-                  for name, value, (low, high) in zip(self.problem.names, self.x, self.problem.bounds,
-                                                      strict=True)]
         head = (f"J = {self.fun:.6g} after {self.nfev:,} evaluations, {self.nit} generations: {self.status} "
                 f"({self.message})")
         notes = [f"note: {note}" for note in self.notes]
-        return "\n".join([head, "", *values, "", str(self.table), *([""] if notes else []), *notes])
+        return "\n".join([head, "", *self._values(), "", str(self.table), *([""] if notes else []), *notes])
+
+    def _values(self) -> list[str]:
+        width = max(len(name) for name in self.problem.names)
+        return [f"{name:<{width}}  {value:#12.6g}   [{low:g}, {high:g}]"
+                for name, value, (low, high) in zip(self.problem.names, self.x, self.problem.bounds,
+                                                    strict=True)]
 
     def plot(self, ax: Any = None) -> Any:
         """Differences of the frequencies before and after updating; see :mod:`antires_rs.plotting`."""
@@ -139,6 +141,15 @@ class DamageResult(UpdateResult):
         undamaged structure is the better answer to the objective.
         """
         return dict(zip(self.elements, smallest_visible(self.problem), strict=True))
+
+    def _values(self) -> list[str]:
+        """The damaged elements, the worst first; the others are exactly 0 and take one line."""
+        names = dict(zip(self.elements, self.problem.names, strict=True))
+        width = max(len(name) for name in names.values())
+        lines = [f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} %" for e in self.damaged]
+        others = len(names) - len(lines)
+        rest = "all others" if lines else "all of them"
+        return [*lines, *([f"{rest} ({others}): exactly 0"] if others else [])]
 
     @property
     def damaged(self) -> list[int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -54,6 +54,8 @@ class FrequencyTable(_Differences):
         Response and force, zero-based.
     measured_hz, before_hz, after_hz : ndarray, (m,)
         Frequencies; NaN where the model has no partner.
+    dof_names : dict of int to str
+        Names of the dofs, for models that have some; the table then shows these.
     """
 
     dof: FloatArray
@@ -61,14 +63,18 @@ class FrequencyTable(_Differences):
     measured_hz: FloatArray
     before_hz: FloatArray
     after_hz: FloatArray
+    dof_names: dict[int, str] = field(default_factory=dict)
 
     def __str__(self) -> str:
-        lines = ["    H_ik   measured      before             after",
-                 " (i, k)         Hz          Hz       %          Hz       %"]
-        rows = zip(self.dof, self.excitation, self.measured_hz, self.before_hz, self.before_percent,
+        pairs = [", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair)
+                 for pair in zip(self.dof.tolist(), self.excitation.tolist(), strict=True)]
+        width = max(7, *map(len, pairs)) if pairs else 7
+        lines = [f"{'H_ik':>{width}}   measured      before             after",
+                 f"{'(i, k)':>{width}}         Hz          Hz       %          Hz       %"]
+        rows = zip(pairs, self.measured_hz, self.before_hz, self.before_percent,
                    self.after_hz, self.after_percent, strict=True)
-        lines += [f"{i:4d},{k:2d} {measured:10.3f}  {before:10.3f} {db:+7.2f}  {after:10.3f} {da:+7.2f}"
-                  for i, k, measured, before, db, after, da in rows]
+        lines += [f"{pair:>{width}} {measured:10.3f}  {before:10.3f} {db:+7.2f}  {after:10.3f} {da:+7.2f}"
+                  for pair, measured, before, db, after, da in rows]
         return "\n".join([*lines, self._closing])
 
 

@@ -85,13 +85,18 @@ def plot_differences(table: FrequencyTable | ModalTable, ax: Any = None,
 
 def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], str]:
     """Where a group begins, (first, end, name) of each, and the label of the axis."""
-    dof, force = np.asarray(table.dof), np.asarray(table.excitation)
+    dof, force, names = np.asarray(table.dof), np.asarray(table.excitation), table.dof_names
     several = np.unique(force).size > 1
     starts = np.r_[True, (dof[1:] != dof[:-1]) | (force[1:] != force[:-1])][:dof.size]
     firsts = np.flatnonzero(starts)
     # "dof" once: beside it there is no room over a response with a single antiresonance.
-    named = [(first, end, f"{dof[first]}, {force[first]}" if several else
-              f"dof {dof[first]}" if first == 0 else f"{dof[first]}")
+    title = "" if names else "dof "
+
+    def name(which: int) -> str:
+        return str(names.get(which, which))
+
+    named = [(first, end, f"{name(int(dof[first]))}, {name(int(force[first]))}" if several else
+              f"{title if first == 0 else ''}{name(int(dof[first]))}")
              for first, end in zip(firsts.tolist(), [*firsts[1:].tolist(), dof.size], strict=True)]
     groups = "response and force dof" if several else "response dof"
     return starts, named, f"Measured antiresonance (Hz), by {groups} (above)"
