@@ -213,7 +213,8 @@ def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():
     any_value = ar.AntiresonanceSet(force, {sensors[0]: [50.0]})
     problem = ar.UpdatingProblem(model, ar.stiffness_reduction([2]), any_value)
     zeros = problem.model_at([0.6]).antiresonances(sensors, force, f_max_hz=1500.0)
-    result = ar.assess_damage(model, ar.AntiresonanceSet(force, dict(zip(sensors, zeros, strict=True))), rng=0)
+    measured = ar.AntiresonanceSet(force, dict(zip(sensors, zeros, strict=True)))
+    result = ar.assess_damage(model, measured, rng=0)
     text = result.summary()
     assert re.search(r"element 3 +60\.00 %\nall others \(3\): exactly 0\n", text)
     assert "\n3 u, 1 v " in text
