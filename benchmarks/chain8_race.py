@@ -5,8 +5,8 @@ Run:  python benchmarks/chain8_race.py [--seeds 10] [--limit 100000]     (with t
 Spring 5 has lost 55 %; the targets are the exact antiresonances. A rival's clock stops at the first candidate
 whose severities are all within 0.5 % of the truth, exact zeros included (severities below 1e-3 count as zero,
 or no continuous sampler would ever pay the right penalty). Ours runs on to its own stop: nobody tells it the
-truth. Rivals drive J computed in numpy for a whole generation at once, with stacked eigenvalue problems; pygmo's
-CMA-ES knows only single candidates. One core, one run, in turn. Settings are each package's own, with
+truth. Rivals drive J computed in numpy for a whole generation at once, with stacked eigenvalue problems;
+pygmo's CMA-ES knows only single candidates. One core, one run, in turn. Settings are each package's own, with
 populations of 160 where one must be given.
 """
 

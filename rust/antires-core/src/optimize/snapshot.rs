@@ -1,6 +1,6 @@
 //! A search between two generations as bytes, and back: what a checkpoint holds.
 //!
-//! Each part of the search passes its numbers over a [`Tape`], which either writes or reads them, so the two
+//! Each part of the search passes its numbers over a tape, which either writes or reads them, so the two
 //! directions cannot differ. Floats pass as their bits. A search that goes on from a snapshot gives the bits of
 //! one that was never stopped: the snapshot holds the populations, where every random stream stands, the
 //! account of evaluations, the record, and what the polish remembers.
