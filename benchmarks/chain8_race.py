@@ -1,12 +1,13 @@
-"""Wall time of a whole chain8 damage run: the library against five optimizers on a vectorised numpy objective.
+"""Wall time of a whole chain8 damage run: the library against six optimizers on a vectorised objective.
 
-Run:  python benchmarks/chain8_race.py [--seeds 10] [--limit 100000]        (with the dependency group "rivals")
+Run:  python benchmarks/chain8_race.py [--seeds 10] [--limit 100000]     (with the dependency group "rivals")
 
-Spring 5 has lost 55 %; the targets are the exact antiresonances. A rival's clock stops at the first candidate whose
-severities are all within 0.5 % of the truth, exact zeros included in that (severities below 1e-3 count as zero, or
-no continuous sampler would ever pay the right penalty). Ours runs on to its own stop: nobody tells it the truth. Rivals
-drive J computed in numpy for a whole generation at once, with stacked eigenvalue problems; pygmo's CMA-ES knows only
-single candidates. One core, one run, in turn. Settings are each package's own; populations of 160 where one must be given.
+Spring 5 has lost 55 %; the targets are the exact antiresonances. A rival's clock stops at the first candidate
+whose severities are all within 0.5 % of the truth, exact zeros included (severities below 1e-3 count as zero,
+or no continuous sampler would ever pay the right penalty). Ours runs on to its own stop: nobody tells it the
+truth. Rivals drive J computed in numpy for a whole generation at once, with stacked eigenvalue problems;
+pygmo's CMA-ES knows only single candidates. One core, one run, in turn. Settings are each package's own, with
+populations of 160 where one must be given.
 """
 
 # ruff: noqa: E402  (the number of BLAS threads is read once, when numpy is imported)
@@ -41,6 +42,7 @@ class Account:
         self.nfev, self.reached = 0, False
 
     def __call__(self, rows):
+        """Costs (m,) of severities (m, 7)."""
         rows = np.clip(np.atleast_2d(rows), 0.0, UPPER)
         rows[rows < SNAP] = 0.0
         costs = by_numpy(self.case, self.measured, self.limit_hz, rows)
@@ -106,12 +108,15 @@ class Severities:
     account = None
 
     def fitness(self, x):
+        """Cost of one candidate."""
         return [float(Severities.account(x)[0])]
 
     def batch_fitness(self, rows):
+        """Costs of a generation."""
         return Severities.account(np.asarray(rows).reshape(-1, 7))
 
     def get_bounds(self):
+        """The box."""
         return [0.0] * 7, [UPPER] * 7
 
 
@@ -122,7 +127,8 @@ def pygmo_with(make):
         Severities.account = account
         rng = np.random.default_rng(seed)
         while True:
-            people = pg.population(pg.problem(Severities()), 160, b=pg.bfe(pg.member_bfe()), seed=int(rng.integers(2**31)))
+            people = pg.population(pg.problem(Severities()), 160, b=pg.bfe(pg.member_bfe()),
+                                   seed=int(rng.integers(2**31)))
             algorithm = pg.algorithm(make(pg, int(rng.integers(2**31))))
             algorithm.evolve(people)
     return run
@@ -174,7 +180,8 @@ def main():
     zeros = case.truth(1)["freq_hz"]
     measured = ar.AntiresonanceSet(case.excitation, zeros)
     print(f"chain8, spring 5 at 55 %, exact targets, {args.seeds} seeds, one core")
-    print(f"{'method':28} {'bar reached':>12} {'evaluations':>12} {'seconds':>9} {'slowest':>9} {'over ours':>10}")
+    print(f"{'method':28} {'bar reached':>12} {'evaluations':>12} {'seconds':>9} {'slowest':>9} "
+          f"{'over ours':>10}")
     base = None
     contestants = {"ours, to its own stop": lambda seed: ours(case, measured, seed, None),
                    "ours as printed in the paper": lambda seed: ours(case, measured, seed, False)}
@@ -182,10 +189,10 @@ def main():
         contestants[name] = lambda seed, run=run: rival(case, measured, seed, args.limit, run)
     for name, run in contestants.items():
         reached, nfev, seconds = zip(*[run(seed) for seed in range(args.seeds)], strict=True)
-        base = base or statistics.median(seconds)
+        middle = statistics.median(seconds)
+        base = base or middle
         print(f"{name:28} {sum(reached):6d} of {args.seeds:2d} {statistics.median(nfev):12,.0f} "
-              f"{statistics.median(seconds):9.3f} {max(seconds):9.3f} {statistics.median(seconds) / base:10.0f}",
-              flush=True)
+              f"{middle:9.3f} {max(seconds):9.3f} {middle / base:10.0f}", flush=True)
 
 
 if __name__ == "__main__":

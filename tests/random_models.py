@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
+from scipy.sparse.csgraph import connected_components
 
 from tolerances import (
     CLUSTER,
@@ -139,11 +139,38 @@ def irreducible_blocks(a, b):
     pattern = (a != 0) | (b != 0)
     if pattern.size == 0:
         return []
-    column = maximum_bipartite_matching(csr_array(pattern.astype(np.int8)), perm_type="column")
-    if np.any(column < 0):
+    column = perfect_matching(pattern)
+    if column is None:
         return []
     count, label = connected_components(csr_array(pattern[:, column].astype(np.int8)), connection="strong")
     return [(np.flatnonzero(label == c), column[label == c]) for c in range(count)]
+
+
+def perfect_matching(pattern):
+    """A column for each row, by augmenting paths; None where there are not enough.
+
+    ``scipy.sparse.csgraph.maximum_bipartite_matching`` does not end on some frames of 200 dofs (SciPy 1.17).
+    """
+    choices = [np.flatnonzero(row).tolist() for row in pattern]
+    row_of, column = {}, [None] * len(choices)
+    for root in range(len(choices)):
+        came_from, pending, free = {}, [root], None
+        while pending and free is None:
+            row = pending.pop()
+            for c in choices[row]:
+                if c not in came_from:
+                    came_from[c] = row
+                    if c not in row_of:
+                        free = c
+                        break
+                    pending.append(row_of[c])
+        if free is None:
+            return None
+        while free is not None:
+            row = came_from[free]
+            row_of[free] = row
+            free, column[row] = column[row], free
+    return np.array(column)
 
 
 def qz(a, b):

@@ -22,9 +22,10 @@ def everything(result):
 @pytest.mark.parametrize("polish", [None, False])
 @pytest.mark.parametrize("seed", range(5))
 def test_identical_bytes_for_1_2_3_and_8_threads(seed, polish):
-    problem = CASE.damage_problem() if seed % 2 else ar.cases.chain8(perturbation=0.08, rng=seed).updating_problem()
-    optimizer = ar.IslandGA(**SEARCH, polish=polish)
-    first, *others = (ar.update(problem, optimizer=optimizer, rng=seed, workers=threads) for threads in (1, 2, 3, 8))
+    off = ar.cases.chain8(perturbation=0.08, rng=seed)
+    problem = CASE.damage_problem() if seed % 2 else off.updating_problem()
+    ga = ar.IslandGA(**SEARCH, polish=polish)
+    first, *others = (ar.update(problem, optimizer=ga, rng=seed, workers=threads) for threads in (1, 2, 3, 8))
     # Polished, the islands find the one damage before they ever meet.
     assert (first.history.migrations.size > 0) != (polish is None and seed % 2 == 1)
     for other in others:

@@ -11,23 +11,37 @@
 /// still below 1e-9 of the matrix.
 pub const LARGEST_GROWTH: f64 = 1e6;
 
-/// A symmetric band matrix, or its factors L (unit, below the diagonal) and D (on it).
+/// Sums side by side: columns are padded to whole ones.
+const LANES: usize = 4;
+
+/// A symmetric band matrix, or its factors L (unit, below the diagonal) and D.
 #[derive(Debug, Clone, Default)]
 pub struct Banded {
     n: usize,
+    /// Diagonals below the main one.
+    band: usize,
+    /// Their number padded to whole lanes.
     half: usize,
-    /// Column j at j (half + 1); `half` columns of zeros follow, so that no loop needs a shorter end.
-    entries: Vec<f64>,
+    diagonal: Vec<f64>,
+    /// Column j below the diagonal at j half; `half` columns of zeros follow, so that no loop needs a
+    /// shorter end.
+    below: Vec<f64>,
+    /// 1 / D of the factors.
+    inverse: Vec<f64>,
 }
 
 impl Banded {
-    /// Zero matrix of `n` rows with `half` diagonals below the main one.
+    /// Zero matrix of `n` rows with `band` diagonals below the main one.
     #[must_use]
-    pub fn new(n: usize, half: usize) -> Self {
+    pub fn new(n: usize, band: usize) -> Self {
+        let half = band.next_multiple_of(LANES);
         Self {
             n,
+            band,
             half,
-            entries: vec![0.0; (n + half) * (half + 1)],
+            diagonal: vec![0.0; n + half],
+            below: vec![0.0; (n + half) * half],
+            inverse: vec![0.0; n],
         }
     }
 
@@ -37,7 +51,7 @@ impl Banded {
         self.n
     }
 
-    /// Number of diagonals below the main one.
+    /// Entries by which vectors are longer than n, to be kept at zero.
     #[must_use]
     pub fn half(&self) -> usize {
         self.half
@@ -46,44 +60,54 @@ impl Banded {
     /// Sets every entry (row, column), row >= column, within the band.
     pub fn fill(&mut self, entry: impl Fn(usize, usize) -> f64) {
         for j in 0..self.n {
-            let rows = (self.n - j).min(self.half + 1);
-            let start = j * (self.half + 1);
-            for (d, value) in self.entries[start..start + rows].iter_mut().enumerate() {
-                *value = entry(j + d, j);
+            self.diagonal[j] = entry(j, j);
+            let rows = (self.n - 1 - j).min(self.band);
+            let column = &mut self.below[j * self.half..j * self.half + rows];
+            for (d, value) in column.iter_mut().enumerate() {
+                *value = entry(j + 1 + d, j);
             }
         }
     }
 
     /// self = a + factor · b, all of one shape.
     pub fn combine(&mut self, a: &Self, factor: f64, b: &Self) {
-        for ((out, &x), &y) in self.entries.iter_mut().zip(&a.entries).zip(&b.entries) {
-            *out = x + factor * y;
+        for (out, a, b) in [
+            (&mut self.diagonal, &a.diagonal, &b.diagonal),
+            (&mut self.below, &a.below, &b.below),
+        ] {
+            for ((out, &x), &y) in out.iter_mut().zip(a).zip(b) {
+                *out = x + factor * y;
+            }
         }
     }
 
+    /// Puts zeros into row and column `i`, and one on the diagonal.
+    pub fn pin(&mut self, i: usize) {
+        for d in 1..=self.band.min(i) {
+            self.below[(i - d) * self.half + d - 1] = 0.0;
+        }
+        self.below[i * self.half..(i + 1) * self.half].fill(0.0);
+        self.diagonal[i] = 1.0;
+    }
+
     fn column(&self, j: usize) -> &[f64] {
-        &self.entries[j * (self.half + 1)..(j + 1) * (self.half + 1)]
+        &self.below[j * self.half..(j + 1) * self.half]
     }
 
     /// Diagonal entry j, of the matrix or of D.
     #[must_use]
     pub fn diagonal(&self, j: usize) -> f64 {
-        self.entries[j * (self.half + 1)]
+        self.diagonal[j]
     }
 
-    /// y = A x; both have `half` more entries than A has rows, zero in x and of no meaning in y.
+    /// y = A x; both have [`half`](Self::half) more entries than A has rows, zero in x and of no meaning in y.
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for j in 0..self.n {
-            let column = self.column(j);
-            let xj = x[j];
-            let (head, below) = y[j..=j + self.half].split_at_mut(1);
-            let mut sum = column[0] * xj;
-            for ((&a, &xi), yi) in column[1..].iter().zip(&x[j + 1..]).zip(below) {
-                sum += a * xi;
-                *yi += a * xj;
-            }
-            head[0] += sum;
+            let (column, xj) = (self.column(j), x[j]);
+            let (head, rows) = y[j..=j + self.half].split_at_mut(1);
+            subtract(rows, -xj, column);
+            head[0] += self.diagonal[j] * xj + dot(column, &x[j + 1..=j + self.half]);
         }
     }
 
@@ -92,13 +116,24 @@ impl Banded {
     pub fn absolute_form(&self, x: &[f64]) -> f64 {
         (0..self.n)
             .map(|j| {
-                let column = self.column(j);
-                let below: f64 = column[1..]
-                    .iter()
-                    .zip(&x[j + 1..])
-                    .map(|(a, xi)| (a * xi).abs())
+                let rows = self.column(j).iter().zip(&x[j + 1..]);
+                let below: f64 = rows.map(|(a, xi)| (a * xi).abs()).sum();
+                x[j].abs() * (self.diagonal[j].abs() * x[j].abs() + 2.0 * below)
+            })
+            .sum()
+    }
+
+    /// Σ (w_i A_ij u_j)²: the square of how far one ulp of random sign in each entry moves wᵀ A u, over ulp.
+    #[must_use]
+    pub fn squared_form(&self, w: &[f64], u: &[f64]) -> f64 {
+        (0..self.n)
+            .map(|j| {
+                let pairs = w[j + 1..].iter().zip(&u[j + 1..]);
+                let rows = self.column(j).iter().zip(pairs);
+                let below: f64 = rows
+                    .map(|(a, (wi, ui))| (a * wi * u[j]).powi(2) + (a * w[j] * ui).powi(2))
                     .sum();
-                x[j].abs() * (column[0].abs() * x[j].abs() + 2.0 * below)
+                (w[j] * self.diagonal[j] * u[j]).powi(2) + below
             })
             .sum()
     }
@@ -106,29 +141,32 @@ impl Banded {
     /// Replaces A by its factors; returns the number of negative entries of D and the growth of the
     /// factors relative to A.
     pub fn factorize(&mut self) -> (usize, f64) {
-        let width = self.half + 1;
-        let largest = self.entries.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
-        let (mut negative, mut growth) = (0, 0.0_f64);
+        let larger = |m: f64, a: &f64| m.max(a.abs());
+        let largest = self.diagonal.iter().fold(0.0, larger);
+        let largest = self.below.iter().fold(largest, larger);
+        let (half, mut negative, mut growth) = (self.half, 0, 0.0_f64);
         for j in 0..self.n {
-            let (done, rest) = self.entries.split_at_mut((j + 1) * width);
-            let column = &mut done[j * width..];
-            if column[0] == 0.0 {
+            if self.diagonal[j] == 0.0 {
                 // A pivot of exactly zero: the least shift of the matrix that makes it regular.
-                column[0] = f64::EPSILON * largest + f64::MIN_POSITIVE;
+                self.diagonal[j] = f64::EPSILON * largest + f64::MIN_POSITIVE;
             }
-            let pivot = column[0];
+            let pivot = self.diagonal[j];
             negative += usize::from(pivot < 0.0);
             let inverse = pivot.recip();
-            for c in 1..width {
+            self.inverse[j] = inverse;
+            let (done, rest) = self.below.split_at_mut((j + 1) * half);
+            let column = &mut done[j * half..];
+            for c in 0..self.band {
                 let l = column[c] * inverse;
                 if l != 0.0 {
-                    let target = &mut rest[(c - 1) * width..(c - 1) * width + width - c];
-                    for (t, &a) in target.iter_mut().zip(&column[c..]) {
+                    self.diagonal[j + 1 + c] -= l * column[c];
+                    let target = &mut rest[c * half..(c + 1) * half - c - 1];
+                    for (t, &a) in target.iter_mut().zip(&column[c + 1..]) {
                         *t -= l * a;
                     }
                 }
             }
-            for l in &mut column[1..] {
+            for l in column {
                 growth = growth.max((*l * *l * inverse).abs());
                 *l *= inverse;
             }
@@ -137,24 +175,19 @@ impl Banded {
         (negative, growth / largest.max(f64::MIN_POSITIVE))
     }
 
-    /// x = A⁻¹ x from the factors; x has `half` more entries than A has rows, kept at zero.
+    /// x = A⁻¹ x from the factors; x has [`half`](Self::half) more entries than A has rows, kept at zero.
     pub fn solve(&self, x: &mut [f64]) {
         for j in 0..self.n {
-            let (head, below) = x[j..=j + self.half].split_at_mut(1);
-            for (xi, &l) in below.iter_mut().zip(&self.column(j)[1..]) {
-                *xi -= l * head[0];
-            }
+            let (head, rows) = x[j..=j + self.half].split_at_mut(1);
+            subtract(rows, head[0], self.column(j));
         }
         x[self.n..].fill(0.0);
+        for (x, inverse) in x.iter_mut().zip(&self.inverse) {
+            *x *= inverse;
+        }
         for j in (0..self.n).rev() {
-            let column = self.column(j);
-            let (head, below) = x[j..=j + self.half].split_at_mut(1);
-            let sum: f64 = column[1..]
-                .iter()
-                .zip(below.iter())
-                .map(|(l, xi)| l * xi)
-                .sum();
-            head[0] = head[0] / column[0] - sum;
+            let (head, rows) = x[j..=j + self.half].split_at_mut(1);
+            head[0] -= dot(self.column(j), rows);
         }
     }
 
@@ -177,6 +210,30 @@ pub fn count_below(k: &Banded, m: &Banded, x: f64, work: &mut Banded) -> (usize,
     (negative, f64::EPSILON * largest * growth.max(1.0))
 }
 
+/// a · b over whole lanes.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (a, _) = a.as_chunks::<LANES>();
+    let (b, _) = b.as_chunks::<LANES>();
+    for (a, b) in a.iter().zip(b) {
+        for l in 0..LANES {
+            sums[l] += a[l] * b[l];
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
+}
+
+/// x −= c a over whole lanes.
+fn subtract(x: &mut [f64], c: f64, a: &[f64]) {
+    let (x, _) = x.as_chunks_mut::<LANES>();
+    let (a, _) = a.as_chunks::<LANES>();
+    for (x, a) in x.iter_mut().zip(a) {
+        for l in 0..LANES {
+            x[l] -= c * a[l];
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -193,8 +250,9 @@ mod tests {
 
     #[test]
     fn solve_undoes_multiply() {
-        let (n, half) = (17, 4);
-        let mut a = Banded::new(n, half);
+        let (n, half) = (17, 8);
+        let mut a = Banded::new(n, 6);
+        assert_eq!(a.half(), half);
         a.fill(|i, j| {
             if i == j {
                 9.0

@@ -3,6 +3,8 @@
 //! | module | problem | used by |
 //! |---|---|---|
 //! | [`symmetric`] | K φ = λ M φ, both symmetric | the modal route |
+//! | [`small`], [`tridiagonal`] | the same with M = 1, few rows | [`symmetric`], [`krylov`] |
+//! | [`banded`], [`ordering`], [`krylov`] | low modes and responses from band matrices | the modal route |
 //! | [`blocks`] | block-triangular form of a pencil | [`pencil`] |
 //! | [`definite`] | are all eigenvalues at or above zero | `fem::bounds` |
 //! | [`pencil`] | A v = x B v, general real | the pencil route |
@@ -15,6 +17,7 @@ pub mod definite;
 pub mod krylov;
 pub mod ordering;
 pub mod pencil;
+pub mod small;
 pub mod symmetric;
 pub mod tolerances;
 pub mod tridiagonal;

@@ -8,19 +8,35 @@
 /// QL steps allowed for one eigenvalue; two or three are usual.
 const MOST_STEPS: usize = 60;
 
+/// Entries off the diagonal below this, relative to the largest, are zero: their squares would underflow.
+const NOTHING: f64 = 1e-100;
+
 /// Replaces `diagonal` by the eigenvalues (in no order), `off` (one shorter, or with a last entry that is
 /// not read) by rubbish, and multiplies `vectors` from the right by the orthogonal matrix of eigenvectors;
 /// its columns of `rows` entries follow one another. False when an eigenvalue does not converge.
 #[must_use]
 pub fn decompose(diagonal: &mut [f64], off: &mut [f64], vectors: &mut [f64], rows: usize) -> bool {
     let n = diagonal.len();
+    let largest = diagonal
+        .iter()
+        .chain(off.iter())
+        .fold(0.0_f64, |m, x| m.max(x.abs()));
+    if largest == 0.0 || !largest.is_finite() {
+        return largest == 0.0;
+    }
+    // A power of two, which rounds nothing: squares then neither overflow nor underflow where it matters.
+    let scale = largest.log2().round().exp2();
+    diagonal
+        .iter_mut()
+        .chain(off.iter_mut())
+        .for_each(|x| *x /= scale);
     for top in 0..n {
         let mut steps = 0;
         loop {
             let bottom = (top..n - 1)
                 .find(|&j| {
                     let near = diagonal[j].abs() + diagonal[j + 1].abs();
-                    off[j].abs() <= 0.5 * f64::EPSILON * near
+                    off[j].abs() <= 0.5 * f64::EPSILON * near + NOTHING
                 })
                 .unwrap_or(n - 1);
             if bottom == top {
@@ -33,20 +49,21 @@ pub fn decompose(diagonal: &mut [f64], off: &mut [f64], vectors: &mut [f64], row
             step(diagonal, off, vectors, rows, top, bottom);
         }
     }
+    diagonal.iter_mut().for_each(|x| *x *= scale);
     true
 }
 
 /// One shifted QL step on the unreduced block top..=bottom.
 fn step(d: &mut [f64], e: &mut [f64], vectors: &mut [f64], rows: usize, top: usize, bottom: usize) {
     let half_gap = 0.5 * (d[top + 1] - d[top]) / e[top];
-    let radius = half_gap.hypot(1.0).copysign(half_gap);
+    let radius = (half_gap * half_gap + 1.0).sqrt().copysign(half_gap);
     // Distance of the last diagonal entry from the eigenvalue of the leading pair that is nearer to d[top].
     let mut g = d[bottom] - d[top] + e[top] / (half_gap + radius);
     let (mut sine, mut cosine, mut moved) = (1.0, 1.0, 0.0);
     for j in (top..bottom).rev() {
         let f = sine * e[j];
         let b = cosine * e[j];
-        let r = f.hypot(g);
+        let r = (f * f + g * g).sqrt();
         if bottom > j + 1 {
             e[j + 1] = r;
         }
@@ -55,7 +72,8 @@ fn step(d: &mut [f64], e: &mut [f64], vectors: &mut [f64], rows: usize, top: usi
             d[j + 1] -= moved;
             return;
         }
-        (sine, cosine) = (f / r, g / r);
+        let inverse = r.recip();
+        (sine, cosine) = (f * inverse, g * inverse);
         let lower = d[j + 1] - moved;
         let turn = (d[j] - lower) * sine + 2.0 * cosine * b;
         moved = sine * turn;

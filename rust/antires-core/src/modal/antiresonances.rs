@@ -20,7 +20,7 @@ use super::columns::modal_columns;
 use super::modes::{eigenvalue, hertz};
 use super::receptance::Receptance;
 use super::reduced::ReducedModes;
-use super::secular;
+use super::secular::{self, Scratch};
 use super::structure::Structure;
 use crate::error::Result;
 use crate::fem::model::{Model, connected};
@@ -70,6 +70,7 @@ pub struct Antiresonances {
 /// A slender structure with a limit in frequency is solved by [`ReducedModes`], all else, and what that
 /// leaves open, by the dense [`SymmetricSolver`].
 pub struct AntiresonanceSolver {
+    structure: Arc<Structure>,
     reduced: Option<ReducedModes>,
     /// Made when first needed, with whether it holds the matrices last set.
     dense: Option<(SymmetricSolver, bool)>,
@@ -79,7 +80,7 @@ pub struct AntiresonanceSolver {
     by_reduced: bool,
     receptance: Receptance,
     lambda: Vec<f64>,
-    scratch: Vec<f64>,
+    scratch: Scratch,
 }
 
 impl AntiresonanceSolver {
@@ -87,6 +88,7 @@ impl AntiresonanceSolver {
     #[must_use]
     pub fn new(structure: &Arc<Structure>) -> Self {
         Self {
+            structure: Arc::clone(structure),
             reduced: structure
                 .is_slender()
                 .then(|| ReducedModes::new(Arc::clone(structure))),
@@ -95,7 +97,7 @@ impl AntiresonanceSolver {
             by_reduced: false,
             receptance: Receptance::default(),
             lambda: Vec::new(),
-            scratch: Vec::new(),
+            scratch: Scratch::default(),
         }
     }
 
@@ -122,12 +124,14 @@ impl AntiresonanceSolver {
             && reduced.solve(k, eigenvalue(query.f_max_hz))
         {
             reduced.form(i, &mut self.receptance);
+            self.receptance.most_roots = None;
             self.floor = reduced.zero();
             self.by_reduced = true;
             return Ok(());
         }
         let solver = dense(&mut self.dense, (k_mat, m_mat))?;
         self.receptance.form(solver, i, k);
+        self.receptance.most_roots = self.structure.degree(i, k);
         self.by_reduced = false;
         self.floor = solver.zero();
         Ok(())

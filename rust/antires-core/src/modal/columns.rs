@@ -21,6 +21,9 @@ const POLISHED: f64 = 1e-12;
 /// Farthest that a polish may carry a root, relatively.
 const NEAR: f64 = 1e-5;
 
+/// Ulps of K and M within which a root is where it can be.
+const MOST_ULPS: f64 = 16.0;
+
 /// u and w in the order and the scale of the band, and M u.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Columns {
@@ -30,24 +33,34 @@ pub(super) struct Columns {
 }
 
 impl ReducedModes {
-    /// The root of H_ik nearest to `x` within `reach`, by Newton's method on the matrices; none where there is
-    /// none, or where rounding spoils the factors of K − xM.
+    /// The root of H_ik nearest to `x` within `reach`, or as near as rounding of K and M tells, by Newton's method
+    /// on the matrices; none where there is none, or where rounding spoils the factors of K − xM.
     pub fn polish(&mut self, i: usize, x: f64, reach: f64) -> Option<f64> {
         let (k, ..) = self.solved?;
         let (i, k) = (self.structure.row(i), self.structure.row(k));
-        let mut at = x;
-        for _ in 0..NEWTON_STEPS {
+        let (mut at, mut ulp) = (x, 0.0);
+        for turn in 0..NEWTON_STEPS {
             let slope = self.solve_columns(i, k, at)?;
+            if turn == 0 {
+                ulp = self.ulp_shift(x, slope);
+            }
             let step = -self.columns.u[i] / slope;
             at += step;
-            if !((at - x).abs() <= reach.min(NEAR * x)) {
+            if !((at - x).abs() <= reach.max(MOST_ULPS * ulp).min(NEAR * x)) {
                 return None;
             }
-            if step.abs() <= POLISHED * at {
+            if step.abs() <= (POLISHED * at).max(ulp) {
                 break;
             }
         }
         Some(at)
+    }
+
+    /// How far one ulp of random sign in each entry of K and M moves the root at `x`, from u and w there.
+    fn ulp_shift(&self, x: f64, slope: f64) -> f64 {
+        let Columns { u, w, .. } = &self.columns;
+        let moved = self.stiffness.squared_form(w, u) + x * x * self.mass.squared_form(w, u);
+        f64::EPSILON * moved.sqrt() / slope.abs()
     }
 
     /// Columns i and k of (K − xM)⁻¹ by dof, each up to a factor, into `left` and `right`; returns leftᵀ M right.

@@ -15,26 +15,44 @@
 //!
 //! ```text
 //! min over 0 < t < w of  A / t^p + B / (w − t)^p  =  (A^(1/(p+1)) + B^(1/(p+1)))^(p+1) / w^p
+//!                                                 >= (A + B + (2^(p+1) − 2) √(AB)) / w^p
 //! ```
 //!
-//! with p = 1, 2, 3 for f, f' and f''/2, wherever the two terms have one sign.
+//! with p = 1, 2, 3 for f, f' and f''/2, wherever the two terms have one sign. The second line, equal for A = B,
+//! follows from a + b >= 2 √(ab) for the mixed terms in pairs, and needs one root.
 
 use super::receptance::Receptance;
+use super::rest::{LANES, Rest, total};
 
-/// A cell between or beside poles; a pole at an end is named by its index.
+/// A cell between or beside poles.
 #[derive(Debug, Clone, Copy)]
 pub struct Cell {
     /// Left end.
     pub a: f64,
     /// Right end.
     pub b: f64,
-    /// Pole at the left end.
-    pub pole_a: Option<usize>,
-    /// Pole at the right end.
-    pub pole_b: Option<usize>,
+    /// Number of poles at or left of `a`.
+    pub below: usize,
+    /// Whether the last of them lies at `a`.
+    pub pole_a: bool,
+    /// Whether the next pole lies at `b`.
+    pub pole_b: bool,
 }
 
 impl Cell {
+    /// Indices of the poles at the ends.
+    pub fn ends(self) -> [Option<usize>; 2] {
+        [
+            self.pole_a.then(|| self.below - 1),
+            self.pole_b.then_some(self.below),
+        ]
+    }
+
+    /// Residues of the poles at the ends, zero where there is none.
+    pub fn end_residues(self, h: &Receptance) -> [f64; 2] {
+        self.ends().map(|end| end.map_or(0.0, |r| h.residues[r]))
+    }
+
     /// Arithmetic middle, or the geometric one where the cell spans orders of magnitude.
     pub fn middle(self) -> f64 {
         if self.a > 0.0 && self.b > 4.0 * self.a {
@@ -48,7 +66,7 @@ impl Cell {
     pub fn left_of(self, x: f64) -> Self {
         Self {
             b: x,
-            pole_b: None,
+            pole_b: false,
             ..self
         }
     }
@@ -57,7 +75,7 @@ impl Cell {
     pub fn right_of(self, x: f64) -> Self {
         Self {
             a: x,
-            pole_a: None,
+            pole_a: false,
             ..self
         }
     }
@@ -76,7 +94,8 @@ pub struct Range {
 }
 
 impl Range {
-    fn about(centre: f64, spread: f64) -> Self {
+    /// All within `spread` of `centre`.
+    pub fn about(centre: f64, spread: f64) -> Self {
         Self {
             low: centre - spread,
             high: centre + spread,
@@ -111,6 +130,9 @@ impl Range {
     }
 }
 
+/// Multiple of its rounding error below which f is drowned in it.
+pub const DROWNED: f64 = 4.0;
+
 /// Bounds over a cell.
 #[derive(Debug, Clone, Copy)]
 pub struct Enclosure {
@@ -124,33 +146,40 @@ pub struct Enclosure {
 }
 
 impl Enclosure {
-    /// Bounds of `h` over `cell` from `ORDER` terms of the series. Few terms do between poles; more are
-    /// needed where f is small against its partial fractions.
-    pub fn of<const ORDER: usize>(h: &Receptance, cell: Cell) -> Self {
+    /// Bounds of `h` over `cell` from `ORDER` terms of the series; `rest` is `h` without the poles at the ends.
+    /// Few terms do between poles; more are needed where f is small against its partial fractions.
+    pub fn of<const ORDER: usize>(h: &Receptance, rest: &Rest, cell: Cell) -> Self {
         let (middle, radius) = (0.5 * (cell.a + cell.b), 0.5 * (cell.b - cell.a));
-        let mut a = [0.0; ORDER];
-        let mut tail = [0.0; 3];
-        let mut reciprocals = 0.0;
-        for (r, (&pole, &c)) in h.poles.iter().zip(&h.residues).enumerate() {
-            if cell.pole_a == Some(r) || cell.pole_b == Some(r) {
-                continue;
+        let mut series = [[0.0; LANES]; ORDER];
+        let mut tails = [[0.0; LANES]; 4];
+        let p = ORDER as f64;
+        for (poles, residues) in rest.lanes() {
+            for l in 0..LANES {
+                let s = (poles[l] - middle).recip();
+                let mut term = residues[l] * s;
+                let size = term.abs();
+                for coefficient in &mut series {
+                    coefficient[l] += term;
+                    term *= s;
+                }
+                let s = s.abs();
+                let rho = radius * s;
+                let beyond = (1.0 - rho).max(f64::EPSILON).recip();
+                let mut last = size * beyond;
+                for _ in 2..ORDER {
+                    last *= rho;
+                }
+                // Σ_{j>=p} ρ^j and its first and (halved) second derivatives by ρ.
+                let grown = rho * (p + rho * beyond);
+                tails[0][l] += last * rho * rho;
+                tails[1][l] += last * s * grown;
+                tails[2][l] += last * s * s * (0.5 * p * (p - 1.0) + beyond * grown);
+                tails[3][l] += s * beyond;
             }
-            let s = (pole - middle).recip();
-            let mut term = c * s;
-            for coefficient in &mut a {
-                *coefficient += term;
-                term *= s;
-            }
-            let rho = radius * s.abs();
-            let rest = (1.0 - rho).max(f64::EPSILON).recip();
-            let (p, last) = (ORDER as f64, rho.powi(ORDER as i32 - 2));
-            let (s, size) = (s.abs(), c.abs() * s.abs() * last * rest);
-            // Σ_{j>=p} ρ^j and its first and (halved) second derivatives by ρ.
-            tail[0] += size * rho * rho;
-            tail[1] += size * s * rho * (p + rho * rest);
-            tail[2] += size * s * s * (0.5 * p * (p - 1.0) + rho * rest * (p + rho * rest));
-            reciprocals += s * rest;
         }
+        let a = series.map(total);
+        let [t0, t1, t2, reciprocals] = tails.map(total);
+        let tail = [t0, t1, t2];
         let (mut spread, mut power) = (tail, 1.0);
         for j in 1..ORDER {
             let size = a[j].abs() * power;
@@ -194,45 +223,43 @@ impl Enclosure {
 
 /// Residues of the poles at the ends of a cell of width w; zero where there is none.
 #[derive(Debug, Clone, Copy)]
-struct EndPoles {
+pub struct EndPoles {
     left: f64,
     right: f64,
     width: f64,
 }
 
 impl EndPoles {
-    fn of(h: &Receptance, cell: Cell) -> Self {
-        let residue = |pole: Option<usize>| pole.map_or(0.0, |r| h.residues[r]);
+    /// Those of `cell`.
+    pub fn of(h: &Receptance, cell: Cell) -> Self {
+        let [left, right] = cell.end_residues(h);
         Self {
-            left: residue(cell.pole_a),
-            right: residue(cell.pole_b),
+            left,
+            right,
             width: cell.b - cell.a,
         }
     }
 
     /// Sum of 1 / |λ − x| of the end poles at their far ends.
-    fn reach(self) -> f64 {
+    pub fn reach(self) -> f64 {
         f64::from(u8::from(self.left != 0.0) + u8::from(self.right != 0.0)) / self.width
     }
 
     /// Adds the range of the end terms of f (P = 1), f' (P = 2) or f''/2 (P = 3).
-    fn add<const P: i32>(self, range: &mut Range) {
+    pub fn add<const P: i32>(self, range: &mut Range) {
         // Left of x, λ − x = −t is negative: odd powers change the sign.
         let left = if P == 2 { self.left } else { -self.left };
         let right = self.right;
+        let scale = self.width.powi(P).recip();
         if left * right > 0.0 {
-            let power = self.width.powi(P);
+            // The least value, from below.
             let (a, b) = (left.abs(), right.abs());
-            let least = match P {
-                1 => (a.sqrt() + b.sqrt()).powi(2),
-                2 => (a.cbrt() + b.cbrt()).powi(3),
-                _ => (a.sqrt().sqrt() + b.sqrt().sqrt()).powi(4),
-            } / power;
-            range.add_beyond(least.copysign(left));
+            let mixed = [2.0, 6.0, 14.0][P as usize - 1] * (a * b).sqrt();
+            range.add_beyond(((a + b + mixed) * scale).copysign(left));
         } else {
             for term in [left, right] {
                 if term != 0.0 {
-                    range.add_beyond(term / self.width.powi(P));
+                    range.add_beyond(term * scale);
                 }
             }
         }
@@ -255,23 +282,28 @@ mod tests {
     #[test]
     fn bounds_hold_over_the_cell_and_shrink_with_it() {
         let h = receptance();
-        for (a, b, pole_a, pole_b) in [
-            (1.0, 2.0, Some(0), Some(1)),
-            (2.0, 3.5, Some(1), Some(2)),
-            (3.5, 7.0, Some(2), Some(3)),
-            (1.2, 1.4, None, None),
-            (2.0, 2.5, Some(1), None),
-            (3.0, 3.5, None, Some(2)),
-            (7.5, 30.0, None, None),
+        let mut rest = Rest::default();
+        rest.set(&h);
+        for (a, b, below, pole_a, pole_b) in [
+            (1.0, 2.0, 1, true, true),
+            (2.0, 3.5, 2, true, true),
+            (3.5, 7.0, 3, true, true),
+            (1.2, 1.4, 1, false, false),
+            (2.0, 2.5, 2, true, false),
+            (3.0, 3.5, 2, false, true),
+            (7.5, 30.0, 4, false, false),
         ] {
             let cell = Cell {
                 a,
                 b,
+                below,
                 pole_a,
                 pole_b,
             };
-            let bounds = Enclosure::of::<5>(&h, cell);
-            let fine = Enclosure::of::<9>(&h, cell);
+            rest.leave_out(cell);
+            let bounds = Enclosure::of::<5>(&h, &rest, cell);
+            let fine = Enclosure::of::<9>(&h, &rest, cell);
+            rest.take_back(&h, cell);
             for step in 1..200 {
                 let x = a + (b - a) * f64::from(step) / 200.0;
                 let (f, slope) = (h.value(x), h.slope(x));
@@ -302,10 +334,11 @@ mod tests {
             let cell = Cell {
                 a: 1.3 - half,
                 b: 1.3 + half,
-                pole_a: None,
-                pole_b: None,
+                below: 1,
+                pole_a: false,
+                pole_b: false,
             };
-            width(Enclosure::of::<5>(&h, cell).value)
+            width(Enclosure::of::<5>(&h, &rest, cell).value)
         };
         assert!(at(0.005) < 0.2 * at(0.05));
     }

@@ -2,7 +2,7 @@
 //!
 //! Eigenvalues that coincide at working precision share one pole, whose residue is the sum over
 //! their eigenspace (the parts depend on the basis, the sum does not). A pole whose residue is below
-//! [`NEGLIGIBLE_RESIDUE`] of the largest is not seen by i or k: the mode has a node there, the FRF
+//! 1e-12 of the largest is not seen by i or k: the mode has a node there, the FRF
 //! shows neither peak nor dip, and the pencil has a root on it, a *cancelled* one.
 
 use crate::linalg::symmetric::SymmetricSolver;
@@ -13,6 +13,9 @@ const NEGLIGIBLE_RESIDUE: f64 = 1e-12;
 
 /// Largest residue, relative to |φ_i||φ_k|, at which the whole receptance is zero at working precision.
 const IDENTICALLY_ZERO: f64 = 1e-14;
+
+/// Multiple of its error from which on the sign of a residue is certain.
+const SURE_RESIDUE: f64 = 16.0;
 
 /// Eigenvalues closer than this many times their uncertainty are repeated.
 const REPEATED: f64 = 32.0;
@@ -36,6 +39,19 @@ pub struct Receptance {
     pub negligible: f64,
     /// True when nothing of H_ik is left at working precision.
     pub is_zero: bool,
+    /// Upper bound of the number of roots, cancelled ones too, if known.
+    pub most_roots: Option<usize>,
+}
+
+/// What the residues alone tell of the roots between neighbouring poles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pattern {
+    /// All of one sign: H is monotone between poles.
+    OneSign,
+    /// Poles of one sign have one root between them, others none, and there is no root elsewhere.
+    Counted,
+    /// Nothing.
+    Open,
 }
 
 impl Receptance {
@@ -113,6 +129,28 @@ impl Receptance {
         self.poles.truncate(kept);
         self.residues.truncate(kept);
         self.cancelled.sort_by(f64::total_cmp);
+    }
+
+    /// Looks at the signs of the residues. Between neighbours of one sign lies an odd number of roots, so as many
+    /// pairs of them as there are roots at most leave none for elsewhere.
+    #[must_use]
+    pub fn pattern(&self) -> Pattern {
+        let first = self.residues[0];
+        if self.residues.iter().all(|c| c * first > 0.0) {
+            return Pattern::OneSign;
+        }
+        let sure = |c: &f64| c.abs() > SURE_RESIDUE * self.residue_error;
+        match self.most_roots {
+            Some(most) if self.cancelled.is_empty() && self.residues.iter().all(sure) => {
+                let pairs = self.residues.windows(2).filter(|c| c[0] * c[1] > 0.0);
+                if pairs.count() == most {
+                    Pattern::Counted
+                } else {
+                    Pattern::Open
+                }
+            }
+            _ => Pattern::Open,
+        }
     }
 
     /// H at x.

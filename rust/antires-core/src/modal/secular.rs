@@ -3,9 +3,12 @@
 //! Between its poles f is smooth, and [`Enclosure`] bounds f, f' and f'' over a whole cell:
 //!
 //! - f bounded away from zero: no root;
-//! - f' of one sign: f is monotone, and its end signs tell of one root or none;
+//! - f' of one sign: f is monotone, and its end signs tell of one root or none ([`Glance`] sees most cells
+//!   of these two kinds);
 //! - f'' of one sign: f is convex or concave, with at most two roots, told apart at its extremum;
 //! - otherwise the cell is halved.
+//!
+//! Where the signs of the residues alone tell ([`Pattern`]), no bound is asked.
 //!
 //! Nothing is scanned, so two close roots are not stepped over. What rounding hides is decided by the
 //! computed signs and reported as doubtful, for the pencil to settle. Far beyond the last pole a root
@@ -13,8 +16,10 @@
 //! its partial fractions only as 1/x).
 
 use super::bracket::root_in_cell;
-use super::enclosure::{Cell, Enclosure};
-use super::receptance::Receptance;
+use super::enclosure::{Cell, DROWNED, Enclosure};
+use super::glance::{Glance, Sight};
+use super::receptance::{Pattern, Receptance};
+use super::rest::Rest;
 use super::tail::is_rootless;
 
 /// Upper end of an unbounded search, relative to the last pole.
@@ -34,9 +39,18 @@ const MOST_CELLS: usize = 100_000;
 /// Relative distance in x within which a root lies on a pole; closer than the pencil's by a margin.
 const ON_A_POLE: f64 = 1e-7;
 
+/// Working memory of a search.
+#[derive(Debug, Clone, Default)]
+pub struct Scratch {
+    glance: Glance,
+    rest: Rest,
+    tail: Vec<f64>,
+}
+
 /// A search for the roots of one receptance.
 pub struct Secular<'a> {
     h: &'a Receptance,
+    rest: &'a mut Rest,
     roots: &'a mut Vec<f64>,
     budget: usize,
     doubtful: bool,
@@ -49,52 +63,44 @@ pub fn roots(
     low: f64,
     high: f64,
     roots: &mut Vec<f64>,
-    scratch: &mut Vec<f64>,
+    scratch: &mut Scratch,
 ) -> bool {
     let Some(&last) = h.poles.last() else {
         return true;
     };
     let start = roots.len();
+    let Scratch { glance, rest, tail } = scratch;
+    rest.set(h);
+    let ceiling = high.min(INFINITY_RATIO * last.abs().max(f64::MIN_POSITIVE / f64::EPSILON));
+    glance.prepare(h, low, ceiling);
     let mut search = Secular {
         h,
+        rest,
         roots,
         budget: MOST_CELLS,
         doubtful: false,
     };
-    let ceiling = high.min(INFINITY_RATIO * last.abs().max(f64::MIN_POSITIVE / f64::EPSILON));
-    let (mut a, mut pole_a) = (low, None);
-    for (index, &pole) in h.poles.iter().enumerate() {
-        if pole < low {
-            continue;
+    let pattern = h.pattern();
+    for index in 0..glance.n_cells() {
+        let cell = glance.cell(index);
+        let beyond_last = !cell.pole_b && last < ceiling;
+        let sight = match pattern {
+            Pattern::OneSign if !beyond_last => Sight::Monotone,
+            Pattern::OneSign if h.constant == 0.0 => Sight::Rootless,
+            Pattern::Counted if between_one_sign(h, cell) => Sight::Monotone,
+            Pattern::Counted => Sight::Rootless,
+            _ => glance.at(index, h, search.rest),
+        };
+        match sight {
+            Sight::Rootless => {}
+            // Beyond the last pole the sign at the ceiling may be rounding.
+            Sight::Monotone if !beyond_last => {
+                let middle = glance.middle(index, h, search.rest);
+                search.monotone(cell, Some(middle));
+            }
+            _ if beyond_last && is_rootless(h, tail) => {}
+            _ => search.cell(cell, beyond_last),
         }
-        if pole >= ceiling {
-            break;
-        }
-        if pole > low {
-            search.cell(
-                Cell {
-                    a,
-                    b: pole,
-                    pole_a,
-                    pole_b: Some(index),
-                },
-                false,
-            );
-        }
-        (a, pole_a) = (pole, Some(index));
-    }
-    let beyond_last = last < ceiling;
-    if a < ceiling && !(beyond_last && is_rootless(h, scratch)) {
-        // Where a pole lies at the ceiling or above, its term is one of the rest.
-        search.cell(
-            Cell {
-                a,
-                b: ceiling,
-                pole_a,
-                pole_b: None,
-            },
-            beyond_last,
-        );
     }
     search.check_cancelled();
     let doubtful = search.doubtful;
@@ -106,15 +112,17 @@ impl Secular<'_> {
     /// Finds the roots of one cell; the halves of a cell that cannot be decided are searched in turn.
     fn cell(&mut self, cell: Cell, beyond_last: bool) {
         self.budget = self.budget.saturating_sub(1);
+        self.rest.leave_out(cell);
         let bounds = if beyond_last {
-            Enclosure::of::<FAR_ORDER>(self.h, cell)
+            Enclosure::of::<FAR_ORDER>(self.h, self.rest, cell)
         } else {
-            Enclosure::of::<NEAR_ORDER>(self.h, cell)
+            Enclosure::of::<NEAR_ORDER>(self.h, self.rest, cell)
         };
+        self.rest.take_back(self.h, cell);
         if bounds.value.sign(bounds.noise).is_some() {
             return;
         }
-        let drowned = bounds.value.magnitude() <= 4.0 * bounds.noise;
+        let drowned = bounds.value.magnitude() <= DROWNED * bounds.noise;
         if drowned && beyond_last {
             self.doubtful |= cell.a < FAR_RATIO * self.h.poles[self.h.poles.len() - 1];
             return;
@@ -122,9 +130,7 @@ impl Secular<'_> {
         let guessed = drowned || cell.is_narrow() || self.budget == 0;
         self.doubtful |= guessed;
         if guessed || bounds.slope().sign(0.0).is_some() {
-            if sign(self.h, cell, false) != sign(self.h, cell, true) {
-                self.solve(cell);
-            }
+            self.solve(cell);
         } else if let Some(convex) = bounds.curvature().sign(0.0) {
             self.curved(cell, convex, bounds.noise);
         } else {
@@ -134,10 +140,21 @@ impl Secular<'_> {
         }
     }
 
+    /// One root or none, by the signs at the ends of a cell; `middle` is the value of the part of the other
+    /// poles in its middle, if known.
+    fn monotone(&mut self, cell: Cell, middle: Option<f64>) {
+        let left = sign(self.h, cell, false);
+        if left != sign(self.h, cell, true) {
+            self.rest.leave_out(cell);
+            let root = root_in_cell(self.h, self.rest, cell, left, middle);
+            self.rest.take_back(self.h, cell);
+            self.roots.push(root);
+        }
+    }
+
     /// The one root of a cell whose end signs differ.
     fn solve(&mut self, cell: Cell) {
-        let root = root_in_cell(self.h, cell, sign(self.h, cell, false));
-        self.roots.push(root);
+        self.monotone(cell, None);
     }
 
     /// A convex (or concave) cell: none, one or two roots.
@@ -197,9 +214,17 @@ impl Secular<'_> {
     }
 }
 
+/// Whether the poles on either side of the cell, at its ends or further away, have residues of one sign.
+fn between_one_sign(h: &Receptance, cell: Cell) -> bool {
+    cell.below > 0
+        && cell.below < h.residues.len()
+        && h.residues[cell.below - 1] * h.residues[cell.below] > 0.0
+}
+
 /// Sign of f at the left or right end of the cell, as the limit from inside.
 fn sign(h: &Receptance, cell: Cell, right: bool) -> bool {
-    match (right, cell.pole_a, cell.pole_b) {
+    let [pole_a, pole_b] = cell.ends();
+    match (right, pole_a, pole_b) {
         (false, Some(r), _) => h.residues[r] < 0.0,
         (true, _, Some(r)) => h.residues[r] > 0.0,
         (false, None, _) => h.value(cell.a) >= 0.0,

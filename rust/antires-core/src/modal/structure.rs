@@ -4,6 +4,7 @@
 use faer::MatRef;
 
 use crate::fem::model::Model;
+use crate::fem::term::Term;
 use crate::linalg::ordering::reverse_cuthill_mckee;
 
 /// Below this many dofs one dense eigenproblem costs less than the factors and the Krylov space.
@@ -12,12 +13,17 @@ const FEWEST_DOFS: usize = 40;
 /// Widest half-bandwidth, as a fraction of the dofs, for which the band pays.
 const WIDEST_BAND: f64 = 0.25;
 
+/// Most dofs for which the degrees of the determinants are kept.
+const MOST_DEGREES: usize = 64;
+
 /// Ordering of the dofs and bandwidth of every K and M of one model.
 #[derive(Debug, Clone)]
 pub struct Structure {
     order: Vec<usize>,
     place: Vec<usize>,
     half: usize,
+    /// Degree of each determinant, of small structures.
+    degrees: Option<Vec<u16>>,
 }
 
 impl Structure {
@@ -45,17 +51,37 @@ impl Structure {
             .map(|(i, j)| place[i].abs_diff(place[j]))
             .max()
             .unwrap_or(0);
-        Self { order, place, half }
+        Self {
+            order,
+            place,
+            half,
+            degrees: None,
+        }
     }
 
     /// Structure of a model at whatever values its parameters take.
     #[must_use]
     pub fn of(model: &Model) -> Self {
         let n = model.n_dof();
-        let terms = model.stiffness_terms().iter().chain(model.mass_terms());
-        let listed = terms.flat_map(|t| t.entries().iter().map(|e| (e.0 as usize, e.1 as usize)));
-        let present = entries(model.stiffness()).chain(entries(model.mass()));
-        Self::new(n, present.chain(listed))
+        let of = |a, terms: &[Term]| -> Vec<(usize, usize)> {
+            let listed = terms.iter().flat_map(Term::entries);
+            let listed = listed.map(|e| (e.0 as usize, e.1 as usize));
+            entries(a).chain(listed).collect()
+        };
+        let stiffness = of(model.stiffness(), model.stiffness_terms());
+        let mass = of(model.mass(), model.mass_terms());
+        let all = stiffness.iter().chain(&mass).copied();
+        Self {
+            degrees: (n <= MOST_DEGREES).then(|| degrees(n, &stiffness, &mass)),
+            ..Self::new(n, all)
+        }
+    }
+
+    /// Upper bound of the degree in x of det(K_ik − x M_ik): of the number of roots. None for large structures.
+    #[must_use]
+    pub fn degree(&self, i: usize, k: usize) -> Option<usize> {
+        let degrees = self.degrees.as_ref()?;
+        Some(usize::from(degrees[i * self.n_dof() + k]))
     }
 
     /// Whether the band route pays.
@@ -88,6 +114,33 @@ impl Structure {
     pub fn row(&self, dof: usize) -> usize {
         self.place[dof]
     }
+}
+
+/// Each product in det(K_ik − x M_ik) takes a path from i to k and cycles beside it; a dof off the path gives
+/// one power of x at most, a step along it none where only K joins the two dofs.
+fn degrees(n: usize, stiffness: &[(usize, usize)], mass: &[(usize, usize)]) -> Vec<u16> {
+    let mut cost = vec![u16::MAX; n * n];
+    for (entries, price) in [(stiffness, 1), (mass, 0)] {
+        for &(i, j) in entries {
+            (cost[i * n + j], cost[j * n + i]) = (price, price);
+        }
+    }
+    let mut degrees = Vec::with_capacity(n * n);
+    for start in 0..n {
+        // Steps through K alone from `start`, cheapest dof first.
+        let mut steps = vec![u16::MAX; n];
+        let mut open: Vec<usize> = (0..n).collect();
+        steps[start] = 0;
+        while let Some(at) = (0..open.len()).min_by_key(|&q| steps[open[q]]) {
+            let dof = open.swap_remove(at);
+            for &other in &open {
+                let through = steps[dof].saturating_add(cost[dof * n + other]);
+                steps[other] = steps[other].min(through);
+            }
+        }
+        degrees.extend(steps.iter().map(|&s| (n as u16 - 1).saturating_sub(s)));
+    }
+    degrees
 }
 
 fn entries(a: MatRef<'_, f64>) -> impl Iterator<Item = (usize, usize)> {

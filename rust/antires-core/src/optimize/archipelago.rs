@@ -40,7 +40,8 @@ use crate::error::{Error, Result};
 ///
 /// `guesses` join the initial populations: guess `g` goes to island `g` modulo their number. `seed`
 /// determines the search entirely, apart from an interrupt. A search that is interrupted or runs out
-/// of its budget still has an outcome: the best so far, and a status that says so.
+/// of its budget still has an outcome: the best so far, and a status that says so. With a
+/// [snapshot](super::snapshot) in the hooks the search goes on from there, to the same bits.
 ///
 /// # Errors
 /// [`Failure::Input`] for unusable options or guesses; [`Failure::Evaluation`] with the evaluator's
@@ -61,6 +62,9 @@ pub fn minimize<E: Evaluator>(
         return Err(Error::input("x0", format!("{} guesses", guesses.len()), wanted).into());
     }
     let mut archipelago = Archipelago::new(evaluator, bounds, guesses, options, seed);
+    if let Some(bytes) = hooks.resume {
+        archipelago.restore(bytes)?;
+    }
     let status = archipelago.search(hooks).map_err(Failure::Evaluation)?;
     Ok(archipelago.into_outcome(status))
 }
@@ -87,18 +91,18 @@ pub fn minimize_objective<O: Objective>(
 }
 
 /// A search under way.
-struct Archipelago<'a, E: Evaluator> {
-    ledger: Ledger<'a, E>,
+pub(super) struct Archipelago<'a, E: Evaluator> {
+    pub(super) ledger: Ledger<'a, E>,
     habitat: Habitat<'a>,
-    islands: Vec<Island>,
-    polish: Option<Polish>,
-    consensus: Consensus,
-    generation: usize,
+    pub(super) islands: Vec<Island>,
+    pub(super) polish: Option<Polish>,
+    pub(super) consensus: Consensus,
+    pub(super) generation: usize,
     /// Generation of the last polish.
-    polished: usize,
+    pub(super) polished: usize,
     /// Evaluations at the last migration.
-    evaluations_before: usize,
-    history: History,
+    pub(super) evaluations_before: usize,
+    pub(super) history: History,
     // Buffers reused from generation to generation.
     batch: Vec<f64>,
     costs: Vec<f64>,
@@ -148,14 +152,19 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
 
     /// Runs to an end and says which.
     fn search(&mut self, hooks: &mut Hooks<'_>) -> std::result::Result<Status, E::Fault> {
-        if let ControlFlow::Break(interrupt) = self.evaluate(hooks)? {
-            return Ok(interrupt.into());
-        }
-        self.record();
-        if let ControlFlow::Break(interrupt) = self.begin(hooks)? {
-            return Ok(interrupt.into());
+        if hooks.resume.is_none() {
+            if let ControlFlow::Break(interrupt) = self.evaluate(hooks)? {
+                return Ok(interrupt.into());
+            }
+            self.record();
+            if let ControlFlow::Break(interrupt) = self.begin(hooks)? {
+                return Ok(interrupt.into());
+            }
         }
         loop {
+            if let Some(keep) = &mut hooks.keep {
+                keep(self.save());
+            }
             let meeting = self.time_to_meet();
             if meeting && let ControlFlow::Break(interrupt) = self.polish_bests(hooks)? {
                 return Ok(interrupt.into());
@@ -245,7 +254,8 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     /// Whether all islands wait or, with a polish, enough generations have passed.
     fn time_to_meet(&self) -> bool {
         let interval = self.habitat.options.polish_interval;
-        self.all_wait() || (self.polish.is_some() && self.generation - self.polished >= interval)
+        self.all_wait()
+            || (self.polish.is_some() && self.generation.saturating_sub(self.polished) >= interval)
     }
 
     fn all_wait(&self) -> bool {
@@ -326,10 +336,15 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
         Ok(flow)
     }
 
-    fn record(&mut self) {
+    /// Looks at the islands for the next report.
+    pub(super) fn observe(&mut self) {
         self.progress.clear();
         self.progress
             .extend(self.islands.iter().map(Island::progress));
+    }
+
+    fn record(&mut self) {
+        self.observe();
         self.history.evaluations.push(self.ledger.evaluations);
         let costs = self.progress.iter().map(|island| island.best_cost);
         self.history.best_costs.extend(costs);

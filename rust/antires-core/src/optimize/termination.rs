@@ -22,7 +22,7 @@ use super::outcome::Status;
 /// Counts agreements in cost from migration to migration.
 #[derive(Debug, Default)]
 pub(super) struct Consensus {
-    in_cost: usize,
+    pub(super) in_cost: usize,
 }
 
 impl Consensus {
