@@ -22,14 +22,17 @@ def init(args: argparse.Namespace) -> int:
     """Write a commented job."""
     job: Path = args.job
     if job.suffix != ".toml":
-        reject("JOB", repr(str(job)), "a file that ends in .toml", f"As in 'antires init {job.stem or 'job'}.toml'.")
+        reject("JOB", repr(str(job)), "a file that ends in .toml",
+               f"As in 'antires init {job.stem or 'job'}.toml'.")
     if job.exists() and not args.overwrite:
-        reject("JOB", f"{str(job)!r}, which exists", "a new file", "Choose another name, or pass --overwrite.")
+        reject("JOB", f"{str(job)!r}, which exists", "a new file",
+               "Choose another name, or pass --overwrite.")
     if not job.parent.is_dir():
         reject("JOB", repr(str(job)), "a file in a folder that exists", f"Make {str(job.parent)!r} first.")
     options: dict[str, Any] = {}
     if args.data is not None:
-        options = {"data": Path(os.path.relpath(args.data, job.parent)).as_posix(), "dofs": _channels(args.data)}
+        options = {"data": Path(os.path.relpath(args.data, job.parent)).as_posix(),
+                   "dofs": _channels(args.data)}
     text = template(args.task, args.model, name=job.name, **options)
     write_atomically(job, text.encode())
     print(f"Wrote {job}. Fill it in, then: antires {args.task} {job}")
@@ -47,7 +50,8 @@ def _channels(file: Path) -> dict[str, object] | None:
     from ..antiresonance_set import AntiresonanceSet
     from ..jobs.reading import read_signal
     with arguments({"path": "--data"}, "Write the job without --data, and fill in [data] by hand."):
-        names = list(AntiresonanceSet.load(file) if kind == "antiresonances" else read_signal(file, kind, {}).dofs)
+        names = list(AntiresonanceSet.load(file)) if kind == "antiresonances" else list(
+            read_signal(file, kind, {}).dofs)
     return None if all(isinstance(name, int) for name in names) else {
         str(name): i for i, name in enumerate(names)}
 
@@ -56,8 +60,9 @@ def search(args: argparse.Namespace) -> int:
     """Carry out a job."""
     job = read_job(args.job)
     if job.task != args.task:
-        has, wanted = ("[damage]", "[[parameters]]") if job.task == "damage" else ("[[parameters]]", "[damage]")
-        reject("JOB", f"{str(args.job)!r}, which has {has}", f"a job with {wanted}",
+        sections = {"damage": "[damage]", "update": "[[parameters]]"}
+        reject("JOB", f"{str(args.job)!r}, which has {sections[job.task]}",
+               f"a job with {sections[args.task]}",
                f"Use 'antires {job.task} {args.job}'.")
     return _run(job, args, fresh=args.fresh)
 
@@ -90,7 +95,8 @@ def _job_of(target: Path) -> Path:
                "The folder of a run holds run.json.")
     job = folder.job_path(record)
     if not job.is_file():
-        reject("JOB", f"{str(target)!r}, whose job {job.name!r} is gone", "a run whose job file is where it was",
+        reject("JOB", f"{str(target)!r}, whose job {job.name!r} is gone",
+               "a run whose job file is where it was",
                "Put the job file back, or pass it by its new name.")
     return job
 
@@ -102,7 +108,7 @@ def _run(job: Job, args: argparse.Namespace, **how: bool) -> int:
         print_json(outcome.summary)
     else:
         print(outcome.result.summary())
-        written = sorted(path.name for path in outcome.folder.folder.iterdir() if not path.name.startswith("."))
+        written = sorted(path.name for path in outcome.folder.folder.iterdir())
         print(f"\nIn {_shown(outcome.folder.folder)}: {', '.join(written)}")
     for note in outcome.notes:
         print(f"antires: warning: {note}", file=sys.stderr)

@@ -39,8 +39,8 @@ class _Parser(argparse.ArgumentParser):
             return (f"{found[1]}: got {found[2]}; wanted one of {', '.join(known)}. "
                     + (f"Did you mean {near[0]!r}?" if near else see))
         if found := re.match(r"argument (.*?): expected (.*)", message):
-            count = {"one argument": "no value", "2 arguments": "another number of values"}.get(found[2], "no value")
-            return f"{found[1]}: got {count}; wanted {self._wanted(found[1])}. {see}"
+            got = "another number of values" if found[2] == "2 arguments" else "no value"
+            return f"{found[1]}: got {got}; wanted {self._wanted(found[1])}. {see}"
         if found := re.match(r"argument (.*?): (got .*; wanted .*)", message):
             return f"{found[1]}: {found[2]}. {see}"
         if found := re.match(r"ambiguous option: (\S+) could match (.*)", message):
@@ -61,8 +61,9 @@ class _Parser(argparse.ArgumentParser):
 
 def parser() -> argparse.ArgumentParser:
     """The parser of ``antires`` and all its commands."""
-    top = _Parser(prog="antires", description="Antiresonances from measured responses, model updating, damage "
-                  "location.", epilog="Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.")
+    top = _Parser(prog="antires",
+                  description="Antiresonances from measured responses, model updating, damage location.",
+                  epilog="Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.")
     top.add_argument("--version", action="version", version=f"antires {__version__}")
     commands = top.add_subparsers(title="commands", metavar="COMMAND", dest="command", required=True,
                                   parser_class=_Parser, help="a command")
@@ -71,16 +72,19 @@ def parser() -> argparse.ArgumentParser:
     _identify(commands)
     for task, what in (("update", "bring a model to the measured antiresonances"),
                        ("damage", "locate and size damage")):
-        job = commands.add_parser(task, help=f"{what}, as a job file says",
-                                  description=f"Carry out a job file: {what}. 'antires init' writes one. Ctrl-C "
-                                  "hands back the best so far; 'antires resume' goes on from there.")
+        job = commands.add_parser(
+            task, help=f"{what}, as a job file says",
+            description=f"Carry out a job file: {what}. 'antires init' writes one. Ctrl-C hands back the best "
+                        "so far; 'antires resume' goes on from there.")
         job.add_argument("job", metavar="JOB", type=Path, help="a job file, TOML")
         job.add_argument("--fresh", action="store_true", help="begin anew, though a search of this job waits")
         _common(job)
         job.set_defaults(run=_command("jobs", "search"), task=task)
-    again = commands.add_parser("resume", help="go on with a search that was interrupted",
-                                description="Go on with a search, to the same bits as if it had never stopped.")
-    again.add_argument("target", metavar="JOB", type=Path, help="a job file, its results folder or its checkpoint")
+    again = commands.add_parser(
+        "resume", help="go on with a search that was interrupted",
+        description="Go on with a search, to the same bits as if it had never stopped.")
+    again.add_argument("target", metavar="JOB", type=Path,
+                       help="a job file, its results folder or its checkpoint")
     _common(again)
     again.set_defaults(run=_command("jobs", "resume"))
     _report(commands)
@@ -111,7 +115,8 @@ def _init(commands: Any) -> None:
                       help="what the job is to do (default: %(default)s)")
     init.add_argument("--model", choices=("chain", "frame", "matrices", "result"), default="chain",
                       help="kind of model (default: %(default)s)")
-    init.add_argument("--data", type=Path, metavar="FILE", help="a measurement, whose channels are listed in the job")
+    init.add_argument("--data", type=Path, metavar="FILE",
+                      help="a measurement, whose channels are listed in the job")
     init.add_argument("--overwrite", action="store_true", help="replace a job file that exists")
     init.set_defaults(run=_command("jobs", "init"))
 
@@ -129,28 +134,36 @@ def _identify(commands: Any) -> None:
                        help="format of the file (default: its ending tells)")
     found.add_argument("--dof", action="append", type=_pair, metavar="CHANNEL=DOF", dest="dofs",
                        help="name a channel's dof, or leave it out by CHANNEL=; once for each channel")
-    found.add_argument("--kind", help="what to read where a file does not tell: frf, transmissibility; time, spectra")
-    found.add_argument("--reference", type=_dof, metavar="DOF", help=f"reference of transmissibilities: {_DOF}")
+    found.add_argument("--kind", choices=("frf", "transmissibility", "time", "spectra"),
+                       help="what to read, where a file does not tell or holds several")
+    found.add_argument("--reference", type=_dof, metavar="DOF",
+                       help=f"reference of transmissibilities: {_DOF}")
     found.add_argument("--force", metavar="CHANNEL", help="channel of the force")
     found.add_argument("--fs", type=_number(float, 0.0), metavar="HZ", dest="fs_hz",
                        help="sampling rate in Hz, where the file does not tell")
-    found.add_argument("--unit", help="unit of the responses, such as g or m/s2, where the file does not tell")
+    found.add_argument("--unit",
+                       help="unit of the responses, such as g or m/s2, where the file does not tell")
     found.add_argument("--first", choices=("time", "freq", "channel"), help="first column of a CSV file")
-    found.add_argument("--preset", choices=("paper", "strict", "sensitive"), help="options of the identification")
+    found.add_argument("--preset", choices=("paper", "strict", "sensitive"),
+                       help="options of the identification")
     found.add_argument("--max-order", type=_number(int, 2), metavar="N", help="highest order (default: 60)")
     found.add_argument("--second-opinion", choices=("aaa", "vector_fitting"),
                        help="another method that confirms or flags every value")
     found.add_argument("--out", type=Path, metavar="FILE.json", help="save the antiresonances, for a job")
-    found.add_argument("--pictures", type=Path, metavar="DIR", help="draw the stabilization diagrams into a folder")
+    found.add_argument("--pictures", type=Path, metavar="DIR",
+                       help="draw the stabilization diagrams into a folder")
     found.add_argument("--json", action="store_true", help="print JSON instead of the table")
     found.set_defaults(run=_command("study", "identify"))
 
 
 def _report(commands: Any) -> None:
-    report = commands.add_parser("report", help="one HTML file of a result",
-                                 description="Write the report of a result: one file that needs nothing else.")
-    report.add_argument("result", metavar="RESULT", type=Path, help="a result.npz, or the folder that holds it")
-    report.add_argument("--out", type=Path, metavar="FILE.html", help="the file to write (default: beside the result)")
+    report = commands.add_parser(
+        "report", help="one HTML file of a result",
+        description="Write the report of a result: one file that needs nothing else.")
+    report.add_argument("result", metavar="RESULT", type=Path,
+                        help="a result.npz, or the folder that holds it")
+    report.add_argument("--out", type=Path, metavar="FILE.html",
+                        help="the file to write (default: beside the result)")
     report.add_argument("--title", help="heading of the report")
     report.add_argument("--pictures", type=Path, metavar="DIR", help="write the pictures as PNG too")
     report.add_argument("--json", action="store_true", help="print JSON instead of the tables")
@@ -159,7 +172,7 @@ def _report(commands: Any) -> None:
 
 def _common(command: argparse.ArgumentParser) -> None:
     command.add_argument("--workers", type=_number(int, 1), default=None, metavar="N",
-                         help="threads of the search (default: all processors); the numbers do not depend on it")
+                         help="threads of the search (default: all processors); no number depends on it")
     command.add_argument("--json", action="store_true", help="print JSON instead of the tables")
 
 

@@ -14,10 +14,10 @@ from .terminal import arguments, existing, print_json, say
 __all__ = ["demo", "identify", "report"]
 
 #: Options of ``identify`` by the arguments of the functions behind it.
-_NAMES = {"path": "FILE", "signal": "FILE", "source": "FILE", "band_hz": "--band", "excitation": "--excitation",
-          "dofs": "--dof", "fs_hz": "--fs", "unit": "--unit", "force": "--force", "kind": "--kind", "first": "--first",
-          "reference": "--reference", "max_order": "--max-order", "preset": "--preset",
-          "second_opinion": "--second-opinion"}
+_NAMES = {"path": "FILE", "signal": "FILE", "source": "FILE", "band_hz": "--band", "dofs": "--dof",
+          "fs_hz": "--fs", "second_opinion": "--second-opinion", "max_order": "--max-order",
+          **{name: f"--{name}" for name in ("excitation", "unit", "force", "kind", "first", "reference",
+                                            "preset")}}
 _READING = ("kind", "reference", "force", "fs_hz", "unit", "first")
 _CHOICES = ("preset", "max_order", "second_opinion")
 _SEE = "See 'antires identify --help'."
@@ -35,7 +35,8 @@ def identify(args: argparse.Namespace) -> int:
     existing("FILE", args.file, "Name a measurement, or a job.")
     out: Path | None = args.out
     if out is not None and (out.suffix != ".json" or not out.parent.is_dir()):
-        reject("--out", repr(str(out)), "a file that ends in .json, in a folder that exists", "Choose another name.")
+        reject("--out", repr(str(out)), "a file that ends in .json, in a folder that exists",
+               "Choose another name.")
     found = _of_job(args) if args.file.suffix == ".toml" else [_of_file(args)]
     for i, each in enumerate(found):
         if out is not None:
@@ -76,7 +77,8 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
             return AntiresonanceSet.load(args.file)
     for name in ("band", "excitation"):
         if getattr(args, name) is None:
-            wanted = {"band": "--band LOW HIGH, in Hz", "excitation": "--excitation DOF, where the force acts"}[name]
+            wanted = {"band": "--band LOW HIGH, in Hz",
+                      "excitation": "--excitation DOF, where the force acts"}[name]
             reject(f"--{name}", "nothing", wanted, _SEE)
     from ..identification import identify_antiresonances
     from ..jobs.reading import read_signal
@@ -106,9 +108,9 @@ def _numbers(found: AntiresonanceSet) -> dict[str, Any]:
     def plain(values: Any) -> list[float | None]:
         return [float(v) if v == v else None for v in values]
     checked = found.data_check
-    return {"excitation": found.excitation,
-            "antiresonances": [{"dof": dof, **{name: plain(column) for name, column in found.columns(dof).items()}}
-                               for dof in found],
+    rows = [{"dof": dof, **{name: plain(column) for name, column in found.columns(dof).items()}}
+            for dof in found]
+    return {"excitation": found.excitation, "antiresonances": rows,
             "data_check": None if checked is None else checked.warnings}
 
 
@@ -120,7 +122,8 @@ def report(args: argparse.Namespace) -> int:
     existing("RESULT", file, "'antires update' and 'antires damage' write result.npz into their folder.")
     out: Path = args.out or file.with_name("report.html")
     if out.suffix not in (".html", ".htm") or not out.parent.is_dir():
-        reject("--out", repr(str(out)), "a file that ends in .html, in a folder that exists", "Choose another name.")
+        reject("--out", repr(str(out)), "a file that ends in .html, in a folder that exists",
+               "Choose another name.")
     with arguments({"path": "RESULT"}, "Name the result.npz of a run."):
         result = UpdateResult.load(file)
     say("writing the report")

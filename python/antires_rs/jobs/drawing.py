@@ -52,7 +52,7 @@ def pictures(result: UpdateResult, folder: Path, diagrams: Mapping[Any, Any]) ->
 
 def _response(job: Job, measured: list[Measured]) -> FrequencyResponse | None:
     """Transmissibilities over the first response that has antiresonances, where they can be had."""
-    first, band = measured[0], job.data[0].get("band_hz")
+    first = measured[0]
     if isinstance(first.signal, FrequencyResponse):
         return first.signal if first.signal.kind == "transmissibility" else None
     dof = next((dof for dof, values in first.found.items() if values.size), None)
@@ -61,7 +61,8 @@ def _response(job: Job, measured: list[Measured]) -> FrequencyResponse | None:
     from ..segment_length import choose_nperseg
     from ..spectra import transmissibility
     try:
-        length = job.section("identification").get("nperseg") or choose_nperseg(first.signal, band)
+        length = job.section("identification").get("nperseg") or choose_nperseg(
+            first.signal, job.data[0]["band_hz"])
         return transmissibility(first.signal, dof, nperseg=length, estimator="rank1")
     except UnsuitableDataError:  # a single hit has no averages
         return None

@@ -85,7 +85,8 @@ class Job:
             return [((name, i), row) for i, row in enumerate(value)]
         heading = f"[[{name}]]" if section.several == "must" else f"[{name}]"
         got = "several tables" if several else "a single table" if isinstance(value, dict) else shown(value)
-        self.reject((name,), got, f"a heading {heading} on a line of its own, and keys below it", section.help)
+        self.reject((name,), got, f"a heading {heading} on a line of its own, and keys below it",
+                    section.help)
 
     def _check(self, section: Section, place: Keys, table: Mapping[str, Any]) -> None:
         for name, value in table.items():
@@ -105,10 +106,11 @@ class Job:
 
     def _task(self, raw: Mapping[str, Any]) -> str:
         if ("damage" in raw) == ("parameters" in raw):
-            got = "both [damage] and [[parameters]]" if "damage" in raw else "neither [damage] nor [[parameters]]"
-            self.reject(("damage",) if "damage" in raw else (), got, "one of them",
-                        "A job updates a model or looks for damage; the second takes the result of the first, "
-                        'kind = "result" under [model].')
+            both = "damage" in raw
+            self.reject(("damage",) if both else (),
+                        f"{'both' if both else 'neither'} [damage] {'and' if both else 'nor'} [[parameters]]",
+                        "one of them", "A job updates a model or looks for damage; the second can start from "
+                        'the result of the first, kind = "result" under [model].')
         if "damage" in raw and "updating" in raw:
             self.reject(("updating",), "[updating] beside [damage]", "[damage] alone",
                         "Its keys belong to a job with [[parameters]].")
@@ -169,7 +171,7 @@ class Job:
             yield
         except InvalidInputError as exc:
             found = _ARGUMENT.match(str(exc))
-            if found is None or found[1] == self._name:
+            if found is None or str(exc).startswith(self._name):  # blamed already
                 raise
             at = (elsewhere or {}).get(found[1], (*place, found[1]))
             indices = tuple(_index(part) for part in re.findall(r"\[([^\]]+)\]", found[2]))
@@ -203,14 +205,15 @@ def read_job(path: str | os.PathLike[str]) -> Job:
     """
     file = Path(path)
     if not file.is_file():
-        what = "a folder" if file.is_dir() else "does not exist"
-        raise InvalidInputError(f"JOB: got {str(path)!r}, which {'is ' if file.is_dir() else ''}{what}; wanted a "
-                                f"job file. 'antires init job.toml' writes one to be filled in.")
+        what = "is a folder" if file.is_dir() else "does not exist"
+        raise InvalidInputError(f"JOB: got {str(path)!r}, which {what}; wanted a job file. "
+                                "'antires init job.toml' writes one to be filled in.")
     try:
         text = file.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as exc:
-        raise InvalidInputError(f"{file.name}: got bytes that are no UTF-8 text (at byte {exc.start}); wanted a "
-                                "job file in TOML. Save it as UTF-8.") from exc
+        line = file.read_bytes()[:exc.start].count(b"\n") + 1
+        raise InvalidInputError(f"{file.name}, line {line}: got bytes that are no UTF-8 text; wanted a job "
+                                "file in TOML. Save it as UTF-8.") from exc
     return Job(file, text)
 
 
@@ -227,7 +230,8 @@ def _label(place: Keys) -> str:
     name, rest = str(place[0]), list(place[1:])
     label = f" [{name}]"
     if rest and isinstance(rest[0], int) and name in SECTIONS and SECTIONS[name].several != "no":
-        label = f" [[{name}]] no. {rest.pop(0) + 1}"
+        label = f" [[{name}]] no. {rest[0] + 1}"
+        rest = rest[1:]
     for i, part in enumerate(rest):
         label += f"[{part}]" if isinstance(part, int) else f"{'.' if i else ' '}{part}"
     return label

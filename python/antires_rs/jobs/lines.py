@@ -37,8 +37,9 @@ def lines_of(text: str) -> dict[Path, int]:
 
     Examples
     --------
-    >>> lines_of("[search]\\nseed = 3\\n[[data]]\\nfile = 'a'\\nband_hz = [\\n 1,\\n 2]")[("data", 0, "band_hz", 1)]
-    7
+    >>> lines = lines_of("[search]\\nseed = 3\\n[[data]]\\nband_hz = [\\n 1,\\n 2]")
+    >>> lines["search", "seed"], lines["data", 0, "band_hz", 1]
+    (2, 6)
     """
     return _Scanner(text.replace("\r\n", "\n")).scan()
 

@@ -72,8 +72,8 @@ def _frame(job: Job) -> StructuralModel:
 
 def _section(job: Job, name: str, parts: Any) -> Tube | Rectangle | Section:
     place: Keys = ("model", "sections", name)
-    remedy = ('As in pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, youngs_modulus_pa = '
-              "2.1e11, density_kg_per_m3 = 7850 }.")
+    remedy = ('As in pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, '
+              "youngs_modulus_pa = 2.1e11, density_kg_per_m3 = 7850 }.")
     if not isinstance(parts, dict) or parts.get("shape") not in _SHAPES:
         got = shown(parts.get("shape")) if isinstance(parts, dict) else shown(parts)
         job.reject(place, got, "a table with shape = " + ", ".join(f'"{s}"' for s in _SHAPES), remedy)
@@ -96,7 +96,8 @@ def _matrices(job: Job) -> StructuralModel:
         return io.read_matrices(job.existing(("model", "file"), table["file"]))
     _require(job, "stiffness", "mass")
     matrices = [job.existing(("model", key), table[key]) for key in ("stiffness", "mass")]
-    terms = {key: _term_files(job, key, table[key]) for key in ("stiffness_terms", "mass_terms") if key in table}
+    terms = {key: _term_files(job, key, names)
+             for key, names in job.given("model", ("stiffness_terms", "mass_terms")).items()}
     return io.read_matrices(*matrices, **terms)
 
 
@@ -108,13 +109,17 @@ def _term_files(job: Job, key: str, names: str | list[str]) -> list[Any]:
             files.append(job.existing(("model", key, i), name))
             continue
         pattern = job.file(name)
-        found = sorted(pattern.parent.glob(pattern.name), key=lambda file: [
-            (int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", file.name) if part])
+        found = sorted(pattern.parent.glob(pattern.name), key=_by_number)
         if not found:
             job.reject(("model", key, i), f"{name!r}, which fits no file", "files that exist",
                        "Paths are relative to the folder of the job file.")
         files += found
     return files
+
+
+def _by_number(file: Any) -> list[tuple[int, str]]:
+    """``K_2`` comes before ``K_10``."""
+    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", file.name)]
 
 
 def _result(job: Job) -> StructuralModel:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ __all__ = ["Signal", "read_signal", "relabelled"]
 
 Signal = Recording | FrequencyResponse
 
-_READERS = {"uff": io.read_uff, "mat": io.read_mat, "hdf5": io.read_hdf5, "csv": io.read_csv,
+_READERS: dict[str, Callable[..., Signal]] = {"uff": io.read_uff, "mat": io.read_mat, "hdf5": io.read_hdf5, "csv": io.read_csv,
             "npz": io.read_npz}
 #: Keys of [data] that are not a reader's.
 _OURS = {"file", "format", "excitation", "band_hz"}
@@ -32,13 +33,13 @@ def read_signal(file: Path, kind: str, options: dict[str, Any]) -> Signal:
     for name in chosen:
         key = DATA.key(name)
         if key and key.of and kind not in key.of:
-            reject(name, f"{name!r} for a {kind} file", f"{name} with {' or '.join(key.of)} alone", "Leave it out.")
+            reject(name, f"{name!r} for a {kind} file", f"{name} with {' or '.join(key.of)} alone",
+                   "Leave it out.")
     if chosen.get("force") is False:
         chosen["force"] = None
     if "dofs" in chosen:
         chosen["dofs"] = _dofs(chosen["dofs"], kind)
-    signal: Signal = _READERS[kind](file, **chosen)
-    return signal
+    return _READERS[kind](file, **chosen)
 
 
 def relabelled(signal: Signal, dofs: list[Any], reference: Any = None) -> Signal:

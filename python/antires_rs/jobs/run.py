@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import time
 from collections.abc import Callable
@@ -14,7 +15,7 @@ import numpy as np
 from .._core import __version__
 from ..antiresonance_set import AntiresonanceSet
 from ..exceptions import UnsuitableDataError
-from ..results import DamageResult, UpdateResult
+from ..results import UpdateResult
 from ..updating import UpdatingProblem, assess_damage, update
 from .files import RunFolder, sha256_of
 from .job import Job
@@ -157,11 +158,13 @@ def _kept_sets(job: Job, folder: RunFolder, measured: list[Measured],
                inputs: dict[str, str]) -> list[AntiresonanceSet]:
     """The sets that the search began with, bit for bit, whatever libraries are here now."""
     record = folder.read_record() or {}
-    changed = [name for name, digest in record.get("inputs", {}).items() if inputs.get(name, digest) != digest]
-    changed = [name for name in changed if name != job.path.name]
+    # What changed in the job itself the checkpoint finds, as far as it matters to the search.
+    changed = [name for name, digest in record.get("inputs", {}).items()
+               if name != job.path.name and inputs.get(name, digest) != digest]
     if changed:
-        raise UnsuitableDataError(f"JOB: got {', '.join(changed)}, changed since the search began; wanted the files "
-                                  "as they were. Put them back, or begin anew with --fresh.")
+        raise UnsuitableDataError(f"JOB: got {', '.join(changed)}, changed since the search began; wanted "
+                                  f"the files as they were. Put them back, or begin anew with 'antires "
+                                  f"{job.task} {job.path.name} --fresh'.")
     sets = []
     for i, each in enumerate(measured):
         file = folder.antiresonances(i)
@@ -184,7 +187,6 @@ def _named(job: Job, file: Path) -> str:
 
 
 def _relative(file: Path, folder: Path) -> str:
-    import os
     try:
         return Path(os.path.relpath(file.absolute(), folder.absolute())).as_posix()
     except ValueError:  # another drive

@@ -42,7 +42,7 @@ def parameters_of(job: Job, model: StructuralModel) -> list[Parameter]:
         job.only(place, table, kind)
         if on not in table:
             job.missing(place, on)
-        options = {key: table[key] for key in ("together", "relative", "axis") if key in table}
+        options: dict[str, Any] = {key: table[key] for key in ("together", "relative", "axis") if key in table}
         options["bounds_deg" if kind == "angle" else "bounds"] = table["bounds"]
         if kind == "angle":
             if "pivot" not in table:
@@ -50,7 +50,8 @@ def parameters_of(job: Job, model: StructuralModel) -> list[Parameter]:
             options["pivot"] = table["pivot"]
         chosen = _everything(model, on) if table[on] == "all" else table[on]
         if chosen == []:
-            job.reject((*place, on), f'"all" of a model without {on}', f"a model with {on}", "Remove this entry.")
+            job.reject((*place, on), f'"all" of a model without {on}', f"a model with {on}",
+                       "Remove this entry.")
         with job.blame(place):
             made = make(chosen, **options)
         found += [made] if isinstance(made, Parameter) else made
