@@ -20,6 +20,17 @@ _DOF = "a number, or a name as the file has it"
 class _Parser(argparse.ArgumentParser):
     """Says what was got, what is wanted, and what to do."""
 
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse; what is not known is the command's to explain, not that of the program."""
+        found, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            command = getattr(found, "command", None)
+            for action in self._actions:
+                if isinstance(action.choices, dict) and command in action.choices:
+                    action.choices[command].error(f"unrecognized arguments: {unknown[0]}")
+            self.error(f"unrecognized arguments: {unknown[0]}")
+        return found
+
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: error: {self._explained(message)}\n")
 
@@ -30,7 +41,7 @@ class _Parser(argparse.ArgumentParser):
             return f"{name}: got nothing; wanted {self._wanted(name)}. {see}"
         if found := re.fullmatch(r"unrecognized arguments: (.*)", message):
             known = [option for action in self._actions for option in action.option_strings]
-            near = get_close_matches(found[1].split()[0].split("=")[0], known, 1, 0.6)
+            near = get_close_matches(found[1].split("=")[0], known, 1, 0.7)
             return (f"{found[1]}: got an argument that is not known; wanted those of '{self.prog} --help'. "
                     + (f"Did you mean {near[0]!r}?" if near else "Remove it."))
         if found := re.match(r"argument (.*?): invalid choice: (.*?) \(choose from (.*)\)", message):
@@ -74,8 +85,8 @@ def parser() -> argparse.ArgumentParser:
                        ("damage", "locate and size damage")):
         job = commands.add_parser(
             task, help=f"{what}, as a job file says",
-            description=f"Carry out a job file: {what}. 'antires init' writes one. Ctrl-C hands back the best "
-                        "so far; 'antires resume' goes on from there.")
+            description=f"Carry out a job file: {what}. 'antires init' writes one. Ctrl-C hands back the "
+                        "best so far; 'antires resume' goes on from there.")
         job.add_argument("job", metavar="JOB", type=Path, help="a job file, TOML")
         job.add_argument("--fresh", action="store_true", help="begin anew, though a search of this job waits")
         _common(job)

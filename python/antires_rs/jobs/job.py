@@ -97,9 +97,9 @@ class Job:
                     f"It belongs under [{owner}]." if owner else "Remove it.")
                 self.reject((*place, name), f"the unknown key {name!r}",
                             "one of " + ", ".join(k.name for k in section.keys), remedy)
-            wanted, fits = KINDS[key.kind]
-            if not fits(value):
-                self.reject((*place, name), shown(value), wanted, key.explanation)
+            kind = KINDS[key.kind]
+            if not kind.fits(value):
+                self.reject((*place, name), shown(value), kind.wanted, f"{kind.remedy} {key.explanation}")
         for key in section.keys:
             if key.required and key.name not in table:
                 self.missing(place, key.name)
@@ -109,7 +109,8 @@ class Job:
             both = "damage" in raw
             self.reject(("damage",) if both else (),
                         f"{'both' if both else 'neither'} [damage] {'and' if both else 'nor'} [[parameters]]",
-                        "one of them", "A job updates a model or looks for damage; the second can start from "
+                        "one of them",
+                        "A job updates a model or looks for damage; the second can start from "
                         'the result of the first, kind = "result" under [model].')
         if "damage" in raw and "updating" in raw:
             self.reject(("updating",), "[updating] beside [damage]", "[damage] alone",
@@ -153,8 +154,8 @@ class Job:
     def missing(self, place: Keys, key: str) -> NoReturn:
         """Refuse a section for a key that is not there."""
         known = _key_at((*place, key))
-        wanted = f"{key} = {KINDS[known.kind][0]}" if known else key
-        self.reject(place, f"no {key!r}", wanted, known.explanation if known else "")
+        wanted = f"{key} = {KINDS[known.kind].wanted}" if known else key
+        self.reject(place, f"no {key!r}", wanted, f"Add it. {known.explanation}" if known else "Add it.")
 
     def where(self, place: Keys) -> str:
         """File, line, section and key of a place; of its nearest neighbour above where it is not there."""
@@ -165,8 +166,11 @@ class Job:
         return f"{self._name}{line}{',' if place else ''}{_label(place)}"
 
     @contextmanager
-    def blame(self, place: Keys, elsewhere: Mapping[str, Keys] | None = None) -> Iterator[None]:
-        """Errors about an argument become errors about its key, at ``place`` or ``elsewhere``."""
+    def blame(self, place: Keys, elsewhere: Mapping[str, Keys | list[Keys]] | None = None) -> Iterator[None]:
+        """Errors about an argument become errors about its key, at ``place`` or ``elsewhere``.
+
+        A list has the places of an argument's items.
+        """
         try:
             yield
         except InvalidInputError as exc:
@@ -175,11 +179,13 @@ class Job:
                 raise
             at = (elsewhere or {}).get(found[1], (*place, found[1]))
             indices = tuple(_index(part) for part in re.findall(r"\[([^\]]+)\]", found[2]))
+            if isinstance(at, list):
+                at, indices = (at[int(indices[0])], indices[1:]) if indices else (place, ())
             attribute = tuple(part for part in found[3].split(".") if part)
             said = str(exc)[found.end():]
             if not has_remedy(said):
                 key = _key_at(at)
-                said += f" {key.explanation if key else SECTIONS[str(at[0])].help}"
+                said += f" What belongs here: {key.explanation if key else SECTIONS[str(at[0])].help}"
             raise type(exc)(f"{self.where((*at, *indices, *attribute))}: {said}") from exc
 
 
@@ -219,7 +225,7 @@ def read_job(path: str | os.PathLike[str]) -> Job:
 
 def nearest(name: str, known: Any) -> str:
     """A hint at the known name nearest to an unknown one; '' where none is near."""
-    near = get_close_matches(name, list(known), 1, 0.6)
+    near = get_close_matches(name, list(known), 1, 0.7)
     return f"Did you mean {near[0]!r}?" if near else ""
 
 

@@ -108,9 +108,8 @@ def _at_dofs(job: Job, place: Keys, signal: Signal, find: Finder, model: Structu
     dofs = [_checked(job, at, find(at, name), model, name) for name in signal.dofs]
     if dofs == list(signal.dofs):
         return signal
-    reference = getattr(signal, "reference", None)
     with job.blame(place):
-        return relabelled(signal, dofs, None if reference is None else find(at, reference))
+        return relabelled(signal, list(range(len(dofs))), dofs)
 
 
 def _renamed(job: Job, place: Keys, found: AntiresonanceSet, names: Any, find: Finder,
@@ -141,6 +140,6 @@ def _checked(job: Job, place: Keys, dof: Any, model: StructuralModel | None, nam
     if model is None or (isinstance(dof, int) and 0 <= dof < model.n_dof):
         return dof
     got = f"{dof!r}" if name is None or name == dof else f"{dof!r} for {name!r}"
-    example = dof if isinstance(dof, str) and name is not None else "tip"
-    return job.reject(place, got, f"a dof of the model, 0 to {model.n_dof - 1}",
-                      f'Say which dof a channel is: dofs = {{ "{example}" = 0, ... }}.')
+    remedy = (f'Say which dof it is: dofs = {{ "{dof}" = 0, ... }}.' if isinstance(dof, str)
+              else "Dofs count from 0; correct it, or the model.")
+    return job.reject(place, got, f"a dof of the model, 0 to {model.n_dof - 1}", remedy)

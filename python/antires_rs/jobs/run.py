@@ -7,6 +7,7 @@ import platform
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,13 @@ import numpy as np
 from .._core import __version__
 from ..antiresonance_set import AntiresonanceSet
 from ..exceptions import UnsuitableDataError
+from ..models import StructuralModel
+from ..parameters import stiffness_reduction
 from ..results import UpdateResult
-from ..updating import UpdatingProblem, assess_damage, update
+from ..updating import DamagePenalty, UpdatingProblem, assess_damage, update
 from .files import RunFolder, sha256_of
 from .job import Job
+from .lines import Path as Keys
 from .measured import Measured, measured_of
 from .model import model_of
 from .summary import summary_of
@@ -82,13 +86,17 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
         The job or its data cannot be used; the message names the line.
     """
     begun = time.perf_counter()
-    folder = _prepared(job, resume, fresh)
+    folder = _checked(job, resume, fresh)
     ga, seed, threads = search_of(job, workers)
     model = model_of(job)
-    parameters = parameters_of(job, model)
+    parameters, places = parameters_of(job, model)
     measured = measured_of(job, model, say)
     inputs = {_named(job, file): sha256_of(file) for file in _inputs(job, measured)}
     sets = _kept_sets(job, folder, measured, inputs) if resume else [m.found for m in measured]
+    search = _search(job, model, (parameters, places), sets[0] if len(sets) == 1 else sets)
+    folder.prepare()  # not before: a job that cannot run leaves nothing behind
+    if fresh:
+        folder.forget_search()
     for i, each in enumerate(sets):
         if folder.antiresonances(i).resolve() != measured[i].file.resolve():
             each.save(folder.antiresonances(i))
@@ -98,8 +106,8 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
     folder.write_json(folder.record, record)
     say("searching")
     kept = folder.checkpoint if job.section("search").get("checkpoint", True) else None
-    options = {"optimizer": ga, "rng": seed, "workers": threads, "checkpoint": kept, "progress": progress}
-    result = _searched(job, model, parameters, sets[0] if len(sets) == 1 else sets, options)
+    with job.blame(("search",), {"checkpoint": ("output", "folder"), "rng": ("search", "seed")}):
+        result = search(optimizer=ga, rng=seed, workers=threads, checkpoint=kept, progress=progress)
     seconds = round(time.perf_counter() - begun, 3)
     summary = summary_of(job, result, record, measured, seconds)
     outcome = Outcome(result, folder, summary)
@@ -117,7 +125,7 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
     return outcome
 
 
-def _prepared(job: Job, resume: bool, fresh: bool) -> RunFolder:
+def _checked(job: Job, resume: bool, fresh: bool) -> RunFolder:
     """The folder, if this run may use it."""
     folder = RunFolder.of(job)
     place = ("output", "folder")
@@ -135,23 +143,26 @@ def _prepared(job: Job, resume: bool, fresh: bool) -> RunFolder:
     if resume and not folder.unfinished:
         job.reject(place, f"{folder.folder.name!r}, where no search waits", "a search that did not finish",
                    f"Begin with 'antires {job.task} {job.path.name}'.")
-    folder.prepare()
-    if fresh:
-        folder.forget_search()
     return folder
 
 
-def _searched(job: Job, model: Any, parameters: Any, measured: Any, options: dict[str, Any]) -> UpdateResult:
-    elsewhere: dict[str, Any] = {"checkpoint": ("output", "folder"), "measured": ("data",),
-                                 "rng": ("search", "seed")}
+def _search(job: Job, model: StructuralModel, parameters: Any, measured: Any) -> Callable[..., UpdateResult]:
+    """The search of the job, its problem found valid."""
     if job.task == "damage":
-        table = dict(job.section("damage"))
-        table.pop("elements", None)
-        with job.blame(("damage",), elsewhere | {"terms": ("damage", "elements")}):
-            return assess_damage(model, measured, elements=elements_of(job), **table, **options)
-    with job.blame(("updating",), elsewhere | {"parameters": ("parameters",), "bounds": ("parameters",)}):
-        problem = UpdatingProblem(model, parameters, measured, **job.section("updating"))
-        return update(problem, **options)
+        table = job.section("damage")
+        options = {key: table[key] for key in ("gamma1", "gamma2", "snap", "weights") if key in table}
+        elements = elements_of(job)
+        chosen = model.default_elements if elements is None else [elements] if isinstance(
+            elements, int) else elements
+        prices = {key: options[key] for key in ("gamma1", "gamma2", "snap") if key in options}
+        places: list[Keys] = [("damage", "elements", i) for i in range(len(chosen))]
+        with job.blame(("damage",), {"measured": ("data",), "parameters": places}):
+            UpdatingProblem(model, stiffness_reduction(chosen), measured, penalty=DamagePenalty(**prices),
+                            weights=options.get("weights"))
+        return partial(assess_damage, model, measured, elements=elements, **options)
+    made, places = parameters
+    with job.blame(("updating",), {"measured": ("data",), "parameters": places, "sections": ("parameters",)}):
+        return partial(update, UpdatingProblem(model, made, measured, **job.section("updating")))
 
 
 def _kept_sets(job: Job, folder: RunFolder, measured: list[Measured],

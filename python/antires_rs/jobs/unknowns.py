@@ -12,6 +12,7 @@ from ..optimizer import IslandGA, seed_of, thread_count
 from ..parameters import Parameter
 from .job import Job, nearest
 from .keys import ELEMENTS, LUMPED, SECTIONED, SUPPORT
+from .lines import Path as Keys
 from .values import shown
 
 __all__ = ["elements_of", "parameters_of", "search_of"]
@@ -29,9 +30,10 @@ _KINDS: dict[str, tuple[Any, str]] = {
 _OURS = {"seed", "workers", "max_seconds", "checkpoint"}
 
 
-def parameters_of(job: Job, model: StructuralModel) -> list[Parameter]:
-    """All parameters, in the order of the job."""
+def parameters_of(job: Job, model: StructuralModel) -> tuple[list[Parameter], list[Keys]]:
+    """All parameters, in the order of the job, and where each of them stands."""
     found: list[Parameter] = []
+    places: list[Keys] = []
     for i, table in enumerate(job.parameters):
         place = ("parameters", i)
         kind = table["kind"]
@@ -42,7 +44,8 @@ def parameters_of(job: Job, model: StructuralModel) -> list[Parameter]:
         job.only(place, table, kind)
         if on not in table:
             job.missing(place, on)
-        options: dict[str, Any] = {key: table[key] for key in ("together", "relative", "axis") if key in table}
+        options: dict[str, Any] = {key: table[key] for key in ("together", "relative", "axis")
+                                   if key in table}
         options["bounds_deg" if kind == "angle" else "bounds"] = table["bounds"]
         if kind == "angle":
             if "pivot" not in table:
@@ -54,8 +57,10 @@ def parameters_of(job: Job, model: StructuralModel) -> list[Parameter]:
                        "Remove this entry.")
         with job.blame(place):
             made = make(chosen, **options)
-        found += [made] if isinstance(made, Parameter) else made
-    return found
+        several = [made] if isinstance(made, Parameter) else made
+        found += several
+        places += [(*place, on)] * len(several)
+    return found, places
 
 
 def elements_of(job: Job) -> Any:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["KINDS", "shown"]
+__all__ = ["KINDS", "Kind", "shown"]
 
 
 def _number(value: Any) -> bool:
@@ -36,21 +37,36 @@ def _dofs(value: Any) -> bool:
     return _list(value, one) or (isinstance(value, dict) and bool(value) and all(map(one, value.values())))
 
 
-#: By name: what is wanted, and whether a value is that.
-KINDS: dict[str, tuple[str, Callable[[Any], bool]]] = {
-    "text": ("text in quotes", _text),
-    "texts": ("text in quotes, or a list of such", lambda v: _text(v) or _list(v, _text)),
-    "number": ("a finite number", _number),
-    "numbers": ("a list of finite numbers", lambda v: _list(v, _number, 0)),
-    "whole": ("a whole number", _whole),
-    "switch": ("true or false", lambda v: isinstance(v, bool)),
-    "pair": ("two numbers, [low, high]", lambda v: _list(v, _number) and len(v) == 2),
-    "dof": ("a whole number, or a name in quotes", _dof),
-    "dofs": ("a list of dofs, or a table name = dof", _dofs),
-    "force": ("a channel's name in quotes, or false", lambda v: v is False or _dof(v)),
-    "terms": ("\"all\", a number or name, or a list of them", lambda v: _dof(v) or _list(v, _dof)),
-    "list": ("a list", lambda v: _list(v, lambda item: True)),
-    "table": ("a table, name = { ... }", lambda v: isinstance(v, dict) and bool(v)),
+@dataclass(frozen=True)
+class Kind:
+    """What is wanted, whether a value is that, and how it is written."""
+
+    wanted: str
+    fits: Callable[[Any], bool]
+    remedy: str
+
+
+KINDS = {
+    "text": Kind("text in quotes", _text, "Put it in quotes."),
+    "texts": Kind("text in quotes, or a list of such", lambda v: _text(v) or _list(v, _text),
+                  'Write "one" or ["one", "another"].'),
+    "number": Kind("a finite number", _number, "Write it without quotes, with a decimal point."),
+    "numbers": Kind("a list of finite numbers", lambda v: _list(v, _number, 0),
+                    "Write them as in [1.0, 2.5]."),
+    "whole": Kind("a whole number", _whole, "Write it without quotes and decimal point."),
+    "switch": Kind("true or false", lambda v: isinstance(v, bool),
+                   "Write it in small letters, without quotes."),
+    "pair": Kind("two numbers, [low, high]", lambda v: _list(v, _number) and len(v) == 2,
+                 "Write them as in [3.0, 130.0]."),
+    "dof": Kind("a whole number, or a name in quotes", _dof, 'Write it as in 3 or "12+Z".'),
+    "dofs": Kind("a list of dofs, or a table name = dof", _dofs,
+                 'Write it as in [0, 1, 2] or { "12+Z" = 0 }.'),
+    "force": Kind("a channel's name in quotes, or false", lambda v: v is False or _dof(v),
+                  "Put it in quotes."),
+    "terms": Kind('"all", a number or name, or a list of them', lambda v: _dof(v) or _list(v, _dof),
+                  'Write it as in "all" or [0, 1, 2].'),
+    "list": Kind("a list that is not empty", lambda v: _list(v, lambda item: True), "Put it in [ ]."),
+    "table": Kind("a table, name = { ... }", lambda v: isinstance(v, dict) and bool(v), "Put it in { }."),
 }
 
 
