@@ -39,7 +39,9 @@ pub fn decompose(diagonal: &mut [f64], off: &mut [f64], vectors: &mut [f64], row
         vectors,
         rows,
     });
-    diagonal.iter_mut().for_each(|x| *x *= scale);
+    for x in diagonal {
+        *x *= scale;
+    }
     converged
 }
 

@@ -110,7 +110,7 @@ impl Glance {
     }
 
     /// Number of cells.
-    pub fn len(&self) -> usize {
+    pub fn n_cells(&self) -> usize {
         self.cells.len()
     }
 
@@ -199,7 +199,7 @@ mod tests {
             let h = receptance(&residues);
             glance.prepare(&h, 0.0, 30.0);
             all.set(&h);
-            assert_eq!(glance.len(), 6);
+            assert_eq!(glance.n_cells(), 6);
             for index in 0..6 {
                 let cell = glance.cell(index);
                 let inside = |j: i32| cell.a + (cell.b - cell.a) * f64::from(j) / 400.0;

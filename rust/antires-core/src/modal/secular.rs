@@ -81,7 +81,7 @@ pub fn roots(
         doubtful: false,
     };
     let pattern = h.pattern();
-    for index in 0..glance.len() {
+    for index in 0..glance.n_cells() {
         let cell = glance.cell(index);
         let beyond_last = !cell.pole_b && last < ceiling;
         let sight = match pattern {
