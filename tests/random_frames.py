@@ -1,4 +1,4 @@
-"""Random frames of Euler-Bernoulli beams, assembled here and nowhere else: trees and loops, free and supported."""
+"""Random frames of Euler-Bernoulli beams, assembled here only: trees and loops, free and supported."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ def beam(length, diameter, wall, dimension):
     inner = diameter - 2 * wall
     area, inertia = np.pi / 4 * (diameter**2 - inner**2), np.pi / 64 * (diameter**4 - inner**4)
     mass, ei = STEEL["rho"] * area * length, STEEL["e"] * inertia
-    parts = {2: [((0, 3), rod(STEEL["e"] * area / length, mass)), ((1, 2, 4, 5), bending(ei, mass, length, 1))],
+    parts = {2: [((0, 3), rod(STEEL["e"] * area / length, mass)),
+                 ((1, 2, 4, 5), bending(ei, mass, length, 1))],
              3: [((0, 6), rod(STEEL["e"] * area / length, mass)),
                  ((3, 9), rod(STEEL["g"] * 2 * inertia / length, mass * 2 * inertia / area)),
                  ((1, 5, 7, 11), bending(ei, mass, length, 1)),

@@ -1,6 +1,6 @@
 """Frame matrices against an independent finite-element package, PyNiteFEA (row 2).
 
-Skipped where it is not installed: ``pip install PyNiteFEA``, the dependency group "oracle". Both sides have
+Skipped where it is not installed; it is in the dependency group "test". Both sides have
 the consistent mass of Euler-Bernoulli beams; PyNiteFEA takes the torsion constant for the polar moment, so
 the sections here have both alike, as tubes do.
 """

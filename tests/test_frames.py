@@ -9,6 +9,7 @@ import scipy.sparse
 
 import antires_rs as ar
 from antires_rs import exceptions
+from antires_rs.plotting import plot_differences
 from tolerances import AGAINST_SCIPY, BEAM_HZ, EIGH, RIGID_FORCE
 
 STEEL = (2.1e11, 7850.0)
@@ -203,3 +204,21 @@ def test_the_picture_has_every_element_numbered_and_what_it_carries():
     shown = [c.get_array() for c in coloured.collections if c.get_array() is not None]
     np.testing.assert_array_equal(shown[0], [0.1, 0.5])
     assert cantilever(3, 3).plot(ax=figure.Figure().subplots(), sensors=[2], excitation=8).get_ylabel() == ""
+
+
+def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():
+    model = frame(ground_springs=[(0, "v", 3e3), (4, "v", 3e3), (1, "u", 1e3)])
+    force = model.dof(1, "v")
+    sensors = [model.dof(node, name) for node, name in ((3, "u"), (4, "v"), (2, "v"), (0, "u"))]
+    any_value = ar.AntiresonanceSet(force, {sensors[0]: [50.0]})
+    problem = ar.UpdatingProblem(model, ar.stiffness_reduction([2]), any_value)
+    zeros = problem.model_at([0.6]).antiresonances(sensors, force, f_max_hz=1500.0)
+    measured = ar.AntiresonanceSet(force, dict(zip(sensors, zeros, strict=True)))
+    result = ar.assess_damage(model, measured, rng=0)
+    text = result.summary()
+    assert re.search(r"element 3 +60\.00 %\nall others \(3\): exactly 0\n", text)
+    assert "\n3 u, 1 v " in text
+    assert result.table.dof_names[force] == "1 v"
+    figure = pytest.importorskip("matplotlib.figure", reason="pictures need matplotlib")
+    drawn = plot_differences(result.table, ax=figure.Figure().subplots())
+    assert {"3 u", "4 v"} <= {label.get_text() for label in drawn.texts}

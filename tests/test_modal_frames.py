@@ -1,4 +1,4 @@
-"""The band route on frames: against SciPy's QZ, and against 50 digits. The full 200: benchmarks/frames_against_scipy.py."""
+"""The band route on frames: against SciPy's QZ and 50 digits. All 200: benchmarks/frames_against_scipy.py."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def matches(freq_hz, others_hz):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_random_frames(seed):
-    """QZ loses roots of frames on soft supports (seed 3: one at 2.2 Hz); where it differs 50 digits decide."""
+    """QZ loses roots of frames on soft supports (seed 3: one at 2.2 Hz); where it differs, 50 digits."""
     rng = np.random.default_rng([5, seed])
     k_mat, m_mat = random_frame(rng, most_dofs=110)
     limit_hz = band_hz(k_mat, m_mat, int(rng.integers(5, 26)))
@@ -90,7 +90,8 @@ def test_a_symmetric_beam_driven_at_its_middle_hides_its_odd_modes(method):
     plain = model.antiresonances(middle, middle, f_max_hz=limit_hz, method=method)
     full = model.antiresonances(middle, middle, f_max_hz=limit_hz, method=method, include_cancelled=True)
     lost = [f for f in odd if plain.size == 0 or np.abs(plain / f - 1).min() > 1e-6]
-    assert odd.size >= 2 and len(lost) == odd.size
+    assert odd.size >= 2
+    assert len(lost) == odd.size
     for f in odd:
         assert np.abs(full / f - 1).min() <= 1e-6
 

@@ -41,11 +41,12 @@ from .models import MassSpringChain, MatrixModel
 from .optimizer import History, IslandGA, OptimizeResult
 from .parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
 from .rational import RationalFit, fit_rational
-from .results import DamageResult, FrequencyTable, UpdateResult
+from .results import DamageResult, UpdateResult
 from .sections import Rectangle, Section, Tube
 from .signals import FrequencyResponse, Recording
 from .spectra import frf, transmissibility, transmissibility_sum
 from .stabilization import StabilizationDiagram, stabilization
+from .tables import FrequencyTable, ModalTable
 from .updating import DamagePenalty, UpdatingProblem, assess_damage, update
 
 __all__ = [
@@ -68,6 +69,7 @@ __all__ = [
     "MatrixModel",
     "MissingDependencyError",
     "ModalSet",
+    "ModalTable",
     "NodeSpring",
     "NumericalError",
     "ObjectiveError",

@@ -6,6 +6,8 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+from .checkpoint import Checkpoint
+
 _Floats = NDArray[np.float64]
 _Term = tuple[NDArray[np.uint32], NDArray[np.uint32], _Floats]
 _Section = tuple[str, list[float], float, float, float]
@@ -16,9 +18,9 @@ _Parameter = tuple[str, list[int], bool, tuple[int, tuple[float, float, float]] 
 _Progress = Callable[[dict[str, Any]], bool | None]
 
 __all__ = [
-    "AntiresonanceObjective",
     "Frame",
     "Model",
+    "Objective",
     "__version__",
     "check_bounds",
     "island_options",
@@ -95,9 +97,9 @@ class Frame:
     def parts(self) -> list[int]: ...
 
 @final
-class AntiresonanceObjective:
-    def __new__(
-        cls,
+class Objective:
+    @staticmethod
+    def antiresonance(
         model: Model,
         parameters: Sequence[_Parameter],
         targets: Sequence[tuple[int, int, _Floats]],
@@ -105,10 +107,20 @@ class AntiresonanceObjective:
         penalty: tuple[float, float] | None,
         snap: float,
         weights: _Floats | None,
-    ) -> AntiresonanceObjective: ...
+    ) -> Objective: ...
+    @staticmethod
+    def modal(
+        model: Model,
+        parameters: Sequence[_Parameter],
+        modes: Sequence[tuple[_Floats, Sequence[int], NDArray[np.complex128]]],
+        misfit: str,
+        penalty: tuple[float, float] | None,
+        snap: float,
+        weights: _Floats | None,
+    ) -> Objective: ...
     def cost(self, x: _Floats) -> float: ...
     def repaired(self, x: _Floats) -> _Floats: ...
-    def pairs(self, x: _Floats) -> _Floats: ...
+    def pairs(self, x: _Floats) -> tuple[_Floats, tuple[_Floats, _Floats] | None]: ...
     def model_at(self, x: _Floats) -> Model: ...
     def evaluate_many(self, candidates: _Floats, threads: int) -> _Floats: ...
     def minimize(
@@ -121,6 +133,7 @@ class AntiresonanceObjective:
         threads: int,
         max_seconds: float | None,
         on_progress: _Progress | None,
+        checkpoint: Checkpoint | None,
     ) -> dict[str, Any]: ...
 
 def minimize(

@@ -242,7 +242,8 @@ def write_pictures(story: Story, folder: Path) -> None:
     from . import plotting
     from .plotting.canvas import picture
     case, updated = story.case, story.updated
-    worst = int(updated.table.dof[np.argmax(np.nan_to_num(np.abs(updated.table.before_percent)))])
+    table: Any = updated.table  # of antiresonances
+    worst = int(table.dof[np.argmax(np.nan_to_num(np.abs(table.before_percent)))])
     neighbour = worst - 1 if worst else 1
 
     def transmissibilities(axes: Any) -> None:

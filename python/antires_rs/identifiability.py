@@ -1,6 +1,6 @@
 """What the data can tell about the parameters, and what they cannot.
 
-Two questions. Which directions of the parameter space leave every measured antiresonance where it
+Two questions. Which directions of the parameter space leave every measured antiresonance, or mode, where it
 is (the null space of the residuals' Jacobian: the common scale of K and M, a mass that no
 antiresonance sees)? And how small may a damage be before the penalties outweigh what it explains?
 """
@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._validation import FloatArray
-from .antiresonance_set import AntiresonanceSet
 
 if TYPE_CHECKING:
     from .updating import UpdatingProblem
@@ -46,6 +45,8 @@ class Identifiability:
         Orthonormal combinations that they do not.
     scale_unseen : bool
         Whether scaling all parameters together is one of these.
+    noun : str
+        What was measured.
     """
 
     names: tuple[str, ...]
@@ -53,6 +54,7 @@ class Identifiability:
     rank: int
     unseen: FloatArray
     scale_unseen: bool
+    noun: str = "antiresonance"
 
     @property
     def notes(self) -> list[str]:
@@ -60,7 +62,7 @@ class Identifiability:
         notes = []
         if np.any(self.blind):
             names = ", ".join(name for name, b in zip(self.names, self.blind, strict=True) if b)
-            notes.append(f"Not seen by any measured antiresonance: {names}. The value found is arbitrary.")
+            notes.append(f"Not seen by any measured {self.noun}: {names}. The value found is arbitrary.")
         mixed = len(self.names) - self.rank - int(self.blind.sum())
         if mixed > 0:
             share = np.sqrt(np.sum(self.unseen**2, axis=0))
@@ -69,15 +71,15 @@ class Identifiability:
             names = "all parameters that are seen" if everyone else ", ".join(
                 name for name, t in zip(self.names, taking_part, strict=True) if t)
             combinations = "One combination" if mixed == 1 else f"{mixed} combinations"
-            why = ("a common scale moves no antiresonance, only ratios are known" if self.scale_unseen
-                   else "no measured antiresonance moves with them")
+            why = (f"a common scale moves no {self.noun}, only ratios are known" if self.scale_unseen
+                   else f"no measured {self.noun} moves with them")
             notes.append(f"{combinations} of {names} cannot be told: {why} "
                          f"({self.rank} of {len(self.names)} combinations are).")
         return notes
 
     @property
     def blind(self) -> NDArray[np.bool_]:
-        """Whether no measured antiresonance sees the parameter, (n,)."""
+        """Whether nothing measured sees the parameter, (n,)."""
         return self.sensitivity <= _UNSEEN
 
 
@@ -85,14 +87,14 @@ def identifiability(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
     """Rank and null space at ``x``, from central differences of the residuals."""
     low, high = problem.bounds.T
     width = np.where(high > low, high - low, 1.0)
-    jacobian = np.empty((problem.measured_hz.size, len(x)))
+    columns = []
     for j in range(len(x)):
         step = np.zeros(len(x))
         step[j] = _STEP * width[j]
         # Straight from the core: a step below the snap threshold must not be snapped away.
-        ahead, behind = (problem._core.pairs(x + s * step) for s in (1.0, -1.0))
-        change = (ahead**2 - behind**2) / problem.measured_hz**2 / (2.0 * _STEP)
-        jacobian[:, j] = np.where(np.isfinite(change), change, 0.0)
+        change = problem._targets.change(problem._core, x - step, x + step) / (2.0 * _STEP)
+        columns.append(np.where(np.isfinite(change), change, 0.0))
+    jacobian = np.stack(columns, axis=1)
     _, singular, rows = np.linalg.svd(jacobian, full_matrices=True)
     rank = int(np.count_nonzero(singular > _UNSEEN))
     # All stiffness and mass up by the same fraction.
@@ -100,7 +102,7 @@ def identifiability(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
     length = np.linalg.norm(scale)
     scale_unseen = bool(length > 0 and np.linalg.norm(jacobian @ scale) <= _UNSEEN * length)
     return Identifiability(tuple(problem.names), np.linalg.norm(jacobian, axis=0), rank, rows[rank:],
-                           scale_unseen)
+                           scale_unseen, problem.noun)
 
 
 def smallest_visible(problem: UpdatingProblem) -> list[float]:
@@ -110,16 +112,15 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
     same dofs and in the same band. Infinity where no value up to the bound is preferred.
     """
     penalty = problem.penalty
-    band_hz = float(problem.measured_hz.max())
+    nominal_hz = problem.paired_hz(problem.nominal)
 
     def gain(index: int, beta: float) -> float:
         """What the damage explains, less what it costs."""
         x = np.zeros(len(problem.parameters))
         x[index] = beta
         damaged = problem.model_at(x)
-        exact = [AntiresonanceSet(s.excitation, dict(zip(s, damaged.antiresonances(
-            list(s), s.excitation, f_max_hz=band_hz), strict=True))) for s in problem.measured]
-        if not any(len(freq) for s in exact for freq in s.values()):
+        exact = problem._targets.exact(damaged, problem.model, nominal_hz)
+        if exact is None:
             return -1.0
         plain = type(problem)(problem.model, problem.parameters, exact, misfit=problem.misfit)
         undamaged = plain.cost(np.zeros_like(x))

@@ -43,9 +43,9 @@ LEAST_DAMPING, MOST_NEGATIVE = 5e-4, 0.01
 RIGHT_DOMINANCE = 0.9
 # Two zeros of one modulus, whose frequencies differ by less than this share of the difference of their
 # damping ratios, are the halves of one that is complex without damping; at least so far apart in damping.
-PAIR, PAIR_DAMPING = 0.25, 0.004
-# Roots up to this damping may be the other half of such a pair.
-WIDEST = 0.15
+PAIR, PAIR_DAMPING = 0.5, 0.004
+# Roots up to this damping, and with this share of the curve, may be the other half of such a pair.
+WIDEST, OTHER_HALF = 0.15, 0.02
 # Doubtful are zeros this near to a root that all rows share, or that own less than this share of their curve;
 # they need a root of the same frequency and damping in this share of the higher orders.
 NEARLY_SHARED = 0.05
@@ -115,14 +115,16 @@ def _candidates(best: Likeliest, influence: Influence, sweep: NumeratorSweep, s:
     if not s.size:
         return []
     share = best.fit.dominances(best.coefficients, sweep.row, s, sweep.others)
-    s, share = s[share >= rule.min_dominance], share[share >= rule.min_dominance]
+    least = min(OTHER_HALF, rule.min_dominance)
+    s, share = s[share >= least], share[share >= least]
     std = standard_deviations(influence, sweep.row, s, lines)
     known = std <= KNOWN * rule.freq_tol * np.abs(s) / (2 * np.pi)
     s, share, std = s[known], share[known], std[known]
     size = np.abs(s)
     freq, damping = size / (2 * np.pi), -(s.real + lines.added_decay_per_s) / size
     keep = ((freq >= report_hz[0]) & (freq <= report_hz[1]) & (damping >= -MOST_NEGATIVE)
-            & (damping <= rule.max_damping) & ~_paired(freq, damping, std / freq))
+            & (damping <= rule.max_damping) & (share >= rule.min_dominance)
+            & ~_paired(freq, damping, std / freq))
     return [Zero(complex(z), float(d), float(e))
             for z, d, e in zip(s[keep], share[keep], std[keep], strict=True)]
 

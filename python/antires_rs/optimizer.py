@@ -95,7 +95,8 @@ class IslandGA:
     best. An island that finds nothing better for ``patience`` generations waits; when all wait they
     compare their bests, and stop or exchange them with their ring neighbours (best out, worst
     replaced). Where the objective allows, a local search polishes the bests before they are compared;
-    ``IslandGA(polish=False)`` leaves it out. Parameters not given take the defaults of the Rust core, shown by ``.options``.
+    ``IslandGA(polish=False)`` leaves it out. Parameters not given take the defaults of the Rust core, shown
+    by ``.options``.
 
     Parameters
     ----------
@@ -130,7 +131,7 @@ class IslandGA:
         too, without derivatives; variables with lower bound 0 may then be dropped and exchanged.
         ``False`` is the paper's algorithm.
     polish_interval : int, default 10
-        Generations after which the islands meet when their bests are polished, even if not all wait.
+        Generations after which the bests are polished, even if not all islands wait.
     polish_evaluations : int, default 1000
         Evaluations after which the polish of one point begins no new move; all count in ``nfev``.
     max_evaluations : int, default 200000

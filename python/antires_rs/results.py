@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._validation import FloatArray
 from .identifiability import Identifiability, identifiability, smallest_visible
+from .tables import FrequencyTable, ModalTable
 
 if TYPE_CHECKING:
     import os
@@ -19,62 +18,7 @@ if TYPE_CHECKING:
     from .optimizer import History, OptimizeResult
     from .updating import UpdatingProblem
 
-__all__ = ["DamageResult", "FrequencyTable", "UpdateResult"]
-
-
-@dataclass(frozen=True)
-class FrequencyTable:
-    """Measured antiresonances beside those of the model, before and after.
-
-    Attributes
-    ----------
-    dof, excitation : ndarray of int, (m,)
-        Response and force, zero-based.
-    measured_hz, before_hz, after_hz : ndarray, (m,)
-        Frequencies; NaN where the model has no partner.
-    """
-
-    dof: FloatArray
-    excitation: FloatArray
-    measured_hz: FloatArray
-    before_hz: FloatArray
-    after_hz: FloatArray
-
-    @property
-    def before_percent(self) -> FloatArray:
-        """Difference of the nominal model, ``100 (f_A / f_E - 1)``, (m,)."""
-        return 100.0 * (self.before_hz / self.measured_hz - 1.0)
-
-    @property
-    def after_percent(self) -> FloatArray:
-        """Difference of the updated model, ``100 (f_A / f_E - 1)``, (m,)."""
-        return 100.0 * (self.after_hz / self.measured_hz - 1.0)
-
-    @property
-    def largest_before_percent(self) -> float:
-        """Largest absolute difference before; NaN if nothing has a partner."""
-        return _largest(self.before_percent)
-
-    @property
-    def largest_after_percent(self) -> float:
-        """Largest absolute difference after; NaN if nothing has a partner."""
-        return _largest(self.after_percent)
-
-    def __str__(self) -> str:
-        lines = ["    H_ik   measured      before             after",
-                 " (i, k)         Hz          Hz       %          Hz       %"]
-        rows = zip(self.dof, self.excitation, self.measured_hz, self.before_hz, self.before_percent,
-                   self.after_hz, self.after_percent, strict=True)
-        lines += [f"{i:4d},{k:2d} {measured:10.3f}  {before:10.3f} {db:+7.2f}  {after:10.3f} {da:+7.2f}"
-                  for i, k, measured, before, db, after, da in rows]
-        lines.append(f"largest difference: {self.largest_before_percent:.2f} % before, "
-                     f"{self.largest_after_percent:.2f} % after")
-        return "\n".join(lines)
-
-
-def _largest(percent: FloatArray) -> float:
-    found = np.abs(percent[~np.isnan(percent)])
-    return float(found.max()) if found.size else float("nan")
+__all__ = ["DamageResult", "FrequencyTable", "ModalTable", "UpdateResult"]
 
 
 class UpdateResult:
@@ -118,11 +62,9 @@ class UpdateResult:
         return self.problem.model_at(self.x)
 
     @cached_property
-    def table(self) -> FrequencyTable:
-        """Measured, before and after, one row a measured antiresonance."""
-        problem = self.problem
-        return FrequencyTable(problem.measured_dofs, problem.measured_excitations, problem.measured_hz,
-                              problem.paired_hz(problem.nominal), problem.paired_hz(self.x))
+    def table(self) -> FrequencyTable | ModalTable:
+        """Measured, before and after, one row a measured antiresonance or mode."""
+        return self.problem._table(self.x)
 
     @cached_property
     def identifiability(self) -> Identifiability:
@@ -143,25 +85,27 @@ class UpdateResult:
         notes = [] if self.success else [f"The search did not finish: {self.message}"]
         alone = int(np.isnan(self.table.after_hz).sum())
         if alone:
-            notes.append(f"{alone} of {self.table.after_hz.size} measured antiresonances have no partner: "
-                         "the updated model has none there up to 1.5 times the highest measured.")
+            notes.append(f"{alone} of {self.table.after_hz.size} measured {self.problem.noun}s have no "
+                         "partner: the updated model has none there up to 1.5 times the highest measured.")
         if self.at_bound:
             notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
         return notes + self.identifiability.notes
 
     def summary(self) -> str:
         """Parameters, frequencies and notes as text."""
-        width = max(len(name) for name in self.problem.names)
-        values = [f"{name:<{width}}  {value:#12.6g}   [{low:g}, {high:g}]"
-                  for name, value, (low, high) in zip(self.problem.names, self.x, self.problem.bounds,
-                                                      strict=True)]
         head = (f"J = {self.fun:.6g} after {self.nfev:,} evaluations, {self.nit} generations: {self.status} "
                 f"({self.message})")
         notes = [f"note: {note}" for note in self.notes]
-        return "\n".join([head, "", *values, "", str(self.table), *([""] if notes else []), *notes])
+        return "\n".join([head, "", *self._values(), "", str(self.table), *([""] if notes else []), *notes])
+
+    def _values(self) -> list[str]:
+        width = max(len(name) for name in self.problem.names)
+        return [f"{name:<{width}}  {value:#12.6g}   [{low:g}, {high:g}]"
+                for name, value, (low, high) in zip(self.problem.names, self.x, self.problem.bounds,
+                                                    strict=True)]
 
     def plot(self, ax: Any = None) -> Any:
-        """Antiresonance differences before and after updating; see :mod:`antires_rs.plotting`."""
+        """Differences of the frequencies before and after updating; see :mod:`antires_rs.plotting`."""
         from .plotting import plot_differences
         return plot_differences(self.table, ax=ax)
 
@@ -198,6 +142,15 @@ class DamageResult(UpdateResult):
         """
         return dict(zip(self.elements, smallest_visible(self.problem), strict=True))
 
+    def _values(self) -> list[str]:
+        """The damaged elements, the worst first; the others are exactly 0 and take one line."""
+        names = dict(zip(self.elements, self.problem.names, strict=True))
+        width = max(len(name) for name in names.values())
+        lines = [f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} %" for e in self.damaged]
+        others = len(names) - len(lines)
+        rest = "all others" if lines else "all of them"
+        return [*lines, *([f"{rest} ({others}): exactly 0"] if others else [])]
+
     @property
     def damaged(self) -> list[int]:
         """Elements with damage, the worst first."""
@@ -213,11 +166,12 @@ class DamageResult(UpdateResult):
         if visible:
             worst = max(visible, key=lambda pair: pair[1])
             least = min(b for _, b in visible)
-            span = f"{100 * least:.0f} % to " if least < worst[1] else ""
-            notes.append(f"Damage below {span}{100 * worst[1]:.0f} % ({label(worst[0])}) would come out as "
+            ends = [f"{100 * beta:.0f} %" for beta in (least, worst[1])]
+            span = " to ".join(dict.fromkeys(ends))
+            notes.append(f"Damage below {span} ({label(worst[0])}) would come out as "
                          "undamaged: with gamma1, gamma2 it costs more than it explains.")
         if hidden:
-            notes.append(f"No damage of {', '.join(hidden)} can be seen from these antiresonances.")
+            notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
         if self.problem.penalty is not None and self.problem.penalty.snap > 0:
             notes.append(f"Severities below {self.problem.penalty.snap:g} were set to exactly 0.")
         return notes

@@ -370,7 +370,9 @@ def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, Stabiliz
         if min(nearest.values()) < 0:
             break
         same = [found[dof].identified[i] for dof, i in nearest.items()]
-        if max(same) - min(same) <= COMMON * value:
+        # A mode gives each channel one such value; two in one channel belong to two parts of the structure.
+        once = all(np.sum(np.abs(d.identified - value) <= COMMON * value) <= 1 for d in found.values())
+        if once and max(same) - min(same) <= COMMON * value:
             for dof, i in nearest.items():
                 drop[dof].add(i)
     return {dof: replace(d, accepted=d.accepted.take([i for i in range(d.identified.size)

@@ -1,14 +1,18 @@
-"""Model updating with antiresonances, and damage assessment.
+"""Model updating with antiresonances, or with resonances and mode shapes, and damage assessment.
 
 The objective (Meruane, J. Sound Vib. 332 (2013) 807-820, Eqs. 11-17, with the misprinted exponent
 of Eq. 11 put right) is evaluated in the Rust core:
 
 .. math:: J = \\sum \\left|\\frac{\\omega_A^2}{\\omega_E^2} - 1\\right|
           + \\gamma_1 \\sum \\beta_i + \\gamma_2 \\, \\mathrm{count}(\\beta_i > 0)
+
+For comparison, with resonances in place of antiresonances, Eq. 18 adds the shapes:
+:math:`\\sum (1 - \\mathrm{MAC})^2`.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -17,15 +21,19 @@ import numpy as np
 
 from . import _core
 from ._progress import watched
-from ._validation import FloatArray, choice, finite_scalar, integer, real_array, reject, shape_of
+from ._targets import AntiresonanceTargets, ModalTargets, targets_of
+from ._validation import FloatArray, choice, finite_scalar, real_array, reject, shape_of
 from .antiresonance_set import AntiresonanceSet
+from .checkpoint import Checkpoint, fingerprint
+from .modal_set import ModalSet
 from .models import StructuralModel
 from .optimizer import IslandGA, OptimizeResult, guesses, seed_of, thread_count
 from .parameters import Parameter, core_parameters, parameter_name, stiffness_reduction
 from .results import DamageResult, UpdateResult
-from .weights import residual_weights
+from .tables import FrequencyTable, ModalTable
 
 Misfit = Literal["absolute", "squared", "largest"]
+Measured = AntiresonanceSet | ModalSet | Sequence[AntiresonanceSet] | Sequence[ModalSet]
 
 __all__ = ["DamagePenalty", "UpdatingProblem", "assess_damage", "update"]
 
@@ -63,19 +71,23 @@ class UpdatingProblem:
     parameters : sequence of Parameter
         Unknowns, from :func:`stiffness_factor`, :func:`mass_factor`, :func:`stiffness_reduction`, and for
         frames :func:`thickness`, :func:`youngs_modulus`, :func:`angle` and the others; all mix.
-    measured : AntiresonanceSet or sequence of AntiresonanceSet
+    measured : AntiresonanceSet, ModalSet, or several of one kind
         Measured antiresonances, one set for each position of the force; each value is paired, at every
-        evaluation, with the model's nearest of the same response and force.
-    objective : {'antiresonance'}
-        What is compared with the measurement.
+        evaluation, with the model's nearest of the same response and force. Or modes, one set for all
+        sensors that measured together, real or complex, at as many or few dofs as there were; rigid-body
+        modes, at 0 Hz, are left out. For their pairing see Notes.
+    objective : {'antiresonance', 'modal'}, optional
+        What is compared with the measurement. Default: what was measured.
     misfit : {'absolute', 'squared', 'largest'}
         Sum of abs(e), the paper's, which a few wrong values do not move; sum of e**2, which shares out a
-        contradiction that no model resolves; or the largest abs(e).
+        contradiction that no model resolves; or the largest abs(e). Shapes always count by
+        sum((1 - MAC)**2).
     penalty : DamagePenalty or (gamma1, gamma2), optional
         Applied to the stiffness reductions.
     weights : 'std' or array_like (m,), optional
-        Factors on the residuals. 'std' takes them from the standard deviations of the measured values, with
-        0.2 % for the error of the model, so that what is known badly counts less. Default: all one.
+        Factors on the residuals; for modes one each, on e and on 1 - MAC. 'std' takes them from the standard
+        deviations of measured antiresonances, with 0.2 % for the error of the model, so that what is known
+        badly counts less. Default: all one.
 
     Attributes
     ----------
@@ -83,15 +95,28 @@ class UpdatingProblem:
     names : list of str
     measured_hz : ndarray, (m,)
         Measured values, dof by dof.
-    measured_dofs, measured_excitations : ndarray of int, (m,)
-        Response and force of each.
+    measured_dofs, measured_excitations : ndarray of int, (m,), or None
+        Response and force of each; None for modes.
+    noun : {'antiresonance', 'mode'}
+        What was measured.
     weights : ndarray, (m,), or None
 
     Raises
     ------
     InvalidInputError
-        Dofs outside the model, no antiresonance, a parameter that changes nothing, bounds within which
+        Dofs outside the model, nothing measured, a parameter that changes nothing, bounds within which
         stiffness or mass becomes indefinite.
+
+    Notes
+    -----
+    A measured mode is paired, at every evaluation, with the mode of the model that is least apart:
+    ``abs(log(w_A**2 / w_E**2)) + (1 - MAC)**2`` decides, ties go to the lower, one mode of the model may
+    serve several measured ones, and those up to 1.5 times the highest measured frequency are at choice. So
+    the shapes decide among modes of like frequency, as where two have changed places; but they make up for
+    a factor of 1.65 in frequency at most, so that no mode far away, and no rigid-body mode, takes a partner
+    from a nearer one because the two look alike at a few sensors. For a repeated mode of the model the MAC
+    is that of the most alike combination of its shapes. A measured mode without a partner counts 1 for its
+    frequency and 1 for its shape.
 
     Examples
     --------
@@ -101,41 +126,44 @@ class UpdatingProblem:
     >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
     >>> round(problem.cost([1.0, 1.0]), 3)
     0.216
+    >>> modes = ar.ModalSet([3.2, 5.2], [[1.0, 0.6, -0.8], [-0.5, 1.0, -0.25]], dofs=[0, 1, 2])
+    >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), modes)
+    >>> problem.paired_hz([1.0, 1.0]).round(2), problem.paired_mac([1.0, 1.0]).round(2)
+    (array([3.02, 5.93]), array([0.95, 1.  ]))
     """
 
     def __init__(self, model: StructuralModel, parameters: Iterable[Parameter] | Parameter,
-                 measured: AntiresonanceSet | Sequence[AntiresonanceSet], *,
-                 objective: Literal["antiresonance"] = "antiresonance", misfit: Misfit = "absolute",
+                 measured: Measured, *,
+                 objective: Literal["antiresonance", "modal"] | None = None, misfit: Misfit = "absolute",
                  penalty: DamagePenalty | tuple[float, float] | None = None, weights: Any = None) -> None:
         if not isinstance(model, StructuralModel):
             reject("model", model, "a MassSpringChain, FrameModel or MatrixModel")
         self.parameters = _parameters(parameters)
-        self.model, self.measured = model, _sets(measured)
+        if objective is not None:
+            choice("objective", objective, ("antiresonance", "modal"))
+        self._targets = targets = targets_of(model, measured, objective)
+        self.model, self.measured, self.noun = model, targets.sets, targets.noun
         self.penalty = _penalty(penalty)
         choice("misfit", misfit, ("absolute", "squared", "largest"))
         self.misfit = misfit
-        targets = [(self._model_dof("measured dof", dof), self._model_dof("excitation", each.excitation),
-                    np.array(freq)) for each in self.measured for dof, freq in each.items()]
-        counts = [len(freq) for _, _, freq in targets]
-        self.measured_hz = np.concatenate([np.empty(0), *(freq for _, _, freq in targets)])
-        self.measured_dofs = np.repeat([dof for dof, _, _ in targets], counts)
-        self.measured_excitations = np.repeat([force for _, force, _ in targets], counts)
-        self.weights = residual_weights(weights, self.measured, self.measured_hz)
+        self.measured_hz = targets.hz
+        by_force = targets if isinstance(targets, AntiresonanceTargets) else None
+        self.measured_dofs = by_force.dofs if by_force else None
+        self.measured_excitations = by_force.excitations if by_force else None
+        self.weights = targets.weights(weights)
         self.bounds = np.array([p.bounds for p in self.parameters], dtype=np.float64).reshape(-1, 2)
         parts = core_parameters(model, self.parameters)
         self._nominal = _core.nominal_values(model._core, parts)
         _core.check_bounds(model._core, parts, self.bounds[:, 0].copy(), self.bounds[:, 1].copy())
         self.names = [parameter_name(model, p) for p in self.parameters]
-        self._core = _core.AntiresonanceObjective(
-            model._core, parts, targets, misfit,
-            (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None,
+        self._core = targets.core(
+            model._core, parts, misfit, (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None,
             self.penalty.snap if self.penalty else 0.0, self.weights)
 
-    def _model_dof(self, name: str, label: Any) -> int:
-        if isinstance(label, str):
-            reject(name, repr(label), f"a zero-based dof of the model, 0..{self.model.n_dof - 1}",
-                   "Name the channels by the model's dofs: Recording(..., dofs=[0, 1, ...]).")
-        return integer(name, label, low=0, high=self.model.n_dof - 1)
+    @property
+    def objective(self) -> str:
+        """What is compared: ``'antiresonance'`` or ``'modal'``."""
+        return self._targets.objective
 
     @property
     def nominal(self) -> FloatArray:
@@ -147,13 +175,22 @@ class UpdatingProblem:
         return self._core.cost(self._vector(x))
 
     def paired_hz(self, x: Any) -> FloatArray:
-        """The model's antiresonance paired with each measured one at ``x``, (m,) Hz; NaN without one."""
-        return self._core.pairs(self._core.repaired(self._vector(x)))
+        """The model's frequency paired with each measured one at ``x``, (m,) Hz; NaN without one."""
+        return self._core.pairs(self._repaired(x))[0]
+
+    def paired_mac(self, x: Any) -> FloatArray:
+        """MAC of each measured mode with its partner at ``x``, (m,); NaN without one."""
+        if not isinstance(self._targets, ModalTargets):
+            reject("measured", "antiresonances", "modes, as a ModalSet", "Antiresonances have no shape.")
+        return self._targets.mac(self._core, self._repaired(x))
 
     def residuals(self, x: Any) -> FloatArray:
-        """Signed residuals ``e = w_A**2 / w_E**2 - 1`` at ``x``, (m,); 1 where there is no partner."""
-        paired = self.paired_hz(x)
-        return np.where(np.isnan(paired), 1.0, (paired / self.measured_hz) ** 2 - 1.0)
+        """Signed residuals at ``x``, before any weights.
+
+        ``e = w_A**2 / w_E**2 - 1``, (m,), and for modes after these the m of ``1 - MAC``; 1 where there is no
+        partner.
+        """
+        return self._targets.residuals(self._core, self._repaired(x))
 
     def evaluate_many(self, candidates: Any, workers: int | None = None) -> FloatArray:
         """Objective of each row of ``candidates`` (m, n), (m,), in parallel, the GIL released."""
@@ -165,7 +202,15 @@ class UpdatingProblem:
 
     def model_at(self, x: Any) -> StructuralModel:
         """The model with parameters ``x`` applied."""
-        return self.model._with_core(self._core.model_at(self._core.repaired(self._vector(x))))
+        return self.model._with_core(self._core.model_at(self._repaired(x)))
+
+    def _repaired(self, x: Any) -> FloatArray:
+        return self._core.repaired(self._vector(x))
+
+    def _table(self, x: FloatArray) -> FrequencyTable | ModalTable:
+        table: FrequencyTable | ModalTable = self._targets.table(self._core, self._repaired(self._nominal),
+                                                                 self._repaired(x))
+        return table
 
     def _vector(self, x: Any) -> FloatArray:
         n = len(self.parameters)
@@ -175,14 +220,14 @@ class UpdatingProblem:
         return vector
 
     def __repr__(self) -> str:
-        return f"UpdatingProblem({len(self.parameters)} parameters, {self.measured_hz.size} antiresonances)"
+        return f"UpdatingProblem({len(self.parameters)} parameters, {self.measured_hz.size} {self.noun}s)"
 
 
 def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
            rng: int | np.random.Generator | None = None, workers: int | None = None,
            callback: Callable[[dict[str, Any]], bool | None] | None = None, x0: Any = None,
-           progress: bool | None = None) -> UpdateResult:
-    """Find the parameters that bring the model's antiresonances to the measured ones.
+           progress: bool | None = None, checkpoint: str | os.PathLike[str] | None = None) -> UpdateResult:
+    """Find the parameters that bring the model's antiresonances, or modes, to the measured ones.
 
     Parameters
     ----------
@@ -200,6 +245,9 @@ def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
         Guesses that join the initial populations.
     progress : bool, optional
         Show progress on standard error; by default on a terminal, after one second.
+    checkpoint : path-like, optional
+        File in which the search is kept, written every two seconds and at the end. If it is there, the search
+        goes on from it, to the same bits as if it had never stopped; see :mod:`antires_rs.checkpoint`.
 
     Returns
     -------
@@ -209,7 +257,9 @@ def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
     Raises
     ------
     InvalidInputError
-        Something that is not an UpdatingProblem, a guess outside the bounds.
+        Something that is not an UpdatingProblem, a guess outside the bounds, a checkpoint of another search.
+    UnsuitableDataError
+        A damaged checkpoint.
 
     Examples
     --------
@@ -224,25 +274,27 @@ def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
     """
     if not isinstance(problem, UpdatingProblem):
         reject("problem", problem, "an UpdatingProblem")
-    found, seed = _search(problem, optimizer, rng, workers, callback, x0, progress)
+    found, seed = _search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
     return UpdateResult(problem, found, seed)
 
 
-def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[AntiresonanceSet], *,
+def assess_damage(model: StructuralModel, measured: Measured, *,
                   elements: Any = None,
                   gamma1: float = 0.1, gamma2: float = 0.1, snap: float = 1e-3, weights: Any = None,
                   optimizer: IslandGA | None = None, rng: int | np.random.Generator | None = None,
                   workers: int | None = None,
                   callback: Callable[[dict[str, Any]], bool | None] | None = None, x0: Any = None,
-                  progress: bool | None = None) -> DamageResult:
+                  progress: bool | None = None,
+                  checkpoint: str | os.PathLike[str] | None = None) -> DamageResult:
     """Locate and size damage: the stiffness loss of each element that explains the measurement.
 
     Parameters
     ----------
     model : MassSpringChain, FrameModel or MatrixModel
         The undamaged structure, best updated first on an undamaged measurement.
-    measured : AntiresonanceSet or sequence of AntiresonanceSet
-        Antiresonances of the structure as it is now, one set for each position of the force.
+    measured : AntiresonanceSet, ModalSet, or several of one kind
+        The structure as it is now: antiresonances, one set for each position of the force; or resonances with
+        their shapes, for the comparison objective. See :class:`UpdatingProblem`.
     elements : sequence of int, optional
         Candidate elements, zero-based. Default: all springs between masses, all beams,
         all stiffness terms.
@@ -253,7 +305,7 @@ def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[
         Severities below count as exactly 0; within [0, 1e-3], 0 for the algorithm as printed.
     weights : 'std' or array_like, optional
         As for :class:`UpdatingProblem`.
-    optimizer, rng, workers, callback, x0, progress
+    optimizer, rng, workers, callback, x0, progress, checkpoint
         As in :func:`update`.
 
     Returns
@@ -285,29 +337,26 @@ def assess_damage(model: StructuralModel, measured: AntiresonanceSet | Sequence[
                "Give the MatrixModel its stiffness_terms.")
     penalty = DamagePenalty(gamma1, gamma2, snap)
     problem = UpdatingProblem(model, stiffness_reduction(chosen), measured, penalty=penalty, weights=weights)
-    found, seed = _search(problem, optimizer, rng, workers, callback, x0, progress)
+    found, seed = _search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
     return DamageResult(problem, found, seed)
 
 
 def _search(problem: UpdatingProblem, optimizer: IslandGA | None, rng: Any, workers: int | None,
             callback: Callable[[dict[str, Any]], bool | None] | None, x0: Any,
-            progress: bool | None) -> tuple[OptimizeResult, int]:
+            progress: bool | None, checkpoint: Any) -> tuple[OptimizeResult, int]:
     ga = IslandGA() if optimizer is None else optimizer
     if not isinstance(ga, IslandGA):
         reject("optimizer", optimizer, "an IslandGA")
-    seed = seed_of(rng)
+    first = guesses(x0, len(problem.parameters))
+    kept = None if checkpoint is None else Checkpoint(checkpoint)
+    seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
+    if kept:
+        kept.begin(fingerprint(problem, ga.options, first), seed)
     with watched(callback, progress, ga.options["max_evaluations"]) as watcher:
         raw = problem._core.minimize(
-            problem.bounds[:, 0].copy(), problem.bounds[:, 1].copy(), guesses(x0, len(problem.parameters)),
-            ga.options, seed, thread_count(workers), ga.max_seconds, watcher)
+            problem.bounds[:, 0].copy(), problem.bounds[:, 1].copy(), first, ga.options, seed,
+            thread_count(workers), ga.max_seconds, watcher, kept)
     return OptimizeResult._of(raw), seed
-
-
-def _sets(measured: Any) -> tuple[AntiresonanceSet, ...]:
-    sets = (measured,) if isinstance(measured, AntiresonanceSet) else measured
-    if not isinstance(sets, Sequence) or not sets or not all(isinstance(s, AntiresonanceSet) for s in sets):
-        reject("measured", measured, "an AntiresonanceSet, or one for each position of the force")
-    return tuple(sets)
 
 
 def _parameters(parameters: Iterable[Parameter] | Parameter) -> tuple[Parameter, ...]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from .._validation import FloatArray, finite_scalar, integer, random_generator
 from ..antiresonance_set import AntiresonanceSet
+from ..modal_set import ModalSet
 from ..models import MassSpringChain
 from ..parameters import mass_factor, stiffness_factor, stiffness_reduction
 from ..signals import Recording
@@ -81,15 +82,26 @@ class Chain8:
             excitation=self.excitation, fs_hz=FS_HZ, duration_s=duration_s, damping_ratio=damping_ratio,
             noise=noise, responses=self.responses, rng=rng)
 
-    def updating_problem(self, measured: AntiresonanceSet | None = None) -> UpdatingProblem:
-        """Every mass and spring within 10 % of nominal; default: the exact antiresonances."""
+    def exact_modes(self, level: int = 0) -> ModalSet:
+        """The seven resonances and shapes of the undamped structure, rigid-body mode left out."""
+        modes = self.true_model(level).modes()
+        return ModalSet(modes.freq_hz[1:], modes.shapes[1:, self.responses], self.responses)
+
+    def updating_problem(self, measured: AntiresonanceSet | ModalSet | None = None) -> UpdatingProblem:
+        """Every mass and spring within 10 % of nominal; default: the exact antiresonances.
+
+        With a :class:`ModalSet` the objective is that of resonances and shapes.
+        """
         parameters = (mass_factor(range(8), bounds=(0.9, 1.1))
                       + stiffness_factor(range(7), bounds=(0.9, 1.1)))
         return UpdatingProblem(self.model, parameters, self.exact(0) if measured is None else measured)
 
-    def damage_problem(self, measured: AntiresonanceSet | None = None, *, level: int = 1,
+    def damage_problem(self, measured: AntiresonanceSet | ModalSet | None = None, *, level: int = 1,
                        elements: Any = None) -> UpdatingProblem:
-        """Stiffness losses of the springs, with the paper's penalties; default: exact values of ``level``."""
+        """Stiffness losses of the springs, with the paper's penalties; default: exact values of ``level``.
+
+        With a :class:`ModalSet` the objective is that of resonances and shapes.
+        """
         chosen = range(7) if elements is None else elements
         return UpdatingProblem(self.model, stiffness_reduction(list(chosen)),
                                self.exact(level) if measured is None else measured, penalty=DamagePenalty())

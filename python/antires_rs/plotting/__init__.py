@@ -7,6 +7,7 @@ those of Okabe and Ito, and no curve, bar or mark is told from another by colour
 
 from .convergence import plot_convergence
 from .damage import plot_damage
+from .damages import plot_damages
 from .damping_clusters import plot_damping_clusters
 from .differences import plot_differences
 from .frame import plot_frame
@@ -18,6 +19,7 @@ __all__ = [
     "plot_coherence",
     "plot_convergence",
     "plot_damage",
+    "plot_damages",
     "plot_damping_clusters",
     "plot_differences",
     "plot_singular_values",

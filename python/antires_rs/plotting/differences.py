@@ -1,4 +1,4 @@
-"""Antiresonance differences before and after updating."""
+"""Differences of antiresonances, or of resonances with their MAC, before and after updating."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .canvas import COLOURS, below, new_axes
 
 if TYPE_CHECKING:
     from .._validation import FloatArray
-    from ..results import FrequencyTable
+    from ..tables import FrequencyTable, ModalTable
 
 __all__ = ["plot_differences"]
 
@@ -20,13 +20,13 @@ MOST_LABELS = 64
 GAP = 0.8
 
 
-def plot_differences(table: FrequencyTable, ax: Any = None,
+def plot_differences(table: FrequencyTable | ModalTable, ax: Any = None,
                      names: tuple[str, str] = ("before updating", "after updating")) -> Any:
-    """Draw the difference of each antiresonance to the measured one in %, before and after.
+    """Draw the difference of each frequency to the measured one in %, before and after.
 
     Parameters
     ----------
-    table : FrequencyTable
+    table : FrequencyTable or ModalTable
         ``UpdateResult.table``.
     ax : matplotlib.axes.Axes, optional
         Drawn into; a new figure by default.
@@ -37,6 +37,7 @@ def plot_differences(table: FrequencyTable, ax: Any = None,
     -------
     matplotlib.axes.Axes
         Bars grouped by response and force, in the order of the table; a cross where the model has no partner.
+        Of modes, one group for those measured together, with the MAC before and after above each.
 
     Raises
     ------
@@ -55,36 +56,61 @@ def plot_differences(table: FrequencyTable, ax: Any = None,
     ['before updating, largest 5.00 %', 'after updating, largest 0.10 %']
     """
     ax = new_axes(ax, (9.5, 4.6))
-    dof, force = np.asarray(table.dof), np.asarray(table.excitation)
-    several = np.unique(force).size > 1
-    starts = np.r_[True, (dof[1:] != dof[:-1]) | (force[1:] != force[:-1])][:dof.size]
-    x = np.arange(dof.size) + GAP * (np.cumsum(starts) - 1)
+    count = table.measured_hz.size
+    starts, named, across = (_modes if hasattr(table, "before_mac") else _responses)(table)
+    x = np.arange(count) + GAP * (np.cumsum(starts) - 1)
     # Before is hatched and after is solid: told apart in grey too.
     _bars(ax, x - 0.2, table.before_percent, names[0], facecolor="white", hatch="/////",
           edgecolor=COLOURS["vermillion"], linewidth=0.8)
     _bars(ax, x + 0.2, table.after_percent, names[1], facecolor=COLOURS["blue"],
           edgecolor=COLOURS["blue"], linewidth=0.8)
     ax.axhline(0.0, color="black", lw=0.8)
-    labelled = dof.size <= MOST_LABELS
-    ax.set_xticks(x, [f"{f:.1f}" for f in table.measured_hz] if labelled else [""] * dof.size, rotation=90,
+    labelled = count <= MOST_LABELS
+    ax.set_xticks(x, [f"{f:.1f}" for f in table.measured_hz] if labelled else [""] * count, rotation=90,
                   fontsize="x-small")
     firsts = np.flatnonzero(starts)
-    for number, (first, end) in enumerate(zip(firsts, np.r_[firsts[1:], dof.size], strict=True)):
-        if number:
-            ax.axvline(x[first] - 0.5 - GAP / 2, color="#BFBFBF", lw=0.7)
-        # "dof" once: beside it there is no room over a response with a single antiresonance.
-        name = f"{dof[first]}, {force[first]}" if several else (
-            f"dof {dof[first]}" if number == 0 else f"{dof[first]}")
+    for first in firsts[1:]:
+        ax.axvline(x[first] - 0.5 - GAP / 2, color="#BFBFBF", lw=0.7)
+    for first, end, name in named:
         ax.annotate(name, (x[first:end].mean(), 1.0), xytext=(0, 4), xycoords=ax.get_xaxis_transform(),
                     textcoords="offset points", ha="center", va="bottom", fontsize="small")
-    if dof.size:
+    if count:
         ax.set_xlim(x[0] - 0.5 - GAP / 2, x[-1] + 0.5 + GAP / 2)
-    groups = "response and force dof" if several else "response dof"
-    ax.set_xlabel(f"Measured antiresonance (Hz), by {groups} (above)")
+    ax.set_xlabel(across)
     ax.set_ylabel("Difference to the measurement (%)")
     ax.margins(y=0.08)
     below(ax, 2, drop_pt=56.0 if labelled else 40.0)
     return ax
+
+
+def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], str]:
+    """Where a group begins, (first, end, name) of each, and the label of the axis."""
+    dof, force, names = np.asarray(table.dof), np.asarray(table.excitation), table.dof_names
+    several = np.unique(force).size > 1
+    starts = np.r_[True, (dof[1:] != dof[:-1]) | (force[1:] != force[:-1])][:dof.size]
+    firsts = np.flatnonzero(starts)
+    # "dof" once: beside it there is no room over a response with a single antiresonance.
+    title = "" if names else "dof "
+
+    def name(which: int) -> str:
+        return str(names.get(which, which))
+
+    named = [(first, end, f"{name(int(dof[first]))}, {name(int(force[first]))}" if several else
+              f"{title if first == 0 else ''}{name(int(dof[first]))}")
+             for first, end in zip(firsts.tolist(), [*firsts[1:].tolist(), dof.size], strict=True)]
+    groups = "response and force dof" if several else "response dof"
+    return starts, named, f"Measured antiresonance (Hz), by {groups} (above)"
+
+
+def _modes(table: Any) -> tuple[Any, list[tuple[int, int, str]], str]:
+    """The same of modes, whose MAC stands above each."""
+    mode = np.asarray(table.mode)
+    starts = np.r_[True, mode[1:] <= mode[:-1]][:mode.size]
+    if mode.size > MOST_LABELS // 4:
+        return starts, [], "Measured resonance (Hz)"
+    pairs = zip(table.before_mac, table.after_mac, strict=True)
+    named = [(r, r + 1, f"{before:.3f} \u2192\n{after:.3f}") for r, (before, after) in enumerate(pairs)]
+    return starts, named, "Measured resonance (Hz); above: MAC before and after"
 
 
 def _bars(ax: Any, x: FloatArray, percent: FloatArray, name: str, **look: Any) -> None:

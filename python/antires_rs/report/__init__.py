@@ -24,6 +24,7 @@ from ..exceptions import MissingDependencyError
 from ..plotting import plot_convergence, plot_damage, plot_differences, plot_transmissibility
 from ..plotting.canvas import picture
 from ..results import DamageResult, UpdateResult
+from ..tables import ModalTable
 
 if TYPE_CHECKING:
     from ..signals import FrequencyResponse
@@ -45,10 +46,11 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
     title : str, optional
         Heading; what was done by default.
     diagrams : mapping of dof to StabilizationDiagram, optional
-        Evidence of the identification. Default: those that the measured sets carry.
+        Evidence of the identification, by response dof or by any name. Default: those that the measured sets
+        carry.
     response : FrequencyResponse, optional
         Measured transmissibilities, drawn beside the model's before and after. With several positions of the
-        force they belong to the first.
+        force they belong to the first. Not with modes, which do not tell where the force was.
     truth : mapping of int to float, optional
         True stiffness loss by element, for a virtual test; shown beside what was found.
 
@@ -84,16 +86,25 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
     if not Path(path).parent.is_dir():  # known before any picture is drawn
         reject("path", str(path), "a file in a folder that exists")
     damage = result if isinstance(result, DamageResult) else None
-    shown = list(diagrams.items()) if diagrams is not None else [
-        (dof, d) for each in result.problem.measured for dof, d in each.diagrams.items()]
+    modal = result.problem.objective == "modal"
+    if modal and response is not None:
+        reject("response", "transmissibilities with measured modes", "None",
+               "A ModalSet does not tell where the force was, which the model's transmissibilities need.")
+    if diagrams is not None:
+        shown = list(diagrams.items())
+    elif modal:
+        shown = [(None, each.diagram) for each in result.problem.measured if each.diagram is not None]
+    else:
+        shown = [(dof, d) for each in result.problem.measured for dof, d in each.diagrams.items()]
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True,
                               lstrip_blocks=True)
     template = files(__package__).joinpath("template.html").read_text(encoding="utf-8")
     html = environment.from_string(template).render(
-        title=title or ("Damage assessment" if damage else "Model updating") + " with antiresonances",
+        title=title or ("Damage assessment" if damage else "Model updating")
+        + (" with resonances and mode shapes" if modal else " with antiresonances"),
         answer=_answer_damage(damage) if damage else _answer_update(result),
         result=result, damage=damage is not None,
-        forces=", ".join(str(each.excitation) for each in result.problem.measured),
+        modal=modal, measured=_measured(result),
         largest=[_largest(result.table.largest_before_percent), _largest(result.table.largest_after_percent)],
         parameters=_damage_rows(damage, truth) if damage else _parameter_rows(result),
         known=truth is not None, rows=_frequency_rows(result), figures=_figures(result, response, truth),
@@ -112,8 +123,19 @@ def _answer_damage(result: DamageResult) -> str:
 
 
 def _answer_update(result: UpdateResult) -> str:
-    return (f"Largest antiresonance difference: {_largest(result.table.largest_before_percent)} before, "
+    what = "resonance" if result.problem.objective == "modal" else "antiresonance"
+    return (f"Largest {what} difference: {_largest(result.table.largest_before_percent)} before, "
             f"{_largest(result.table.largest_after_percent)} after.")
+
+
+def _measured(result: UpdateResult) -> str:
+    """What was measured, and where."""
+    sets, count = result.problem.measured, result.problem.measured_hz.size
+    if result.problem.objective == "modal":
+        dofs = ", ".join(f"{len(each.dofs)} dofs" for each in sets)
+        return f"{count} measured resonances with shapes at {dofs}"
+    forces = ", ".join(str(each.excitation) for each in sets)
+    return f"{count} measured antiresonances, force at dof {forces}"
 
 
 def _largest(percent: float) -> str:
@@ -145,13 +167,22 @@ def _frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
 
     def number(value: float, form: str) -> str:
         return format(value, form) if np.isfinite(value) else "no partner"
-    columns = zip(table.dof, table.excitation, table.measured_hz, table.before_hz, table.before_percent,
-                  table.after_hz, table.after_percent, strict=True)
-    rows, last = [], None
-    for dof, force, measured, before, db, after, da in columns:
-        rows.append({"group": (dof, force) != last, "dof": dof, "force": force, "measured": f"{measured:.3f}",
-                     "before": number(before, ".3f"), "before_percent": number(db, "+.2f"),
-                     "after": number(after, ".3f"), "after_percent": number(da, "+.2f")})
+    rows: list[dict[str, Any]] = [
+        {"group": False, "measured": f"{measured:.3f}", "before": number(before, ".3f"),
+         "before_percent": number(db, "+.2f"), "after": number(after, ".3f"),
+         "after_percent": number(da, "+.2f")}
+        for measured, before, db, after, da in zip(
+            table.measured_hz, table.before_hz, table.before_percent, table.after_hz, table.after_percent,
+            strict=True)]
+    if isinstance(table, ModalTable):
+        columns = zip(table.mode, table.before_mac, table.after_mac, strict=True)
+        for row, (mode, before, after) in zip(rows, columns, strict=True):
+            row.update(mode=mode, group=mode == table.mode[0], before_mac=number(before, ".3f"),
+                       after_mac=number(after, ".3f"))
+        return rows
+    last = None
+    for row, dof, force in zip(rows, table.dof, table.excitation, strict=True):
+        row.update(group=(dof, force) != last, dof=dof, force=force)
         last = (dof, force)
     return rows
 
@@ -167,7 +198,8 @@ def _figures(result: UpdateResult, response: FrequencyResponse | None,
                         picture(lambda ax: plot_damage(result, ax=ax, truth=truth), (width, 4.4))))
     names = (("without damage", "with the damage found") if isinstance(result, DamageResult)
              else ("before updating", "after updating"))
-    figures.append((f"Difference of each antiresonance to the measured one, {names[0]} and {names[1]}.",
+    what = "resonance" if problem.objective == "modal" else "antiresonance"
+    figures.append((f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
                     picture(lambda ax: plot_differences(result.table, ax=ax, names=names), (9.5, 4.6))))
     if response is not None:
         figures.append((f"Transmissibilities over dof {response.reference}, summed; the peaks are the "

@@ -255,8 +255,9 @@ fn the_flat_valley_of_updating_is_walked_to_its_bottom() {
         let hooks = &mut Hooks::default();
         let outcome = minimize_objective(&objective, &bounds, &[], &options, 1, 1, hooks).unwrap();
         assert!(outcome.status.success(), "{:?}", outcome.status);
+        // The valley has no one set of genes to agree in: three migrations, each after 40 idle generations.
         assert!(
-            outcome.fun < 1e-9 && outcome.nfev < 10_000,
+            outcome.fun < 1e-9 && outcome.nfev < 30_000,
             "{} {}",
             outcome.fun,
             outcome.nfev

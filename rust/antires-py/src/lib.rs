@@ -8,6 +8,7 @@
 
 use pyo3::prelude::*;
 
+mod checkpoint;
 mod convert;
 mod doorway;
 mod frame;
@@ -21,7 +22,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<model::Model>()?;
     module.add_class::<frame::Frame>()?;
-    module.add_class::<objective::AntiresonanceObjective>()?;
+    module.add_class::<objective::Objective>()?;
     module.add_function(wrap_pyfunction!(parameters::nominal_values, module)?)?;
     module.add_function(wrap_pyfunction!(parameters::check_bounds, module)?)?;
     module.add_function(wrap_pyfunction!(optimizer::minimize, module)?)?;

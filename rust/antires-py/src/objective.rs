@@ -1,15 +1,21 @@
-//! The antiresonance objective, evaluated and minimized in the core.
+//! The objectives of updating, evaluated and minimized in the core.
 
 use std::ops::ControlFlow;
 
 use antires_core::error::Error;
+use antires_core::modal::mac::Shape;
+use antires_core::modal::modes::hertz;
 use antires_core::optimize::{
-    Candidates, Failure, Objective, ObjectiveEvaluator, evaluate_many, minimize as minimize_core,
+    Candidates, Failure, Objective as _, ObjectiveEvaluator, evaluate_many,
+    minimize as minimize_core,
 };
 use antires_core::update::misfit::Misfit;
-use antires_core::update::objective::{AntiresonanceObjective as CoreObjective, Target};
+use antires_core::update::modal_objective::{MeasuredMode, ModalObjective};
+use antires_core::update::objective::{AntiresonanceObjective, Target};
+use antires_core::update::pairing::Partner;
 use antires_core::update::penalties::Penalty;
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::ndarray::Array2;
+use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -19,19 +25,47 @@ use crate::model::Model;
 use crate::optimizer::{Search, outcome_to_python};
 use crate::parameters::{ParameterParts, core_parameters};
 
+/// Frequencies (m,), dofs (k,) and shapes (m, k) of modes measured together.
+type ModeParts<'py> = (
+    PyReadonlyArray1<'py, f64>,
+    Vec<usize>,
+    PyReadonlyArray2<'py, Complex64>,
+);
+
+/// Partners' frequencies (m,), and MAC (m,) and shapes (m, n_dof) of modes.
+type PyPairs<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)>,
+);
+
+enum Core {
+    Antiresonance(AntiresonanceObjective),
+    Modal(ModalObjective),
+}
+
+/// Evaluates an expression for whichever objective there is.
+macro_rules! with {
+    ($core:expr, $objective:ident => $value:expr) => {
+        match $core {
+            Core::Antiresonance($objective) => $value,
+            Core::Modal($objective) => $value,
+        }
+    };
+}
+
 /// J(x) of one model, parameter set and measurement.
 #[pyclass(frozen, module = "antires_rs._core")]
-pub struct AntiresonanceObjective {
-    core: CoreObjective,
+pub struct Objective {
+    core: Core,
 }
 
 #[pymethods]
-impl AntiresonanceObjective {
+impl Objective {
     /// Parameters as in `parameters.rs`, targets (dof, excitation, frequencies), the penalty (gamma1, gamma2),
     /// weights one for each measured value.
-    #[new]
+    #[staticmethod]
     #[allow(clippy::too_many_arguments)]
-    fn new(
+    fn antiresonance(
         model: &Model,
         parameters: Vec<ParameterParts>,
         targets: Vec<(usize, usize, PyReadonlyArray1<'_, f64>)>,
@@ -40,7 +74,6 @@ impl AntiresonanceObjective {
         snap: f64,
         weights: Option<PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<Self> {
-        let parameters = core_parameters(&model.core, parameters).map_err(to_python)?;
         let targets = targets
             .into_iter()
             .map(|(dof, excitation, freq)| Target {
@@ -49,42 +82,59 @@ impl AntiresonanceObjective {
                 freq_hz: freq.as_array().to_vec(),
             })
             .collect();
-        let misfit = match misfit {
-            "absolute" => Misfit::Absolute,
-            "squared" => Misfit::Squared,
-            "largest" => Misfit::Largest,
-            _ => {
-                let wanted = "'absolute', 'squared' or 'largest'";
-                return Err(to_python(Error::input(
-                    "misfit",
-                    format!("{misfit:?}"),
-                    wanted,
-                )));
+        let made = (|| {
+            let parameters = core_parameters(&model.core, parameters)?;
+            let (misfit, penalty) = (misfit_of(misfit)?, penalty_of(penalty));
+            let model = model.core.clone();
+            let made =
+                AntiresonanceObjective::new(model, parameters, targets, misfit, penalty, snap)?;
+            match weights {
+                Some(weights) => made.with_weights(weights.as_array().to_vec()),
+                None => Ok(made),
             }
-        };
-        let penalty = penalty.map(|(gamma1, gamma2)| Penalty { gamma1, gamma2 });
-        let core = CoreObjective::new(
-            model.core.clone(),
-            parameters,
-            targets,
-            misfit,
-            penalty,
-            snap,
-        )
-        .map_err(to_python)?;
-        let core = match weights {
-            Some(weights) => core
-                .with_weights(weights.as_array().to_vec())
-                .map_err(to_python)?,
-            None => core,
-        };
+        })();
+        let core = Core::Antiresonance(made.map_err(to_python)?);
+        Ok(Self { core })
+    }
+
+    /// The same with modes, one tuple for those measured together, and weights one for each mode.
+    #[staticmethod]
+    #[allow(clippy::too_many_arguments)]
+    fn modal(
+        model: &Model,
+        parameters: Vec<ParameterParts>,
+        modes: Vec<ModeParts<'_>>,
+        misfit: &str,
+        penalty: Option<(f64, f64)>,
+        snap: f64,
+        weights: Option<PyReadonlyArray1<'_, f64>>,
+    ) -> PyResult<Self> {
+        let made = (|| {
+            let mut measured = Vec::new();
+            for (freq_hz, dofs, shapes) in modes {
+                for (&freq_hz, row) in freq_hz.as_array().iter().zip(shapes.as_array().rows()) {
+                    let entries: Vec<(f64, f64)> = row.iter().map(|z| (z.re, z.im)).collect();
+                    let shape = Shape::new("measured", dofs.clone(), &entries)?;
+                    measured.push(MeasuredMode { freq_hz, shape });
+                }
+            }
+            let parameters = core_parameters(&model.core, parameters)?;
+            let (misfit, penalty) = (misfit_of(misfit)?, penalty_of(penalty));
+            let model = model.core.clone();
+            let made = ModalObjective::new(model, parameters, measured, misfit, penalty, snap)?;
+            match weights {
+                Some(weights) => made.with_weights(weights.as_array().to_vec()),
+                None => Ok(made),
+            }
+        })();
+        let core = Core::Modal(made.map_err(to_python)?);
         Ok(Self { core })
     }
 
     /// J at x (n,).
     fn cost(&self, x: PyReadonlyArray1<'_, f64>) -> f64 {
-        self.core
-            .cost(&x.as_array().to_vec(), &mut self.core.workspace())
+        let x = x.as_array().to_vec();
+        with!(&self.core, o => o.cost(&x, &mut o.workspace()))
     }
 
     /// x (n,) with negligible severities at zero: the point that is evaluated.
@@ -94,31 +144,40 @@ impl AntiresonanceObjective {
         x: PyReadonlyArray1<'_, f64>,
     ) -> Bound<'py, PyArray1<f64>> {
         let mut x = x.as_array().to_vec();
-        self.core.repair(&mut x);
+        with!(&self.core, o => o.repair(&mut x));
         x.into_pyarray(py)
     }
 
-    /// Analytic partner in Hz of each measured value at x (n,), NaN where there is none.
-    fn pairs<'py>(
-        &self,
-        py: Python<'py>,
-        x: PyReadonlyArray1<'_, f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    /// Analytic partner in Hz of each measured value at x (n,), and of modes its MAC and its shape; NaN where
+    /// there is none.
+    fn pairs<'py>(&self, py: Python<'py>, x: PyReadonlyArray1<'_, f64>) -> PyResult<PyPairs<'py>> {
         let x = x.as_array().to_vec();
-        let pairs = run(py, || self.core.pairs(&x, &mut self.core.workspace()))?;
-        Ok(pairs
-            .into_iter()
-            .map(|p| p.unwrap_or(f64::NAN))
-            .collect::<Vec<_>>()
-            .into_pyarray(py))
+        let objective = match &self.core {
+            Core::Modal(objective) => objective,
+            Core::Antiresonance(o) => {
+                let pairs = run(py, || o.pairs(&x, &mut o.workspace()))?;
+                let hz = pairs.into_iter().map(|p| p.unwrap_or(f64::NAN));
+                return Ok((hz.collect::<Vec<_>>().into_pyarray(py), None));
+            }
+        };
+        let mut ws = objective.workspace();
+        let pairs = run(py, || objective.pairs(&x, &mut ws))?;
+        let of = |what: fn(Partner) -> f64| -> Vec<f64> {
+            pairs.iter().map(|p| p.map_or(f64::NAN, what)).collect()
+        };
+        let shape = (pairs.len(), objective.unknowns().n_dof());
+        let shapes = Array2::from_shape_fn(shape, |(m, dof)| {
+            pairs[m].map_or(f64::NAN, |p| ws.shape(p)[dof])
+        });
+        let (hz, mac) = (of(|p| hertz(p.lambda)), of(|p| p.mac));
+        let mac_and_shapes = (mac.into_pyarray(py), shapes.into_pyarray(py));
+        Ok((hz.into_pyarray(py), Some(mac_and_shapes)))
     }
 
     /// The model at x (n,).
     fn model_at(&self, x: PyReadonlyArray1<'_, f64>) -> PyResult<Model> {
-        let core = self
-            .core
-            .model_at(&x.as_array().to_vec())
-            .map_err(to_python)?;
+        let x = x.as_array().to_vec();
+        let core = with!(&self.core, o => o.unknowns().model_at(&x)).map_err(to_python)?;
         Ok(Model { core })
     }
 
@@ -130,11 +189,12 @@ impl AntiresonanceObjective {
         threads: usize,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let genes: Vec<f64> = candidates.as_array().iter().copied().collect();
-        let n_genes = self.core.n_parameters();
+        let n_genes = with!(&self.core, o => o.unknowns().len());
         let mut watch = Watch::start(None);
         let costs = guarded(py, || {
             let rows = Candidates::new(&genes, n_genes);
-            evaluate_many(&self.core, rows, threads, &mut || watch.poll()).map_err(to_python)
+            with!(&self.core, o => evaluate_many(o, rows, threads, &mut || watch.poll()))
+                .map_err(to_python)
         })?;
         match costs {
             ControlFlow::Continue(costs) => Ok(costs.into_pyarray(py)),
@@ -157,6 +217,7 @@ impl AntiresonanceObjective {
         threads: usize,
         max_seconds: Option<f64>,
         on_progress: Option<Py<PyAny>>,
+        checkpoint: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let mut search = Search::new(
             &lower,
@@ -166,18 +227,36 @@ impl AntiresonanceObjective {
             seed,
             max_seconds,
             on_progress,
-        )?;
+        )?
+        .kept_in(checkpoint)?;
         let outcome = guarded(py, || {
-            let mut evaluator = ObjectiveEvaluator::new(&self.core, threads).map_err(to_python)?;
             search.run(|bounds, guesses, options, seed, hooks| {
-                minimize_core(&mut evaluator, bounds, guesses, options, seed, hooks).map_err(
-                    |failure| match failure {
-                        Failure::Input(error) => to_python(error),
-                        Failure::Evaluation(never) => match never {},
-                    },
-                )
+                with!(&self.core, o => {
+                    let mut evaluator = ObjectiveEvaluator::new(o, threads).map_err(to_python)?;
+                    minimize_core(&mut evaluator, bounds, guesses, options, seed, hooks)
+                })
+                .map_err(|failure| match failure {
+                    Failure::Input(error) => to_python(error),
+                    Failure::Evaluation(never) => match never {},
+                })
             })
         })?;
         outcome_to_python(py, &outcome)
     }
+}
+
+fn misfit_of(name: &str) -> Result<Misfit, Error> {
+    match name {
+        "absolute" => Ok(Misfit::Absolute),
+        "squared" => Ok(Misfit::Squared),
+        "largest" => Ok(Misfit::Largest),
+        _ => {
+            let wanted = "'absolute', 'squared' or 'largest'";
+            Err(Error::input("misfit", format!("{name:?}"), wanted))
+        }
+    }
+}
+
+fn penalty_of(weights: Option<(f64, f64)>) -> Option<Penalty> {
+    weights.map(|(gamma1, gamma2)| Penalty { gamma1, gamma2 })
 }

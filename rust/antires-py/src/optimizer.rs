@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use antires_core::error::Error;
 use antires_core::optimize::{
     Agreement, Bounds, Candidates, Crossover, Evaluator, Failure, Hooks, Interrupt, IslandOptions,
-    IslandState, Outcome, Progress, minimize as minimize_core,
+    IslandState, Keep, Outcome, Progress, minimize as minimize_core,
 };
 use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
@@ -13,6 +13,7 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::checkpoint::Checkpoint;
 use crate::doorway::{ObjectiveError, Watch, guarded, to_python};
 
 /// Sets the fields of [`IslandOptions`] that the dictionary names, and writes them all out again:
@@ -118,6 +119,8 @@ pub struct Search {
     seed: u64,
     watch: Watch,
     on_progress: Option<Py<PyAny>>,
+    checkpoint: Option<Checkpoint>,
+    resume: Option<Vec<u8>>,
 }
 
 impl Search {
@@ -138,7 +141,18 @@ impl Search {
             seed,
             watch: Watch::start(max_seconds),
             on_progress,
+            checkpoint: None,
+            resume: None,
         })
+    }
+
+    /// Keeps the search in a checkpoint, and takes it up from there.
+    pub fn kept_in(mut self, checkpoint: Option<Bound<'_, PyAny>>) -> PyResult<Self> {
+        if let Some(object) = checkpoint {
+            let (checkpoint, resume) = Checkpoint::new(object)?;
+            (self.checkpoint, self.resume) = (Some(checkpoint), resume);
+        }
+        Ok(self)
     }
 
     /// Calls `search` with the hooks in place; raises what a callback raised.
@@ -166,14 +180,28 @@ impl Search {
         let mut hooks = Hooks {
             should_stop: Some(&mut should_stop),
             progress: Some(&mut progress),
+            keep: None,
+            resume: self.resume.as_deref(),
         };
+        let mut keep = self.checkpoint.as_mut().map(|checkpoint| {
+            |bytes| {
+                if let Err(error) = checkpoint.take(bytes) {
+                    watch.borrow_mut().stop_for(error);
+                }
+            }
+        });
+        hooks.keep = keep.as_mut().map(|keep| keep as &mut Keep<'_>);
         let outcome = search(
             &self.bounds,
             &self.guesses,
             &self.options,
             self.seed,
             &mut hooks,
-        )?;
+        );
+        if let Some(checkpoint) = &mut self.checkpoint {
+            checkpoint.store()?;
+        }
+        let outcome = outcome?;
         match self.watch.raised.take() {
             Some(error) => Err(error),
             None => Ok(outcome),

@@ -35,8 +35,7 @@ pub fn check_bounds(
     });
     // The thickest wall in the narrowest tube.
     let thickest = corner(&|parameter, low, high| match parameter.quantity {
-        Quantity::StiffnessReduction => low,
-        Quantity::Property(Property::Diameter, _) => low,
+        Quantity::StiffnessReduction | Quantity::Property(Property::Diameter, _) => low,
         _ => high,
     });
     model.at(parameters, &thickest).map_err(in_bounds)?;

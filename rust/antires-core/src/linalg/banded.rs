@@ -82,6 +82,15 @@ impl Banded {
         }
     }
 
+    /// Puts zeros into row and column `i`, and one on the diagonal.
+    pub fn pin(&mut self, i: usize) {
+        for d in 1..=self.band.min(i) {
+            self.below[(i - d) * self.half + d - 1] = 0.0;
+        }
+        self.below[i * self.half..(i + 1) * self.half].fill(0.0);
+        self.diagonal[i] = 1.0;
+    }
+
     #[inline(always)]
     fn column(&self, j: usize) -> &[f64] {
         &self.below[j * self.half..(j + 1) * self.half]

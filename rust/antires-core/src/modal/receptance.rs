@@ -2,7 +2,7 @@
 //!
 //! Eigenvalues that coincide at working precision share one pole, whose residue is the sum over
 //! their eigenspace (the parts depend on the basis, the sum does not). A pole whose residue is below
-//! [`NEGLIGIBLE_RESIDUE`] of the largest is not seen by i or k: the mode has a node there, the FRF
+//! 1e-12 of the largest is not seen by i or k: the mode has a node there, the FRF
 //! shows neither peak nor dip, and the pencil has a root on it, a *cancelled* one.
 
 use crate::linalg::symmetric::SymmetricSolver;

@@ -4,8 +4,8 @@
 //! populations at random, guesses among them; evaluate
 //! polish the objective's own starting point, which settles on the first island
 //! repeat
-//!     if every island waits, or it is time to polish: polish the islands' bests;
-//!         finished if they agree, else exchange and search on
+//!     if every island waits, or it is time to polish: polish the islands' bests; finished if they agree
+//!     if every island waits: exchange and search on
 //!     finished if a budget is spent
 //!     every searching island proposes a generation; evaluate all proposals as one batch; accept
 //! ```
@@ -13,7 +13,8 @@
 //! Each island draws from its own stream of the seed, proposals and acceptance go island by island,
 //! and only the evaluation of a batch is parallel. So one seed gives the same bits for any number
 //! of threads. Of equal costs the one found first wins, within a batch the lower island, then the
-//! lower index. Without a [polish](super::polish) islands meet only when all wait, as in the paper.
+//! lower index. Without a [polish](super::polish) islands meet only when all wait, as in the paper. With
+//! one, bests that are the same before any exchange were found independently, so that is asked at once.
 //!
 //! V. Meruane, Model updating using antiresonant frequencies identified from transmissibility
 //! functions, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021.
@@ -39,7 +40,8 @@ use crate::error::{Error, Result};
 ///
 /// `guesses` join the initial populations: guess `g` goes to island `g` modulo their number. `seed`
 /// determines the search entirely, apart from an interrupt. A search that is interrupted or runs out
-/// of its budget still has an outcome: the best so far, and a status that says so.
+/// of its budget still has an outcome: the best so far, and a status that says so. With a
+/// [snapshot](super::snapshot) in the hooks the search goes on from there, to the same bits.
 ///
 /// # Errors
 /// [`Failure::Input`] for unusable options or guesses; [`Failure::Evaluation`] with the evaluator's
@@ -60,6 +62,9 @@ pub fn minimize<E: Evaluator>(
         return Err(Error::input("x0", format!("{} guesses", guesses.len()), wanted).into());
     }
     let mut archipelago = Archipelago::new(evaluator, bounds, guesses, options, seed);
+    if let Some(bytes) = hooks.resume {
+        archipelago.restore(bytes)?;
+    }
     let status = archipelago.search(hooks).map_err(Failure::Evaluation)?;
     Ok(archipelago.into_outcome(status))
 }
@@ -86,18 +91,18 @@ pub fn minimize_objective<O: Objective>(
 }
 
 /// A search under way.
-struct Archipelago<'a, E: Evaluator> {
-    ledger: Ledger<'a, E>,
+pub(super) struct Archipelago<'a, E: Evaluator> {
+    pub(super) ledger: Ledger<'a, E>,
     habitat: Habitat<'a>,
-    islands: Vec<Island>,
-    polish: Option<Polish>,
-    consensus: Consensus,
-    generation: usize,
-    /// Generation of the last meeting.
-    met: usize,
+    pub(super) islands: Vec<Island>,
+    pub(super) polish: Option<Polish>,
+    pub(super) consensus: Consensus,
+    pub(super) generation: usize,
+    /// Generation of the last polish.
+    pub(super) polished: usize,
     /// Evaluations at the last migration.
-    evaluations_before: usize,
-    history: History,
+    pub(super) evaluations_before: usize,
+    pub(super) history: History,
     // Buffers reused from generation to generation.
     batch: Vec<f64>,
     costs: Vec<f64>,
@@ -133,7 +138,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
             islands,
             consensus: Consensus::default(),
             generation: 0,
-            met: 0,
+            polished: 0,
             evaluations_before: 0,
             history: History {
                 n_islands: n,
@@ -147,14 +152,19 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
 
     /// Runs to an end and says which.
     fn search(&mut self, hooks: &mut Hooks<'_>) -> std::result::Result<Status, E::Fault> {
-        if let ControlFlow::Break(interrupt) = self.evaluate(hooks)? {
-            return Ok(interrupt.into());
-        }
-        self.record();
-        if let ControlFlow::Break(interrupt) = self.begin(hooks)? {
-            return Ok(interrupt.into());
+        if hooks.resume.is_none() {
+            if let ControlFlow::Break(interrupt) = self.evaluate(hooks)? {
+                return Ok(interrupt.into());
+            }
+            self.record();
+            if let ControlFlow::Break(interrupt) = self.begin(hooks)? {
+                return Ok(interrupt.into());
+            }
         }
         loop {
+            if let Some(keep) = &mut hooks.keep {
+                keep(self.save());
+            }
             let meeting = self.time_to_meet();
             if meeting && let ControlFlow::Break(interrupt) = self.polish_bests(hooks)? {
                 return Ok(interrupt.into());
@@ -218,12 +228,12 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
         self.polished(flow)
     }
 
-    /// After a polish: what was found on the way is not lost, and the record says what it cost.
+    /// After a polish: what was found on the way is not lost, be it a gain too small for a move or what an
+    /// interrupted one had reached; and the record says what it cost.
     fn polished(
         &mut self,
         flow: std::result::Result<(), Stop<E::Fault>>,
     ) -> std::result::Result<ControlFlow<Interrupt>, E::Fault> {
-        let stopped = flow.is_err();
         let flow = match flow {
             // The main loop sees a spent budget by itself.
             Ok(()) | Err(Stop::Budget) => ControlFlow::Continue(()),
@@ -231,7 +241,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
             Err(Stop::Fault(fault)) => return Err(fault),
         };
         let known = self.islands.iter().map(Island::best_cost);
-        if stopped && known.fold(f64::INFINITY, f64::min) > self.ledger.best_cost {
+        if known.fold(f64::INFINITY, f64::min) > self.ledger.best_cost {
             self.islands[0].welcome(&self.ledger.best_x, self.ledger.best_cost);
         }
         self.history.evaluations.pop();
@@ -244,19 +254,31 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     /// Whether all islands wait or, with a polish, enough generations have passed.
     fn time_to_meet(&self) -> bool {
         let interval = self.habitat.options.polish_interval;
-        self.islands.iter().all(Island::waiting)
-            || (self.polish.is_some() && self.generation - self.met >= interval)
+        self.all_wait()
+            || (self.polish.is_some() && self.generation.saturating_sub(self.polished) >= interval)
     }
 
-    /// The islands' bests agree, or are exchanged.
+    fn all_wait(&self) -> bool {
+        self.islands.iter().all(Island::waiting)
+    }
+
+    /// The islands' bests agree, or are exchanged when it is time to.
     fn meet(&mut self) -> Option<Status> {
         let Habitat {
             bounds, options, ..
         } = self.habitat;
-        self.met = self.generation;
-        let status = self.consensus.reached(&self.islands, bounds, options);
-        if status.is_some() {
-            return status;
+        self.polished = self.generation;
+        let exchange_now = self.all_wait();
+        if exchange_now || self.history.migrations.is_empty() {
+            let status = self
+                .consensus
+                .reached(&self.islands, bounds, options, exchange_now);
+            if status.is_some() {
+                return status;
+            }
+        }
+        if !exchange_now {
+            return None;
         }
         if self.ledger.evaluations == self.evaluations_before {
             return Some(Status::Collapsed);
@@ -314,10 +336,15 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
         Ok(flow)
     }
 
-    fn record(&mut self) {
+    /// Looks at the islands for the next report.
+    pub(super) fn observe(&mut self) {
         self.progress.clear();
         self.progress
             .extend(self.islands.iter().map(Island::progress));
+    }
+
+    fn record(&mut self) {
+        self.observe();
         self.history.evaluations.push(self.ledger.evaluations);
         let costs = self.progress.iter().map(|island| island.best_cost);
         self.history.best_costs.extend(costs);

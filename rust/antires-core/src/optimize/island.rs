@@ -27,16 +27,16 @@ pub(super) struct Habitat<'a> {
 /// One island.
 pub(super) struct Island {
     crossover: Crossover,
-    rng: Rng,
+    pub(super) rng: Rng,
     pub(super) population: Population,
-    offspring: Population,
+    pub(super) offspring: Population,
     /// Offspring that need an evaluation, ascending.
-    pending: Vec<usize>,
+    pub(super) pending: Vec<usize>,
     ranking: Vec<usize>,
     /// Generations since the best last improved on `reference`.
-    stagnant: usize,
-    reference: f64,
-    waiting: bool,
+    pub(super) stagnant: usize,
+    pub(super) reference: f64,
+    pub(super) waiting: bool,
 }
 
 impl Island {

@@ -51,7 +51,7 @@ impl<'a, E: Evaluator> Ledger<'a, E> {
 
     /// Evaluations left in the budget.
     pub(super) fn left(&self) -> usize {
-        self.max_evaluations - self.evaluations
+        self.max_evaluations.saturating_sub(self.evaluations)
     }
 
     /// The point that shall stand for `x`: repaired and inside the bounds.

@@ -50,6 +50,7 @@ pub mod outcome;
 pub mod polish;
 pub mod population;
 pub mod selection;
+pub mod snapshot;
 pub mod termination;
 
 pub use archipelago::{minimize, minimize_objective};
@@ -60,7 +61,7 @@ pub use evaluate::{ObjectiveEvaluator, Workers, evaluate_many, parallel_map};
 pub use objective::{Candidates, Evaluator, Objective};
 pub use options::{Agreement, IslandOptions};
 pub use outcome::{
-    Failure, FinalIsland, History, Hooks, Interrupt, IslandProgress, IslandState, OnProgress,
+    Failure, FinalIsland, History, Hooks, Interrupt, IslandProgress, IslandState, Keep, OnProgress,
     Outcome, Progress, ShouldStop, Status,
 };
 pub use population::Population;

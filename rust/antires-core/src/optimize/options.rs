@@ -83,7 +83,7 @@ pub struct IslandOptions {
     /// without derivatives where need be; for `None` where the objective tells how it is composed.
     /// Default `None`.
     pub polish: Option<bool>,
-    /// Generations after which polished islands meet, even if not all of them wait; at least 1. Default
+    /// Generations after which the bests are polished, even if not all islands wait; at least 1. Default
     /// 10.
     pub polish_interval: usize,
     /// Evaluations after which the polish of one point begins nothing new; at least 1. Default 1000.

@@ -138,6 +138,9 @@ pub type ShouldStop<'a> = dyn FnMut() -> Option<Interrupt> + 'a;
 /// A caller's view of every generation, and its chance to stop the search.
 pub type OnProgress<'a> = dyn FnMut(&Progress<'_>) -> Option<Interrupt> + 'a;
 
+/// Takes the search as it stands between two generations, for [`Hooks::resume`].
+pub type Keep<'a> = dyn FnMut(Vec<u8>) + 'a;
+
 /// What the caller wants to be asked and told; the default is nothing.
 #[derive(Default)]
 pub struct Hooks<'a> {
@@ -146,6 +149,10 @@ pub struct Hooks<'a> {
     pub should_stop: Option<&'a mut ShouldStop<'a>>,
     /// Told of every generation, the initial one included.
     pub progress: Option<&'a mut OnProgress<'a>>,
+    /// Given a snapshot after every generation: some copies of the populations.
+    pub keep: Option<&'a mut Keep<'a>>,
+    /// The snapshot to go on from.
+    pub resume: Option<&'a [u8]>,
 }
 
 impl Hooks<'_> {

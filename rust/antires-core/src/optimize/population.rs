@@ -8,8 +8,8 @@ use std::cmp::Ordering;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Population {
     n_genes: usize,
-    genes: Vec<f64>,
-    costs: Vec<f64>,
+    pub(super) genes: Vec<f64>,
+    pub(super) costs: Vec<f64>,
 }
 
 impl Population {

@@ -1,7 +1,7 @@
 //! When the islands have finished: their bests agree.
 //!
 //! The question is put when all islands wait, before they exchange anything (right after an
-//! exchange neighbours would agree for no merit of theirs). With `b_k` the best individual of island
+//! exchange neighbours would agree for no merit of theirs); with a polish also before the first exchange. With `b_k` the best individual of island
 //! `k`, `J_k` its cost and `range_i = upper_i - lower_i`:
 //!
 //! - they agree in genes if `max_k b_k,i - min_k b_k,i <= gene_tolerance range_i` for every gene `i`;
@@ -22,24 +22,25 @@ use super::outcome::Status;
 /// Counts agreements in cost from migration to migration.
 #[derive(Debug, Default)]
 pub(super) struct Consensus {
-    in_cost: usize,
+    pub(super) in_cost: usize,
 }
 
 impl Consensus {
-    /// Why the search ends now that all islands wait, or `None` if they are to exchange and go on.
+    /// Why the search ends, or `None` if it goes on; agreements in cost count only before an exchange.
     pub(super) fn reached(
         &mut self,
         islands: &[Island],
         bounds: &Bounds,
         options: &IslandOptions,
+        before_exchange: bool,
     ) -> Option<Status> {
-        if islands.len() == 1 {
-            return Some(Status::Stagnated);
+        if let [island] = islands {
+            return island.waiting().then_some(Status::Stagnated);
         }
         if agree_in_genes(islands, bounds, options.gene_tolerance) {
             return Some(Status::Agreed);
         }
-        if options.agreement == Agreement::GenesOrCost {
+        if before_exchange && options.agreement == Agreement::GenesOrCost {
             let costs = islands.iter().map(Island::best_cost);
             if agree_in_cost(costs, options.cost_tolerance, options.cost_floor) {
                 self.in_cost += 1;
@@ -114,7 +115,7 @@ mod tests {
         let options = IslandOptions::default();
         let status = |b: [f64; 2]| {
             let islands = pair(&bounds, &options, [([0.5, 5.0], 1.0), (b, 2.0)]);
-            Consensus::default().reached(&islands, &bounds, &options)
+            Consensus::default().reached(&islands, &bounds, &options, true)
         };
         assert_eq!(status([0.5 + 0.9e-6, 5.0 - 190e-6]), Some(Status::Agreed));
         assert_eq!(status([0.5 + 1.1e-6, 5.0]), None);
@@ -128,7 +129,7 @@ mod tests {
         let even = pair(&bounds, &options, [([0.0, 0.0], 1.0), ([1.0, 1.0], 1.0)]);
         let odd = pair(&bounds, &options, [([0.0, 0.0], 1.0), ([1.0, 1.0], 1.1)]);
         let mut consensus = Consensus::default();
-        let mut ask = |islands| consensus.reached(islands, &bounds, &options);
+        let mut ask = |islands| consensus.reached(islands, &bounds, &options, true);
         assert_eq!([ask(&even), ask(&even), ask(&odd)], [None; 3]);
         assert_eq!([ask(&even), ask(&even)], [None; 2]);
         assert_eq!(ask(&even), Some(Status::CostAgreed));
@@ -138,6 +139,6 @@ mod tests {
             ..options
         };
         let mut consensus = Consensus::default();
-        assert!((0..9).all(|_| consensus.reached(&even, &bounds, &paper).is_none()));
+        assert!((0..9).all(|_| consensus.reached(&even, &bounds, &paper, true).is_none()));
     }
 }

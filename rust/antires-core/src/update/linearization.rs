@@ -1,4 +1,4 @@
-//! The parts of J and the first derivatives of its residuals, for the optimizer's polish.
+//! First derivatives of the residuals, for the optimizer's polish.
 //!
 //! ```text
 //! e = x_A / x_E − 1,  x = ω²        de/dp = (dx_A/dp) / x_E
@@ -7,45 +7,19 @@
 //! with dx_A/dp from [`crate::modal::sensitivities`]. The pairing counts as fixed: where a measured value is
 //! about to change its partner the model is wrong, and the optimizer's trust region finds out.
 
-use super::misfit::Misfit;
 use super::objective::{AntiresonanceObjective, Workspace};
 use super::pairing::residual;
-use crate::fem::slopes::{MatrixSlopes, Slopes};
 use crate::modal::modes::eigenvalue;
 use crate::modal::sensitivities::ZeroSensitivity;
-use crate::optimize::{Composition, Linearization, Norm, Objective};
+use crate::optimize::Linearization;
 
 impl AntiresonanceObjective {
-    /// How J is composed; the largest residual has no linearization here, its sum and its squares have.
-    pub(super) fn parts(&self) -> Composition {
-        let sparse: Vec<bool> = (0..self.n_parameters())
-            .map(|i| self.penalty.is_some() && self.is_reduction(i))
-            .collect();
-        let gamma1 = self.penalty.map_or(0.0, |penalty| penalty.gamma1);
-        let nominal = self.parameters.iter().map(|p| p.nominal(&self.model));
-        Composition {
-            norm: match self.misfit {
-                Misfit::Absolute => Some(Norm::Absolute),
-                Misfit::Squared => Some(Norm::Squared),
-                Misfit::Largest => None,
-            },
-            start: nominal.collect(),
-            price: sparse
-                .iter()
-                .map(|&s| if s { gamma1 } else { 0.0 })
-                .collect(),
-            sparse,
-        }
-    }
-
     /// J, its residuals and their derivatives; `None` where the eigenproblem fails.
     pub(super) fn linearized(&self, x: &[f64], ws: &mut Workspace) -> Option<Linearization> {
-        let mut snapped = x.to_vec();
-        self.repair(&mut snapped);
+        let snapped = self.unknowns.snapped(x);
         let pairs = self.pairs(&snapped, ws).ok()?;
-        let n = self.n_parameters();
-        let along = Slopes::new(&self.model, &self.parameters, &snapped);
-        let slopes: Vec<MatrixSlopes> = (0..n).map(|index| along.along(index)).collect();
+        let slopes = self.unknowns.slopes(&snapped);
+        let n = slopes.len();
         let mut found = Linearization {
             cost: 0.0,
             residuals: Vec::with_capacity(pairs.len()),
@@ -76,7 +50,7 @@ impl AntiresonanceObjective {
                     .push(if slope.is_finite() { slope } else { 0.0 });
             }
         }
-        found.cost += self.penalty_at(&snapped);
+        found.cost += self.unknowns.penalty_at(&snapped);
         Some(found)
     }
 }

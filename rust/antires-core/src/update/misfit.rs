@@ -6,6 +6,8 @@
 //! largest    max |e|    the largest difference itself
 //! ```
 
+use crate::optimize::Norm;
+
 /// The norm of the residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Misfit {
@@ -26,6 +28,16 @@ impl Misfit {
             Self::Absolute => total + residual.abs(),
             Self::Squared => total + residual * residual,
             Self::Largest => total.max(residual.abs()),
+        }
+    }
+
+    /// The norm as the optimizer's polish knows it; it has none for the largest residual.
+    #[must_use]
+    pub fn norm(self) -> Option<Norm> {
+        match self {
+            Self::Absolute => Some(Norm::Absolute),
+            Self::Squared => Some(Norm::Squared),
+            Self::Largest => None,
         }
     }
 }

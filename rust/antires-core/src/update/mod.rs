@@ -1,10 +1,12 @@
-//! Model updating: measured antiresonances against those of the model.
+//! Model updating: what was measured against what the model has.
 //!
 //! ```text
 //! e = ω_A² / ω_E² − 1                                       Eq. 11 (printed with a wrong exponent)
 //! J = Σ |e| + γ₁ Σ β + γ₂ count(β > 0)                      Eqs. 12, 15-17, or another [`misfit`]
+//! J = Σ |e| + Σ (1 − MAC)² + γ₁ Σ β + γ₂ count(β > 0)       Eq. 18
 //! ```
 //!
+//! ω are antiresonances in the first J ([`objective`]), resonances in the second ([`modal_objective`]).
 //! A analytic, E experimental; the penalties apply to stiffness reductions only. This is the one
 //! place where the models meet the optimizer.
 //!
@@ -12,6 +14,9 @@
 
 pub mod linearization;
 pub mod misfit;
+pub mod modal_linearization;
+pub mod modal_objective;
 pub mod objective;
 pub mod pairing;
 pub mod penalties;
+pub mod unknowns;

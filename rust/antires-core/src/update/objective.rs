@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::fem::model::{Model, connected};
-use crate::fem::parameters::{Assembly, Parameter, Quantity};
+use crate::fem::parameters::{Assembly, Parameter};
 use crate::modal::antiresonances::{AntiresonanceSolver, Query, Route};
 use crate::modal::structure::Structure;
 use crate::optimize::{Composition, Linearization, Objective};
@@ -12,13 +12,11 @@ use crate::optimize::{Composition, Linearization, Objective};
 use super::misfit::Misfit;
 use super::pairing::{UNPAIRED, nearest, residual};
 use super::penalties::Penalty;
+use super::unknowns::{Unknowns, checked_weights};
 
 /// The model's antiresonances are computed to this multiple of the highest measured frequency, so
 /// that the edge of the band cuts off no partner.
 pub const BAND_MARGIN: f64 = 1.5;
-
-/// Largest threshold below which a severity may be snapped to zero.
-pub const LARGEST_SNAP: f64 = 1e-3;
 
 /// Measured antiresonances of one response to one force.
 #[derive(Debug, Clone)]
@@ -33,12 +31,9 @@ pub struct Target {
 
 /// J(x) for one model, one parameter set and one measurement.
 pub struct AntiresonanceObjective {
-    pub(super) model: Model,
-    pub(super) parameters: Vec<Parameter>,
+    pub(super) unknowns: Unknowns,
     pub(super) targets: Vec<Target>,
     pub(super) misfit: Misfit,
-    pub(super) penalty: Option<Penalty>,
-    snap: f64,
     query: Query,
     structure: Arc<Structure>,
     connected: Vec<bool>,
@@ -53,14 +48,11 @@ pub struct Workspace {
 }
 
 impl AntiresonanceObjective {
-    /// Joins a model, its parameters and a measurement.
-    ///
-    /// `penalty` applies to the stiffness reductions among the parameters; severities below `snap`
-    /// count as exactly zero.
+    /// Joins a model, its parameters and a measurement; `penalty` and `snap` as of [`Unknowns::new`].
     ///
     /// # Errors
-    /// [`Error::InvalidInput`] when a dof or a term is outside the model, no antiresonance was
-    /// measured, one is not positive, or `snap` is outside [0, 1e-3].
+    /// [`Error::InvalidInput`] when a dof is outside the model, no antiresonance was measured, or one is
+    /// not positive; and those of [`Unknowns::new`].
     pub fn new(
         model: Model,
         parameters: Vec<Parameter>,
@@ -92,33 +84,19 @@ impl AntiresonanceObjective {
             return Err(Error::input("measured", "no antiresonance", "at least one")
                 .remedy("Identify in a wider band, or measure at more dofs."));
         }
-        if !(0.0..=LARGEST_SNAP).contains(&snap) {
-            return Err(Error::input(
-                "snap",
-                snap,
-                format!("a threshold in [0, {LARGEST_SNAP}]"),
-            ));
-        }
-        if parameters.is_empty() {
-            return Err(Error::input("parameters", "none", "at least one parameter"));
-        }
-        for (i, parameter) in parameters.iter().enumerate() {
-            parameter.check(&format!("parameters[{i}]"), &model)?;
-        }
+        let unknowns = Unknowns::new(model, parameters, penalty, snap)?;
+        let model = &unknowns.model;
         let connected = targets
             .iter()
             .map(|t| connected(model.stiffness(), model.mass(), t.dof, t.excitation))
             .collect();
         let weights = vec![1.0; targets.iter().map(|t| t.freq_hz.len()).sum()];
-        let structure = Arc::new(Structure::of(&model));
+        let structure = Arc::new(Structure::of(model));
         Ok(Self {
             structure,
-            model,
-            parameters,
+            unknowns,
             targets,
             misfit,
-            penalty,
-            snap,
             query: Query {
                 route: Route::Modal,
                 f_max_hz: BAND_MARGIN * highest,
@@ -135,40 +113,14 @@ impl AntiresonanceObjective {
     /// [`Error::InvalidInput`] when there is not one finite, not negative weight for each measured value,
     /// or all are zero.
     pub fn with_weights(mut self, weights: Vec<f64>) -> Result<Self> {
-        let usable =
-            weights.iter().all(|w| w.is_finite() && *w >= 0.0) && weights.iter().any(|w| *w > 0.0);
-        if weights.len() != self.weights.len() || !usable {
-            return Err(Error::input(
-                "weights",
-                format!("{} values", weights.len()),
-                format!(
-                    "{} finite weights of at least 0, one for each measured value, not all 0",
-                    self.weights.len()
-                ),
-            ));
-        }
-        self.weights = weights;
+        self.weights = checked_weights(weights, self.weights.len())?;
         Ok(self)
     }
 
-    /// Number of parameters.
+    /// The model and what may change in it.
     #[must_use]
-    pub fn n_parameters(&self) -> usize {
-        self.parameters.len()
-    }
-
-    /// The parameters in the order of x.
-    #[must_use]
-    pub fn parameters(&self) -> &[Parameter] {
-        &self.parameters
-    }
-
-    /// The model at parameter values `x`, as its own nominal state.
-    ///
-    /// # Errors
-    /// Those of [`Model::at`].
-    pub fn model_at(&self, x: &[f64]) -> Result<Model> {
-        self.model.at(&self.parameters, x)
+    pub fn unknowns(&self) -> &Unknowns {
+        &self.unknowns
     }
 
     /// The analytic partner (Hz) of each measured value, target by target; none where the model has
@@ -188,7 +140,10 @@ impl AntiresonanceObjective {
         ws: &mut Workspace,
         mut visit: impl FnMut(Option<f64>, f64),
     ) -> Result<()> {
-        ws.assembly.form(&self.model, &self.parameters, x);
+        let Unknowns {
+            model, parameters, ..
+        } = &self.unknowns;
+        ws.assembly.form(model, parameters, x);
         ws.solver
             .set_matrices(ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref());
         for (target, &connected) in self.targets.iter().zip(&self.connected) {
@@ -214,20 +169,6 @@ impl AntiresonanceObjective {
     pub fn n_measured(&self) -> usize {
         self.targets.iter().map(|t| t.freq_hz.len()).sum()
     }
-
-    /// The penalty of parameter values that are already snapped.
-    pub(super) fn penalty_at(&self, snapped: &[f64]) -> f64 {
-        let beta = snapped
-            .iter()
-            .enumerate()
-            .filter(|(i, _)| self.is_reduction(*i))
-            .map(|(_, &b)| b);
-        self.penalty.map_or(0.0, |p| p.of(beta))
-    }
-
-    pub(super) fn is_reduction(&self, index: usize) -> bool {
-        self.parameters[index].quantity == Quantity::StiffnessReduction
-    }
 }
 
 impl Objective for AntiresonanceObjective {
@@ -235,17 +176,16 @@ impl Objective for AntiresonanceObjective {
 
     fn workspace(&self) -> Workspace {
         Workspace {
-            assembly: Assembly::new(&self.model),
+            assembly: Assembly::new(&self.unknowns.model),
             solver: AntiresonanceSolver::new(&self.structure),
-            analytic_hz: Vec::with_capacity(self.model.n_dof()),
+            analytic_hz: Vec::with_capacity(self.unknowns.model.n_dof()),
         }
     }
 
     /// J(x). Where the eigenproblem fails, every measured value counts as unpaired, so that J stays
     /// finite for every x in bounds.
     fn cost(&self, x: &[f64], ws: &mut Workspace) -> f64 {
-        let mut snapped = x.to_vec();
-        self.repair(&mut snapped);
+        let snapped = self.unknowns.snapped(x);
         let mut misfit = 0.0;
         let mut weights = self.weights.iter();
         let solved = self.each_pair(&snapped, ws, |paired, measured| {
@@ -258,11 +198,11 @@ impl Objective for AntiresonanceObjective {
                 .iter()
                 .fold(0.0, |total, w| self.misfit.add(total, w * UNPAIRED));
         }
-        misfit + self.penalty_at(&snapped)
+        misfit + self.unknowns.penalty_at(&snapped)
     }
 
     fn composition(&self) -> Option<Composition> {
-        Some(self.parts())
+        Some(self.unknowns.composition(self.misfit.norm()))
     }
 
     fn linearize(&self, x: &[f64], ws: &mut Workspace) -> Option<Linearization> {
@@ -271,12 +211,6 @@ impl Objective for AntiresonanceObjective {
 
     /// Negligible severities become exactly zero.
     fn repair(&self, x: &mut [f64]) {
-        if self.snap > 0.0 {
-            for (i, value) in x.iter_mut().enumerate() {
-                if self.is_reduction(i) && value.abs() < self.snap {
-                    *value = 0.0;
-                }
-            }
-        }
+        self.unknowns.snap(x);
     }
 }

@@ -53,7 +53,7 @@ pub(super) struct Polish {
     composition: Composition,
     allowance: usize,
     /// Points to which single genes have been added, and the best that came of it.
-    scanned: Vec<moves::Scan>,
+    pub(super) scanned: Vec<moves::Scan>,
 }
 
 impl Polish {

@@ -31,10 +31,10 @@ const FOLLOWED_FAR: (usize, usize) = (6, 20);
 const GAIN: f64 = 1e-7;
 
 /// What came of adding a gene to a point.
-pub(super) struct Scan {
-    base: Vec<f64>,
+pub(in crate::optimize) struct Scan {
+    pub(in crate::optimize) base: Vec<f64>,
     /// `None` where no gene was left to add.
-    best: Option<Point>,
+    pub(in crate::optimize) best: Option<Point>,
 }
 
 impl Polish {

@@ -1,0 +1,188 @@
+"""The exhaust that is tested: not the model that is updated.
+
+Its mesh is four times finer; walls, moduli, masses and bends differ from nominal, walls also from one piece
+of pipe to the next; inertias and cords are off as well; every mode has a damping of its own. Cracked, it has
+a rotational spring in the pipe 2 cm behind a weld, between two nodes of the coarse mesh.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..._validation import ComplexArray, FloatArray
+from ...frame import FrameModel
+from ...frame_parts import GroundSpring, PointMass
+from ...sections import Section, Tube
+from . import geometry
+from .crack import crack_compliance
+
+#: Beams of the tested structure for each of the model.
+PIECES = 4
+#: The crack: zero-based element of the model (31 to the user). The pipe sits in the flange's socket, from
+#: node 30 on; the weld runs around its end, and the crack around the pipe behind the weld.
+CRACKED_ELEMENT, SOCKET_M, BEHIND_WELD_M = 30, 0.02, 0.02
+#: Share of the perimeter at levels 1 to 3.
+SHARES = (0.60, 0.70, 0.85)
+#: Length of the soft piece that stands for the spring.
+CRACK_PIECE_M = 0.004
+
+#: True value over nominal, by section and lumped mass, and degrees by bend.
+THICKNESS = {"front": 1.12, "link": 0.87, "middle": 0.84, "axle": 0.86, "rear": 0.92, "tail": 0.90}
+MODULUS = {"front": 0.96, "link": 1.05, "middle": 0.94, "axle": 1.06, "rear": 0.97, "tail": 1.05}
+MASS = {"inlet flange": 1.15, "catalyst": 1.14, "front muffler": 1.13, "flange": 0.90, "rear muffler": 1.12}
+ANGLE_DEG = {"front to link": -4.0, "middle to axle": -5.0, "axle to rear": 3.0, "second tail pipe": -5.0}
+#: ... and what no updating parameter can follow.
+INERTIA = {"inlet flange": 1.03, "catalyst": 0.96, "front muffler": 1.03, "flange": 1.03,
+           "rear muffler": 0.97}
+HANGER = 0.9
+#: Standard deviation of the wall from one coarse element's pipe to the next, a fixed draw.
+WALL_SCATTER, WALL_SEED = 0.005, 332
+
+#: Modal damping: rubber cords, then the elastic modes in turn, 0.3 to 1 %.
+RIGID_DAMPING = 0.01
+ELASTIC_DAMPING = (0.009, 0.006, 0.004, 0.008, 0.005, 0.003, 0.007, 0.010)
+RIGID_MODES = 3
+#: Modes of the synthesis, to some 5 kHz; what the others add is quasi-static up to 512 Hz.
+MODES = 36
+
+
+def true_nodes() -> FloatArray:
+    """Coarse nodes with the true bends: each run turned about its pivot, with all behind it."""
+    found = geometry.nodes()
+    ends = geometry.beams()
+    for name, group, pivot in geometry.BENDS:
+        behind = {ends[group[0]][1]}
+        for first, second, _ in ends:  # ordered away from the root, except at the branch
+            if first in behind:
+                behind.add(second)
+        rows = sorted(behind)
+        turn = np.deg2rad(ANGLE_DEG[name])
+        matrix = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+        found[rows] = found[pivot] + (found[rows] - found[pivot]) @ matrix.T
+    return found
+
+
+def walls_m() -> FloatArray:
+    """True wall of each coarse element's pipe, (47,)."""
+    scatter = WALL_SCATTER * np.random.default_rng(WALL_SEED).standard_normal(len(geometry.beams()))
+    nominal = [geometry.SECTIONS[section][0] * THICKNESS[section] for _, _, section in geometry.beams()]
+    return np.array(nominal) * (1.0 + scatter)
+
+
+def compliance(level: int) -> float:
+    """Rotation per moment of the crack, rad/(N m); 0 at level 0."""
+    if level == 0:
+        return 0.0
+    return crack_compliance(SHARES[level - 1], outer_diameter_m=geometry.DIAMETER_M,
+                            thickness_m=float(walls_m()[CRACKED_ELEMENT]), youngs_modulus_pa=_modulus())
+
+
+def equivalent_loss(level: int) -> float:
+    """Stiffness loss of the whole element 31 that turns as much under a moment as the crack makes it turn."""
+    first, second, _ = geometry.beams()[CRACKED_ELEMENT]
+    nodes = true_nodes()
+    added = compliance(level) * _modulus() * _inertia(float(walls_m()[CRACKED_ELEMENT]))
+    return float(added / (added + np.linalg.norm(nodes[second] - nodes[first])))
+
+
+def true_model(level: int) -> FrameModel:
+    """The tested structure; its first 48 nodes are those of the model."""
+    coarse = true_nodes()
+    nodes = list(coarse)
+    beams: list[tuple[int, int, int]] = []
+    sections: list[Tube | Section] = []
+    for element, ((first, second, name), wall) in enumerate(zip(geometry.beams(), walls_m(), strict=True)):
+        _, modulus, density = geometry.SECTIONS[name]
+        tube = Tube(geometry.DIAMETER_M, float(wall), modulus * MODULUS[name], density)
+        span = coarse[second] - coarse[first]
+        cuts, soft = _cuts(element, float(np.linalg.norm(span)))
+        ends = [first]
+        for cut in cuts:
+            ends.append(len(nodes))
+            nodes.append(coarse[first] + cut * span)
+        ends.append(second)
+        sections.append(tube)
+        tube_index = len(sections) - 1
+        for piece, pair in enumerate(zip(ends[:-1], ends[1:], strict=True)):
+            beams.append((*pair, tube_index))
+            if level and piece == soft:
+                beams[-1] = (*pair, len(sections))
+                sections.append(_soft(tube, compliance(level)))
+    masses = [PointMass(node, mass * MASS[name], inertia * INERTIA[name])
+              for name, node, mass, inertia in geometry.MASSES]
+    springs = [GroundSpring(node, direction, stiffness * HANGER) for node, across, along in geometry.HANGERS
+               for direction, stiffness in (("v", across), ("u", along))]
+    return FrameModel(np.array(nodes), beams, sections, point_masses=masses, ground_springs=springs)
+
+
+def _cuts(element: int, length_m: float) -> tuple[list[float], int | None]:
+    """Where an element is divided, as shares of it, and which piece holds the crack."""
+    even = [i / PIECES for i in range(1, PIECES)]
+    if element != CRACKED_ELEMENT:
+        return even, None
+    half = 0.5 * CRACK_PIECE_M
+    middle = SOCKET_M + BEHIND_WELD_M
+    edges = [(middle - half) / length_m, (middle + half) / length_m]
+    return edges + [edges[1] + (1.0 - edges[1]) * share for share in (0.25, 0.5, 0.75)], 1
+
+
+def _soft(tube: Tube, extra: float) -> Section:
+    """Section of the spring's piece: bends by the crack's rotation more than the pipe does."""
+    modulus = tube.youngs_modulus_pa
+    bent = extra + CRACK_PIECE_M / (modulus * _inertia(tube.thickness_m))
+    area = np.pi * tube.thickness_m * (tube.outer_diameter_m - tube.thickness_m)
+    return Section(float(area), float(CRACK_PIECE_M / (modulus * bent)), modulus, tube.density_kg_per_m3)
+
+
+def _inertia(wall: float) -> float:
+    outer, inner = 0.5 * geometry.DIAMETER_M, 0.5 * geometry.DIAMETER_M - wall
+    return float(0.25 * np.pi * (outer**4 - inner**4))
+
+
+def _modulus() -> float:
+    name = geometry.beams()[CRACKED_ELEMENT][2]
+    return geometry.SECTIONS[name][1] * MODULUS[name]
+
+
+class TestedStructure:
+    """Modes of the tested structure, and its responses to the shaker.
+
+    The modes come from a shift-invert solution, which keeps the soft suspension's digits on a fine mesh.
+    """
+
+    __test__ = False  # no test class, whatever its name
+
+    def __init__(self, level: int) -> None:
+        from scipy.sparse import csc_array
+        from scipy.sparse.linalg import eigsh, splu
+        self.model = true_model(level)
+        self.excitation = self.model.dof(*geometry.SHAKER)
+        stiffness, mass = csc_array(self.model.stiffness()), csc_array(self.model.mass())
+        shift = -(2 * np.pi * 5.0) ** 2
+        start = np.random.default_rng(0).standard_normal(self.model.n_dof)
+        squares, shapes = eigsh(stiffness, MODES, mass, sigma=shift, v0=start)
+        order = np.argsort(squares)
+        self.freq_hz: FloatArray = np.sqrt(squares[order]) / (2 * np.pi)
+        self.shapes: FloatArray = shapes[:, order].T
+        self.damping_ratio = np.concatenate([
+            np.full(RIGID_MODES, RIGID_DAMPING),
+            np.resize(ELASTIC_DAMPING, MODES - RIGID_MODES)])
+        unit = np.zeros(self.model.n_dof)
+        unit[self.excitation] = 1.0
+        # Receptance at the shift, less what the modes give: the quasi-static part of the modes left out.
+        whole = splu(stiffness - shift * mass).solve(unit)
+        modal = self.shapes.T @ (self.shapes[:, self.excitation] / (squares[order] - shift))
+        self._residual = whole - modal
+
+    def frf(self, response: Any, excitation: int, freq_hz: Any, *, damping_ratio: Any = None,
+            kind: str = "accelerance") -> ComplexArray:
+        """Accelerance of one response dof to the shaker, (n_freq,)."""
+        omega = 2 * np.pi * np.asarray(freq_hz, dtype=float)
+        poles = 2 * np.pi * self.freq_hz
+        total: ComplexArray = np.full(omega.size, complex(self._residual[response]))
+        for pole, ratio, shape in zip(poles, self.damping_ratio, self.shapes, strict=True):
+            total += shape[response] * shape[excitation] / (pole**2 - omega**2 + 2j * ratio * pole * omega)
+        total *= -omega**2
+        return total

@@ -1,0 +1,99 @@
+"""Damage as several measurements see it, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._validation import reject
+from .canvas import COLOURS, below, new_axes
+from .damage import LEAST_PERCENT
+
+if TYPE_CHECKING:
+    from ..results import DamageResult
+
+__all__ = ["plot_damages"]
+
+#: Looks of the bars, told apart in grey too.
+LOOKS = ({"facecolor": COLOURS["blue"], "edgecolor": "black"},
+         {"facecolor": "white", "edgecolor": COLOURS["vermillion"], "hatch": "/////"},
+         {"facecolor": "#D9D9D9", "edgecolor": "black", "hatch": "..."},
+         {"facecolor": "white", "edgecolor": COLOURS["green"], "hatch": "xxxx"})
+
+
+def plot_damages(results: Mapping[str, DamageResult], ax: Any = None,
+                 truth: Mapping[int, float] | None = None) -> Any:
+    """Draw the stiffness loss of each candidate element in % as found by several approaches.
+
+    Parameters
+    ----------
+    results : mapping of str to DamageResult
+        By the name of the approach, two to four, all with the same candidate elements.
+    ax : matplotlib.axes.Axes, optional
+        Drawn into; a new figure by default.
+    truth : mapping of int to float, optional
+        True loss by zero-based element, where it is known; drawn as diamonds.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InvalidInputError
+        Fewer than two results or more than four, or different candidate elements.
+    MissingDependencyError
+        matplotlib is not installed.
+
+    Notes
+    -----
+    As Fig. 8 of V. Meruane, J. Sound Vib. 332 (2013) 807-820, for antiresonances beside resonances with mode
+    shapes.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> from antires_rs.plotting import plot_damages
+    >>> from matplotlib.figure import Figure
+    >>> case = ar.cases.chain8()
+    >>> both = {"antiresonances": case.exact(1), "resonances and shapes": case.exact_modes(1)}
+    >>> found = {name: ar.assess_damage(case.model, exact, rng=0) for name, exact in both.items()}
+    >>> ax = plot_damages(found, ax=Figure().subplots(), truth={4: 0.55})
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['antiresonances', 'resonances and shapes', 'truth']
+    """
+    if not 2 <= len(results) <= len(LOOKS):
+        reject("results", f"{len(results)} results", f"two to {len(LOOKS)}")
+    first, *others = results.values()
+    if any(other.elements != first.elements for other in others):
+        reject("results", "different candidate elements", "the same in all")
+    label = first.problem.model.element_label
+    names = [", ".join(label(term) for term in p.terms) for p in first.problem.parameters]
+    ax = new_axes(ax, (max(7.0, 0.4 * len(names) + 1.5), 4.4))
+    x = np.arange(len(names))
+    width = 0.8 / len(results)
+    crowded = len(names) > 12
+    for k, (name, result) in enumerate(results.items()):
+        at, percent = x + (k - 0.5 * (len(results) - 1)) * width, 100.0 * np.asarray(result.x)
+        ax.bar(at, percent, width=0.92 * width, label=name, linewidth=0.8, **LOOKS[k])
+        for where, value in zip(at, percent, strict=True):
+            if value > 0.0:
+                # A number beside its bar's middle: the diamond of the truth stands between the bars.
+                ax.annotate(f"{value:.1f}", (where, value), xytext=(0, 4), textcoords="offset points",
+                            ha="center", va="bottom", fontsize="x-small", rotation=90 if crowded else 0)
+    known = 100.0 * np.array([(truth or {}).get(e, np.nan) for e in first.elements])
+    if truth is not None:
+        ax.plot(x, known, ls="", marker="D", ms=7, mfc="none", mec="black", mew=1.3, label="truth", zorder=4,
+                clip_on=False)
+    shown = np.concatenate([known, *(100.0 * np.asarray(result.x) for result in results.values())])
+    ax.set_ylim(0.0, max(LEAST_PERCENT, 1.18 * np.nanmax(shown, initial=0.0)))
+    ax.set_xticks(x, names, rotation=90 if crowded else 0)
+    ax.tick_params(axis="x", pad=7)  # clear of diamonds at 0
+    ax.set_xlim(-0.6, len(names) - 0.4)
+    ax.set_xlabel("Candidate element (no bar: exactly 0)")
+    ax.set_ylabel("Stiffness loss (%)")
+    below(ax, 3, drop_pt=44.0 + (5.5 * max(map(len, names)) if crowded else 0.0),
+          first=tuple(results))
+    return ax

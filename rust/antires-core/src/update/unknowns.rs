@@ -1,0 +1,168 @@
+//! What all objectives share: the model, its unknowns, and what is charged for damage.
+//!
+//! ```text
+//! J(x) = misfit(x) + γ₁ Σ β + γ₂ count(β > 0)
+//! ```
+//!
+//! The penalties apply to the stiffness reductions β among the unknowns; severities below the snap count as
+//! exactly zero.
+
+use super::penalties::Penalty;
+use crate::error::{Error, Result};
+use crate::fem::model::Model;
+use crate::fem::parameters::{Parameter, Quantity};
+use crate::fem::slopes::{MatrixSlopes, Slopes};
+use crate::optimize::{Composition, Norm};
+
+/// Largest threshold below which a severity may be snapped to zero.
+pub const LARGEST_SNAP: f64 = 1e-3;
+
+/// A model, its parameters and their price.
+#[derive(Debug, Clone)]
+pub struct Unknowns {
+    pub(super) model: Model,
+    pub(super) parameters: Vec<Parameter>,
+    penalty: Option<Penalty>,
+    snap: f64,
+}
+
+impl Unknowns {
+    /// Joins a model and its parameters; `penalty` applies to the stiffness reductions among them, of which
+    /// those below `snap` count as exactly zero.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] when there is no parameter, one governs nothing of the model, or `snap` is
+    /// outside [0, 1e-3].
+    pub fn new(
+        model: Model,
+        parameters: Vec<Parameter>,
+        penalty: Option<Penalty>,
+        snap: f64,
+    ) -> Result<Self> {
+        if !(0.0..=LARGEST_SNAP).contains(&snap) {
+            return Err(Error::input(
+                "snap",
+                snap,
+                format!("a threshold in [0, {LARGEST_SNAP}]"),
+            ));
+        }
+        if parameters.is_empty() {
+            return Err(Error::input("parameters", "none", "at least one parameter"));
+        }
+        for (i, parameter) in parameters.iter().enumerate() {
+            parameter.check(&format!("parameters[{i}]"), &model)?;
+        }
+        Ok(Self {
+            model,
+            parameters,
+            penalty,
+            snap,
+        })
+    }
+
+    /// Number of parameters.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Whether there is no parameter; there always is one.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.parameters.is_empty()
+    }
+
+    /// The parameters in the order of x.
+    #[must_use]
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// Number of degrees of freedom of the model.
+    #[must_use]
+    pub fn n_dof(&self) -> usize {
+        self.model.n_dof()
+    }
+
+    /// The model at parameter values `x`, as its own nominal state.
+    ///
+    /// # Errors
+    /// Those of [`Model::at`].
+    pub fn model_at(&self, x: &[f64]) -> Result<Model> {
+        self.model.at(&self.parameters, x)
+    }
+
+    /// Negligible severities become exactly zero.
+    pub(super) fn snap(&self, x: &mut [f64]) {
+        if self.snap > 0.0 {
+            for (i, value) in x.iter_mut().enumerate() {
+                if self.is_reduction(i) && value.abs() < self.snap {
+                    *value = 0.0;
+                }
+            }
+        }
+    }
+
+    /// `x` with negligible severities at zero: the point that is evaluated.
+    pub(super) fn snapped(&self, x: &[f64]) -> Vec<f64> {
+        let mut snapped = x.to_vec();
+        self.snap(&mut snapped);
+        snapped
+    }
+
+    /// The penalty of parameter values that are already snapped.
+    pub(super) fn penalty_at(&self, snapped: &[f64]) -> f64 {
+        let beta = snapped
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| self.is_reduction(*i))
+            .map(|(_, &b)| b);
+        self.penalty.map_or(0.0, |p| p.of(beta))
+    }
+
+    /// How J is composed, for residuals of that norm.
+    pub(super) fn composition(&self, norm: Option<Norm>) -> Composition {
+        let sparse: Vec<bool> = (0..self.len())
+            .map(|i| self.penalty.is_some() && self.is_reduction(i))
+            .collect();
+        let gamma1 = self.penalty.map_or(0.0, |penalty| penalty.gamma1);
+        let nominal = self.parameters.iter().map(|p| p.nominal(&self.model));
+        Composition {
+            norm,
+            start: nominal.collect(),
+            price: sparse
+                .iter()
+                .map(|&s| if s { gamma1 } else { 0.0 })
+                .collect(),
+            sparse,
+        }
+    }
+
+    /// dK/dp and dM/dp of every parameter at `x`.
+    pub(super) fn slopes(&self, x: &[f64]) -> Vec<MatrixSlopes> {
+        let along = Slopes::new(&self.model, &self.parameters, x);
+        (0..self.len()).map(|index| along.along(index)).collect()
+    }
+
+    fn is_reduction(&self, index: usize) -> bool {
+        self.parameters[index].quantity == Quantity::StiffnessReduction
+    }
+}
+
+/// Weights that may multiply `count` residuals.
+///
+/// # Errors
+/// [`Error::InvalidInput`] when there is not one finite, not negative weight for each measured value, or all
+/// are zero.
+pub(super) fn checked_weights(weights: Vec<f64>, count: usize) -> Result<Vec<f64>> {
+    let usable =
+        weights.iter().all(|w| w.is_finite() && *w >= 0.0) && weights.iter().any(|w| *w > 0.0);
+    if weights.len() == count && usable {
+        return Ok(weights);
+    }
+    Err(Error::input(
+        "weights",
+        format!("{} values", weights.len()),
+        format!("{count} finite weights of at least 0, one for each measured value, not all 0"),
+    ))
+}
