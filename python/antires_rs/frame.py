@@ -92,7 +92,9 @@ class FrameModel(StructuralModel):
         nodes = real_array("nodes_m", nodes_m, ndim=2, wanted=wanted)
         if nodes.shape[1] not in (2, 3):
             reject("nodes_m", f"an array of shape {nodes.shape}", wanted)
-        rows = [tuple(row) for row in elements]
+        pairs = "pairs of nodes (first, second), or triples with a section"
+        rows = [tuple(iterable(f"elements[{i}]", row, pairs))
+                for i, row in enumerate(iterable("elements", elements, pairs))]
         if not rows:
             reject("elements", "none", "at least one pair of nodes")
         self._names, listed, chosen = _sections(sections, rows)

@@ -28,7 +28,7 @@ from .checkpoint import Checkpoint, fingerprint
 from .modal_set import ModalSet
 from .models import StructuralModel
 from .optimizer import IslandGA, OptimizeResult, guesses, seed_of, thread_count
-from .parameters import Parameter, core_parameters, parameter_name, stiffness_reduction
+from .parameters import Parameter, core_parameters, parameter_name, stiffness_reduction, warn_far
 from .results import DamageResult, UpdateResult
 from .tables import FrequencyTable, ModalTable
 
@@ -156,6 +156,7 @@ class UpdatingProblem:
         self._nominal = _core.nominal_values(model._core, parts)
         _core.check_bounds(model._core, parts, self.bounds[:, 0].copy(), self.bounds[:, 1].copy())
         self.names = [parameter_name(model, p) for p in self.parameters]
+        warn_far(self.parameters, self.names, self._nominal)
         self._core = targets.core(
             model._core, parts, misfit, (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None,
             self.penalty.snap if self.penalty else 0.0, self.weights)
@@ -379,3 +380,4 @@ def _penalty(penalty: Any) -> DamagePenalty | None:
     if np.shape(penalty) != (2,):
         reject("penalty", penalty, "a DamagePenalty, a pair (gamma1, gamma2) or None")
     return DamagePenalty(*penalty)
+
