@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
+from ._validation import FloatArray
 from .identifiability import Identifiability, identifiability, smallest_visible
 from .tables import FrequencyTable, ModalTable
 
@@ -98,11 +99,16 @@ class UpdateResult:
         notes = [f"note: {note}" for note in self.notes]
         return "\n".join([head, "", *self._values(), "", str(self.table), *([""] if notes else []), *notes])
 
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviation of each parameter to first order, (n,); see :class:`Identifiability`."""
+        return self.identifiability.std
+
     def _values(self) -> list[str]:
         width = max(len(name) for name in self.problem.names)
-        return [f"{name:<{width}}  {value:#12.6g}   [{low:g}, {high:g}]"
-                for name, value, (low, high) in zip(self.problem.names, self.x, self.problem.bounds,
-                                                    strict=True)]
+        return [f"{name:<{width}}  {value:#12.6g} \u00b1 {std:<8.2g} [{low:g}, {high:g}]"
+                for name, value, std, (low, high) in zip(self.problem.names, self.x, self.std,
+                                                         self.problem.bounds, strict=True)]
 
     def plot(self, ax: Any = None) -> Any:
         """Differences of the frequencies before and after updating; see :mod:`antires_rs.plotting`."""
@@ -178,7 +184,9 @@ class DamageResult(UpdateResult):
         """The damaged elements, the worst first; the others are exactly 0 and take one line."""
         names = dict(zip(self.elements, self.problem.names, strict=True))
         width = max(len(name) for name in names.values())
-        lines = [f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} %" for e in self.damaged]
+        std = dict(zip(self.elements, 100 * self.std, strict=True))
+        lines = [f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} % \u00b1 {std[e]:.2g} %"
+                 for e in self.damaged]
         others = len(names) - len(lines)
         rest = "all others" if lines else "all of them"
         return [*lines, *([f"{rest} ({others}): exactly 0"] if others else [])]
