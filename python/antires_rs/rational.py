@@ -159,6 +159,14 @@ class RationalFit:
         Roots of the numerator; one set an output when the values were two-dimensional.
     residual : float
         Weighted rms of ``fit - values`` over the weighted rms of ``values``.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> f = np.linspace(1.0, 20.0, 400)
+    >>> fit = ar.fit_rational(f, 1.0 / (10.0**2 - f**2 + 0.4j * f), 2)
+    >>> fit.poles.freq_hz.round(6), abs(fit.evaluate([10.0])).round(6)
+    (array([10.]), array([0.25]))
     """
 
     order: int
