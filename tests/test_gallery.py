@@ -38,7 +38,8 @@ def test_it_is_short_and_opens_with_a_title(path):
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
-def test_it_runs_and_draws(path, pyplot, capsys):
+def test_it_runs_and_draws(path, pyplot, capsys, monkeypatch):
+    monkeypatch.setenv("ANTIRES_DATA", str(DATA))
     names = runpy.run_path(str(path), run_name="__main__")
     printed = capsys.readouterr().out
     folder = MEASURED.get(path.stem)

@@ -19,8 +19,7 @@ from scipy.io import loadmat
 
 import antires_rs as ar
 
-beside = Path(__file__).resolve().parents[3] / "shared" / "data"
-path = Path(os.environ.get("ANTIRES_DATA", beside)) / "brake_reuss_beam" / "HammerImpact.mat"
+path = Path(os.environ.get("ANTIRES_DATA", "../shared/data")) / "brake_reuss_beam" / "HammerImpact.mat"
 
 if path.is_file():
     data = loadmat(path)["HIdata"][0, 0]

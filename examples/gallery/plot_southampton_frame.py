@@ -18,8 +18,7 @@ import numpy as np
 
 import antires_rs as ar
 
-beside = Path(__file__).resolve().parents[3] / "shared" / "data"
-folder = Path(os.environ.get("ANTIRES_DATA", beside)) / "southampton_3storey"
+folder = Path(os.environ.get("ANTIRES_DATA", "../shared/data")) / "southampton_3storey"
 
 
 def column(path, floor):

@@ -2,7 +2,7 @@ r"""Rational fraction polynomials with a common denominator, fitted in orthogona
 
 Model: Y_o(s) = N_o(s) / D(s) for every output o, numerators and denominator of one order, real
 coefficients in s. The residual w_n (N_o - Y_o D) is linear in the coefficients. With the numerators on a
-Forsythe basis for w^2 and the denominator on one for w^2 sum_o |Y_o|^2, all numerators are eliminated
+Forsythe basis for w^2 and the denominator on one for w^2 sum_o abs(Y_o)^2, all numerators are eliminated
 at no cost and the denominator minimises d' G d, G = I - sum_o X_o' X_o (Richardson & Formenti 1982).
 The X_o are computed once: their leading blocks serve every lower order.
 
