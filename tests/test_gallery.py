@@ -46,9 +46,11 @@ def test_it_runs_and_draws(path, pyplot, capsys, monkeypatch):
     if folder and not (DATA / folder).is_dir():
         assert "ANTIRES_DATA" in printed
         pytest.skip(f"measurement absent: {folder}; set ANTIRES_DATA to the folder that holds it")
-    for number in pyplot.get_fignums():
-        pyplot.figure(number).canvas.draw()
-    assert any(figure.axes and figure.axes[0].has_data() for figure in map(pyplot.figure, pyplot.get_fignums()))
+    figures = [pyplot.figure(number) for number in pyplot.get_fignums()]
+    assert figures
+    for figure in figures:
+        figure.canvas.draw()
+    assert all(figure.axes[0].has_data() for figure in figures)
     if path.stem in FOUND:
         assert FOUND[path.stem](names)
 
