@@ -116,6 +116,12 @@ def test_gaps_in_time(tmp_path):
         ar.read_csv(back)
 
 
+@pytest.mark.parametrize("step", ["1", "3", "60", "0.25"])
+def test_instants_that_are_exact(tmp_path, step):
+    rows = "".join(f"{i * float(step):g},1.5\n" for i in range(40))
+    assert ar.read_csv(saved(tmp_path / "a.csv", "time,tip\n" + rows)).fs_hz == 1.0 / float(step)
+
+
 @pytest.mark.parametrize("rate", [1000.0, 12800.0, 44100.0, 51200.0])
 def test_the_rate_behind_rounded_instants(tmp_path, rate):
     rows = "".join(f"{i / rate:.6f},1.5\n" for i in range(2000))

@@ -61,6 +61,7 @@ def test_units_roles_and_time():
     ([channel(Fs=3)], "the key 'Fs'; wanted 'fs', as SEP 5 spells it"),
     ([channel(starttimestamp="x")], "the key 'starttimestamp'; wanted 'start_timestamp'"),
     ([channel(unit="g")], "the key 'unit', which SEP 5 prohibits"),
+    ([channel(sampleFrequency=3)], "the key 'sampleFrequency', which SEP 5 prohibits"),
     ([channel(), channel()], "the name 'tip' twice"),
     ([channel(), channel(name="b", fs=126)], "rates from 125 to 126 Hz"),
     ([channel(data=DATA[:, None])], r"channels\[0\]\['data'\]: got an array of shape"),

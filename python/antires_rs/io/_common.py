@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import warnings
 from pathlib import Path
 from typing import Any, NoReturn
@@ -14,7 +15,7 @@ from ..exceptions import AntiresWarning, MissingDependencyError, UnsuitableDataE
 from ..signals import FrequencyResponse, Recording
 
 __all__ = ["Signal", "existing_file", "missing_package", "missing_part", "rate_of", "signal_given",
-           "simplest_between", "unsuitable"]
+           "simplest_rate", "unsuitable", "warn"]
 
 Signal = Recording | FrequencyResponse
 
@@ -40,11 +41,18 @@ def unsuitable(path: Path, found: str, wanted: str, remedy: str = "") -> NoRetur
 def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) -> None:
     """A file of which a part is missing: an error, or with ``partial`` a warning that counts it."""
     if partial and kept:
-        warnings.warn(f"path: {str(path)!r} is incomplete: {found}; what is whole was read.", AntiresWarning,
-                      stacklevel=4)
+        warn(f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
         return
     remedy = "Copy or export it again" + (", or pass partial=True to read what is whole." if kept else ".")
     unsuitable(path, found, wanted, remedy)
+
+
+def warn(message: str) -> None:
+    """Warn at the line of the user's call, however deep in this package."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and str(frame.f_globals.get("__name__")).startswith("antires_rs."):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, AntiresWarning, stacklevel=level)
 
 
 def missing_package(what: str, package: str, extra: str, cause: ImportError) -> MissingDependencyError:
@@ -62,7 +70,16 @@ def signal_given(signal: Any) -> Signal:
     return signal
 
 
-def simplest_between(low: float, high: float) -> float:
+def simplest_rate(low: float, high: float) -> float:
+    """The rate in [low, high] that is the simplest number, or whose step is."""
+    rate, step = _simplest(low, high), _simplest(1.0 / high, 1.0 / low)
+    # Of equally simple ones, the nearer to the middle.
+    found = [(_digits(rate), abs(rate - 0.5 * (low + high)), rate),
+             (_digits(step), abs(1.0 / step - 0.5 * (low + high)), 1.0 / step)]
+    return min(found)[2]
+
+
+def _simplest(low: float, high: float) -> float:
     """The number of fewest decimal digits in [low, high]; both positive."""
     middle = 0.5 * (low + high)
     for digits in range(1, 17):
@@ -72,11 +89,15 @@ def simplest_between(low: float, high: float) -> float:
     return middle
 
 
+def _digits(number: float) -> int:
+    return len(f"{number:.15e}".partition("e")[0].rstrip("0"))
+
+
 def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     """Sampling rate of evenly spaced instants in s; refuses gaps.
 
     ``digits`` is the relative rounding of the instants as they were written, which hides the last digits of
-    the rate: among the rates that fit, the one of fewest digits is taken.
+    the rate: among the rates that fit, the one of fewest digits is taken, or the one whose step has fewest.
     """
     wanted = "instants in s, evenly spaced and ascending"
     if times.size < 2 or not np.isfinite(times).all():
@@ -93,4 +114,4 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
                    f"{step:.6g} s ({late.size} such gaps)", wanted,
                    "Samples are missing, or the sampling was uneven.")
     count = times.size - 1
-    return simplest_between(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))
+    return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))

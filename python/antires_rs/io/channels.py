@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from .._validation import FloatArray, reject, shape_of
-from ..exceptions import AntiresWarning
 from ..signals import Recording
-from ._common import unsuitable
+from ._common import unsuitable, warn
 from .units import Unit, named_unit, parse_unit
 
 __all__ = ["Channel", "Dofs", "in_si", "recording_of", "renamed"]
@@ -113,9 +111,8 @@ def _unit(path: Path, channel: Channel) -> Unit:
 def _warn_unknown(path: Path, responses: Sequence[Channel]) -> None:
     odd = sorted({c.unit for c in responses if parse_unit(c.unit) is None})
     if odd:
-        warnings.warn(f"path: {str(path)!r} has responses in {', '.join(map(repr, odd))}, which is no unit "
-                      "known here; values are as they are in the file. Name it by unit= if they should be "
-                      "converted.", AntiresWarning, stacklevel=4)
+        warn(f"path: {str(path)!r} has responses in {', '.join(map(repr, odd))}, which is no unit known "
+             "here; values are as they are in the file. Name it by unit= if they should be converted.")
 
 
 def _force(forces: list[Channel], force: Any) -> Channel | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import AntiresWarning
-from ._common import unsuitable
+from ._common import unsuitable, warn
 from .units import parse_unit
 
 __all__ = ["MARK", "Table", "table_of"]
@@ -230,5 +228,5 @@ def _bare(part: str) -> str:
 
 
 def _warn_end(file: Path) -> None:
-    warnings.warn(f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
-                  "If it is whole, add one.", AntiresWarning, stacklevel=4)
+    warn(f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
+         "If it is whole, add one.")

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 import platform
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +16,9 @@ import numpy as np
 
 from .._core import __version__
 from .._validation import reject
-from ..exceptions import AntiresWarning
 from ..optimizer import History, OptimizeResult
 from ..results import DamageResult, UpdateResult
-from ._common import unsuitable
+from ._common import unsuitable, warn
 from ._store import Store, read_store, write_store
 from .problems import describe_problem, made_problem
 
@@ -67,7 +65,6 @@ def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateR
     cost = problem.cost(search.x)
     if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
         maker = data["made_with"]["antires_rs"]
-        warnings.warn(f"path: {str(file)!r} was made by antires_rs {maker}; its objective was "
-                      f"{search.fun:.9g} where this version computes {cost:.9g}.", AntiresWarning,
-                      stacklevel=3)
+        warn(f"path: {str(file)!r} was made by antires_rs {maker}; its objective was {search.fun:.9g} where "
+             f"this version computes {cost:.9g}.")
     return made(problem, search, data["seed"])

@@ -134,7 +134,7 @@ def _check_keys(i: int, row: Any) -> None:
         near = [k for k in _SPELLED if k.replace("_", "") == str(key).lower().replace("_", "") and k != key]
         if near:
             reject(here, f"the key {key!r}", f"{near[0]!r}, as SEP 5 spells it")
-        if key in _PROHIBITED:
+        if str(key).lower().replace("_", "") in (k.replace("_", "") for k in _PROHIBITED):
             reject(here, f"the key {key!r}, which SEP 5 prohibits",
                    "'unit_str', 'start_timestamp', 'data' or 'fs'")
     for key in _COMPULSORY:

@@ -13,7 +13,7 @@ import numpy as np
 
 from .._validation import choice
 from ..signals import Recording
-from ._common import Signal, existing_file, rate_of, simplest_between, unsuitable
+from ._common import Signal, existing_file, rate_of, simplest_rate, unsuitable
 from .channels import Channel, recording_of
 from .uff_names import Point, as_point, dof_of, label_of
 from .uff_response import half_digit, response_of
@@ -72,7 +72,7 @@ def read_uff(path: str | os.PathLike[str], *, kind: Kind | None = None, dofs: An
     -----
     A universal file does not state how many sets it has. In one of another program that was cut exactly
     between two sets the rest is missing without a trace; ours are numbered. Steps of time and frequency have
-    six digits in the format; the rate of fewest digits that fits is taken (1.95313E-03 s is 512 Hz).
+    six digits in the format; the simplest rate or step that fits is taken (1.95313E-03 s is 512 Hz).
 
     Examples
     --------
@@ -178,7 +178,7 @@ def _rate(file: Path, f: Function) -> float:
     if not f.step > 0.0:
         unsuitable(file, f"with a step of {f.step:g} s at {label_of(f.response)}", "a positive step")
     half = half_digit(f.step)
-    return simplest_between(1.0 / (f.step + half), 1.0 / (f.step - half))
+    return simplest_rate(1.0 / (f.step + half), 1.0 / (f.step - half))
 
 
 def _listed(functions: list[Function]) -> str:

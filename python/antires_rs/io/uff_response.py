@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._validation import FloatArray
-from ..exceptions import AntiresWarning
 from ..signals import FrequencyResponse
-from ._common import simplest_between, unsuitable
+from ._common import simplest_rate, unsuitable, warn
 from .uff_names import Point, as_point, label_of
 from .uff_sets import Function
 from .units import Unit, named_unit, parse_unit
@@ -76,9 +74,7 @@ def frequencies(f: Function) -> FloatArray:
     if not f.even or "start" in f.own or f.x.size < 2:
         return f.x
     half = half_digit(f.step)
-    inverse = simplest_between(1.0 / (f.step + half), 1.0 / (f.step - half))
-    # 0.333333 is 1/3, 0.0625 is itself: the shorter of the two.
-    step = 1.0 / inverse if len(repr(inverse)) < len(repr(f.step)) else f.step
+    step = 1.0 / simplest_rate(1.0 / (f.step + half), 1.0 / (f.step - half))  # 0.333333 is 1/3
     first = step * round(float(f.x[0]) / step)
     start = first if abs(first - f.x[0]) <= half_digit(float(f.x[0])) else float(f.x[0])
     return np.asarray(start + step * np.arange(f.x.size), dtype=np.float64)
@@ -110,9 +106,8 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
         above, below = parse_unit(f.unit), parse_unit(f.reference_unit)
         if above is None or below is None:
             odd = f.unit if above is None else f.reference_unit
-            warnings.warn(f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit "
-                          "known here; its values are as in the file. Name unit= to convert them.",
-                          AntiresWarning, stacklevel=6)
+            warn(f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit known here; "
+                 "its values are as in the file. Name unit= to convert them.")
         above, below = above or Unit(), below or Unit()
         # Some programs write the whole quotient into the numerator's label.
         factor = f.scale * above.factor / (1.0 if above.per else below.factor)
@@ -124,8 +119,8 @@ def _coherence(file: Path, rows: dict[Point, Any], beside: list[Function]) -> di
     found = {f.response: f.values.real for f in beside if f.response in rows}
     lost = [p for p in rows if p not in found]
     if found and lost:
-        warnings.warn(f"path: {str(file)!r} has coherences of {len(found)} of {len(rows)} responses, not of "
-                      f"{', '.join(map(label_of, lost))}; they are left out.", AntiresWarning, stacklevel=5)
+        warn(f"path: {str(file)!r} has coherences of {len(found)} of {len(rows)} responses, not of "
+             f"{', '.join(map(label_of, lost))}; they are left out.")
     return found if found and not lost else None
 
 

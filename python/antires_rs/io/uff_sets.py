@@ -82,13 +82,15 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
                    "It is no universal file, or was cut.")
     whole = [d for d in datasets if not d.problem]
     kept = sum(d.number == 58 for d in whole)
+    functions = _read(pyuff, file, data, datasets, whole)
     bad = [(i, d) for i, d in enumerate(datasets) if d.problem]
     if bad:
         i, first = bad[0]
+        of = next((f" of {f.own['of']}" for f in functions if "of" in f.own), "")
         missing_part(file, f"dataset {i + 1} ({first.number or 'unknown'}) is damaged: {first.problem}; "
-                     f"{kept} functions are whole", WANTED, partial, kept)
-    functions = _read(pyuff, file, data, datasets, whole)
-    _check_marks(file, functions, partial)
+                     f"{kept}{of} functions are whole", WANTED, partial, kept)
+    else:
+        _check_marks(file, functions, partial)
     if not functions:
         unsuitable(file, f"with {len(datasets)} datasets and no 58 among them", WANTED)
     return functions

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,9 +14,8 @@ from numpy.typing import NDArray
 from .._files import write_atomically
 from .._validation import reject
 from ..estimators import std_of_coherence
-from ..exceptions import AntiresWarning
 from ..signals import FrequencyResponse, Recording
-from ._common import Signal, signal_given
+from ._common import Signal, signal_given, warn
 from ._packing import check_dofs
 from .uff_names import Point, as_point, label_of, points_of
 from .uff_sets import VERSION
@@ -114,9 +112,8 @@ def _responses(resp: FrequencyResponse, points: dict[Any, Point], force: Point |
     step = (resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1)
     ideal = resp.freq_hz[0] + step * np.arange(resp.n_freq)
     if resp.std is not None and not _follows(resp):
-        warnings.warn("signal: its standard deviations are not those of coherence and averages, and a "
-                      "universal file has no place for them; they are left out.", AntiresWarning,
-                      stacklevel=3)
+        warn("signal: its standard deviations are not those of coherence and averages, and a universal file "
+             "has no place for them; they are left out.")
     even = bool(np.abs(ideal - resp.freq_hz).max() <= 1e-12 * resp.freq_hz[-1])
     line4: dict[str, Any] = {} if resp.n_averages is None else {"n_averages": resp.n_averages}
     if even:
