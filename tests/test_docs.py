@@ -37,6 +37,29 @@ FOUND = {
 }
 
 
+def test_the_steps_on_the_command_line_run(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib").use("Agg")
+    pytest.importorskip("pyuff")
+    pytest.importorskip("jinja2")
+    from antires_rs.cli import main
+    monkeypatch.chdir(tmp_path)
+    text = (DOCS / "jobs.md").read_text(encoding="utf-8")
+    for language, block in re.findall(r"```(python|console|toml)\n(.*?)```", text, re.DOTALL):
+        if language == "python":
+            exec(compile(block, "jobs.md", "exec"), {})
+        elif language == "toml":
+            Path("job.toml").write_text(block, encoding="utf-8")
+        else:
+            for line in block.splitlines():
+                prompt, program, *arguments = line.split()
+                assert (prompt, program) == ("$", "antires")
+                assert main(arguments) == 0, capsys.readouterr().err
+    assert ar.AntiresonanceSet.load("zeros.json").excitation == 0
+    assert ar.DamageResult.load("job_results/result.npz").damaged == [4]
+    written = {path.name for path in Path("job_results").iterdir()}
+    assert {"report.html", "result.npz", "antiresonances.json", "summary.json", "run.json"} <= written
+
+
 def names_of(listing):
     """What the autosummary tables of a page list."""
     tables = re.findall(r"\.\. autosummary::\n(?:   :.*\n)*\n((?:   [\w.]+\n)+)", listing)

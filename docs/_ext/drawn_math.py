@@ -1,7 +1,7 @@
 """Formulas as drawings inside the page: no script, no network, any text colour, any zoom.
 
-matplotlib's mathtext sets each formula as outlines; they become an inline SVG, whose unit and colour are those of
-the text around it. What mathtext does not know is a warning, so an error of ``make docs``.
+matplotlib's mathtext sets each formula as outlines; they become an inline SVG, whose unit and colour are
+those of the text around it. What mathtext does not know is a warning, so an error of ``make docs``.
 """
 
 import re

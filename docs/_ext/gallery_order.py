@@ -12,5 +12,6 @@ class Story:
         pass
 
     def __call__(self, filename):
+        """Place in the story, then the name."""
         name = filename.removeprefix("plot_").removesuffix(".py")
         return (STORY.index(name) if name in STORY else len(STORY), name)
