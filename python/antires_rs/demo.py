@@ -276,11 +276,9 @@ def _drawn(record: Recording, reference: int) -> Any:
     return transmissibility(record, reference, nperseg=NPERSEG, estimator="rank1")
 
 
-def command(out: Path, *, seed: int, noise: float, workers: int | None, as_json: bool) -> int:
+def command(out: Path, *, seed: int, noise: float, workers: int | None, as_json: bool,
+            say: Callable[[str], Any] = str) -> int:
     """What ``antires demo`` does; returns its exit code."""
-    def say(text: str) -> None:
-        print(text, file=sys.stderr, flush=True)
-
     out.mkdir(parents=True, exist_ok=True)
     story = tell(seed=seed, noise=noise, workers=workers, max_evaluations=MAX_EVALUATIONS, say=say)
     numbers = json.dumps(summary(story), indent=1, allow_nan=False) + "\n"

@@ -76,6 +76,13 @@ class Parameter:
         The value of a frame's property is a factor on the nominal one.
     pivot, axis
         Of an angle: the node about which, and the axis around which the group turns.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> one = ar.mass_factor(0, bounds=(0.9, 1.1))   # the functions make them
+    >>> one == ar.Parameter("mass_factor", (0,), (0.9, 1.1)), one.nominal
+    (True, 1.0)
     """
 
     quantity: Quantity

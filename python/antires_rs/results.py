@@ -44,6 +44,17 @@ class UpdateResult:
     problem : UpdatingProblem
     seed : int
         Master seed in force.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> tested = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(tested.antiresonances([0, 1, 2], 0))))
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> result = ar.update(ar.UpdatingProblem(nominal, springs, measured), rng=0)
+    >>> result.status, result.x.round(2), result.model.stiffness()[0].round(0)
+    ('agreed', array([1.1 , 0.96]), array([ 550., -550.,    0.]))
     """
 
     def __init__(self, problem: UpdatingProblem, search: OptimizeResult, seed: int) -> None:
@@ -159,7 +170,17 @@ class UpdateResult:
 
 
 class DamageResult(UpdateResult):
-    """Damage found: an :class:`UpdateResult` whose ``x`` holds the severities beta."""
+    """Damage found: an :class:`UpdateResult` whose ``x`` holds the severities beta.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> damaged = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 300.0])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(damaged.antiresonances([0, 1, 2], 0))))
+    >>> result = ar.assess_damage(ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0]), measured, rng=0)
+    >>> result.damaged, round(result.severity[1], 3), round(result.detectable[1], 2)
+    ([1], 0.4, 0.08)
+    """
 
     @property
     def elements(self) -> list[int]:

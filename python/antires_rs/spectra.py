@@ -283,7 +283,7 @@ def transmissibility(
 
 
 def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
-    """Sum over p of ``abs(Re T_pj) + i abs(Im T_pj)``: Eq. 10 of the paper as printed, for the eye.
+    """Sum over p of ``abs(Re T_pj) + i abs(Im T_pj)``, the paper's equation 10 as printed, for the eye.
 
     Parameters
     ----------

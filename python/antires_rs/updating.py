@@ -49,6 +49,12 @@ class DamagePenalty:
     snap : float
         Severities below it count as exactly 0, and are evaluated as 0; within [0, 1e-3]. 0 is the
         algorithm as printed.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> ar.DamagePenalty(gamma1=0.05)
+    DamagePenalty(gamma1=0.05, gamma2=0.1, snap=0.001)
     """
 
     gamma1: float = 0.1

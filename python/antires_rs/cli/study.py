@@ -1,0 +1,139 @@
+"""``antires demo``, ``identify`` and ``report``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from .._validation import reject
+from ..antiresonance_set import AntiresonanceSet
+from ..jobs.keys import FORMATS, format_of
+from .terminal import arguments, existing, print_json, say
+
+__all__ = ["demo", "identify", "report"]
+
+#: Options of ``identify`` by the arguments of the functions behind it.
+_NAMES = {"path": "FILE", "signal": "FILE", "source": "FILE", "band_hz": "--band", "dofs": "--dof",
+          "fs_hz": "--fs", "second_opinion": "--second-opinion", "max_order": "--max-order",
+          **{name: f"--{name}" for name in ("excitation", "unit", "force", "kind", "first", "reference",
+                                            "preset")}}
+_READING = ("kind", "reference", "force", "fs_hz", "unit", "first")
+_CHOICES = ("preset", "max_order", "second_opinion")
+_SEE = "See 'antires identify --help'."
+
+
+def demo(args: argparse.Namespace) -> int:
+    """The whole study of the eight-mass chain."""
+    from .. import demo as story
+    return story.command(args.out, seed=args.seed, noise=args.noise, workers=args.workers, as_json=args.json,
+                         say=say)
+
+
+def identify(args: argparse.Namespace) -> int:
+    """Antiresonances of a file, or of the [data] of a job."""
+    existing("FILE", args.file, "Name a measurement, or a job.")
+    out: Path | None = args.out
+    if out is not None and (out.suffix != ".json" or not out.parent.is_dir()):
+        reject("--out", repr(str(out)), "a file that ends in .json, in a folder that exists",
+               "Choose another name.")
+    found = _of_job(args) if args.file.suffix == ".toml" else [_of_file(args)]
+    for i, each in enumerate(found):
+        if out is not None:
+            each.save(out.with_stem(f"{out.stem}_{i + 1}") if i else out)
+        if args.pictures is not None:
+            _diagrams(each, args.pictures, f"{i + 1}_" if i else "")
+    if args.json:
+        print_json([_numbers(each) for each in found] if len(found) > 1 else _numbers(found[0]))
+        return 0
+    for each in found:
+        print(each)
+        if each.second_opinion is not None:
+            print(each.second_opinion)
+    return 0
+
+
+def _of_job(args: argparse.Namespace) -> list[AntiresonanceSet]:
+    from ..jobs import read_job
+    from ..jobs.measured import measured_of
+    from ..jobs.model import model_of
+    for name in ("band", "excitation", "format", "dofs", *_READING, *_CHOICES):
+        if getattr(args, name) is not None:
+            option = {"dofs": "--dof", "fs_hz": "--fs"}.get(name, "--" + name.replace("_", "-"))
+            reject(option, "it beside a job", "it with a measurement alone",
+                   "Put it under [data] or [identification] of the job.")
+    job = read_job(args.file)
+    return [each.found for each in measured_of(job, model_of(job), say)]
+
+
+def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
+    kind = format_of(args.file.name, args.format)
+    if kind is None:
+        reject("FILE", repr(str(args.file)), "an ending out of " + " ".join(e for ends in FORMATS.values()
+                                                                            for e in ends),
+               "Say by --format what it is.")
+    if kind == "antiresonances":
+        with arguments(_NAMES, _SEE):
+            return AntiresonanceSet.load(args.file)
+    for name in ("band", "excitation"):
+        if getattr(args, name) is None:
+            wanted = {"band": "--band LOW HIGH, in Hz",
+                      "excitation": "--excitation DOF, where the force acts"}[name]
+            reject(f"--{name}", "nothing", wanted, _SEE)
+    from ..identification import identify_antiresonances
+    from ..jobs.reading import read_signal
+    options = {name: getattr(args, name) for name in _READING if getattr(args, name) is not None}
+    if args.dofs:
+        options["dofs"] = dict(args.dofs)
+    chosen = {name: getattr(args, name) for name in _CHOICES if getattr(args, name) is not None}
+    with arguments(_NAMES, _SEE):
+        say(f"reading {args.file.name}")
+        signal = read_signal(args.file, kind, options)
+        say(f"identifying the antiresonances of {len(signal.dofs)} responses")
+        force = options.get("dofs", {}).get(args.excitation, args.excitation)
+        return identify_antiresonances(signal, excitation=force, band_hz=args.band, **chosen)
+
+
+def _diagrams(found: AntiresonanceSet, folder: Path, prefix: str) -> None:
+    from .._files import write_atomically
+    from ..plotting.canvas import picture
+    folder.mkdir(parents=True, exist_ok=True)
+    for dof, diagram in found.diagrams.items():
+        write_atomically(folder / f"{prefix}stabilization_{dof}.png",
+                         picture(lambda ax, d=diagram: d.plot(ax=ax), (9.0, 5.2)))
+
+
+def _numbers(found: AntiresonanceSet) -> dict[str, Any]:
+    """A set as JSON; null where a value is not known."""
+    def plain(values: Any) -> list[float | None]:
+        return [float(v) if v == v else None for v in values]
+    checked = found.data_check
+    rows = [{"dof": dof, **{name: plain(column) for name, column in found.columns(dof).items()}}
+            for dof in found]
+    return {"excitation": found.excitation, "antiresonances": rows,
+            "data_check": None if checked is None else checked.warnings}
+
+
+def report(args: argparse.Namespace) -> int:
+    """The report of a result."""
+    from ..jobs.drawing import pictures
+    from ..results import UpdateResult
+    file: Path = args.result / "result.npz" if args.result.is_dir() else args.result
+    existing("RESULT", file, "'antires update' and 'antires damage' write result.npz into their folder.")
+    out: Path = args.out or file.with_name("report.html")
+    if out.suffix not in (".html", ".htm") or not out.parent.is_dir():
+        reject("--out", repr(str(out)), "a file that ends in .html, in a folder that exists",
+               "Choose another name.")
+    with arguments({"path": "RESULT"}, "Name the result.npz of a run."):
+        result = UpdateResult.load(file)
+    say("writing the report")
+    result.report(out, title=args.title)
+    drawn: list[Path] = []
+    if args.pictures is not None:
+        args.pictures.mkdir(parents=True, exist_ok=True)
+        drawn = pictures(result, args.pictures, {})
+    if args.json:
+        print_json({"report": str(out), "pictures": [str(file) for file in drawn]})
+    else:
+        print("\n".join(f"Wrote {path}" for path in (out, *drawn)))
+    return 0

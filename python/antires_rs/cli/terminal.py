@@ -1,0 +1,50 @@
+"""What commands share: where they speak, and how they name their arguments."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from .._validation import reject
+from ..exceptions import InvalidInputError
+
+__all__ = ["arguments", "existing", "print_json", "say"]
+
+
+def say(text: str) -> None:
+    """A line of progress; on a terminal only."""
+    if sys.stderr.isatty():
+        print(text, file=sys.stderr, flush=True)
+
+
+def print_json(data: Any) -> None:
+    """Numbers for machines, on standard output."""
+    print(json.dumps(data, indent=1, allow_nan=False))
+
+
+def existing(argument: str, path: Path, remedy: str) -> Path:
+    """A file that is there."""
+    if not path.is_file():
+        what = "is a folder" if path.is_dir() else "does not exist"
+        reject(argument, f"{str(path)!r}, which {what}", "a file that exists", remedy)
+    return path
+
+
+@contextmanager
+def arguments(names: Mapping[str, str], remedy: str) -> Iterator[None]:
+    """Errors about an argument of a function become errors about that of the command."""
+    try:
+        yield
+    except InvalidInputError as exc:
+        from ..jobs.job import has_remedy
+        found = re.match(r"(\w+)((?:\[[^\]]+\])*): ", str(exc))
+        name = names.get(found[1]) if found else None
+        if found is None or name is None:
+            raise
+        said = str(exc)[found.end():]
+        raise type(exc)(f"{name}: {said}{'' if has_remedy(said) else ' ' + remedy}") from exc

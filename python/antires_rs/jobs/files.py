@@ -1,0 +1,99 @@
+"""The folder of a run: what is in it, what was left by one that was killed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+from .._files import write_atomically
+from .job import Job
+
+__all__ = ["RunFolder", "sha256_of"]
+
+
+class RunFolder:
+    """Names and places of everything that a run writes.
+
+    Attributes
+    ----------
+    folder, result, summary, report, pictures, checkpoint, record : pathlib.Path
+        ``record`` says which job runs here, from the beginning of the search on.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.result, self.summary = folder / "result.npz", folder / "summary.json"
+        self.report, self.pictures = folder / "report.html", folder / "pictures"
+        self.checkpoint, self.record = folder / "search.ckpt", folder / "run.json"
+
+    @classmethod
+    def of(cls, job: Job) -> RunFolder:
+        """The folder that a job names; ``<job>_results`` beside it by default."""
+        name = job.section("output").get("folder")
+        return cls(job.file(name) if name else job.path.with_name(f"{job.path.stem}_results"))
+
+    def antiresonances(self, number: int) -> Path:
+        """File of the identified set of one [data], numbered from 0."""
+        return self.folder / (f"antiresonances_{number + 1}.json" if number else "antiresonances.json")
+
+    def prepare(self) -> None:
+        """Make the folder; remove what a process that was killed left half-written."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        for folder in (self.folder, self.pictures):
+            if folder.is_dir():
+                for file in folder.iterdir():
+                    if _HALF_WRITTEN.fullmatch(file.name):
+                        file.unlink(missing_ok=True)
+
+    @property
+    def unfinished(self) -> bool:
+        """Whether a search waits here to be taken up again."""
+        return self.checkpoint.exists() or self._previous.exists()
+
+    @property
+    def _previous(self) -> Path:
+        return self.checkpoint.with_name(self.checkpoint.name + ".previous")
+
+    def forget_search(self) -> None:
+        """Remove the checkpoint; the result holds all of it."""
+        for file in (self.checkpoint, self._previous):
+            file.unlink(missing_ok=True)
+
+    def forget_results(self) -> None:
+        """Remove what an earlier run drew, so that nothing stale stands beside a new result."""
+        pictures = self.pictures.glob("*.png") if self.pictures.is_dir() else ()
+        for file in (self.result, self.summary, self.report, *pictures):
+            file.unlink(missing_ok=True)
+
+    def write_json(self, file: Path, data: dict[str, Any]) -> None:
+        """Write as JSON; numbers that JSON does not know must be null already."""
+        write_atomically(file, (json.dumps(data, indent=1, allow_nan=False) + "\n").encode())
+
+    def read_record(self) -> dict[str, Any] | None:
+        """What runs or ran here; None where no job did."""
+        try:
+            data = json.loads(self.record.read_text(encoding="utf-8"))
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        except ValueError:
+            return {}
+        return data if isinstance(data, dict) else {}
+
+    def job_path(self, record: dict[str, Any]) -> Path:
+        """The job file of a record: relative to the folder, so that both may be moved together."""
+        return Path(os.path.normpath(self.folder / str(record.get("job", ""))))
+
+
+#: As write_atomically names its files.
+_HALF_WRITTEN = re.compile(r"\.(antiresonances(_\d+)?\.json|result\.npz|summary\.json|run\.json|report\.html|"
+                           r"\w+\.png)\.\d+\.tmp")
+
+
+def sha256_of(file: Path) -> str:
+    """Checksum of a file's bytes."""
+    with open(file, "rb") as opened:
+        return hashlib.file_digest(opened, "sha256").hexdigest()

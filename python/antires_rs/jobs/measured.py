@@ -1,0 +1,145 @@
+"""From the [data] of a job to antiresonances at dofs of its model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..antiresonance_set import AntiresonanceSet
+from ..identification import identify_antiresonances
+from ..models import StructuralModel
+from .job import Job
+from .keys import FORMATS, IDENTIFICATION, format_of
+from .lines import Path as Keys
+from .model import dof_finder
+from .reading import Signal, read_signal, relabelled
+from .values import shown
+
+__all__ = ["Measured", "measured_of"]
+
+Finder = Callable[[Keys, Any], Any]
+#: What identify_antiresonances calls otherwise than the job.
+_OPTIONS = {key.name: ("identification", key.name) for key in IDENTIFICATION.keys}
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One [data] of a job.
+
+    Attributes
+    ----------
+    file : pathlib.Path
+    found : AntiresonanceSet
+        At dofs of the model.
+    signal : Recording or FrequencyResponse or None
+        What it was identified from; None where the file held antiresonances.
+    """
+
+    file: Path
+    found: AntiresonanceSet
+    signal: Signal | None = None
+
+
+def measured_of(job: Job, model: StructuralModel | None, say: Callable[[str], Any]) -> list[Measured]:
+    """Read and identify every [data] of a job.
+
+    Parameters
+    ----------
+    job : Job
+    model : StructuralModel, optional
+        Names of dofs are looked up in it; without one they stay as they are.
+    say : callable
+        Receives a line before each stage.
+    """
+    find: Finder = (lambda place, name: name) if model is None else dof_finder(job, model)
+    return [_one(job, place, table, model, find, say)
+            for place, table in zip(job.data_places, job.data, strict=True)]
+
+
+def _one(job: Job, place: Keys, table: dict[str, Any], model: StructuralModel | None, find: Finder,
+         say: Callable[[str], Any]) -> Measured:
+    kind = format_of(table["file"], table.get("format"))
+    if kind is None:
+        at = "format" if "format" in table else "file"
+        job.reject((*place, at), shown(table[at]), f"a format out of {', '.join(FORMATS)}",
+                   'Say which by format = "uff" or another, where the ending does not tell.')
+    job.only(place, table, kind)
+    file = job.existing((*place, "file"), table["file"])
+    say(f"reading {file.name}")
+    names = _dofs(table.get("dofs"), place, find)
+    if kind == "antiresonances":
+        with job.blame(place, {"path": (*place, "file")}):
+            found = AntiresonanceSet.load(file)
+        return Measured(file, _renamed(job, place, found, names, find, model))
+    for key in ("excitation", "band_hz"):
+        if key not in table:
+            job.missing(place, key)
+    options = table if names is None else {**table, "dofs": names}
+    with job.blame(place, {"path": (*place, "file"), "signal": (*place, "file")}):
+        signal = read_signal(file, kind, options)
+    signal = _at_dofs(job, place, signal, find, model)
+    say(f"identifying the antiresonances of {len(signal.dofs)} responses")
+    force = table["excitation"]
+    if isinstance(names, dict) and force in names:
+        force = names[force]  # the name of a channel stands for its dof
+    force = _checked(job, (*place, "excitation"), find((*place, "excitation"), force), model)
+    chosen = dict(job.section("identification"))
+    if "dofs" in chosen:
+        chosen["dofs"] = [find(("identification", "dofs"), dof) for dof in chosen["dofs"]]
+    with job.blame(place, {"source": (*place, "file"), **_OPTIONS}):
+        found = identify_antiresonances(signal, excitation=force, band_hz=table["band_hz"], **chosen)
+    return Measured(file, found, signal)
+
+
+def _dofs(dofs: Any, place: Keys, find: Finder) -> Any:
+    """The dofs of the job with names looked up in the model."""
+    if isinstance(dofs, dict):
+        return {name: find((*place, "dofs", name), dof) for name, dof in dofs.items()}
+    return dofs if dofs is None else [find((*place, "dofs", i), dof) for i, dof in enumerate(dofs)]
+
+
+def _at_dofs(job: Job, place: Keys, signal: Signal, find: Finder, model: StructuralModel | None) -> Signal:
+    """The signal with every channel at a dof of the model."""
+    if model is None:
+        return signal
+    at = (*place, "dofs")
+    dofs = [_checked(job, at, find(at, name), model, name) for name in signal.dofs]
+    if dofs == list(signal.dofs):
+        return signal
+    with job.blame(place):
+        return relabelled(signal, list(range(len(dofs))), dofs)
+
+
+def _renamed(job: Job, place: Keys, found: AntiresonanceSet, names: Any, find: Finder,
+             model: StructuralModel | None) -> AntiresonanceSet:
+    """A set of a file at dofs of the model; the same object where nothing changes."""
+    if isinstance(names, list):
+        if len(names) != len(found):
+            job.reject((*place, "dofs"), f"{len(names)} dofs", f"{len(found)}, one for each of {list(found)}",
+                       "Or a table name = dof.")
+        names = dict(zip(found, names, strict=True))
+    at = (*place, "dofs")
+    table = {dof: (names or {}).get(str(dof), (names or {}).get(dof, dof)) for dof in found}
+    table = {dof: new if new is False else _checked(job, at, find(at, new), model, dof)
+             for dof, new in table.items()}
+    force = find(at, (names or {}).get(str(found.excitation), found.excitation))
+    if force == found.excitation and all(new == dof for dof, new in table.items()):
+        return found
+
+    def moved(rows: Any) -> dict[Any, Any]:
+        return {table[dof]: row for dof, row in rows.items() if table[dof] is not False}
+    with job.blame(place, {"freq_hz": at}):
+        return AntiresonanceSet(_checked(job, at, force, model), moved(found), moved(found.damping_ratio),
+                                moved(found.std_hz), scores=moved(found.scores))
+
+
+def _checked(job: Job, place: Keys, dof: Any, model: StructuralModel | None, name: Any = None) -> Any:
+    """A dof of the model."""
+    if model is None or (isinstance(dof, int) and 0 <= dof < model.n_dof):
+        return dof
+    got = f"{dof!r}" if name is None or name == dof else f"{dof!r} for {name!r}"
+    remedy = (f'Say which dof it is: dofs = {{ "{dof}" = 0, ... }}.' if isinstance(dof, str)
+              else "Dofs count from 0; correct it, or the model.")
+    return job.reject(place, got, f"a dof of the model, 0 to {model.n_dof - 1}", remedy)

@@ -1,0 +1,96 @@
+"""Signals of any format, by the options of a job or of the command line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from .. import io
+from .._validation import reject
+from ..exceptions import InvalidInputError
+from ..io.channels import renamed
+from ..io.uff_names import as_point
+from ..signals import FrequencyResponse, Recording
+from .keys import DATA
+
+__all__ = ["Signal", "read_signal", "relabelled"]
+
+Signal = Recording | FrequencyResponse
+
+_READERS: dict[str, Callable[..., Signal]] = {
+    "uff": io.read_uff, "mat": io.read_mat, "hdf5": io.read_hdf5, "csv": io.read_csv, "npz": io.read_npz}
+_LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the command line."
+#: Keys of [data] that are not a reader's.
+_OURS = {"file", "format", "excitation", "band_hz", "dofs"}
+
+
+def read_signal(file: Path, kind: str, options: dict[str, Any]) -> Signal:
+    """Read a signal; ``options`` are keys of [data].
+
+    Raises
+    ------
+    InvalidInputError
+        As the reader of that format, or dofs that do not fit its channels.
+    """
+    chosen = {name: value for name, value in options.items() if name not in _OURS}
+    for name in chosen:
+        key = DATA.key(name)
+        if key and key.of and kind not in key.of:
+            reject(name, f"it for a {kind} file", f"{name} with {' or '.join(key.of)} alone", "Leave it out.")
+    if chosen.get("force") is False:
+        chosen["force"] = None
+    dofs = {name: _plain(dof) for name, dof in options["dofs"].items()} if isinstance(
+        options.get("dofs"), dict) else [_plain(dof) for dof in options.get("dofs", [])]
+    # Universal files name points, whose sign may have to be turned: that is the reader's.
+    by_point = kind == "uff" and isinstance(dofs, dict) and all(map(_is_point, dofs))
+    try:
+        signal = _READERS[kind](file, **chosen, **({"dofs": dofs} if by_point else {}))
+    except InvalidInputError as exc:  # None is false in a job
+        said = re.sub(r"Map a \w+ to None to leave it out;?", _LEAVE_OUT, str(exc))
+        raise type(exc)(said) from exc
+    return signal if by_point or not dofs else _named(signal, dofs)
+
+
+def _named(signal: Signal, dofs: dict[Any, Any] | list[Any]) -> Signal:
+    """The channels that have a dof, under its name."""
+    names = [str(name) for name in signal.dofs] if isinstance(dofs, dict) else list(signal.dofs)
+    if isinstance(dofs, dict):
+        for name in dofs:
+            if name not in names:
+                reject("dofs", f"{name!r}, which is no channel", f"names out of {names}",
+                       "Correct or remove it.")
+        for name in names:
+            if name not in dofs:
+                reject("dofs", f"no dof for channel {name!r}", f"one for each of {names}", _LEAVE_OUT)
+    labels = renamed("dofs", names, dofs)
+    kept = [i for i, label in enumerate(labels) if label is not None]
+    if not kept:
+        reject("dofs", "no channel that is kept", "at least one", "Give one of them a dof.")
+    return relabelled(signal, kept, [labels[i] for i in kept])
+
+
+def relabelled(signal: Signal, rows: list[int], dofs: list[Any]) -> Signal:
+    """Some channels of a signal under other names."""
+    if isinstance(signal, Recording):
+        return Recording(signal.responses[rows], signal.fs_hz, dofs, signal.force)
+    old = [signal.dofs[i] for i in rows]
+    if signal.reference is not None and signal.reference not in old:
+        reject("dofs", f"no dof for the reference, {signal.reference!r}", "one for it", "Keep that channel.")
+    reference = None if signal.reference is None else dofs[old.index(signal.reference)]
+    coherence, std = (None if a is None else a[rows] for a in (signal.coherence, signal.std))
+    return FrequencyResponse(signal.freq_hz, signal.values[rows], dofs, signal.kind, reference, coherence,
+                             signal.n_averages, std)
+
+
+def _plain(dof: Any) -> Any:
+    return None if dof is False else dof
+
+
+def _is_point(name: str) -> bool:
+    try:
+        as_point("dofs", name)
+    except InvalidInputError:
+        return False
+    return True

@@ -1,0 +1,209 @@
+"""Carry out a job: measurement, model, search, files."""
+
+from __future__ import annotations
+
+import os
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._core import __version__
+from ..antiresonance_set import AntiresonanceSet
+from ..exceptions import UnsuitableDataError
+from ..models import StructuralModel
+from ..parameters import stiffness_reduction
+from ..results import UpdateResult
+from ..updating import DamagePenalty, UpdatingProblem, assess_damage, update
+from .files import RunFolder, sha256_of
+from .job import Job
+from .lines import Path as Keys
+from .measured import Measured, measured_of
+from .model import model_of
+from .summary import summary_of
+from .unknowns import elements_of, parameters_of, search_of
+
+__all__ = ["Outcome", "run"]
+
+Say = Callable[[str], Any]
+
+
+@dataclass
+class Outcome:
+    """What a job came to.
+
+    Attributes
+    ----------
+    result : UpdateResult
+    folder : RunFolder
+    summary : dict
+    notes : list of str
+        What was not written, and why.
+    """
+
+    result: UpdateResult
+    folder: RunFolder
+    summary: dict[str, Any]
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the search."""
+        return self.result.status == "interrupted"
+
+
+def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | None = None,
+        say: Say = str, progress: bool | None = None) -> Outcome:
+    """Carry out a job and write its files.
+
+    Parameters
+    ----------
+    job : Job
+    resume : bool
+        Go on from the checkpoint of a run that was interrupted, to the same bits.
+    fresh : bool
+        Begin anew though there is such a checkpoint.
+    workers : int, optional
+        In place of the job's.
+    say : callable
+        Receives a line before each stage.
+    progress : bool, optional
+        Show the line of the search; by default on a terminal.
+
+    Returns
+    -------
+    Outcome
+        Also after Ctrl-C during the search: the best so far, with a checkpoint to go on from.
+
+    Raises
+    ------
+    InvalidInputError
+        The job or its data cannot be used; the message names the line.
+    """
+    begun = time.perf_counter()
+    folder = _checked(job, resume, fresh)
+    ga, seed, threads = search_of(job, workers)
+    model = model_of(job)
+    parameters, places = parameters_of(job, model)
+    measured = measured_of(job, model, say)
+    inputs = {_named(job, file): sha256_of(file) for file in _inputs(job, measured)}
+    sets = _kept_sets(job, folder, measured, inputs) if resume else [m.found for m in measured]
+    search = _search(job, model, (parameters, places), sets[0] if len(sets) == 1 else sets)
+    folder.prepare()  # not before: a job that cannot run leaves nothing behind
+    if fresh:
+        folder.forget_search()
+    for i, each in enumerate(sets):
+        if folder.antiresonances(i).resolve() != measured[i].file.resolve():
+            each.save(folder.antiresonances(i))
+    record = {"job": _relative(job.path, folder.folder), "task": job.task, "seed": seed, "inputs": inputs,
+              "state": "searching", "versions": {"antires_rs": __version__, "numpy": np.__version__,
+                                                 "python": platform.python_version()}}
+    folder.write_json(folder.record, record)
+    say("searching")
+    kept = folder.checkpoint if job.section("search").get("checkpoint", True) else None
+    with job.blame(("search",), {"checkpoint": ("output", "folder"), "rng": ("search", "seed")}):
+        result = search(optimizer=ga, rng=seed, workers=threads, checkpoint=kept, progress=progress)
+    seconds = round(time.perf_counter() - begun, 3)
+    summary = summary_of(job, result, record, measured, seconds)
+    outcome = Outcome(result, folder, summary)
+    folder.forget_results()
+    result.save(folder.result)
+    folder.write_json(folder.summary, summary)
+    record["state"] = result.status
+    folder.write_json(folder.record, record)
+    if outcome.interrupted:
+        return outcome
+    if not _out_of_time(result):
+        folder.forget_search()
+    from .drawing import draw
+    outcome.notes = draw(job, result, folder, measured, say)
+    return outcome
+
+
+def _checked(job: Job, resume: bool, fresh: bool) -> RunFolder:
+    """The folder, if this run may use it."""
+    folder = RunFolder.of(job)
+    place = ("output", "folder")
+    if folder.folder.exists() and not folder.folder.is_dir():
+        job.reject(place, f"{str(folder.folder)!r}, which is a file", "a folder", "Name another one.")
+    record = folder.read_record()
+    if record and folder.job_path(record) != Path(job.path.absolute()).resolve() \
+            and folder.job_path(record).resolve() != job.path.resolve():
+        job.reject(place, f"{folder.folder.name!r}, which holds the results of {record.get('job')}",
+                   "a folder of this job's own", 'Name one under [output], folder = "...".')
+    if folder.unfinished and not (resume or fresh):
+        job.reject(place, f"{folder.folder.name!r}, where a search of this job waits that did not finish",
+                   "a folder without one", f"Go on with 'antires resume {job.path.name}', or begin anew with "
+                   "--fresh.")
+    if resume and not folder.unfinished:
+        job.reject(place, f"{folder.folder.name!r}, where no search waits", "a search that did not finish",
+                   f"Begin with 'antires {job.task} {job.path.name}'.")
+    return folder
+
+
+def _search(job: Job, model: StructuralModel, parameters: Any, measured: Any) -> Callable[..., UpdateResult]:
+    """The search of the job, its problem found valid."""
+    if job.task == "damage":
+        table = job.section("damage")
+        options = {key: table[key] for key in ("gamma1", "gamma2", "snap", "weights") if key in table}
+        elements = elements_of(job)
+        chosen = model.default_elements if elements is None else [elements] if isinstance(
+            elements, int) else elements
+        prices = {key: options[key] for key in ("gamma1", "gamma2", "snap") if key in options}
+        places: list[Keys] = [("damage", "elements", i) for i in range(len(chosen))]
+        with job.blame(("damage",), {"measured": ("data",), "parameters": places}):
+            UpdatingProblem(model, stiffness_reduction(chosen), measured, penalty=DamagePenalty(**prices),
+                            weights=options.get("weights"))
+        return partial(assess_damage, model, measured, elements=elements, **options)
+    made, places = parameters
+    with job.blame(("updating",), {"measured": ("data",), "parameters": places, "sections": ("parameters",)}):
+        return partial(update, UpdatingProblem(model, made, measured, **job.section("updating")))
+
+
+def _kept_sets(job: Job, folder: RunFolder, measured: list[Measured],
+               inputs: dict[str, str]) -> list[AntiresonanceSet]:
+    """The sets that the search began with, bit for bit, whatever libraries are here now."""
+    record = folder.read_record() or {}
+    # What changed in the job itself the checkpoint finds, as far as it matters to the search.
+    changed = [name for name, digest in record.get("inputs", {}).items()
+               if name != job.path.name and inputs.get(name, digest) != digest]
+    if changed:
+        raise UnsuitableDataError(f"JOB: got {', '.join(changed)}, changed since the search began; wanted "
+                                  f"the files as they were. Put them back, or begin anew with 'antires "
+                                  f"{job.task} {job.path.name} --fresh'.")
+    sets = []
+    for i, each in enumerate(measured):
+        file = folder.antiresonances(i)
+        kept = AntiresonanceSet.load(file) if file.is_file() else each.found
+        same = kept == each.found
+        # The one just identified carries its diagrams, for the report.
+        sets.append(each.found if same else kept)
+    return sets
+
+
+def _inputs(job: Job, measured: list[Measured]) -> list[Path]:
+    """Every file that the numbers depend on."""
+    model = job.section("model")
+    names = [model[key] for key in ("file", "stiffness", "mass", "dof_map") if key in model]
+    return [job.path, *(m.file for m in measured), *(job.file(name) for name in names)]
+
+
+def _named(job: Job, file: Path) -> str:
+    return _relative(file, job.path.parent)
+
+
+def _relative(file: Path, folder: Path) -> str:
+    try:
+        return Path(os.path.relpath(file.absolute(), folder.absolute())).as_posix()
+    except ValueError:  # another drive
+        return file.absolute().as_posix()
+
+
+def _out_of_time(result: UpdateResult) -> bool:
+    """Whether max_seconds ended the search, so that it can go on."""
+    return result.status == "callback" or (result.status == "budget" and "time" in result.message)

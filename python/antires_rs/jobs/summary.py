@@ -1,0 +1,62 @@
+"""A run in numbers, ready for JSON, and in words for the terminal."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..results import DamageResult, UpdateResult
+from ..tables import FrequencyTable
+from .job import Job
+from .measured import Measured
+
+__all__ = ["summary_of"]
+
+
+def number(value: Any) -> float | None:
+    """A number as JSON knows it; None where there is none."""
+    plain = float(value)
+    return plain if math.isfinite(plain) else None
+
+
+def summary_of(job: Job, result: UpdateResult, record: dict[str, Any], measured: list[Measured],
+               seconds: float) -> dict[str, Any]:
+    """All numbers of a run, and what repeats it."""
+    table = result.table
+    checks = [m.found.data_check for m in measured if m.found.data_check is not None]
+    return {
+        "antires_rs": record["versions"]["antires_rs"], "task": job.task, "job": job.path.name,
+        "command": f"antires {job.task} {job.path.name}", "seed": result.seed, "inputs": record["inputs"],
+        "versions": record["versions"], "seconds": seconds, "status": result.status,
+        "message": result.message,
+        "finished": result.success, "J": number(result.fun), "evaluations": result.nfev,
+        "generations": result.nit, **_values(result),
+        "largest_before_percent": number(table.largest_before_percent),
+        "largest_after_percent": number(table.largest_after_percent),
+        "antiresonances": _rows(table) if isinstance(table, FrequencyTable) else [],
+        "warnings": [said for check in checks for said in check.warnings], "notes": result.notes,
+    }
+
+
+def _values(result: UpdateResult) -> dict[str, Any]:
+    if isinstance(result, DamageResult):
+        label = result.problem.model.element_label
+        return {"damaged": result.damaged,
+                "elements": [{"element": e, "name": label(e), "stiffness_loss": number(beta),
+                              "smallest_visible": number(result.detectable[e])}
+                             for e, beta in result.severity.items()]}
+    on_bound = set(result.at_bound)
+    return {"parameters": [{"name": name, "value": number(value), "nominal": number(nominal),
+                            "low": number(low),
+                            "high": number(high), "on_bound": name in on_bound}
+                           for name, value, nominal, (low, high) in zip(
+                               result.problem.names, result.x, result.problem.nominal, result.problem.bounds,
+                               strict=True)]}
+
+
+def _rows(table: FrequencyTable) -> list[dict[str, Any]]:
+    columns = zip(table.excitation, table.dof, table.measured_hz, table.before_hz, table.after_hz,
+                  strict=True)
+    return [{"excitation": int(force), "dof": int(dof), "measured_hz": number(measured),
+             "before_hz": number(before), "after_hz": number(after)}
+            for force, dof, measured, before, after in columns]

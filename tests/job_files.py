@@ -1,0 +1,49 @@
+"""A small measurement and job for the tests of jobs: an eight-mass chain with a damaged spring."""
+
+import numpy as np
+
+import antires_rs as ar
+
+DAMAGE = """\
+[data]
+file = "measured.json"
+
+[model]
+kind = "chain"
+masses_kg = [0.5593, 0.4194, 0.4194, 0.4194, 0.4194, 0.4194, 0.4194, 0.4194]
+springs_n_per_m = [56.7e3, 56.7e3, 56.7e3, 56.7e3, 56.7e3, 56.7e3, 56.7e3]
+
+[damage]
+
+[search]
+seed = 1
+
+[output]
+report = false
+pictures = false
+"""
+
+UPDATE = DAMAGE.replace("[damage]\n", """\
+[[parameters]]
+kind = "mass_factor"
+terms = "all"
+bounds = [0.9, 1.1]
+
+[[parameters]]
+kind = "stiffness_factor"
+elements = "all"
+bounds = [0.9, 1.1]
+""")
+
+
+def write_measured(folder, level=1, perturbation=0.0):
+    """Exact antiresonances of the chain, as ``antires identify --out`` saves them."""
+    ar.cases.chain8(perturbation=perturbation, rng=0).exact(level).save(folder / "measured.json")
+
+
+def write_record(folder, name="record.npz"):
+    """A record short enough to be read at once."""
+    noise = np.random.default_rng(0).standard_normal((3, 2048))
+    record = ar.Recording(noise, 256.0, dofs=["tip", "mid", "root"])
+    {".npz": ar.write_npz, ".uff": ar.write_uff, ".csv": ar.write_csv}[name[name.index("."):]](folder / name,
+                                                                                               record)
