@@ -1,10 +1,12 @@
 """The command line: exit codes, streams, and the demo end to end."""
 
+import contextlib
 import json
 import os
 import signal
 import subprocess
 import sys
+import tomllib
 from types import SimpleNamespace
 
 import numpy as np
@@ -73,6 +75,7 @@ def test_help_does_not_load_the_pictures():
 
 def test_demo_tells_the_story_and_writes_the_files(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(demo, "MAX_EVALUATIONS", 20_000)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     out = tmp_path / "new" / "folder"
     assert cli.main(["demo", "--out", str(out), "--seed", "1", "--workers", "2"]) == 0
     assert set(os.listdir(out)) == FILES
@@ -100,6 +103,7 @@ def test_demo_without_matplotlib_still_gives_the_numbers_as_json(monkeypatch, tm
     said, progress = capsys.readouterr()
     assert json.loads(said)["noise"] == 0.0
     assert said == (tmp_path / "summary.json").read_text()
+    assert "updating" not in progress  # no terminal, no progress
     assert 'pip install "antires-rs[plot]"' in progress
     assert os.listdir(tmp_path) == ["summary.json"]
 
@@ -134,14 +138,102 @@ def test_ctrl_c_leaves_with_130_and_one_line(tmp_path):
     # Where the tests themselves run in the background, SIGINT is ignored, and children inherit that.
     code = ("import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
             "from antires_rs.cli import main; sys.exit(main(['demo', '--out', sys.argv[1]]))")
+    terminal, its_end = os.openpty()  # progress is for terminals
     with subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True) as run:
-        for line in run.stderr:
-            if line.startswith("updating"):
-                run.send_signal(signal.SIGINT)
-                break
-        out, err = run.communicate(timeout=30)
+                          stderr=its_end, text=True) as run:
+        os.close(its_end)
+        err = b""
+        with contextlib.suppress(OSError):  # so a terminal says that the other end is closed
+            while piece := os.read(terminal, 4096):
+                if b"updating" in piece and b"updating" not in err:
+                    run.send_signal(signal.SIGINT)
+                err += piece
+        os.close(terminal)
+        out = run.communicate(timeout=30)[0]
     assert run.returncode == 130
-    assert err.splitlines()[-1] == "antires: interrupted"
-    assert "Traceback" not in err
+    assert err.decode().splitlines()[-1] == "antires: interrupted"
+    assert b"Traceback" not in err
     assert out == ""
+
+
+def test_help_lists_every_command_and_is_quick(capsys):
+    commands = ("demo", "init", "identify", "update", "damage", "resume", "report")
+    with pytest.raises(SystemExit):
+        cli.main(["--help"])
+    said = capsys.readouterr().out
+    assert all(f"\n    {command} " in said for command in commands)
+    for command in commands:
+        with pytest.raises(SystemExit) as caught:
+            cli.main([command, "--help"])
+        assert caught.value.code == 0
+        assert capsys.readouterr().out.startswith(f"usage: antires {command}")
+
+
+def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
+    record = ar.cases.chain8().experiment(0, noise=0.01, duration_s=128.0, rng=1)
+    named = ar.Recording(record.responses, record.fs_hz, [f"a{dof}" for dof in record.dofs])
+    ar.write_csv(tmp_path / "record.csv", named)
+    monkeypatch.chdir(tmp_path)
+    call = ["identify", "record.csv", "--band", "3", "130", "--max-order", "30"]
+    names = [f"--dof=a{dof}={dof}" for dof in range(8)]
+    assert cli.main([*call, "--excitation", "a0", *names, "--out", "found.json", "--pictures",
+                     "pictures"]) == 0
+    printed = capsys.readouterr().out
+    found = ar.AntiresonanceSet.load("found.json")
+    assert str(found) == printed.rstrip("\n")
+    assert found == ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), max_order=30)
+    assert sorted(os.listdir("pictures")) == [f"stabilization_{dof}.png" for dof in range(8)]
+    assert cli.main([*call, "--excitation", "a0", "--json", "--second-opinion", "aaa"]) == 0
+    numbers = json.loads(capsys.readouterr().out)
+    assert numbers["excitation"] == "a0"
+    assert [row["dof"] for row in numbers["antiresonances"]] == [f"a{dof}" for dof in range(8)]
+    assert numbers["antiresonances"][0]["freq_hz"] == found[0].tolist()
+    assert cli.main(["identify", "found.json", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["antiresonances"][7]["freq_hz"] == []
+
+
+def test_warnings_take_one_line(tmp_path, monkeypatch, capsys):
+    noise = np.random.default_rng(0).standard_normal((3, 4096))
+    noise[1] = 0.0
+    ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 256.0))
+    assert cli.main(["identify", str(tmp_path / "record.npz"), "--band", "3", "100", "--excitation",
+                     "0"]) == 1
+    assert "got no signal at all from dof 1" in capsys.readouterr().err
+    noise[1] = np.clip(noise[0], -1.0, 1.0)
+    ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 256.0))
+    assert cli.main(["identify", str(tmp_path / "record.npz"), "--band", "3", "100", "--excitation",
+                     "0"]) == 0
+    err = capsys.readouterr().err.splitlines()
+    assert any(line.startswith("antires: warning: data check: ") for line in err)
+    assert all(line.startswith("antires: warning: ") for line in err)
+
+
+def test_report_of_a_result_and_of_its_folder(tmp_path, capsys):
+    case = ar.cases.chain8()
+    ar.assess_damage(case.model, case.exact(1), rng=0).save(tmp_path / "result.npz")
+    assert cli.main(["report", str(tmp_path)]) == 0
+    assert capsys.readouterr().out == f"Wrote {tmp_path / 'report.html'}\n"
+    assert "Spring 5 has lost 55.0 %" in (tmp_path / "report.html").read_text()
+    call = ["report", str(tmp_path / "result.npz"), "--out", str(tmp_path / "a.html"), "--title", "Chain <8>",
+            "--pictures", str(tmp_path / "pictures"), "--json"]
+    assert cli.main(call) == 0
+    written = json.loads(capsys.readouterr().out)
+    assert "Chain &lt;8&gt;" in (tmp_path / "a.html").read_text()
+    drawn = set(os.listdir(tmp_path / "pictures"))
+    assert drawn == {os.path.basename(file) for file in written["pictures"]}
+    assert drawn == {"damage.png", "differences.png", "convergence.png"}
+
+
+def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
+    record = ar.Recording(np.random.default_rng(0).standard_normal((2, 64)), 32.0, ["tip [g]", "a\"b"])
+    (tmp_path / "data").mkdir()
+    ar.write_npz(tmp_path / "data" / "record.npz", record)
+    job = tmp_path / "job.toml"
+    assert cli.main(["init", str(job), "--data", str(tmp_path / "data" / "record.npz")]) == 0
+    assert f"antires damage {job}" in capsys.readouterr().out
+    data = tomllib.loads(job.read_text())["data"]
+    assert (data["file"], data["dofs"]) == ("data/record.npz", {"tip [g]": 0, "a\"b": 1})
+    # Dofs that are numbers need no table.
+    ar.write_npz(tmp_path / "record.npz", ar.Recording(record.responses, 32.0))
+    assert cli.main(["init", str(job), "--data", str(tmp_path / "record.npz"), "--overwrite"]) == 0
+    assert "dofs" not in tomllib.loads(job.read_text())["data"]

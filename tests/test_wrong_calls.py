@@ -1,4 +1,5 @@
-"""Forty wrong calls of ``antires``: every message names the argument, what was got, what is wanted, a remedy."""
+"""Forty wrong calls of ``antires``: every message names the argument, what was got, what is wanted, a "
+  "remedy."""
 
 import pytest
 
@@ -6,6 +7,7 @@ import antires_rs as ar
 from antires_rs import cli
 from job_files import DAMAGE, UPDATE, write_measured, write_record
 from snapshots import compare, complete
+
 
 def identify(*more, file="record.npz", band=("3", "100"), excitation="tip"):
     return ["identify", file, "--band", *band, "--excitation", excitation, *more]

@@ -19,7 +19,8 @@ __all__ = ["arguments", "existing", "print_json", "say"]
 def say(text: str) -> None:
     """A line of progress; on a terminal only."""
     if sys.stderr.isatty():
-        print(text, file=sys.stderr, flush=True)
+        sys.stderr.write(f"{text}\n")  # in one piece, whenever Ctrl-C comes
+        sys.stderr.flush()
 
 
 def print_json(data: Any) -> None:

@@ -16,9 +16,7 @@ _HEAD = {
 _EXAMPLES: dict[str, dict[str, str]] = {
     CHAIN: {"masses_kg": "[1.0, 1.0, 1.0]", "springs_n_per_m": "[50e3, 50e3]"},
     FRAME: {"nodes_m": "[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0]]",
-            "elements": '[[0, 1, "pipe"], [1, 2, "pipe"]]',
-            "sections": '{ pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, '
-                        "youngs_modulus_pa = 2.1e11, density_kg_per_m3 = 7850.0 } }"},
+            "elements": '[[0, 1, "pipe"], [1, 2, "pipe"]]'},
     MATRICES: {"stiffness": '"K.mtx"', "mass": '"M.mtx"', "stiffness_terms": '"K_element_*.mtx"'},
     RESULT: {"file": '"update_results/result.npz"'},
 }
@@ -28,6 +26,9 @@ _PARAMETERS = {
     MATRICES: (("stiffness_factor", "elements", '"all"'),),
     RESULT: (("stiffness_factor", "elements", '"all"'),),
 }
+#: What needs a table of its own.
+_TABLES = {FRAME: ["[model.sections.pipe]", 'shape = "tube"', "outer_diameter_m = 0.05",
+                   "thickness_m = 0.002", "youngs_modulus_pa = 2.1e11", "density_kg_per_m3 = 7850.0", ""]}
 _WIDTH = 108
 
 
@@ -68,6 +69,7 @@ def template(task: str = "damage", model: str = CHAIN, *, name: str = "job.toml"
         filled["dofs"] = "{ " + ", ".join(pairs) + " }"
     lines += _section(SECTIONS["data"], filled, of=format_of(data) or "")
     lines += _section(SECTIONS["model"], {"kind": _quoted(model), **_EXAMPLES[model]}, of=model)
+    lines += _TABLES.get(model, [])
     if task == "damage":
         lines += _section(SECTIONS["damage"], {})
     else:
