@@ -30,6 +30,8 @@ myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 
 autosummary_generate = True
+# A reference to a name that has no page is an error.
+nitpicky = True
 autodoc_typehints = "none"
 # Attributes and methods are listed by the class template.
 numpydoc_show_class_members = False

@@ -15,7 +15,7 @@ from antires_rs import plotting
 
 case = ar.cases.exhaust()
 intact, cracked = (ar.identify_antiresonances(
-    case.experiment(level, noise=0.01, duration_s=120.0, rng=level), excitation=case.excitation,
+    case.experiment(level, noise=0.01, duration_s=60.0, rng=level), excitation=case.excitation,
     band_hz=case.damage_band_hz) for level in (0, 2))
 
 # %%

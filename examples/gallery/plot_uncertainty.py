@@ -3,7 +3,7 @@ How far a value may be off
 ==========================
 
 Every identified value has a standard deviation, from what each segment of the record would move it by. Here
-twelve records of the same structure: the bars are what each record says of itself.
+eight records of the same structure: the bars are what each record says of itself.
 """
 
 import matplotlib.pyplot as plt
@@ -14,7 +14,7 @@ import antires_rs as ar
 case = ar.cases.chain8()
 truth = case.truth()["freq_hz"][5]
 found = [ar.identify_antiresonances(case.experiment(noise=0.03, duration_s=60.0, rng=seed), excitation=0,
-                                    band_hz=(3, 130), max_order=40, check="off") for seed in range(12)]
+                                    band_hz=(3, 130), max_order=40, check="off") for seed in range(8)]
 
 fig, axes = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
 for ax, true in zip(axes, truth, strict=True):

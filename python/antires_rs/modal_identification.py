@@ -81,13 +81,13 @@ def identify_modes(
         From FRFs, or from the responses alone (the force is then not read). "auto": FRFs where there is a
         force.
     method : {"auto", "welch", "transient"}
-        How a record is averaged, as for :func:`~antires_rs.identification.identify_antiresonances`.
+        How a record is averaged, as for :func:`~antires_rs.identify_antiresonances`.
     nperseg : int, optional
         Samples per Welch segment. Default: that of the antiresonances, for FRFs twice it.
     estimator : {"h1", "h2", "hv"}
         Of the FRFs of a record.
     max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
-        As for :func:`~antires_rs.stabilization.stabilization`. With few lines the highest order is lowered to
+        As for :func:`~antires_rs.stabilization`. With few lines the highest order is lowered to
         two thirds of their number. Resonances closer than ``freq_tol`` count as one.
 
     Returns
