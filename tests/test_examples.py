@@ -48,3 +48,17 @@ def test_brake_reuss_beam_without_data(monkeypatch, tmp_path, capsys):
     monkeypatch.setenv("ANTIRES_DATA", str(tmp_path))
     assert load("brake_reuss_beam").main() is None
     assert "ANTIRES_DATA" in capsys.readouterr().out
+
+
+def test_from_file_to_report(tmp_path, capsys):
+    """A newcomer's path: the damaged spring at the end, in a report that says what repeats it."""
+    report = load("from_file_to_report").main(tmp_path / "study")
+    text = report.read_text(encoding="utf-8")
+    assert "Spring 5 has lost 55." in text
+    assert "antires damage damage.toml" in text
+    assert "test.uff  " in text
+    assert report.stat().st_size < 3_000_000
+    out, err = capsys.readouterr()
+    assert "stiffness loss of spring 5" in out
+    assert err == ""
+    assert len(list((report.parent / "pictures").glob("*.png"))) == 11

@@ -10,8 +10,9 @@ import time
 import pytest
 
 import antires_rs as ar
-from antires_rs import cli
-from job_files import UPDATE, write_measured
+from antires_rs import cli, results
+from antires_rs.jobs import run
+from job_files import DAMAGE, UPDATE, write_measured
 from tolerances import INTERRUPT_S
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
@@ -110,6 +111,30 @@ def test_ctrl_c_hands_back_the_best_so_far_and_a_checkpoint(tmp_path, capsys):
     assert "another problem, data or options" in capsys.readouterr().err
     assert cli.main(["update", str(tmp_path / "job.toml"), "--fresh"]) == 0
     assert not (results / "search.ckpt").exists()
+
+
+def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, capsys):
+    write_measured(tmp_path)
+    (tmp_path / "job.toml").write_text(DAMAGE)
+    complete = run.assess_damage
+
+    def interrupted(*args, **options):
+        result = complete(*args, **options)
+        result.status, result.success = "interrupted", False
+        return result
+
+    def slow(*args):
+        raise AssertionError("computed")
+
+    monkeypatch.setattr(run, "assess_damage", interrupted)
+    monkeypatch.setattr(results, "smallest_visible", slow)
+    monkeypatch.setattr(results, "identifiability", slow)
+    assert cli.main(["damage", str(tmp_path / "job.toml")]) == 130
+    out = capsys.readouterr().out
+    assert "spring 5   55.00 %" in out
+    assert "the best so far" in out
+    summary = json.loads((tmp_path / "job_results" / "summary.json").read_text())
+    assert {row["smallest_visible"] for row in summary["elements"]} == {None}
 
 
 def test_a_resumed_job_has_the_bits_of_one_that_was_never_stopped(tmp_path, whole, capsys):

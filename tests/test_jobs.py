@@ -280,8 +280,8 @@ ground_springs = [[2, "v", 5e3]]
 node_springs = [[0, 4, 1e3]]
 fixed = [[0, "v"], [0, "u"]]
 [model.sections]
-bar = { shape = "rectangle", width_m = 0.03, height_m = 0.01, youngs_modulus_pa = 7e10,
-       density_kg_per_m3 = 2700 }
+bar = { shape = "rectangle", width_m = 0.03, height_m = 0.01, youngs_modulus_pa = 7e10, \
+density_kg_per_m3 = 2700 }
 thin = { shape = "tube", outer_diameter_m = 0.02, thickness_m = 0.002, youngs_modulus_pa = 7e10, \
 density_kg_per_m3 = 2700, poisson = 0.33 }
 """

@@ -239,6 +239,18 @@ def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
     assert capsys.readouterr().err == ""
 
 
+def test_progress_tells_how_long_the_budget_lasts():
+    from antires_rs import _progress
+    state = {"nfev": 3000, "fun": 0.5, "nit": 7, "islands": [(0.5, "searching"), (0.6, "waiting")]}
+    line = _progress._line(state, 5000, 10.0, 1000)  # 2000 of them before, by the run it goes on from
+    assert "3,000 of at most 5,000 evaluations" in line
+    assert "1/2 islands waiting" in line
+    assert line.endswith("10 s, at most 20 s left")
+    assert _progress._left(2000, 10.0, 0) == "time left not known yet"
+    assert _progress._left(30_000, 10.0, 1000) == "at most 5 min left"
+    assert _progress._left(10**6, 10.0, 1000) == "at most 3 h left"
+
+
 def test_an_objective_without_any_finite_cost_is_refused():
     with pytest.raises(ar.ObjectiveError, match="no finite cost"):
         ar.IslandGA().minimize(lambda x: float("nan"), [(0, 1)] * 2, rng=0)

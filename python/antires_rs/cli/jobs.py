@@ -103,11 +103,12 @@ def _job_of(target: Path) -> Path:
 
 def _run(job: Job, args: argparse.Namespace, **how: bool) -> int:
     from ..jobs.run import run
+    from ..jobs.summary import text_of
     outcome = run(job, workers=args.workers, say=say, **how)
     if args.json:
         print_json(outcome.summary)
     else:
-        print(outcome.result.summary())
+        print(text_of(outcome.result))
         written = sorted(path.name for path in outcome.folder.folder.iterdir())
         print(f"\nIn {_shown(outcome.folder.folder)}: {', '.join(written)}")
     for note in outcome.notes:

@@ -116,7 +116,8 @@ def _numbers(found: AntiresonanceSet) -> dict[str, Any]:
 
 def report(args: argparse.Namespace) -> int:
     """The report of a result."""
-    from ..jobs.drawing import pictures
+    from ..jobs.drawing import origin_of, pictures
+    from ..jobs.files import RunFolder
     from ..results import UpdateResult
     file: Path = args.result / "result.npz" if args.result.is_dir() else args.result
     existing("RESULT", file, "'antires update' and 'antires damage' write result.npz into their folder.")
@@ -127,7 +128,7 @@ def report(args: argparse.Namespace) -> int:
     with arguments({"path": "RESULT"}, "Name the result.npz of a run."):
         result = UpdateResult.load(file)
     say("writing the report")
-    result.report(out, title=args.title)
+    result.report(out, title=args.title, origin=origin_of(RunFolder(file.parent)))
     drawn: list[Path] = []
     if args.pictures is not None:
         args.pictures.mkdir(parents=True, exist_ok=True)

@@ -14,7 +14,7 @@ from .files import RunFolder
 from .job import Job
 from .measured import Measured
 
-__all__ = ["draw", "pictures"]
+__all__ = ["draw", "origin_of", "pictures"]
 
 
 def draw(job: Job, result: UpdateResult, folder: RunFolder, measured: list[Measured],
@@ -25,7 +25,8 @@ def draw(job: Job, result: UpdateResult, folder: RunFolder, measured: list[Measu
         if output.get("report", True):
             from ..report import write_report
             say("writing the report")
-            write_report(result, folder.report, title=output.get("title"), response=_response(job, measured))
+            write_report(result, folder.report, title=output.get("title"),
+                         response=_response(job, measured), origin=origin_of(folder))
         if output.get("pictures", True):
             say("drawing the pictures")
             folder.pictures.mkdir(exist_ok=True)
@@ -34,6 +35,16 @@ def draw(job: Job, result: UpdateResult, folder: RunFolder, measured: list[Measu
     except MissingDependencyError as exc:
         return [str(exc)]
     return []
+
+
+def origin_of(folder: RunFolder) -> dict[str, str | list[str]]:
+    """What repeats the run of a folder, for its report; empty where no job ran."""
+    record = folder.read_record() or {}
+    if not {"job", "task", "inputs"} <= record.keys():
+        return {}
+    name = Path(record["job"]).name
+    return {"Repeat with": f"antires {record['task']} {name}",
+            "Files, SHA-256": [f"{file}  {digest}" for file, digest in record["inputs"].items()]}
 
 
 def pictures(result: UpdateResult, folder: Path, diagrams: Mapping[Any, Any]) -> list[Path]:
@@ -63,6 +74,9 @@ def _response(job: Job, measured: list[Measured]) -> FrequencyResponse | None:
     try:
         length = job.section("identification").get("nperseg") or choose_nperseg(
             first.signal, job.data[0]["band_hz"])
-        return transmissibility(first.signal, dof, nperseg=length, estimator="rank1")
+        whole = transmissibility(first.signal, dof, nperseg=length, estimator="rank1")
     except UnsuitableDataError:  # a single hit has no averages
         return None
+    low, high = job.data[0]["band_hz"]
+    keep = (whole.freq_hz >= low) & (whole.freq_hz <= high)
+    return FrequencyResponse(whole.freq_hz[keep], whole.values[:, keep], whole.dofs, whole.kind, dof)

@@ -65,7 +65,7 @@ class RunFolder:
 
     def forget_results(self) -> None:
         """Remove what an earlier run drew, so that nothing stale stands beside a new result."""
-        pictures = self.pictures.glob("*.png") if self.pictures.is_dir() else ()
+        pictures = [file for file in self.pictures.glob("*.png") if _PICTURE.fullmatch(file.name)]
         for file in (self.result, self.summary, self.report, *pictures):
             file.unlink(missing_ok=True)
 
@@ -91,6 +91,7 @@ class RunFolder:
 #: As write_atomically names its files.
 _HALF_WRITTEN = re.compile(r"\.(antiresonances(_\d+)?\.json|result\.npz|summary\.json|run\.json|report\.html|"
                            r"\w+\.png)\.\d+\.tmp")
+_PICTURE = re.compile(r"(differences|convergence|damage|stabilization_.*)\.png")
 
 
 def sha256_of(file: Path) -> str:

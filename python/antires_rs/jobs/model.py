@@ -17,7 +17,7 @@ from .keys import CHAIN, FRAME, MATRICES, RESULT
 from .lines import Path as Keys
 from .values import shown
 
-__all__ = ["dof_finder", "model_of"]
+__all__ = ["dof_finder", "model_of", "term_files"]
 
 _SHAPES = {"tube": Tube, "rectangle": Rectangle, "general": Section}
 _CHAIN = ("masses_kg", "springs_n_per_m", "ground_first_n_per_m", "ground_last_n_per_m")
@@ -96,12 +96,12 @@ def _matrices(job: Job) -> StructuralModel:
         return io.read_matrices(job.existing(("model", "file"), table["file"]))
     _require(job, "stiffness", "mass")
     matrices = [job.existing(("model", key), table[key]) for key in ("stiffness", "mass")]
-    terms = {key: _term_files(job, key, names)
+    terms = {key: term_files(job, key, names)
              for key, names in job.given("model", ("stiffness_terms", "mass_terms")).items()}
     return io.read_matrices(*matrices, **terms)
 
 
-def _term_files(job: Job, key: str, names: str | list[str]) -> list[Any]:
+def term_files(job: Job, key: str, names: str | list[str]) -> list[Any]:
     """The files named; those of a pattern by the numbers in their names."""
     files = []
     for i, name in enumerate([names] if isinstance(names, str) else names):

@@ -24,7 +24,7 @@ from .files import RunFolder, sha256_of
 from .job import Job
 from .lines import Path as Keys
 from .measured import Measured, measured_of
-from .model import model_of
+from .model import model_of, term_files
 from .summary import summary_of
 from .unknowns import elements_of, parameters_of, search_of
 
@@ -132,8 +132,7 @@ def _checked(job: Job, resume: bool, fresh: bool) -> RunFolder:
     if folder.folder.exists() and not folder.folder.is_dir():
         job.reject(place, f"{str(folder.folder)!r}, which is a file", "a folder", "Name another one.")
     record = folder.read_record()
-    if record and folder.job_path(record) != Path(job.path.absolute()).resolve() \
-            and folder.job_path(record).resolve() != job.path.resolve():
+    if record and folder.job_path(record).resolve() != job.path.resolve():
         job.reject(place, f"{folder.folder.name!r}, which holds the results of {record.get('job')}",
                    "a folder of this job's own", 'Name one under [output], folder = "...".')
     if folder.unfinished and not (resume or fresh):
@@ -189,8 +188,10 @@ def _kept_sets(job: Job, folder: RunFolder, measured: list[Measured],
 def _inputs(job: Job, measured: list[Measured]) -> list[Path]:
     """Every file that the numbers depend on."""
     model = job.section("model")
-    names = [model[key] for key in ("file", "stiffness", "mass", "dof_map") if key in model]
-    return [job.path, *(m.file for m in measured), *(job.file(name) for name in names)]
+    named = [job.file(model[key]) for key in ("file", "stiffness", "mass", "dof_map") if key in model]
+    terms = [file for key in ("stiffness_terms", "mass_terms") if key in model
+             for file in term_files(job, key, model[key])]
+    return [job.path, *(m.file for m in measured), *named, *terms]
 
 
 def _named(job: Job, file: Path) -> str:

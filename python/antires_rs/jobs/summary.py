@@ -10,7 +10,7 @@ from ..tables import FrequencyTable
 from .job import Job
 from .measured import Measured
 
-__all__ = ["summary_of"]
+__all__ = ["summary_of", "text_of"]
 
 
 def number(value: Any) -> float | None:
@@ -21,8 +21,12 @@ def number(value: Any) -> float | None:
 
 def summary_of(job: Job, result: UpdateResult, record: dict[str, Any], measured: list[Measured],
                seconds: float) -> dict[str, Any]:
-    """All numbers of a run, and what repeats it."""
+    """All numbers of a run, and what repeats it.
+
+    What the data cannot tell takes seconds on a large model, so it is left out, as null, after Ctrl-C.
+    """
     table = result.table
+    at_once = result.status == "interrupted"
     checks = [m.found.data_check for m in measured if m.found.data_check is not None]
     return {
         "antires_rs": record["versions"]["antires_rs"], "task": job.task, "job": job.path.name,
@@ -30,25 +34,34 @@ def summary_of(job: Job, result: UpdateResult, record: dict[str, Any], measured:
         "versions": record["versions"], "seconds": seconds, "status": result.status,
         "message": result.message,
         "finished": result.success, "J": number(result.fun), "evaluations": result.nfev,
-        "generations": result.nit, **_values(result),
+        "generations": result.nit, **_values(result, at_once),
         "largest_before_percent": number(table.largest_before_percent),
         "largest_after_percent": number(table.largest_after_percent),
         "antiresonances": _rows(table) if isinstance(table, FrequencyTable) else [],
-        "warnings": [said for check in checks for said in check.warnings], "notes": result.notes,
+        "warnings": [said for check in checks for said in check.warnings],
+        "notes": [] if at_once else result.notes,
     }
 
 
-def _values(result: UpdateResult) -> dict[str, Any]:
+def text_of(result: UpdateResult) -> str:
+    """A run in words; after Ctrl-C without the notes that take time."""
+    if result.status != "interrupted":
+        return result.summary()
+    head = f"J = {result.fun:.6g} after {result.nfev:,} evaluations: interrupted, the best so far"
+    return "\n".join([head, "", *result._values(), "", str(result.table)])
+
+
+def _values(result: UpdateResult, at_once: bool) -> dict[str, Any]:
     if isinstance(result, DamageResult):
         label = result.problem.model.element_label
         return {"damaged": result.damaged,
                 "elements": [{"element": e, "name": label(e), "stiffness_loss": number(beta),
-                              "smallest_visible": number(result.detectable[e])}
+                              "smallest_visible": None if at_once else number(result.detectable[e])}
                              for e, beta in result.severity.items()]}
-    on_bound = set(result.at_bound)
+    on_bound = None if at_once else set(result.at_bound)
     return {"parameters": [{"name": name, "value": number(value), "nominal": number(nominal),
                             "low": number(low),
-                            "high": number(high), "on_bound": name in on_bound}
+                            "high": number(high), "on_bound": None if on_bound is None else name in on_bound}
                            for name, value, nominal, (low, high) in zip(
                                result.problem.names, result.x, result.problem.nominal, result.problem.bounds,
                                strict=True)]}

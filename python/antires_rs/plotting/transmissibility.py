@@ -21,7 +21,8 @@ __all__ = ["plot_transmissibility"]
 def plot_transmissibility(measured: FrequencyResponse, before: StructuralModel,
                           after: StructuralModel | None = None, *, dof: int | None, excitation: int,
                           damping_ratio: Any = 0.01, band_hz: Sequence[float] | None = None,
-                          ax: Any = None) -> Any:
+                          ax: Any = None,
+                          names: tuple[str, str] = ("before updating", "after updating")) -> Any:
     """Draw ``abs(T_pj)`` in dB, as measured and as the models have it.
 
     Its peaks are the antiresonances of the reference j, whatever p.
@@ -45,6 +46,8 @@ def plot_transmissibility(measured: FrequencyResponse, before: StructuralModel,
         Lines drawn; all of the data by default.
     ax : matplotlib.axes.Axes, optional
         Drawn into; a new figure by default.
+    names : (str, str)
+        What the two models are called.
 
     Returns
     -------
@@ -84,8 +87,8 @@ def plot_transmissibility(measured: FrequencyResponse, before: StructuralModel,
     shown = FrequencyResponse(freq[keep], measured.values[:, keep], measured.dofs, "transmissibility",
                               measured.reference)
     ax.plot(shown.freq_hz, _decibel(shown, dof), color="#C4C4C4", lw=4.0, label="measured")
-    models = [("model" if after is None else "model before updating", before, "--", "vermillion"),
-              ("model after updating", after, "-", "blue")]
+    models = [("model" if after is None else f"model {names[0]}", before, "--", "vermillion"),
+              (f"model {names[1]}", after, "-", "blue")]
     for name, model, dashes, colour in models:
         if model is not None:
             level = _decibel(_of_model(model, shown, excitation, damping_ratio), dof)

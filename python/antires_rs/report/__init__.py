@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
@@ -35,7 +35,8 @@ __all__ = ["write_report"]
 
 def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: str | None = None,
                  diagrams: Mapping[Any, StabilizationDiagram] | None = None,
-                 response: FrequencyResponse | None = None, truth: Mapping[int, float] | None = None) -> Path:
+                 response: FrequencyResponse | None = None, truth: Mapping[int, float] | None = None,
+                 origin: Mapping[str, str | Sequence[str]] | None = None) -> Path:
     """Write a result with its tables, pictures and caveats into one HTML file.
 
     Parameters
@@ -53,6 +54,8 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
         force they belong to the first. Not with modes, which do not tell where the force was.
     truth : mapping of int to float, optional
         True stiffness loss by element, for a virtual test; shown beside what was found.
+    origin : mapping of str to str or sequence of str, optional
+        What repeats the run, such as its command and the checksums of its files; shown beside the seed.
 
     Returns
     -------
@@ -110,6 +113,8 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
         known=truth is not None, rows=_frequency_rows(result), figures=_figures(result, response, truth),
         diagrams=[(dof, _data_uri(picture(lambda ax, d=d: d.plot(ax=ax), (9.0, 5.0), dpi=110)))
                   for dof, d in shown],
+        origin={name: [lines] if isinstance(lines, str) else list(lines)
+                for name, lines in (origin or {}).items()},
         islands=result.history.cost.shape[1], versions=_versions(),
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"))
     return write_atomically(path, html.encode("utf-8"))
@@ -207,7 +212,7 @@ def _figures(result: UpdateResult, response: FrequencyResponse | None,
                         "damping of 1 %.",
                         picture(lambda ax: plot_transmissibility(
                             response, problem.model, result.model, dof=None,
-                            excitation=problem.measured[0].excitation, ax=ax), (9.0, 4.4))))
+                            excitation=problem.measured[0].excitation, ax=ax, names=names), (9.0, 4.4))))
     figures.append(("The search: best objective of each island.",
                     picture(lambda ax: plot_convergence(result, ax=ax), (9.0, 4.2))))
     return [(caption, _data_uri(png)) for caption, png in figures]
