@@ -33,7 +33,7 @@ lint: build  ## clippy, rustdoc, ruff, mypy
 	cargo fmt --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps -p antires-core
-	$(BIN)/ruff check python tests examples benchmarks
+	$(BIN)/ruff check python tests examples benchmarks docs
 	$(BIN)/mypy
 
 format:  ## format the Rust sources

@@ -97,9 +97,9 @@ class Exhaust:
     def truth(self, level: int = 0) -> dict[str, Any]:
         """What was tested, by name.
 
-        ``thickness``, ``youngs_modulus``, ``point_mass`` (factors), ``angle`` (degrees), ``inertia``, ``hanger``;
-        ``crack_share``, ``equivalent_loss``, ``severity``; ``freq_hz`` by dof, ``resonances_hz`` and
-        ``damping_ratio``.
+        ``thickness``, ``youngs_modulus``, ``point_mass``, ``inertia``, ``hanger`` (factors), ``angle``
+        (degrees); ``crack_share``, ``equivalent_loss``, ``severity``; ``freq_hz`` by dof, ``resonances_hz``
+        and ``damping_ratio``.
         """
         return truth(integer("level", level, low=0, high=3), self.responses)
 
