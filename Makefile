@@ -11,7 +11,7 @@ STAMP  := $(VENV)/.installed
 RUST   := $(shell find rust -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 
 .DEFAULT_GOAL := all
-.PHONY: all help demo test test-rust test-python lint format build wheel bench clean
+.PHONY: all help demo test test-rust test-python lint format build docs wheel sdist bench clean
 
 all: format lint build test  ## format, lint, build and test
 
@@ -33,7 +33,7 @@ lint: build  ## clippy, rustdoc, ruff, mypy
 	cargo fmt --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps -p antires-core
-	$(BIN)/ruff check python tests examples benchmarks
+	$(BIN)/ruff check python tests examples benchmarks docs
 	$(BIN)/mypy
 
 format:  ## format the Rust sources
@@ -49,11 +49,21 @@ $(STAMP): pyproject.toml $(RUST)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --editable ".[all]"
 	@touch $@
 
-# The tools of the dependency group "test" in pyproject.toml (older pip cannot read groups).
-TEST_TOOLS = $(shell $(PYTHON) -c 'import tomllib; print(*(chr(34) + t + chr(34) for t in tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["test"]))')
+# The tools of a dependency group in pyproject.toml (older pip cannot read groups).
+group = $(shell $(PYTHON) -c 'import tomllib; print(*(chr(34) + t + chr(34) for t in tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["$(1)"]))')
+TEST_TOOLS = $(call group,test)
+
+docs: build  ## pages and executed gallery into docs/_build/html, warnings are errors
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(call group,docs)
+	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
 
 wheel: build  ## build a wheel into dist/
 	$(BIN)/maturin build --release --locked --out dist
+
+sdist:  ## build a source distribution into dist/
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check "maturin>=1.9.4,<2"
+	$(BIN)/maturin sdist --out dist
 
 bench: build  ## speed and accuracy tables of the README
 	$(BIN)/python benchmarks/objective_speed.py
@@ -61,3 +71,4 @@ bench: build  ## speed and accuracy tables of the README
 
 clean:  ## remove everything that was built
 	rm -rf $(VENV) target dist demo_output python/antires_rs/*.so
+	rm -rf docs/_build docs/gallery docs/api/generated docs/api/backreferences docs/sg_execution_times.rst

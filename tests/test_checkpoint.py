@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.checkpoint import Checkpoint
+from antires_rs.checkpoint import Checkpoint, fingerprint
 
 #: Some two hundred generations with migrations, about a second.
 SEARCH = {"max_evaluations": 30_000, "patience": 5, "improvement_tolerance": 0.02, "polish": False}
@@ -131,7 +131,23 @@ def test_another_search_is_refused_and_the_file_left_alone(tmp_path):
         ar.update(other, checkpoint=tmp_path / "no" / "folder.ckpt")
     with pytest.raises(ar.InvalidInputError, match="a file, not a folder"):
         ar.update(other, checkpoint=tmp_path)
+    with pytest.raises(ar.InvalidInputError, match="checkpoint: got 3"):
+        ar.update(other, checkpoint=3)
     assert path.read_bytes() == before
+
+
+def test_what_a_parameter_acts_on_belongs_to_the_fingerprint():
+    pipe = ar.Tube(0.038, 0.0015, 2.1e11, 7850.0)
+    nodes, elements = [(0.3 * i, 0.05 * (i % 2)) for i in range(8)], [(i, i + 1) for i in range(7)]
+    prints = set()
+    for parameter in (ar.angle([3], 3, bounds_deg=(-5, 5)), ar.angle([3], 4, bounds_deg=(-5, 5)),
+                      ar.thickness("a", bounds=(0.9, 1.1), relative=True)):
+        for names in ("aaabbbb", "aabbbbb"):
+            model = ar.FrameModel(nodes, [(*e, n) for e, n in zip(elements, names, strict=True)],
+                                  {"a": pipe, "b": pipe}, fixed=[0])
+            zeros = ar.AntiresonanceSet(4, {4: [30.0], 10: [50.0]})
+            prints.add(fingerprint(ar.UpdatingProblem(model, parameter, zeros), {}, []))
+    assert len(prints) == 4  # for an angle the two assignments are one model
 
 
 def test_a_disk_that_fails_is_warned_of_and_the_search_goes_on(tmp_path, monkeypatch, whole):

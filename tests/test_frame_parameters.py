@@ -180,6 +180,7 @@ WRONG = {
     "pivot away": ("pivot", problem(ar.angle(3, 0, bounds_deg=(-5, 5)))),
     "pivot outside": ("pivot", problem(ar.angle(3, 60, bounds_deg=(-5, 5)))),
     "no pivot": ("pivot", lambda: ar.angle(3, None, bounds_deg=(-5, 5))),
+    "out of the plane": ("parameters[0]", problem(ar.angle(3, 3, bounds_deg=(-5, 5), axis=(1, 0, 0)))),
     "no axis": ("axis", lambda: ar.angle(3, 3, bounds_deg=(-5, 5), axis=(0, 0, 0))),
     "a loop": ("elements", problem(ar.angle(2, 2, bounds_deg=(-5, 5)), model=LOOP)),
     "a chain's wall": ("parameters[0]", problem(ar.thickness(0, bounds=(0.001, 0.002)), model=CHAIN)),
@@ -204,3 +205,31 @@ def test_bounds_that_make_a_matrix_indefinite_are_refused():
                             (ar.mass_factor(0, bounds=(0.5, 1.0)), "mass")):
         with pytest.raises(exceptions.InvalidInputError, match=f"^bounds: got .* {what}"):
             ar.UpdatingProblem(model, parameter, zeros)
+
+
+def test_a_turn_about_an_elements_own_axis_turns_its_section():
+    nodes = [(0.1 * i, 0.0, 0.0) for i in range(13)]
+    model = ar.FrameModel(nodes, [(i, i + 1) for i in range(12)], ar.Rectangle(0.01, 0.04, E, RHO), fixed=[0])
+    sensors, force = [model.dof(7, "v"), model.dof(12, "v")], model.dof(12, "v")
+    turn = ar.angle([6], 6, bounds_deg=(-60, 60), axis=(1, 0, 0))
+    zeros = dict(zip(sensors, model.antiresonances(sensors, force, f_max_hz=900.0), strict=True))
+    task = ar.UpdatingProblem(model, turn, ar.AntiresonanceSet(force, zeros))
+    turned = task.model_at([35.0]).antiresonances(sensors, force, f_max_hz=1e4)
+    nearest = [of_model[np.abs(of_model - f).argmin()]
+               for of_model, values in zip(turned, zeros.values(), strict=True) for f in values]
+    np.testing.assert_allclose(task.paired_hz([35.0]), nearest, rtol=1e-8)
+    assert task.cost([35.0]) > 0.1
+
+
+def test_bounds_and_moduli_in_another_unit_are_warned_of():
+    zeros = measured(MODEL)
+    with pytest.warns(ar.AntiresWarning, match=r"far outside the bounds \(0\.9, 1\.1\)\. .*relative=True"):
+        ar.UpdatingProblem(MODEL, ar.youngs_modulus(0, bounds=(0.9, 1.1)), zeros)
+    with pytest.warns(ar.AntiresWarning, match="Check the unit of the bounds"):
+        ar.UpdatingProblem(MODEL, ar.youngs_modulus(0, bounds=(190.0, 220.0)), zeros)
+    with pytest.warns(ar.AntiresWarning, match="softer than rubber"):
+        ar.FrameModel([(0, 0), (1, 0)], [(0, 1)], ar.Tube(0.05, 0.002, 210.0, RHO))
+    with pytest.raises(exceptions.InvalidInputError, match="elements"):
+        ar.FrameModel([(0, 0), (1, 0)], 5, ar.Tube(0.05, 0.002, E, RHO))
+    with pytest.raises(exceptions.InvalidInputError, match=r"elements\[0\]"):
+        ar.FrameModel([(0, 0), (1, 0)], [5, 6], ar.Tube(0.05, 0.002, E, RHO))

@@ -10,6 +10,7 @@ import scipy.sparse
 import antires_rs as ar
 from antires_rs import exceptions
 from antires_rs.plotting import plot_differences
+from antires_rs.plotting.numbers import beside
 from tolerances import AGAINST_SCIPY, BEAM_HZ, EIGH, RIGID_FORCE
 
 STEEL = (2.1e11, 7850.0)
@@ -198,12 +199,64 @@ def test_the_picture_has_every_element_numbered_and_what_it_carries():
     ax = model.plot(ax=figure.Figure().subplots(), **options)
     assert [t.get_text() for t in ax.texts if t.get_text()] == ["1", "2", "3", "4"]
     names = {text.get_text() for text in ax.get_legend().get_texts()}
-    assert names == {"point mass", "spring to ground", "fixed", "accelerometer", "force"}
+    assert names == {"point mass", "spring to ground", "partly fixed", "accelerometer", "force"}
     coloured = model.plot({2: 0.5, 1: 0.1}, ax=figure.Figure().subplots(), label="Stiffness loss")
     assert coloured.figure.axes[1].get_ylabel() == "Stiffness loss"
     shown = [c.get_array() for c in coloured.collections if c.get_array() is not None]
     np.testing.assert_array_equal(shown[0], [0.1, 0.5])
     assert cantilever(3, 3).plot(ax=figure.Figure().subplots(), sensors=[2], excitation=8).get_ylabel() == ""
+
+
+def test_the_picture_has_springs_between_nodes_and_tells_kinds_of_support_apart():
+    figure = pytest.importorskip("matplotlib.figure")
+    model = frame(node_springs=[(0, 3, 1e4), (1, 4, 2e4)], ground_springs=[(4, "v", 1e3)],
+                  fixed=[0, (4, "u"), (3, "theta")])
+    ax = model.plot(ax=figure.Figure().subplots())
+    names = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert names == ["fixed", "partly fixed", "spring to ground", "node spring"]
+    strokes = [line for line in ax.lines if len(line.get_xdata()) == 1 and line.get_xdata()[0] == NODES[4][0]]
+    # Across u; the triangle of the spring is drawn after it and smaller.
+    assert [line.get_marker() for line in strokes] == [(2, 2, 0.0), "v"]
+    assert strokes[0].get_markersize() > strokes[1].get_markersize()
+    coils = [line for line in ax.lines if len(line.get_xdata()) > 2]
+    assert [tuple(line.get_xydata()[[0, -1]].ravel()) for line in coils] == [
+        (*NODES[0], *NODES[3]), (*NODES[1], *NODES[4])]
+
+
+def test_nothing_is_light_grey_and_the_scale_of_values_starts_at_nothing():
+    figure = pytest.importorskip("matplotlib.figure")
+    for values, limits in (([0.2, 0.5, 0.0, 0.4], (0.0, 0.5)), ([2.0, 2.5, 2.2, 2.2], (0.0, 2.5)),
+                           ([0.0, 0.0, 0.0, 0.0], (0.0, 1.0)), ([-1.0, 0.0, 0.0, 0.0], (-1.0, 0.0))):
+        ax = frame().plot(values, ax=figure.Figure().subplots())
+        shown = next(c for c in ax.collections if c.get_array() is not None)
+        assert shown.get_clim() == limits
+    light = np.array([shown.cmap(x)[:3] for x in np.linspace(0.0, 1.0, 40)]) @ [0.299, 0.587, 0.114]
+    assert light[[0, -1]] == pytest.approx([0.85, 0.04], abs=0.03)
+    assert np.all(np.diff(light) < 0.0)
+
+
+def test_numbers_keep_clear_of_arrows():
+    element, lines = np.array([[[0.0, 0.0], [40.0, 0.0]], [[40.0, 0.0], [80.0, 0.0]]]), np.empty((0, 2, 2))
+    np.testing.assert_array_equal(beside(element, lines), [[20.0, 7.0], [60.0, 7.0]])
+    arrow = np.array([[[20.0, 20.0], [20.0, 0.0]]])
+    np.testing.assert_array_equal(beside(element, arrow), [[20.0, -7.0], [60.0, 7.0]])
+
+
+def test_springs_between_nodes_have_the_values_of_the_state():
+    springs = [ar.NodeSpring(0, 3, 1e4), ar.NodeSpring(1, 4, 2e4)]
+    model = frame(node_springs=springs, ground_springs=[(4, "v", 1e3)])
+    assert model.node_springs == springs
+    terms = [*ar.stiffness_reduction([0, 5]), ar.stiffness_factor(6, bounds=(0.5, 2.0))]
+    values = ar.AntiresonanceSet(1, {4: [50.0]})
+    once = ar.UpdatingProblem(model, terms, values).model_at([0.1, 0.25, 1.5])
+    assert [s.stiffness_n_per_m for s in once.node_springs] == [7500.0, 30000.0]
+    twice = ar.UpdatingProblem(once, ar.stiffness_reduction([6]), values).model_at([0.5])
+    assert [s.stiffness_n_per_m for s in twice.node_springs] == [7500.0, 15000.0]
+    # The same as a frame made with these springs.
+    rest = frame(node_springs=twice.node_springs, ground_springs=[(4, "v", 1e3)])
+    same = ar.UpdatingProblem(rest, ar.stiffness_reduction([0]), values).model_at([0.1])
+    scale = abs(same.stiffness()).max()
+    np.testing.assert_allclose(twice.stiffness().toarray(), same.stiffness().toarray(), atol=EIGH * scale)
 
 
 def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():
@@ -216,7 +269,7 @@ def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():
     measured = ar.AntiresonanceSet(force, dict(zip(sensors, zeros, strict=True)))
     result = ar.assess_damage(model, measured, rng=0)
     text = result.summary()
-    assert re.search(r"element 3 +60\.00 %\nall others \(3\): exactly 0\n", text)
+    assert re.search(r"element 3 +60\.00 % \u00b1 \S+ %\nall others \(3\): exactly 0\n", text)
     assert "\n3 u, 1 v " in text
     assert result.table.dof_names[force] == "1 v"
     figure = pytest.importorskip("matplotlib.figure", reason="pictures need matplotlib")

@@ -182,6 +182,46 @@ def test_rigid_bodies_free_in_the_plane():
         assert_promise(k_mat, m_mat, i, k, found)
 
 
+HARD = {
+    "two zeros 1e-7 apart": (tuned([(6, 0.5), (13, 0.5)], [3e4, 3e4 * (1 + 2e-7)]), (19, 40), 400.0),
+    "zero beside a pole": (tuned([(15, 1e-6)], [1e-6 * (2 * np.pi * 60.0) ** 2]), (19, 19), 300.0),
+    "driven at its node": (straight(21), (31, 31), 1500.0),
+    "rigid bodies": (tuned([(6, 0.5)], [3e4], rigid=True), (1, 1), 500.0),
+    "repeated modes": (tuned([(6, 0.5), (6, 0.5), (6, 0.5)], [3e4] * 3), (19, 40), 400.0),
+}
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_hard_pairs_are_the_same_by_bands_by_all_modes_and_by_the_pencil(name):
+    """Without a limit the dense solver takes all modes; with one the band route a few."""
+    (k_mat, m_mat), (i, k), limit_hz = HARD[name]
+    model = ar.MatrixModel(k_mat, m_mat)
+    for flag in (False, True):
+        band = model.antiresonances(i, k, f_max_hz=limit_hz, include_cancelled=flag)
+        dense = model.antiresonances(i, k, include_cancelled=flag)
+        pencil = model.antiresonances(i, k, f_max_hz=limit_hz, method="pencil", include_cancelled=flag)
+        assert band.size > 2
+        for other in (dense[dense <= limit_hz], pencil):
+            assert band.size == other.size
+            np.testing.assert_allclose(band, other, rtol=AGAINST_SCIPY)
+    if name != "repeated modes":  # there a zero lies on a pole that cancels, and K - x M is singular
+        assert_promise(k_mat, m_mat, i, k, model.antiresonances(i, k, f_max_hz=limit_hz))
+
+
+def test_an_objective_of_a_frame_has_the_same_bits_on_any_number_of_threads():
+    k_mat, m_mat = straight(24)
+    k_mat[[0, 1, 34], [0, 1, 34]] += 2e3
+    nodes = np.column_stack([np.linspace(0, 2.0, 24), np.zeros(24)])
+    terms = [assemble(nodes, [(e, e + 1)], [(0.04, 0.002)])[0] for e in range(4, 10)]
+    model = ar.MatrixModel(k_mat, m_mat, stiffness_terms=terms)
+    measured = {i: model.antiresonances(i, 1, f_max_hz=400.0) for i in (1, 16, 40)}
+    problem = ar.UpdatingProblem(model, ar.stiffness_reduction(range(6)), ar.AntiresonanceSet(1, measured))
+    betas = np.random.default_rng(0).uniform(0.0, 0.8, (40, 6))
+    alone = problem.evaluate_many(betas, workers=1)
+    np.testing.assert_array_equal(problem.evaluate_many(betas, workers=3), alone)
+    np.testing.assert_array_equal([problem.cost(b) for b in betas[::-1]], alone[::-1])
+
+
 def test_the_same_matrices_give_the_same_bits_whatever_was_asked_before():
     rng = np.random.default_rng(5)
     k_mat, m_mat = random_frame(rng, most_dofs=200)

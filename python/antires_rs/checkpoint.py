@@ -11,9 +11,11 @@ import hashlib
 import os
 import struct
 import warnings
+from dataclasses import astuple
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ._core import __version__
 from ._validation import reject
 from .exceptions import AntiresWarning, UnsuitableDataError
 
@@ -54,6 +56,8 @@ class Checkpoint:
     """
 
     def __init__(self, path: str | os.PathLike[str], every_s: float = 2.0) -> None:
+        if not isinstance(path, str | os.PathLike):
+            reject("checkpoint", path, "a path")
         self.path, self.every_s = Path(path), every_s
         if not self.path.parent.is_dir():
             reject("checkpoint", str(path), "a file in a folder that exists",
@@ -140,11 +144,14 @@ def fingerprint(problem: UpdatingProblem, options: dict[str, Any], guesses: list
             digest.update(item if isinstance(item, bytes) else repr(item).encode())
             digest.update(b"\0")
 
-    for matrix in (problem.model._core.stiffness(), problem.model._core.mass()):
-        add(matrix.shape, matrix.tobytes())
-    # What else was measured and how it is weighed shows in the costs and residuals of two points.
-    points = (problem.nominal, problem.bounds.mean(axis=1))
-    add(problem.objective, problem.bounds.tobytes(), problem.parameters, problem.measured_hz.tobytes(),
-        problem.misfit, problem.penalty, sorted(options.items()), guesses)
+    # Inside the bounds every parameter, and all that it acts on, shows in the matrices; what else was
+    # measured and how it is weighed shows in the residuals and the cost.
+    low, high = problem.bounds.T
+    points = (problem.nominal, low + 0.37 * (high - low))
+    for model in (problem.model, problem.model_at(points[1])):
+        for matrix in (model._core.stiffness(), model._core.mass()):
+            add(matrix.shape, matrix.tobytes())
+    add(__version__, problem.objective, problem.bounds.tobytes(), [astuple(p) for p in problem.parameters],
+        problem.measured_hz.tobytes(), problem.misfit, problem.penalty, sorted(options.items()), guesses)
     add(*(problem.residuals(x).tobytes() for x in points), *(problem.cost(x).hex() for x in points))
     return digest.digest()

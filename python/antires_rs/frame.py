@@ -15,12 +15,14 @@ from ._validation import FloatArray, integer, real_array, reject
 from .exceptions import AntiresWarning
 from .frame_parts import (
     GroundSpring,
+    NodeSpring,
     PointMass,
     core_ground_springs,
     core_masses,
     core_node_springs,
     fixed_dofs,
     iterable,
+    scaled_node_springs,
     text,
 )
 from .models import StructuralModel
@@ -92,7 +94,9 @@ class FrameModel(StructuralModel):
         nodes = real_array("nodes_m", nodes_m, ndim=2, wanted=wanted)
         if nodes.shape[1] not in (2, 3):
             reject("nodes_m", f"an array of shape {nodes.shape}", wanted)
-        rows = [tuple(row) for row in elements]
+        pairs = "pairs of nodes (first, second), or triples with a section"
+        rows = [tuple(iterable(f"elements[{i}]", row, pairs))
+                for i, row in enumerate(iterable("elements", elements, pairs))]
         if not rows:
             reject("elements", "none", "at least one pair of nodes")
         self._names, listed, chosen = _sections(sections, rows)
@@ -152,6 +156,16 @@ class FrameModel(StructuralModel):
     def ground_springs(self) -> list[GroundSpring]:
         """Springs to ground with the values of this state."""
         return [GroundSpring(*parts) for parts in self._frame.ground_springs()]
+
+    @property
+    def node_springs(self) -> list[NodeSpring]:
+        """Springs between nodes with the values of this state."""
+        if self._origin is None:
+            return [NodeSpring(node, other, k, direction) for node, other, direction, k in self._made[5]]
+        problem, x = self._origin
+        first = len(self._beams) + len(self.ground_springs)
+        return scaled_node_springs(problem.model.node_springs, first, problem.parameters,
+                                   problem._repaired(x))
 
     @property
     def fixed(self) -> list[tuple[int, str]]:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
-from ._validation import finite_scalar, integer, reject, shape_of
+from ._validation import FloatArray, finite_scalar, integer, reject, shape_of
+
+if TYPE_CHECKING:
+    from .parameters import Parameter
 
 __all__ = ["GroundSpring", "NodeSpring", "PointMass"]
 
@@ -111,6 +114,20 @@ def core_node_springs(items: Iterable[Any]) -> list[tuple[int, int, str | None, 
              None if s.direction is None else text("node_springs", i, s.direction),
              _number("node_springs", i, "stiffness_n_per_m", s.stiffness_n_per_m))
             for i, s in enumerate(_items("node_springs", items, NodeSpring))]
+
+
+def scaled_node_springs(springs: Iterable[NodeSpring], first: int, parameters: Iterable[Parameter],
+                        x: FloatArray) -> list[NodeSpring]:
+    """Springs with the parameters ``x`` applied that act on their terms, ``first`` and on."""
+    springs = list(springs)
+    for parameter, value in zip(parameters, x, strict=True):
+        if parameter.quantity in ("stiffness_reduction", "stiffness_factor"):
+            factor = float(1.0 - value if parameter.quantity == "stiffness_reduction" else value)
+            for term in parameter.terms:
+                if term >= first:
+                    old = springs[term - first]
+                    springs[term - first] = replace(old, stiffness_n_per_m=old.stiffness_n_per_m * factor)
+    return springs
 
 
 def fixed_dofs(fixed: Iterable[Any], in_space: bool) -> list[tuple[int, str]]:

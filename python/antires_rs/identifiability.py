@@ -25,6 +25,8 @@ __all__ = ["Identifiability", "identifiability", "smallest_visible"]
 _STEP = 1e-5
 #: A direction whose residuals move less than this per unit of bound range is not seen.
 _UNSEEN = 1e-5
+#: A value whose standard deviation exceeds this share of the bounds' distance is hardly determined.
+_WEAK = 0.1
 #: A parameter takes part in an unseen direction from this share of it on.
 _SHARE = 0.15
 
@@ -45,6 +47,12 @@ class Identifiability:
         Orthonormal combinations that they do not.
     scale_unseen : bool
         Whether scaling all parameters together is one of these.
+    weak : ndarray of bool, (n,)
+        Seen, but with a standard deviation above a tenth of the bounds' distance.
+    std : ndarray, (n,)
+        Standard deviation of each value to first order, from the scatter of the residuals, in the parameter's
+        unit; infinity where it is not determined, NaN where it cannot be said: a damage that rests at 0, or
+        no more residuals than parameters. Errors of the model count as far as they show in the residuals.
     noun : str
         What was measured.
     """
@@ -54,6 +62,8 @@ class Identifiability:
     rank: int
     unseen: FloatArray
     scale_unseen: bool
+    std: FloatArray
+    weak: NDArray[np.bool_]
     noun: str = "antiresonance"
 
     @property
@@ -75,6 +85,11 @@ class Identifiability:
                    else f"no measured {self.noun} moves with them")
             notes.append(f"{combinations} of {names} cannot be told: {why} "
                          f"({self.rank} of {len(self.names)} combinations are).")
+        if np.any(self.weak):
+            names = ", ".join(f"{name} (\u00b1 {std:.2g})" for name, std, weak
+                              in zip(self.names, self.std, self.weak, strict=True) if weak)
+            notes.append(f"Hardly determined, by the scatter of the residuals: {names}. What fits as well "
+                         "lies within these standard deviations.")
         return notes
 
     @property
@@ -101,8 +116,33 @@ def identifiability(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
     scale = np.array([p.common_scale(value) for p, value in zip(problem.parameters, x, strict=True)]) / width
     length = np.linalg.norm(scale)
     scale_unseen = bool(length > 0 and np.linalg.norm(jacobian @ scale) <= _UNSEEN * length)
-    return Identifiability(tuple(problem.names), np.linalg.norm(jacobian, axis=0), rank, rows[rank:],
-                           scale_unseen, problem.noun)
+    std = _standard_deviations(problem, x, jacobian) * width
+    sensitivity = np.linalg.norm(jacobian, axis=0)
+    weak = np.isfinite(std) & (std > _WEAK * width) & (sensitivity > _UNSEEN)
+    return Identifiability(tuple(problem.names), sensitivity, rank, rows[rank:], scale_unseen, std, weak,
+                           problem.noun)
+
+
+def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: FloatArray) -> FloatArray:
+    """Standard deviations over the bounds' distances, (n,): sigma times the rows of the pseudo-inverse.
+
+    ``sigma**2 = sum(e**2) / (m - rank)``. A damage at exactly 0 is decided, not estimated.
+    """
+    resting = np.array([p.quantity == "stiffness_reduction" and value == 0.0 and problem.penalty is not None
+                        for p, value in zip(problem.parameters, x, strict=True)])
+    std = np.full(len(x), np.nan)
+    free = np.flatnonzero(~resting & (problem.bounds[:, 1] > problem.bounds[:, 0]))
+    if free.size == 0:
+        return std
+    _, singular, rows = np.linalg.svd(jacobian[:, free], full_matrices=True)
+    seen = np.append(singular, np.zeros(len(rows) - len(singular))) > _UNSEEN
+    residuals = problem.residuals(x)[:len(problem.measured_hz)]
+    spare = residuals.size - int(seen.sum())
+    if spare > 0:
+        sigma = np.sqrt(np.sum(residuals**2) / spare)
+        std[free] = sigma * np.sqrt(np.sum((rows[seen] / singular[seen[:len(singular)], None])**2, axis=0))
+    std[free[np.any(np.abs(rows[~seen]) > _SHARE, axis=0)]] = np.inf
+    return std
 
 
 def smallest_visible(problem: UpdatingProblem) -> list[float]:

@@ -88,7 +88,7 @@ def identify_antiresonances(
         A named set of the options formulation, freq_tol to min_dominance and persistent, see
         :mod:`~antires_rs.presets`. What is given beside it wins.
     max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
-        As for :func:`~antires_rs.stabilization.stabilization`. With few lines in the band the highest order
+        As for :func:`~antires_rs.stabilization`. With few lines in the band the highest order
         is lowered to two thirds of their number.
     persistent : bool, optional
         Accept also what is there in most orders without standing still. Default: True, or as the preset says.

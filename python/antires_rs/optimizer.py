@@ -33,6 +33,13 @@ class History:
         Best cost of each island.
     migrations : ndarray
         Generations after which the islands exchanged their best.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> found = ar.IslandGA(max_evaluations=5000).minimize(lambda x: (x[0] - 0.3) ** 2, [(-1, 1)], rng=0)
+    >>> bool(found.history.nfev[-1] == found.nfev), found.history.cost.shape[1]
+    (True, 4)
     """
 
     nfev: FloatArray
@@ -68,6 +75,13 @@ class OptimizeResult:
         Their costs.
     options : dict
         Options of the optimizer in force.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> found = ar.IslandGA(max_evaluations=5000).minimize(lambda x: (x[0] - 0.3) ** 2, [(-1, 1)], rng=0)
+    >>> found.x.round(2), found.nfev <= 5000, found.populations.shape
+    (array([0.3]), True, (4, 40, 1))
     """
 
     x: FloatArray

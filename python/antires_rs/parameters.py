@@ -9,13 +9,15 @@ parameter that acts on all its elements. Several parameters on one element multi
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
-from ._validation import choice, finite_scalar, integer, reject, shape_of
+from ._validation import FloatArray, choice, finite_scalar, integer, reject, shape_of
+from .exceptions import AntiresWarning
 
 if TYPE_CHECKING:
     from .frame import FrameModel
@@ -48,6 +50,9 @@ _PROPERTIES = (*_OF_SECTIONS, "point_mass", "inertia", "support_stiffness")
 #: (quantity, terms, relative, (pivot, axis)) as the core takes it.
 CoreParameter = tuple[str, list[int], bool, tuple[int, tuple[float, float, float]] | None]
 
+#: A nominal value this factor outside the bounds is taken for a slip.
+FAR = 5.0
+
 #: Largest stiffness loss by default: a lost element would leave the structure in two parts.
 LARGEST_REDUCTION = 0.99
 
@@ -71,6 +76,13 @@ class Parameter:
         The value of a frame's property is a factor on the nominal one.
     pivot, axis
         Of an angle: the node about which, and the axis around which the group turns.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> one = ar.mass_factor(0, bounds=(0.9, 1.1))   # the functions make them
+    >>> one == ar.Parameter("mass_factor", (0,), (0.9, 1.1)), one.nominal
+    (True, 1.0)
     """
 
     quantity: Quantity
@@ -154,6 +166,18 @@ def parameter_name(model: StructuralModel, parameter: Parameter) -> str:
     about = f" about node {parameter.pivot}" if quantity == "angle" else ""
     name = f"{what} of {', '.join(labels)}{about}".replace("mass of mass", "mass")
     return f"{name} ({unit})" if unit else name
+
+
+def warn_far(parameters: Iterable[Parameter], names: list[str], nominal: FloatArray) -> None:
+    """Bounds in another unit than the model's value are a slip that no search can mend."""
+    for parameter, name, value in zip(parameters, names, nominal, strict=True):
+        low, high = parameter.bounds
+        if value > 0.0 and not low / FAR <= value <= FAR * high:
+            factors = parameter.nominal is None and high < 100.0
+            hint = ("Bounds that are factors need relative=True." if factors
+                    else "Check the unit of the bounds.")
+            warnings.warn(f"{name}: the model has {value:g}, far outside the bounds ({low:g}, {high:g}). "
+                          + hint, AntiresWarning, stacklevel=4)
 
 
 def stiffness_reduction(elements: Any, *, bounds: tuple[float, float] = (0.0, LARGEST_REDUCTION),

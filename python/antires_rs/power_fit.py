@@ -89,9 +89,9 @@ def real_roots(coefficients: FloatArray, basis: RealBasis) -> ComplexArray:
 class PowerFit:
     """The one factorisation behind every order of real rational functions of f^2 with common poles.
 
-    Answers what :class:`~antires_rs.rational.NestedFit` answers, so that the same sweep runs on it. ``power``
-    is (n_outputs, n_freq), not negative; ``weights``, (n_freq,), multiply squared residuals of ``N - power
-    D``.
+    Answers what ``NestedFit`` of :mod:`~antires_rs.rational` answers, so that the same sweep runs on it.
+    ``power`` is (n_outputs, n_freq), not negative; ``weights``, (n_freq,), multiply squared residuals of
+    ``N - power D``.
     """
 
     def __init__(self, freq_hz: FloatArray, power: FloatArray, weights: FloatArray, max_order: int) -> None:

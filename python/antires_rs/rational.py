@@ -2,7 +2,7 @@ r"""Rational fraction polynomials with a common denominator, fitted in orthogona
 
 Model: Y_o(s) = N_o(s) / D(s) for every output o, numerators and denominator of one order, real
 coefficients in s. The residual w_n (N_o - Y_o D) is linear in the coefficients. With the numerators on a
-Forsythe basis for w^2 and the denominator on one for w^2 sum_o |Y_o|^2, all numerators are eliminated
+Forsythe basis for w^2 and the denominator on one for w^2 sum_o abs(Y_o)^2, all numerators are eliminated
 at no cost and the denominator minimises d' G d, G = I - sum_o X_o' X_o (Richardson & Formenti 1982).
 The X_o are computed once: their leading blocks serve every lower order.
 
@@ -159,6 +159,14 @@ class RationalFit:
         Roots of the numerator; one set an output when the values were two-dimensional.
     residual : float
         Weighted rms of ``fit - values`` over the weighted rms of ``values``.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> f = np.linspace(1.0, 20.0, 400)
+    >>> fit = ar.fit_rational(f, 1.0 / (10.0**2 - f**2 + 0.4j * f), 2)
+    >>> fit.poles.freq_hz.round(6), abs(fit.evaluate([10.0])).round(6)
+    (array([10.]), array([0.25]))
     """
 
     order: int

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
+from ._validation import FloatArray
 from .identifiability import Identifiability, identifiability, smallest_visible
 from .tables import FrequencyTable, ModalTable
 
@@ -43,6 +44,17 @@ class UpdateResult:
     problem : UpdatingProblem
     seed : int
         Master seed in force.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> tested = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(tested.antiresonances([0, 1, 2], 0))))
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> result = ar.update(ar.UpdatingProblem(nominal, springs, measured), rng=0)
+    >>> result.status, result.x.round(2), result.model.stiffness()[0].round(0)
+    ('agreed', array([1.1 , 0.96]), array([ 550., -550.,    0.]))
     """
 
     def __init__(self, problem: UpdatingProblem, search: OptimizeResult, seed: int) -> None:
@@ -98,11 +110,16 @@ class UpdateResult:
         notes = [f"note: {note}" for note in self.notes]
         return "\n".join([head, "", *self._values(), "", str(self.table), *([""] if notes else []), *notes])
 
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviation of each parameter to first order, (n,); see :class:`Identifiability`."""
+        return self.identifiability.std
+
     def _values(self) -> list[str]:
         width = max(len(name) for name in self.problem.names)
-        return [f"{name:<{width}}  {value:#12.6g}   [{low:g}, {high:g}]"
-                for name, value, (low, high) in zip(self.problem.names, self.x, self.problem.bounds,
-                                                    strict=True)]
+        return [f"{name:<{width}}  {value:#12.6g} \u00b1 {std:<8.2g} [{low:g}, {high:g}]"
+                for name, value, std, (low, high) in zip(self.problem.names, self.x, self.std,
+                                                         self.problem.bounds, strict=True)]
 
     def plot(self, ax: Any = None) -> Any:
         """Differences of the frequencies before and after updating; see :mod:`antires_rs.plotting`."""
@@ -153,7 +170,17 @@ class UpdateResult:
 
 
 class DamageResult(UpdateResult):
-    """Damage found: an :class:`UpdateResult` whose ``x`` holds the severities beta."""
+    """Damage found: an :class:`UpdateResult` whose ``x`` holds the severities beta.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> damaged = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 300.0])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(damaged.antiresonances([0, 1, 2], 0))))
+    >>> result = ar.assess_damage(ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0]), measured, rng=0)
+    >>> result.damaged, round(result.severity[1], 3), round(result.detectable[1], 2)
+    ([1], 0.4, 0.08)
+    """
 
     @property
     def elements(self) -> list[int]:
@@ -178,7 +205,9 @@ class DamageResult(UpdateResult):
         """The damaged elements, the worst first; the others are exactly 0 and take one line."""
         names = dict(zip(self.elements, self.problem.names, strict=True))
         width = max(len(name) for name in names.values())
-        lines = [f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} %" for e in self.damaged]
+        std = dict(zip(self.elements, 100 * self.std, strict=True))
+        lines = [f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} % \u00b1 {std[e]:.2g} %"
+                 for e in self.damaged]
         others = len(names) - len(lines)
         rest = "all others" if lines else "all of them"
         return [*lines, *([f"{rest} ({others}): exactly 0"] if others else [])]

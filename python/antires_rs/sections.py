@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 from typing import Any
 
 from ._validation import finite_scalar, reject
+from .exceptions import AntiresWarning
 
 __all__ = ["Rectangle", "Section", "Tube"]
 
 #: (shape, dimensions, E, density, Poisson's ratio), as the core takes it.
 SectionParts = tuple[str, list[float], float, float, float]
+
+#: Young's moduli below this are taken for another unit.
+SOFTEST_PA = 1e5
 
 
 @dataclass(frozen=True)
@@ -122,6 +127,9 @@ class Section:
 def _parts(section: Any, name: str, kind: str, sizes: list[str]) -> SectionParts:
     def number(attribute: str) -> float:
         return finite_scalar(f"{name}.{attribute}", getattr(section, attribute))
+    if 0.0 < number("youngs_modulus_pa") < SOFTEST_PA:
+        warnings.warn(f"{name}.youngs_modulus_pa: {section.youngs_modulus_pa:g} Pa is softer than rubber. "
+                      "Steel has 2.1e11 Pa, and lengths are in metres.", AntiresWarning, stacklevel=5)
     return (kind, [number(size) for size in sizes], number("youngs_modulus_pa"), number("density_kg_per_m3"),
             number("poisson"))
 

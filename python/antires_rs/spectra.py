@@ -174,7 +174,7 @@ def frf(rec: Recording, *, nperseg: int | None = None, noverlap: int | None = No
     rec : Recording
         With ``force``.
     nperseg, noverlap, window
-        As for :func:`cross_spectra`; not used for hits.
+        As for :func:`~antires_rs.spectra.cross_spectra`; not used for hits.
     estimator : {"h1", "h2", "hv"}
         ``S_fx / S_ff``, ``S_xx / S_xf``, or total least squares with both signals scaled to unit rms, so that
         units do not matter.
@@ -283,7 +283,7 @@ def transmissibility(
 
 
 def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
-    """Sum over p of ``abs(Re T_pj) + i abs(Im T_pj)``: Eq. 10 of the paper as printed, for the eye.
+    """Sum over p of ``abs(Re T_pj) + i abs(Im T_pj)``, the paper's equation 10 as printed, for the eye.
 
     Parameters
     ----------

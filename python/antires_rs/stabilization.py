@@ -69,6 +69,15 @@ class StabilizationDiagram:
     background_freq_hz, background : (n_freq,)
         ``abs(sum over outputs)`` of the data, for drawing behind the poles.
     band_hz : (low, high)
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> f = np.linspace(1.0, 20.0, 400)
+    >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(400)
+    >>> diagram = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f) + noise, max_order=20)
+    >>> diagram, diagram.identified_damping.round(3)
+    (StabilizationDiagram(orders 2-20, band 1-20 Hz, identified [5] Hz), array([0.01]))
     """
 
     orders: FloatArray

@@ -56,6 +56,14 @@ class FrequencyTable(_Differences):
         Frequencies; NaN where the model has no partner.
     dof_names : dict of int to str
         Names of the dofs, for models that have some; the table then shows these.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> table = ar.FrequencyTable(np.array([0, 1]), np.array([0, 0]), np.array([10.0, 20.0]),
+    ...                           np.array([10.4, 19.0]), np.array([10.1, 20.0]))
+    >>> table.before_percent.round(2), round(table.largest_after_percent, 2)
+    (array([ 4., -5.]), 1.0)
     """
 
     dof: FloatArray

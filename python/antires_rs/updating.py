@@ -28,7 +28,7 @@ from .checkpoint import Checkpoint, fingerprint
 from .modal_set import ModalSet
 from .models import StructuralModel
 from .optimizer import IslandGA, OptimizeResult, guesses, seed_of, thread_count
-from .parameters import Parameter, core_parameters, parameter_name, stiffness_reduction
+from .parameters import Parameter, core_parameters, parameter_name, stiffness_reduction, warn_far
 from .results import DamageResult, UpdateResult
 from .tables import FrequencyTable, ModalTable
 
@@ -49,6 +49,12 @@ class DamagePenalty:
     snap : float
         Severities below it count as exactly 0, and are evaluated as 0; within [0, 1e-3]. 0 is the
         algorithm as printed.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> ar.DamagePenalty(gamma1=0.05)
+    DamagePenalty(gamma1=0.05, gamma2=0.1, snap=0.001)
     """
 
     gamma1: float = 0.1
@@ -156,6 +162,7 @@ class UpdatingProblem:
         self._nominal = _core.nominal_values(model._core, parts)
         _core.check_bounds(model._core, parts, self.bounds[:, 0].copy(), self.bounds[:, 1].copy())
         self.names = [parameter_name(model, p) for p in self.parameters]
+        warn_far(self.parameters, self.names, self._nominal)
         self._core = targets.core(
             model._core, parts, misfit, (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None,
             self.penalty.snap if self.penalty else 0.0, self.weights)
@@ -379,3 +386,4 @@ def _penalty(penalty: Any) -> DamagePenalty | None:
     if np.shape(penalty) != (2,):
         reject("penalty", penalty, "a DamagePenalty, a pair (gamma1, gamma2) or None")
     return DamagePenalty(*penalty)
+

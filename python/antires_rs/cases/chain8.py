@@ -90,7 +90,7 @@ class Chain8:
     def updating_problem(self, measured: AntiresonanceSet | ModalSet | None = None) -> UpdatingProblem:
         """Every mass and spring within 10 % of nominal; default: the exact antiresonances.
 
-        With a :class:`ModalSet` the objective is that of resonances and shapes.
+        With a :class:`~antires_rs.ModalSet` the objective is that of resonances and shapes.
         """
         parameters = (mass_factor(range(8), bounds=(0.9, 1.1))
                       + stiffness_factor(range(7), bounds=(0.9, 1.1)))
@@ -100,7 +100,7 @@ class Chain8:
                        elements: Any = None) -> UpdatingProblem:
         """Stiffness losses of the springs, with the paper's penalties; default: exact values of ``level``.
 
-        With a :class:`ModalSet` the objective is that of resonances and shapes.
+        With a :class:`~antires_rs.ModalSet` the objective is that of resonances and shapes.
         """
         chosen = range(7) if elements is None else elements
         return UpdatingProblem(self.model, stiffness_reduction(list(chosen)),

@@ -22,7 +22,7 @@ class Finding:
     Attributes
     ----------
     name : str
-        Of the test: "one_force", "dead_channel", ...; see :func:`~antires_rs.data_check.check_data`.
+        Of the test: "one_force", "dead_channel", ...; see :func:`~antires_rs.check_data`.
     severity : {"fatal", "warning", "note"}
         "fatal": values identified from these data would mislead. "warning": they may be incomplete or less
         accurate. "note": worth knowing.

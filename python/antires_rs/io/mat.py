@@ -84,7 +84,7 @@ def mat_arrays(path: str | os.PathLike[str], *, time_limit_s: float = 60.0, memo
     ----------
     path : path-like
     time_limit_s, memory_limit_gb : float
-        As in :func:`read_mat`.
+        As in :func:`~antires_rs.read_mat`.
 
     Returns
     -------

@@ -132,7 +132,7 @@ def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tu
     Returns
     -------
     dict of (int, str) to int
-        ``{(node, '+Z'): row}``, rows zero-based: the ``dofs=`` of :func:`read_uff`.
+        ``{(node, '+Z'): row}``, rows zero-based: the ``dofs=`` of :func:`~antires_rs.read_uff`.
 
     Raises
     ------

@@ -111,7 +111,7 @@ def list_uff(path: str | os.PathLike[str], *, partial: bool = False) -> list[str
     ----------
     path : path-like
     partial : bool
-        As in :func:`read_uff`.
+        As in :func:`~antires_rs.read_uff`.
 
     Returns
     -------
@@ -120,7 +120,7 @@ def list_uff(path: str | os.PathLike[str], *, partial: bool = False) -> list[str
     Raises
     ------
     UnsuitableDataError
-        As in :func:`read_uff`.
+        As in :func:`~antires_rs.read_uff`.
     MissingDependencyError
         pyuff is not installed.
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from .._validation import FloatArray, integer, real_array, reject
 from .canvas import COLOURS, GREY, LINES, below, new_axes
+from .numbers import beside, points_per_unit
 
 if TYPE_CHECKING:
     from ..frame import FrameModel
@@ -20,10 +21,13 @@ ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0],
                       [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])
 #: Up to this many elements are numbered unless told otherwise.
 MOST_NUMBERS = 120
-#: Length of an arrow, and distance of a number from its element, in points.
-ARROW, NUMBER = 26.0, 7.0
+#: Length of an arrow in points, and the room around the frame as a share of its extent.
+ARROW, MARGIN = 26.0, 0.08
 #: Colours of sections; vermillion and black are those of the arrows.
 SHADES = [COLOURS[name] for name in ("blue", "orange", "sky", "purple", "green")]
+#: From nothing, which is to be quiet, to much; lightness falls evenly, so that it reads in grey as well.
+SCALE = ("#DADADA", "#A9BFD6", "#5F8DBD", "#1F5A94", "#0B2C57", "#050B16")
+ROTATIONS = ("theta", "rx", "ry", "rz")
 
 
 def plot_frame(model: FrameModel, values: Any = None, ax: Any = None, *, sensors: Sequence[int] = (),
@@ -35,8 +39,8 @@ def plot_frame(model: FrameModel, values: Any = None, ax: Any = None, *, sensors
     ----------
     model : FrameModel
     values : array_like, (n_elements,), or mapping of int to float, optional
-        Value of each element, for example ``DamageResult.severity``; elements without one are grey. By
-        default the colours tell the sections apart.
+        Value of each element, for example ``DamageResult.severity``: light grey at 0, dark blue at the
+        largest; elements without one are thin. By default the colours tell the sections apart.
     ax : matplotlib.axes.Axes, optional
         Drawn into; a new figure by default.
     sensors : sequence of int, optional
@@ -79,24 +83,21 @@ def plot_frame(model: FrameModel, values: Any = None, ax: Any = None, *, sensors
         _by_section(ax, model, ends)
     else:
         _by_value(ax, ends, given, label)
-    if numbers or (numbers is None and len(ends) <= MOST_NUMBERS):
-        for i, (a, b) in enumerate(ends):
-            across = np.array([a[1] - b[1], b[0] - a[0]])
-            beside = NUMBER * across / max(float(np.linalg.norm(across)), 1e-300)
-            ax.annotate(str(i + 1), 0.5 * (a + b), xytext=tuple(beside), textcoords="offset points",
-                        ha="center", va="center", fontsize=6.5, zorder=4)
     _carried(ax, model, points)
-    frame_names = model._frame.dof_names()
-    for dof in sensors:
-        _arrow(ax, points, frame_names[model._dof("sensors", dof)], COLOURS["vermillion"], 0.7, space)
-    if len(sensors):
+    names = model._frame.dof_names()
+    arrows = [_arrow(ax, points, names[model._dof("sensors", dof)], COLOURS["vermillion"], 0.7, space)
+              for dof in sensors]
+    if arrows:
         ax.plot([], [], ls="", marker=r"$\rightarrow$", ms=11, color=COLOURS["vermillion"],
                 label="accelerometer")
     if excitation is not None:
-        _arrow(ax, points, frame_names[model._dof("excitation", excitation)], COLOURS["black"], 1.3, space)
+        force = names[model._dof("excitation", excitation)]
+        arrows.append(_arrow(ax, points, force, COLOURS["black"], 1.3, space))
         ax.plot([], [], ls="", marker=r"$\rightarrow$", ms=15, color=COLOURS["black"], label="force")
+    if numbers or (numbers is None and len(ends) <= MOST_NUMBERS):
+        _numbered(ax, points, ends, arrows)
     ax.set_aspect("equal", adjustable="datalim")
-    ax.margins(0.08)
+    ax.margins(MARGIN)
     ax.set_xlabel("isometric view (m)" if space else "x (m)")
     ax.set_ylabel("" if space else "y (m)")
     if ax.get_legend_handles_labels()[1]:
@@ -133,12 +134,17 @@ def _by_section(ax: Any, model: FrameModel, ends: FloatArray) -> None:
 
 def _by_value(ax: Any, ends: FloatArray, values: FloatArray, label: str) -> None:
     from matplotlib.collections import LineCollection
+    from matplotlib.colors import LinearSegmentedColormap
     known = np.isfinite(values)
-    ax.add_collection(LineCollection(list(ends[~known]), colors=GREY, linewidths=2.0, zorder=2))
-    coloured = LineCollection(list(ends[known]), cmap="cividis_r", linewidths=5.0, zorder=2)
-    coloured.set_array(values[known])
-    if known.any() and np.ptp(values[known]) == 0.0:
-        coloured.set_clim(min(0.0, values[known][0]), max(values[known][0], 1e-12))
+    ax.add_collection(LineCollection(list(ends[~known]), colors=GREY, linewidths=1.2, zorder=2))
+    # The largest last, so that it lies on top where elements meet.
+    order = np.flatnonzero(known)[np.argsort(values[known], kind="stable")]
+    coloured = LineCollection(list(ends[order]), cmap=LinearSegmentedColormap.from_list("loss", SCALE),
+                              linewidths=5.0, zorder=2)
+    coloured.set_array(values[order])
+    if known.any():
+        low, high = min(0.0, float(values[known].min())), max(0.0, float(values[known].max()))
+        coloured.set_clim(low, high if high > low else low + 1.0)
     ax.add_collection(coloured)
     ax.autoscale_view()
     if known.any():
@@ -146,27 +152,70 @@ def _by_value(ax: Any, ends: FloatArray, values: FloatArray, label: str) -> None
 
 
 def _carried(ax: Any, model: FrameModel, points: FloatArray) -> None:
-    """Point masses, springs to ground and fixed nodes."""
-    for nodes, marker, size, name in (
-            ([m.node for m in model.point_masses], "o", 9.0, "point mass"),
-            ([s.node for s in model.ground_springs], "v", 7.0, "spring to ground"),
-            ([node for node, _ in model.fixed], "s", 7.0, "fixed")):
-        if nodes:
-            at = points[sorted(set(nodes))]
-            ax.plot(at[:, 0], at[:, 1], ls="", marker=marker, ms=size, mfc="white", mec="black", mew=1.2,
-                    zorder=3, label=name)
+    """Fixed nodes, point masses, springs to ground and between nodes; smaller markers over larger ones."""
+    space = model.nodes_m.shape[1] == 3
+    held: dict[int, list[str]] = {}
+    for node, direction in model.fixed:
+        held.setdefault(node, []).append(direction)
+    whole = 6 if space else 3
+    _marked(ax, points, [node for node, of in held.items() if len(of) == whole], "s", 11.0, "fixed")
+    partly = [(node, direction) for node, of in held.items() if len(of) < whole for direction in of]
+    for i, (node, direction) in enumerate(partly):
+        # A stroke across the direction that is held.
+        along = None if direction in ROTATIONS else _seen(direction, space)
+        marker = "x" if along is None else (2, 2, float(np.degrees(np.arctan2(along[1], along[0]))))
+        ax.plot(*points[node], ls="", marker=marker, ms=8.0 if along is None else 17.0, mec="black", mew=2.0,
+                zorder=3, label="partly fixed" if i == 0 else None)
+    _marked(ax, points, [m.node for m in model.point_masses], "o", 9.0, "point mass")
+    _marked(ax, points, [s.node for s in model.ground_springs], "v", 6.5, "spring to ground")
+    for i, spring in enumerate(model.node_springs):
+        ax.plot(*_coil(points[spring.node], points[spring.other]).T, color="black", lw=1.0, marker="D",
+                ms=3.5, markevery=[0, -1], zorder=2.5, label="node spring" if i == 0 else None)
+
+
+def _marked(ax: Any, points: FloatArray, nodes: list[int], marker: str, size: float, name: str) -> None:
+    if nodes:
+        at = points[sorted(set(nodes))]
+        ax.plot(at[:, 0], at[:, 1], ls="", marker=marker, ms=size, mfc="white", mec="black", mew=1.2,
+                zorder=3, label=name)
+
+
+def _coil(a: FloatArray, b: FloatArray) -> FloatArray:
+    """A spring as it is drawn, (n, 2): straight ends and a zigzag."""
+    share = np.array([0.0, 0.25, *np.linspace(0.29, 0.71, 8), 0.75, 1.0])
+    off = 0.03 * np.array([0.0, 0.0, *np.tile([1.0, -1.0], 4), 0.0, 0.0])
+    across = np.array([a[1] - b[1], b[0] - a[0]])
+    return np.asarray(a + share[:, None] * (b - a) + off[:, None] * across)
+
+
+def _numbered(ax: Any, points: FloatArray, ends: FloatArray, arrows: list[FloatArray]) -> None:
+    """Numbers from 1 beside the elements, out of the way of arrows."""
+    scale = points_per_unit(ax, points, MARGIN)
+    lines = np.array(arrows).reshape(-1, 2, 2)
+    lines[:, 0] *= scale
+    lines[:, 1] += lines[:, 0]
+    for i, (at, middle) in enumerate(zip(beside(scale * ends, lines), ends.mean(axis=1), strict=True)):
+        ax.annotate(str(i + 1), middle, xytext=tuple(at - scale * middle), textcoords="offset points",
+                    ha="center", va="center", fontsize=6.5, zorder=4)
+
+
+def _seen(direction: str, space: bool) -> FloatArray:
+    """A direction as it is seen in the picture, of unit length."""
+    axis = np.eye(3)["uvw".index(direction)]
+    along = ISOMETRIC @ axis if space else axis[:2]
+    return np.asarray(along / np.linalg.norm(along))
 
 
 def _arrow(ax: Any, points: FloatArray, dof: tuple[int, str], colour: str, length: float,
-           space: bool) -> None:
+           space: bool) -> FloatArray:
+    """Draw it; the node it points to, and where its tail is from there in points, (2, 2)."""
     node, direction = dof
     at = points[node]
-    if direction in ("theta", "rx", "ry", "rz"):
+    if direction in ROTATIONS:
         ax.plot(*at, ls="", marker=r"$\circlearrowleft$", ms=14.0 * length, color=colour, zorder=5)
-        return
-    axis = np.eye(3)["uvw".index(direction)]
-    along = ISOMETRIC @ axis if space else axis[:2]
-    ax.annotate("", at, xytext=tuple(-ARROW * length * along / np.linalg.norm(along)),
-                textcoords="offset points", zorder=5,
+        return np.array([at, np.zeros(2)])
+    tail = -ARROW * length * _seen(direction, space)
+    ax.annotate("", at, xytext=tuple(tail), textcoords="offset points", zorder=5,
                 arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.6 * length, "shrinkA": 0,
                             "shrinkB": 2})
+    return np.array([at, tail])

@@ -96,7 +96,7 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     Parameters
     ----------
     check : DataCheck
-        Of a Recording, from :func:`~antires_rs.data_check.check_data`.
+        Of a Recording, from :func:`~antires_rs.check_data`.
     ax : matplotlib.axes.Axes, optional
         Drawn into; a new figure by default.
 

@@ -95,7 +95,12 @@ class Exhaust:
                         lowest_hz=float(tested.freq_hz[0]), band_hz=FORCE_HZ, noise=noise, rng=rng)
 
     def truth(self, level: int = 0) -> dict[str, Any]:
-        """What was tested; see :func:`antires_rs.cases.exhaust.truth.truth`."""
+        """What was tested, by name.
+
+        ``thickness``, ``youngs_modulus``, ``point_mass``, ``inertia``, ``hanger`` (factors), ``angle``
+        (degrees); ``crack_share``, ``equivalent_loss``, ``severity``; ``freq_hz`` by dof, ``resonances_hz``
+        and ``damping_ratio``.
+        """
         return truth(integer("level", level, low=0, high=3), self.responses)
 
     def exact(self, level: int = 0, *, band_hz: tuple[float, float] | None = None) -> AntiresonanceSet:

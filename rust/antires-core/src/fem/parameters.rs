@@ -11,6 +11,7 @@
 
 use faer::Mat;
 
+use super::frame::dofs::Dimension;
 use super::frame::{Angle, Property, Reform, Scale};
 use super::model::Model;
 use crate::error::{Error, Result};
@@ -60,8 +61,14 @@ impl Parameter {
                     &self.terms,
                 );
             }
-            Quantity::Angle(_) => {
-                let nodes = needs_frame(name, model)?.description().nodes_m.len();
+            Quantity::Angle(angle) => {
+                let parts = needs_frame(name, model)?.description();
+                if parts.dimension == Dimension::Plane && angle.axis[..2] != [0.0; 2] {
+                    let got = format!("a turn about the axis {:?}", angle.axis);
+                    let wanted = "the axis (0, 0, 1): a plane frame turns in its plane";
+                    return Err(Error::input(name, got, wanted));
+                }
+                let nodes = parts.nodes_m.len();
                 if let Some(node) = self.terms.iter().find(|&&node| node >= nodes) {
                     let wanted = format!("nodes below {nodes}");
                     return Err(Error::input(name, format!("node {node}"), wanted));
@@ -74,7 +81,7 @@ impl Parameter {
                 return Err(Error::input(
                     name,
                     format!("{kind} term {term}"),
-                    format!("a term below {}", terms.len()),
+                    format!("a zero-based {kind} term below {}", terms.len()),
                 ));
             }
         }

@@ -7,12 +7,13 @@
 //!
 //! Reference: Golub & Van Loan, Matrix Computations, 4th ed., sections 4.3 and 8.4.
 
+use crate::linalg::wide::NullaryFnOnce;
+
+use super::wide::{self, LANES, dot, subtract};
+
 /// Growth of the factors, relative to the matrix, at which they are no longer trusted: rounding is then
 /// still below 1e-9 of the matrix.
 pub const LARGEST_GROWTH: f64 = 1e6;
-
-/// Sums side by side: columns are padded to whole ones.
-const LANES: usize = 4;
 
 /// A symmetric band matrix, or its factors L (unit, below the diagonal) and D.
 #[derive(Debug, Clone, Default)]
@@ -90,6 +91,7 @@ impl Banded {
         self.diagonal[i] = 1.0;
     }
 
+    #[inline(always)]
     fn column(&self, j: usize) -> &[f64] {
         &self.below[j * self.half..(j + 1) * self.half]
     }
@@ -102,13 +104,7 @@ impl Banded {
 
     /// y = A x; both have [`half`](Self::half) more entries than A has rows, zero in x and of no meaning in y.
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
-        y.fill(0.0);
-        for j in 0..self.n {
-            let (column, xj) = (self.column(j), x[j]);
-            let (head, rows) = y[j..=j + self.half].split_at_mut(1);
-            subtract(rows, -xj, column);
-            head[0] += self.diagonal[j] * xj + dot(column, &x[j + 1..=j + self.half]);
-        }
+        wide::run(Multiply { matrix: self, x, y });
     }
 
     /// Σ |x_i| |A_ij| |x_j|: how far one ulp in each entry can move xᵀ A x, over ulp.
@@ -177,18 +173,7 @@ impl Banded {
 
     /// x = A⁻¹ x from the factors; x has [`half`](Self::half) more entries than A has rows, kept at zero.
     pub fn solve(&self, x: &mut [f64]) {
-        for j in 0..self.n {
-            let (head, rows) = x[j..=j + self.half].split_at_mut(1);
-            subtract(rows, head[0], self.column(j));
-        }
-        x[self.n..].fill(0.0);
-        for (x, inverse) in x.iter_mut().zip(&self.inverse) {
-            *x *= inverse;
-        }
-        for j in (0..self.n).rev() {
-            let (head, rows) = x[j..=j + self.half].split_at_mut(1);
-            head[0] -= dot(self.column(j), rows);
-        }
+        wide::run(Solve { factors: self, x });
     }
 
     /// Whether the matrix is positive definite by more than `least` of each diagonal entry; the matrix is
@@ -210,26 +195,53 @@ pub fn count_below(k: &Banded, m: &Banded, x: f64, work: &mut Banded) -> (usize,
     (negative, f64::EPSILON * largest * growth.max(1.0))
 }
 
-/// a · b over whole lanes.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let (a, _) = a.as_chunks::<LANES>();
-    let (b, _) = b.as_chunks::<LANES>();
-    for (a, b) in a.iter().zip(b) {
-        for l in 0..LANES {
-            sums[l] += a[l] * b[l];
-        }
-    }
-    (sums[0] + sums[2]) + (sums[1] + sums[3])
+/// [`Banded::solve`].
+struct Solve<'a> {
+    factors: &'a Banded,
+    x: &'a mut [f64],
 }
 
-/// x −= c a over whole lanes.
-fn subtract(x: &mut [f64], c: f64, a: &[f64]) {
-    let (x, _) = x.as_chunks_mut::<LANES>();
-    let (a, _) = a.as_chunks::<LANES>();
-    for (x, a) in x.iter_mut().zip(a) {
-        for l in 0..LANES {
-            x[l] -= c * a[l];
+impl NullaryFnOnce for Solve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { factors, x } = self;
+        let (n, half) = (factors.n, factors.half);
+        for j in 0..n {
+            let (head, rows) = x[j..=j + half].split_at_mut(1);
+            subtract(rows, head[0], factors.column(j));
+        }
+        x[n..].fill(0.0);
+        for (x, inverse) in x.iter_mut().zip(&factors.inverse) {
+            *x *= inverse;
+        }
+        for j in (0..n).rev() {
+            let (head, rows) = x[j..=j + half].split_at_mut(1);
+            head[0] -= dot(factors.column(j), rows);
+        }
+    }
+}
+
+/// [`Banded::multiply`].
+struct Multiply<'a> {
+    matrix: &'a Banded,
+    x: &'a [f64],
+    y: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Multiply<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { matrix, x, y } = self;
+        y.fill(0.0);
+        for j in 0..matrix.n {
+            let (column, xj) = (matrix.column(j), x[j]);
+            let (head, rows) = y[j..=j + matrix.half].split_at_mut(1);
+            subtract(rows, -xj, column);
+            head[0] += matrix.diagonal[j] * xj + dot(column, &x[j + 1..=j + matrix.half]);
         }
     }
 }

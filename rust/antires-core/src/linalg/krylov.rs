@@ -20,8 +20,11 @@
 //! Signal Process. 13 (1994) 733-758 (Lanczos and moments); Grimes, Lewis & Simon, SIAM J. Matrix Anal.
 //! Appl. 15 (1994) 228-272 (count of the modes by inertia).
 
+use crate::linalg::wide::NullaryFnOnce;
+
 use super::banded::Banded;
 use super::tridiagonal;
+use super::wide::{self, dot, subtract};
 
 /// Error of the response relative to its start at which the space is large enough.
 const NEGLIGIBLE_ERROR: f64 = 1e-17;
@@ -140,7 +143,12 @@ impl Krylov {
         let alpha = dot(w, &self.weighted[at..at + stride]);
         subtract(w, alpha, &self.basis[at..at + stride]);
         self.keep_out(op, w);
-        project_out(w, &self.weighted, &self.basis, &mut self.coefficients);
+        wide::run(ProjectOut {
+            w,
+            weighted: &self.weighted,
+            vectors: &self.basis,
+            coefficients: &mut self.coefficients,
+        });
         self.alpha.push(alpha + self.coefficients[j]);
         alpha.abs() + if j > 0 { self.beta[j - 1] } else { 0.0 }
     }
@@ -148,7 +156,12 @@ impl Krylov {
     fn keep_out(&mut self, op: Operator<'_>, w: &mut [f64]) {
         let (weighted, vectors) = op.outside;
         if !vectors.is_empty() {
-            project_out(w, weighted, vectors, &mut self.coefficients);
+            wide::run(ProjectOut {
+                w,
+                weighted,
+                vectors,
+                coefficients: &mut self.coefficients,
+            });
         }
     }
 
@@ -225,37 +238,30 @@ impl Krylov {
     }
 }
 
-/// a · b, in four sums so that the additions do not wait for one another.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4
-        .remainder()
-        .iter()
-        .zip(b4.remainder())
-        .map(|(x, y)| x * y)
-        .sum();
-    for (x, y) in a4.zip(b4) {
-        for l in 0..4 {
-            sums[l] += x[l] * y[l];
-        }
-    }
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
-}
-
-/// w −= c v.
-fn subtract(w: &mut [f64], c: f64, v: &[f64]) {
-    for (w, v) in w.iter_mut().zip(v) {
-        *w -= c * v;
-    }
-}
-
 /// Takes from w its part in the vectors V, with `weighted` = M V and VᵀMV = I.
-fn project_out(w: &mut [f64], weighted: &[f64], vectors: &[f64], coefficients: &mut Vec<f64>) {
-    let stride = w.len();
-    coefficients.clear();
-    coefficients.extend(weighted.chunks_exact(stride).map(|v| dot(w, v)));
-    for (v, &c) in vectors.chunks_exact(stride).zip(coefficients.iter()) {
-        subtract(w, c, v);
+struct ProjectOut<'a> {
+    w: &'a mut [f64],
+    weighted: &'a [f64],
+    vectors: &'a [f64],
+    coefficients: &'a mut Vec<f64>,
+}
+
+impl NullaryFnOnce for ProjectOut<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let stride = self.w.len();
+        self.coefficients.clear();
+        for v in self.weighted.chunks_exact(stride) {
+            self.coefficients.push(dot(self.w, v));
+        }
+        for (v, &c) in self
+            .vectors
+            .chunks_exact(stride)
+            .zip(self.coefficients.iter())
+        {
+            subtract(self.w, c, v);
+        }
     }
 }

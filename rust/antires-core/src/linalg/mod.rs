@@ -21,3 +21,4 @@ pub mod small;
 pub mod symmetric;
 pub mod tolerances;
 pub mod tridiagonal;
+pub mod wide;

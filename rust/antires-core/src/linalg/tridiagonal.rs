@@ -5,6 +5,10 @@
 //!
 //! Reference: Parlett, The Symmetric Eigenvalue Problem (1998), ch. 8.
 
+use crate::linalg::wide::NullaryFnOnce;
+
+use super::wide;
+
 /// QL steps allowed for one eigenvalue; two or three are usual.
 const MOST_STEPS: usize = 60;
 
@@ -16,7 +20,6 @@ const NOTHING: f64 = 1e-100;
 /// its columns of `rows` entries follow one another. False when an eigenvalue does not converge.
 #[must_use]
 pub fn decompose(diagonal: &mut [f64], off: &mut [f64], vectors: &mut [f64], rows: usize) -> bool {
-    let n = diagonal.len();
     let largest = diagonal
         .iter()
         .chain(off.iter())
@@ -30,30 +33,63 @@ pub fn decompose(diagonal: &mut [f64], off: &mut [f64], vectors: &mut [f64], row
         .iter_mut()
         .chain(off.iter_mut())
         .for_each(|x| *x /= scale);
-    for top in 0..n {
-        let mut steps = 0;
-        loop {
-            let bottom = (top..n - 1)
-                .find(|&j| {
-                    let near = diagonal[j].abs() + diagonal[j + 1].abs();
-                    off[j].abs() <= 0.5 * f64::EPSILON * near + NOTHING
-                })
-                .unwrap_or(n - 1);
-            if bottom == top {
-                break;
-            }
-            if steps == MOST_STEPS {
-                return false;
-            }
-            steps += 1;
-            step(diagonal, off, vectors, rows, top, bottom);
-        }
+    let converged = wide::run(Iteration {
+        diagonal: &mut *diagonal,
+        off,
+        vectors,
+        rows,
+    });
+    for x in diagonal {
+        *x *= scale;
     }
-    diagonal.iter_mut().for_each(|x| *x *= scale);
-    true
+    converged
+}
+
+/// The QL steps of [`decompose`].
+struct Iteration<'a> {
+    diagonal: &'a mut [f64],
+    off: &'a mut [f64],
+    vectors: &'a mut [f64],
+    rows: usize,
+}
+
+impl NullaryFnOnce for Iteration<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        let Self {
+            diagonal,
+            off,
+            vectors,
+            rows,
+        } = self;
+        let n = diagonal.len();
+        for top in 0..n {
+            let mut steps = 0;
+            loop {
+                let bottom = (top..n - 1)
+                    .find(|&j| {
+                        let near = diagonal[j].abs() + diagonal[j + 1].abs();
+                        off[j].abs() <= 0.5 * f64::EPSILON * near + NOTHING
+                    })
+                    .unwrap_or(n - 1);
+                if bottom == top {
+                    break;
+                }
+                if steps == MOST_STEPS {
+                    return false;
+                }
+                steps += 1;
+                step(diagonal, off, vectors, rows, top, bottom);
+            }
+        }
+        true
+    }
 }
 
 /// One shifted QL step on the unreduced block top..=bottom.
+#[inline(always)]
 fn step(d: &mut [f64], e: &mut [f64], vectors: &mut [f64], rows: usize, top: usize, bottom: usize) {
     let half_gap = 0.5 * (d[top + 1] - d[top]) / e[top];
     let radius = (half_gap * half_gap + 1.0).sqrt().copysign(half_gap);

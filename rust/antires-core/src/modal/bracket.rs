@@ -13,9 +13,12 @@
 //!
 //! Reference: Melman, Numer. Math. 69 (1995) 483-493 (transformed secular equations).
 
+use crate::linalg::wide::NullaryFnOnce;
+
 use super::enclosure::Cell;
 use super::receptance::Receptance;
 use super::rest::{Jet, Rest};
+use crate::linalg::wide;
 
 /// Relative step after which the next one of third order is below rounding.
 const LAST_STEP: f64 = 1e-6;
@@ -29,6 +32,7 @@ struct Smooth<'a> {
 
 impl Smooth<'_> {
     /// F, F' and F'' at x.
+    #[inline(always)]
     fn at(&self, x: f64) -> [f64; 3] {
         let Jet { value, slope, bend } = self.rest.at(x);
         let [ca, cb] = self.ends;
@@ -51,6 +55,7 @@ impl Smooth<'_> {
     }
 
     /// First point: between two poles of one sign the root with g as in the middle, else the middle.
+    #[inline(always)]
     fn start(&self, at_middle: Option<f64>) -> f64 {
         let (a, b) = (self.cell.a, self.cell.b);
         let (middle, width) = (0.5 * (a + b), b - a);
@@ -88,36 +93,62 @@ pub fn root_in_cell(
         cell,
         ends: cell.end_residues(h),
     };
-    let (mut low, mut high) = (cell.a, cell.b);
-    let mut x = smooth.start(at_middle);
-    let mut last_step = f64::INFINITY;
-    // Bisection alone needs fewer than 1100 halvings of any interval of doubles.
-    for _ in 0..1200 {
-        let [value, slope, bend] = smooth.at(x);
-        if value == 0.0 {
-            return x;
+    wide::run(Search {
+        smooth,
+        left_positive,
+        at_middle,
+    })
+}
+
+/// [`root_in_cell`].
+struct Search<'a> {
+    smooth: Smooth<'a>,
+    left_positive: bool,
+    at_middle: Option<f64>,
+}
+
+impl NullaryFnOnce for Search<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        let Self {
+            smooth,
+            left_positive,
+            at_middle,
+        } = self;
+        let cell = smooth.cell;
+        let (mut low, mut high) = (cell.a, cell.b);
+        let mut x = smooth.start(at_middle);
+        let mut last_step = f64::INFINITY;
+        // Bisection alone needs fewer than 1100 halvings of any interval of doubles.
+        for _ in 0..1200 {
+            let [value, slope, bend] = smooth.at(x);
+            if value == 0.0 {
+                return x;
+            }
+            if (value > 0.0) == left_positive {
+                low = x;
+            } else {
+                high = x;
+            }
+            let next = x - 2.0 * value * slope / (2.0 * slope * slope - value * bend);
+            let step = (next - x).abs();
+            let room = (x - cell.a).min(cell.b - x);
+            if step <= (LAST_STEP * room).max(f64::EPSILON * x.abs()) {
+                return next.clamp(low, high);
+            }
+            if next > low && next < high && step < 0.5 * last_step {
+                (x, last_step) = (next, step);
+            } else {
+                (x, last_step) = (0.5 * (low + high), high - low);
+            }
+            if x <= low || x >= high {
+                return x;
+            }
         }
-        if (value > 0.0) == left_positive {
-            low = x;
-        } else {
-            high = x;
-        }
-        let next = x - 2.0 * value * slope / (2.0 * slope * slope - value * bend);
-        let step = (next - x).abs();
-        let room = (x - cell.a).min(cell.b - x);
-        if step <= (LAST_STEP * room).max(f64::EPSILON * x.abs()) {
-            return next.clamp(low, high);
-        }
-        if next > low && next < high && step < 0.5 * last_step {
-            (x, last_step) = (next, step);
-        } else {
-            (x, last_step) = (0.5 * (low + high), high - low);
-        }
-        if x <= low || x >= high {
-            return x;
-        }
+        x
     }
-    x
 }
 
 #[cfg(test)]

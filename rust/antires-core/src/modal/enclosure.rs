@@ -21,8 +21,11 @@
 //! with p = 1, 2, 3 for f, f' and f''/2, wherever the two terms have one sign. The second line, equal for A = B,
 //! follows from a + b >= 2 √(ab) for the mixed terms in pairs, and needs one root.
 
+use crate::linalg::wide::NullaryFnOnce;
+
 use super::receptance::Receptance;
-use super::rest::{LANES, Rest, total};
+use super::rest::{LANES, Lanes, Rest, total};
+use crate::linalg::wide;
 
 /// A cell between or beside poles.
 #[derive(Debug, Clone, Copy)]
@@ -150,33 +153,11 @@ impl Enclosure {
     /// Few terms do between poles; more are needed where f is small against its partial fractions.
     pub fn of<const ORDER: usize>(h: &Receptance, rest: &Rest, cell: Cell) -> Self {
         let (middle, radius) = (0.5 * (cell.a + cell.b), 0.5 * (cell.b - cell.a));
-        let mut series = [[0.0; LANES]; ORDER];
-        let mut tails = [[0.0; LANES]; 4];
-        let p = ORDER as f64;
-        for (poles, residues) in rest.lanes() {
-            for l in 0..LANES {
-                let s = (poles[l] - middle).recip();
-                let mut term = residues[l] * s;
-                let size = term.abs();
-                for coefficient in &mut series {
-                    coefficient[l] += term;
-                    term *= s;
-                }
-                let s = s.abs();
-                let rho = radius * s;
-                let beyond = (1.0 - rho).max(f64::EPSILON).recip();
-                let mut last = size * beyond;
-                for _ in 2..ORDER {
-                    last *= rho;
-                }
-                // Σ_{j>=p} ρ^j and its first and (halved) second derivatives by ρ.
-                let grown = rho * (p + rho * beyond);
-                tails[0][l] += last * rho * rho;
-                tails[1][l] += last * s * grown;
-                tails[2][l] += last * s * s * (0.5 * p * (p - 1.0) + beyond * grown);
-                tails[3][l] += s * beyond;
-            }
-        }
+        let (series, tails) = wide::run(Series::<ORDER> {
+            rest,
+            middle,
+            radius,
+        });
         let a = series.map(total);
         let [t0, t1, t2, reciprocals] = tails.map(total);
         let tail = [t0, t1, t2];
@@ -218,6 +199,55 @@ impl Enclosure {
         let mut range = self.curvature;
         self.ends.add::<3>(&mut range);
         range
+    }
+}
+
+/// Coefficients a_j of the series about the middle of a cell, and of the rest of f, f', f''/2 and of the
+/// reciprocals, lane by lane.
+struct Series<'a, const ORDER: usize> {
+    rest: &'a Rest,
+    middle: f64,
+    radius: f64,
+}
+
+impl<const ORDER: usize> NullaryFnOnce for Series<'_, ORDER> {
+    type Output = ([Lanes; ORDER], [Lanes; 4]);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self {
+            rest,
+            middle,
+            radius,
+        } = self;
+        let mut series = [[0.0; LANES]; ORDER];
+        let mut tails = [[0.0; LANES]; 4];
+        let p = ORDER as f64;
+        for (poles, residues) in rest.lanes() {
+            for l in 0..LANES {
+                let s = (poles[l] - middle).recip();
+                let mut term = residues[l] * s;
+                let size = term.abs();
+                for coefficient in &mut series {
+                    coefficient[l] += term;
+                    term *= s;
+                }
+                let s = s.abs();
+                let rho = radius * s;
+                let beyond = (1.0 - rho).max(f64::EPSILON).recip();
+                let mut last = size * beyond;
+                for _ in 2..ORDER {
+                    last *= rho;
+                }
+                // Σ_{j>=p} ρ^j and its first and (halved) second derivatives by ρ.
+                let grown = rho * (p + rho * beyond);
+                tails[0][l] += last * rho * rho;
+                tails[1][l] += last * s * grown;
+                tails[2][l] += last * s * s * (0.5 * p * (p - 1.0) + beyond * grown);
+                tails[3][l] += s * beyond;
+            }
+        }
+        (series, tails)
     }
 }
 

@@ -10,8 +10,7 @@
 use super::enclosure::Cell;
 use super::receptance::Receptance;
 
-/// Terms summed side by side.
-pub const LANES: usize = 4;
+pub use crate::linalg::wide::{LANES, total};
 
 /// Four partial sums.
 pub type Lanes = [f64; LANES];
@@ -63,6 +62,7 @@ impl Rest {
     }
 
     /// Poles and residues in whole lanes.
+    #[inline(always)]
     pub fn lanes(&self) -> impl Iterator<Item = (&Lanes, &Lanes)> {
         let (poles, _) = self.poles.as_chunks::<LANES>();
         let (residues, _) = self.residues.as_chunks::<LANES>();
@@ -70,7 +70,7 @@ impl Rest {
     }
 
     /// g, g' and g'' at `x`.
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, x: f64) -> Jet {
         let (mut value, mut slope, mut bend) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for (poles, residues) in self.lanes() {
@@ -88,10 +88,4 @@ impl Rest {
             bend: 2.0 * total(bend),
         }
     }
-}
-
-/// Sum of the lanes.
-#[inline]
-pub fn total(sums: Lanes) -> f64 {
-    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }

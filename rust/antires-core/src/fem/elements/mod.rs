@@ -17,12 +17,20 @@ fn to_global<const N: usize>(
     let back = axes.transpose();
     for row in (0..N).step_by(3) {
         for col in (0..=row).step_by(3) {
-            // Owned blocks: products of views are several times slower.
-            let block = local.fixed_view::<3, 3>(row, col).into_owned();
-            let turned = back * (block * axes);
-            global.fixed_view_mut::<3, 3>(row, col).copy_from(&turned);
+            let block = Matrix3::from_fn(|i, j| local[(row + i, col + j)]);
+            let turned = product(&back, &product(&block, axes));
+            for j in 0..3 {
+                for i in 0..3 {
+                    global[(row + i, col + j)] = turned[(i, j)];
+                }
+            }
         }
     }
     global.fill_upper_triangle_with_lower_triangle();
     global
+}
+
+/// A · B written out: several times faster at this size than the general product.
+fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| a[(i, 0)] * b[(0, j)] + a[(i, 1)] * b[(1, j)] + a[(i, 2)] * b[(2, j)])
 }

@@ -161,7 +161,10 @@ impl Frame {
     fn beam_changed(&self, nominal: &Self, index: usize) -> bool {
         let (now, then) = (&self.description, &nominal.description);
         let beam = &now.beams[index];
-        now.sections[beam.section] != then.sections[beam.section] || self.moved(nominal, beam.nodes)
+        now.sections[beam.section] != then.sections[beam.section]
+            || self.moved(nominal, beam.nodes)
+            // A turn about a beam's own axis moves no node.
+            || self.references[index] != nominal.references[index]
     }
 
     fn moved(&self, nominal: &Self, nodes: [usize; 2]) -> bool {

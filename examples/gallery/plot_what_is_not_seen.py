@@ -1,0 +1,40 @@
+"""
+What the data cannot tell
+=========================
+
+Which springs of the chain would show how small a damage? It depends on where the force acts, and on the
+penalties.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import antires_rs as ar
+
+chain = ar.cases.chain8().model
+
+
+def visible(force, gamma):
+    """Smallest visible loss of each spring, in %, from exact antiresonances of all eight responses."""
+    zeros = ar.AntiresonanceSet(force, dict(enumerate(chain.antiresonances(range(8), force))))
+    search = ar.IslandGA(max_evaluations=2000)
+    damage = ar.assess_damage(chain, zeros, gamma1=gamma, gamma2=gamma, optimizer=search, rng=0)
+    return 100 * np.array(list(damage.detectable.values()))
+
+
+fig, axes = plt.subplots(1, 2, sharey=True, figsize=(10, 4), layout="constrained")
+for ax, force in zip(axes, (0, 3), strict=True):
+    for gamma, mark in ((0.1, "o-"), (0.02, "s--")):
+        ax.plot(range(1, 8), visible(force, gamma), mark, label=rf"$\gamma_1 = \gamma_2 = {gamma}$")
+    ax.set(xlabel="Spring", title=f"force at mass {force + 1}", ylim=(0, None))
+axes[0].set_ylabel("Smallest visible loss (%)")
+axes[0].legend()
+
+# %%
+# What a result says of its parameters: here four, of which mass 1 is in no antiresonance of a force at mass
+# 1.
+measured = ar.AntiresonanceSet(0, dict(enumerate(chain.antiresonances(range(8), 0))))
+parameters = ar.mass_factor([0, 1], bounds=(0.9, 1.1)) + ar.stiffness_factor([0, 1], bounds=(0.9, 1.1))
+result = ar.update(ar.UpdatingProblem(chain, parameters, measured), rng=0)
+for note in result.notes:
+    print("-", note)
