@@ -48,23 +48,29 @@ def text_of(result: UpdateResult) -> str:
     if result.status != "interrupted":
         return result.summary()
     head = f"J = {result.fun:.6g} after {result.nfev:,} evaluations: interrupted, the best so far"
-    return "\n".join([head, "", *result._values(), "", str(result.table)])
+    width = max(map(len, result.problem.names))
+    loss = isinstance(result, DamageResult)
+    values = [f"{name:<{width}}  {f'{100 * value:6.2f} %' if loss else f'{value:#12.6g}'}"
+              for name, value in zip(result.problem.names, result.x, strict=True) if value != 0.0 or not loss]
+    return "\n".join([head, "", *values, "", str(result.table)])
 
 
 def _values(result: UpdateResult, at_once: bool) -> dict[str, Any]:
+    std = [None] * len(result.x) if at_once else [number(value) for value in result.std]
     if isinstance(result, DamageResult):
         label = result.problem.model.element_label
+        seen = {} if at_once else result.detectable
         return {"damaged": result.damaged,
-                "elements": [{"element": e, "name": label(e), "stiffness_loss": number(beta),
-                              "smallest_visible": None if at_once else number(result.detectable[e])}
-                             for e, beta in result.severity.items()]}
+                "elements": [{"element": e, "name": label(e), "stiffness_loss": number(beta), "std": own,
+                              "smallest_visible": number(seen.get(e, math.nan))}
+                             for (e, beta), own in zip(result.severity.items(), std, strict=True)]}
     on_bound = None if at_once else set(result.at_bound)
-    return {"parameters": [{"name": name, "value": number(value), "nominal": number(nominal),
-                            "low": number(low),
-                            "high": number(high), "on_bound": None if on_bound is None else name in on_bound}
-                           for name, value, nominal, (low, high) in zip(
-                               result.problem.names, result.x, result.problem.nominal, result.problem.bounds,
-                               strict=True)]}
+    columns = zip(result.problem.names, result.x, result.problem.nominal, std, result.problem.bounds,
+                  strict=True)
+    return {"parameters": [
+        {"name": name, "value": number(value), "nominal": number(nominal), "std": own, "low": number(low),
+         "high": number(high), "on_bound": None if on_bound is None else name in on_bound}
+        for name, value, nominal, own, (low, high) in columns]}
 
 
 def _rows(table: FrequencyTable) -> list[dict[str, Any]]:
