@@ -66,7 +66,8 @@ def test_on_a_terminal_it_is_shown_unasked(at_once, monkeypatch):
     said = screen.getvalue()
     for words in (r"recording the virtual test: response \d of 8",
                   r"identifying antiresonances: response \d of 8",
-                  "identifying antiresonances: checking the data", "identifying modes", "\rchecking the data"):
+                  "identifying antiresonances: checking the data", "identifying modes",
+                  "\rchecking the data"):
         assert re.search(words, said), words
     assert len(zeros) == 8
     shown = len(said)
