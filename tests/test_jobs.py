@@ -1,151 +1,20 @@
-"""Jobs: lines of keys, the template, and every kind of data, model and parameter carried out."""
+"""Jobs carried out: every kind of data, model and parameter, and what a run writes."""
 
-import inspect
 import json
-import tomllib
+import sys
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.io import mmwrite
 
 import antires_rs as ar
 from antires_rs import cli
-from antires_rs.jobs import read_job, template
-from antires_rs.jobs.keys import FORMATS, SECTIONS, format_of
-from antires_rs.jobs.lines import lines_of
+from antires_rs.jobs import read_job
 from antires_rs.jobs.model import model_of
 from antires_rs.jobs.unknowns import parameters_of
 from job_files import DAMAGE, UPDATE, write_measured
 
 FOUND = {"spring 5": 0.55}
-
-
-def places(value, path=()):
-    """Every key and item of parsed TOML."""
-    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for name, item in items:
-        yield (*path, name)
-        yield from places(item, (*path, name))
-
-
-STRANGE = '''# comment with key = "value"
-title = """several
-lines with ] and # and \\""" quoted"""
-'quoted.key' = 'literal \\'
-a.b . "c d" = 1
-[table]
-"\\u0041\\t" = { x = [1, # in a list
-  2], y.z = "}" }
-[ table . sub ]
-empty = []
-text = \'\'\'
-[no]
-\'\'\'
-day = 1979-05-27 07:32:00
-[[row]]
-n = [[1, 2],
-     [3, 4],]
-[[row]]
-[row.sub]
-deep = true
-[[row.more]]
-k = ""
-[[row.more]]
-k = ''
-'''
-
-
-def test_every_key_is_found_and_stands_on_its_line():
-    lines = lines_of(STRANGE)
-    found = list(places(tomllib.loads(STRANGE)))
-    assert set(found) <= set(lines)
-    text = STRANGE.splitlines()
-    assert lines["title",] == 2
-    assert "quoted.key" in text[lines["quoted.key",] - 1]
-    assert text[lines["a", "b", "c d"] - 1].startswith("a.b")
-    assert lines["table", "A\t", "x", 1] == lines["table", "A\t"] + 1
-    assert text[lines["row", 0, "n", 1, 0] - 1].strip().startswith("[3, 4]")
-    assert text[lines["row", 1, "sub", "deep"] - 1] == "deep = true"
-    assert text[lines["row", 1, "more", 1, "k"] - 1] == "k = ''"
-    assert lines_of(STRANGE.replace("\n", "\r\n")) == lines
-
-
-NAMES = st.text("abcXYZ0189_-", min_size=1, max_size=6)
-VALUES = st.recursive(
-    st.integers(-9, 9) | st.booleans() | st.floats(allow_nan=False, allow_infinity=False)
-    | st.text('ab"\'#]}=,.[{ \t\\é', max_size=8),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(NAMES, inner, max_size=3), max_leaves=8)
-
-
-def toml(value, newline):
-    if isinstance(value, list):
-        return f"[{newline}" + f",{newline}".join(toml(v, newline) for v in value) + f"{newline}]"
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{k} = {toml(v, newline)}" for k, v in value.items()) + " }"
-    return json.dumps(value, ensure_ascii=False)
-
-
-@settings(max_examples=150, deadline=None)
-@given(st.dictionaries(NAMES, st.dictionaries(NAMES, VALUES, max_size=4), min_size=1, max_size=3),
-       st.sampled_from(["", " ", "\n", " # ]\n"]))
-def test_every_key_of_any_text_is_found(tables, newline):
-    text = "".join(f"[{name}]\n" + "".join(f"{key} = {toml(value, newline)}\n" for key,
-                                           value in table.items())
-                   for name, table in tables.items())
-    lines, rows = lines_of(text), text.splitlines()
-    assert tomllib.loads(text) == tables
-    for path in places(tables):
-        assert path in lines
-    for name, table in tables.items():
-        assert rows[lines[name,] - 1] == f"[{name}]"
-        for key in table:
-            assert rows[lines[name, key] - 1].startswith(f"{key} = ")
-
-
-@pytest.mark.parametrize("model", ["chain", "frame", "matrices", "result"])
-@pytest.mark.parametrize("task", ["damage", "update"])
-def test_the_template_is_a_valid_job_with_every_key(tmp_path, task, model):
-    text = template(task, model, data="record.npz")
-    file = tmp_path / "job.toml"
-    file.write_text(text, encoding="utf-8")
-    job = read_job(file)
-    assert job.task == task
-    assert max(map(len, text.splitlines())) <= 110
-    kinds = {"data": "npz", "model": model}
-    if task == "update":
-        kinds["parameters"] = job.parameters[0]["kind"]
-    for section in SECTIONS.values():
-        if section.name not in (("parameters", "updating") if task == "damage" else ("damage",)):
-            for key in section.keys:
-                if not key.of or kinds[section.name] in key.of:
-                    assert f"\n{key.name} = " in text or f"\n# {key.name} =" in text, (section.name, key.name)
-
-
-def test_defaults_in_the_template_are_those_in_force(tmp_path):
-    """A template with every default made active does what the template does."""
-    options = ar.IslandGA().options
-    for key in SECTIONS["search"].keys:
-        if key.name in options and key.default:
-            value = tomllib.loads(f"x = {key.default}")["x"]
-            assert options[key.name] == value or (key.name, value) == ("polish", True), key.name
-    for section, call in (("identification", ar.identify_antiresonances), ("damage", ar.assess_damage),
-                          ("updating", ar.UpdatingProblem)):
-        arguments = inspect.signature(call).parameters
-        for key in SECTIONS[section].keys:
-            assert key.name in arguments, key.name
-            value = arguments[key.name].default
-            if key.default and value is not None:
-                assert tomllib.loads(f"x = {key.default}")["x"] == value, key.name
-
-
-def test_every_format_has_a_reader_and_its_endings():
-    for kind, endings in FORMATS.items():
-        assert {format_of(f"A{ending.upper()}") for ending in endings} == {kind}
-    assert format_of("record.xyz") is None
-    assert format_of("record.xyz", "csv") == "csv"
-    assert format_of("record.csv", "cvs") is None
 
 
 def run(folder, text, *arguments, name="job.toml"):
@@ -388,3 +257,53 @@ dof_map = "K.mapping"
     write_measured(tmp_path)
     again = run(tmp_path, with_model(DAMAGE, '[model]\nkind = "matrices"\nfile = "model.npz"\n'))
     assert again["damaged"] == [4]
+
+
+def test_transmissibilities_with_names(tmp_path):
+    record = ar.cases.chain8().experiment(1, noise=0.01, duration_s=128.0, rng=1)
+    t = ar.transmissibility(record, 3, nperseg=8192, estimator="rank1")
+    names = [f"m{dof}" for dof in t.dofs]
+    ar.write_npz(tmp_path / "t.npz", ar.FrequencyResponse(t.freq_hz, t.values, names, t.kind, "m3"))
+    dofs = ", ".join(f"{name} = {dof}" for dof, name in enumerate(names))
+    summary = run(tmp_path, DAMAGE.replace('file = "measured.json"', f"""file = "t.npz"
+excitation = "m0"
+band_hz = [3, 130]
+dofs = {{ {dofs} }}
+[identification]
+max_order = 30
+dofs = [3, 4]"""))
+    assert {row["dof"] for row in summary["antiresonances"]} == {3, 4}
+    assert 4 in summary["damaged"]
+
+
+def test_without_matplotlib_the_numbers_are_there_and_it_says_what_is_missing(tmp_path, monkeypatch, capsys):
+    write_measured(tmp_path)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    summary = run(tmp_path, DAMAGE.replace("report = false\npictures = false\n", ""))
+    assert summary["damaged"] == [4]
+    assert 'pip install "antires-rs[plot]"' in capsys.readouterr().err
+    assert not (tmp_path / "job_results" / "report.html").exists()
+    # With it, the report of a search that has finished is written from its result.
+    monkeypatch.undo()
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
+    assert "antires report" in capsys.readouterr().err
+    assert cli.main(["report", str(tmp_path / "job_results")]) == 0
+    assert "antires damage job.toml" in (tmp_path / "job_results" / "report.html").read_text()
+
+
+def test_a_new_run_replaces_the_pictures_of_the_one_before_and_nothing_else(tmp_path):
+    write_measured(tmp_path)
+    run(tmp_path, DAMAGE.replace("report = false\npictures = false\n", ""))
+    results = tmp_path / "job_results"
+    (results / "pictures" / "photo.png").write_bytes(b"of the test")
+    (results / "notes.txt").write_text("mine")
+    run(tmp_path, DAMAGE)
+    assert sorted(p.name for p in results.rglob("*")) == [
+        "antiresonances.json", "notes.txt", "photo.png", "pictures", "result.npz", "run.json", "summary.json"]
+
+
+def test_a_terminal_sees_each_stage(tmp_path, monkeypatch, capsys):
+    write_measured(tmp_path)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    run(tmp_path, DAMAGE)
+    assert capsys.readouterr().err.splitlines()[:2] == ["reading measured.json", "searching"]

@@ -75,6 +75,8 @@ def resume(args: argparse.Namespace) -> int:
         from ..results import UpdateResult
         done = UpdateResult.load(folder.result)
         print(f"antires: this search has finished ({done.status}); nothing is left to do", file=sys.stderr)
+        if job.section("output").get("report", True) and not folder.report.exists():
+            print(f"antires: for its report: antires report {_shown(folder.folder)}", file=sys.stderr)
         if args.json:
             print(folder.summary.read_text(encoding="utf-8"), end="")
         else:

@@ -45,9 +45,10 @@ class _Parser(argparse.ArgumentParser):
             return (f"{found[1]}: got an argument that is not known; wanted those of '{self.prog} --help'. "
                     + (f"Did you mean {near[0]!r}?" if near else "Remove it."))
         if found := re.match(r"argument (.*?): invalid choice: (.*?) \(choose from (.*)\)", message):
+            got = found[2].split(", maybe")[0]  # newer versions guess too
             known = [part.strip(" '") for part in found[3].split(",")]
-            near = get_close_matches(found[2].strip("'"), known, 1, 0.6)
-            return (f"{found[1]}: got {found[2]}; wanted one of {', '.join(known)}. "
+            near = get_close_matches(got.strip("'"), known, 1, 0.6)
+            return (f"{found[1]}: got {got}; wanted one of {', '.join(known)}. "
                     + (f"Did you mean {near[0]!r}?" if near else see))
         if found := re.match(r"argument (.*?): expected (.*)", message):
             got = "another number of values" if found[2] == "2 arguments" else "no value"

@@ -208,6 +208,16 @@ def read_job(path: str | os.PathLike[str]) -> Job:
     InvalidInputError
         No such file, no TOML, an unknown section or key, a value of another kind. The message names file,
         line and key, what was got, what is wanted, and how to mend it.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from antires_rs.jobs import read_job, template
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder, "job.toml")
+    ...     _ = file.write_text(template("damage"), encoding="utf-8")
+    ...     read_job(file).task
+    'damage'
     """
     file = Path(path)
     if not file.is_file():

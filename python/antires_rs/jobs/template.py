@@ -55,9 +55,8 @@ def template(task: str = "damage", model: str = CHAIN, *, name: str = "job.toml"
     Examples
     --------
     >>> from antires_rs.jobs import template
-    >>> print(template("damage")[:47])
+    >>> print(template("damage").splitlines()[0])
     # Look for damage: antires damage job.toml
-    #
     """
     lines = [f"# {_HEAD[task].format(name=name)}", "#",
              "# Lines that begin with # are explanations, or keys with their defaults: remove the # to",
