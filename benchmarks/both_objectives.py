@@ -21,10 +21,11 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy: more threads make thes
 import argparse
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from study_tools import add_options, each, print_table
+from study_tools import add_options, print_table
 
 import antires_rs as ar
 from antires_rs.plotting import plot_damages
@@ -63,7 +64,9 @@ def main():
     options = parser.parse_args()
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     tasks = [(seed, options.noise, options.perturbation) for seed in seeds]
-    runs = list(each(one_record, tasks, options.jobs))
+    # Threads: a result holds a model of the core, which no other process could send back.
+    with ThreadPoolExecutor(options.jobs) as pool:
+        runs = list(pool.map(one_record, tasks))
     truth = ar.cases.chain8().truth(1)["severity"]
 
     rows = []

@@ -255,7 +255,15 @@ def test_too_coarse_segments_are_named(good, nperseg, severity):
     assert [f.severity for f in result.named("resolution")] == [severity] * (severity is not None)
     assert len(seen(result)) == (severity is not None)
     if severity:
-        assert "nperseg" in result.findings[0].advice
+        assert result.findings[0].advice.endswith("or let nperseg=None choose.")
+
+
+def test_who_left_the_choice_of_segments_is_not_told_to(good, monkeypatch):
+    from antires_rs.data_check import records
+    monkeypatch.setattr(records, "choose_nperseg", lambda rec, band: 512)
+    [finding] = check(Recording(good[0], FS)).named("resolution")
+    assert finding.advice.startswith("Use longer segments, of ")
+    assert "nperseg" not in finding.advice
 
 
 @pytest.mark.parametrize(("duration_s", "severity"), [(2.0, "fatal"), (8.0, "fatal"), (20.0, "warning"),

@@ -46,6 +46,25 @@ try:
 except KeyboardInterrupt:
     print("interrupted")
 """
+LONG = """
+n = 1500
+chain = ar.MassSpringChain(np.ones(n), np.full(n - 1, 1e4))
+threading.Timer(0.3, lambda: print("under way", flush=True)).start()
+try:
+    chain.antiresonances(range(0, n, 10), 0, method="pencil")
+    print("finished")
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+IDENTIFY = """
+record = case.experiment(0, rng=0, duration_s=2400.0)
+threading.Timer(0.3, lambda: print("under way", flush=True)).start()
+try:
+    while True:
+        ar.identify_antiresonances(record, excitation=0, band_hz=case.band_hz)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
 GOOD = "interrupted False True True"
 
 
@@ -88,6 +107,13 @@ def test_a_python_objective_returns_its_best_so_far(fun, options):
 @pytest.mark.parametrize("workers", [1, 2])
 def test_evaluating_many_candidates_raises_keyboard_interrupt(workers):
     said, took = after_sigint(MANY.format(workers=workers))
+    assert said == "interrupted"
+    assert took < INTERRUPT_S
+
+
+@pytest.mark.parametrize("code", [LONG, IDENTIFY], ids=["antiresonances", "identification"])
+def test_long_calls_raise_keyboard_interrupt(code):
+    said, took = after_sigint(code)
     assert said == "interrupted"
     assert took < INTERRUPT_S
 

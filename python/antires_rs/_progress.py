@@ -1,4 +1,8 @@
-"""Progress of long runs on standard error: one line, rewritten in place."""
+"""Progress of long runs on standard error: one line, rewritten in place.
+
+Searches report their state and are counted in evaluations (``watched``). Other work has no common measure: a
+line that a thread keeps alive names the step it is at, and the seconds (``waiting``, ``step``).
+"""
 
 from __future__ import annotations
 
@@ -6,15 +10,23 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from contextvars import ContextVar
+from functools import wraps
+from threading import Event, Thread
+from typing import Any, ParamSpec, TypeVar
 
-__all__ = ["watched"]
+__all__ = ["interruptible", "patient", "step", "waiting", "watched"]
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 State = dict[str, Any]
 Watcher = Callable[[State], bool | None]
 
 #: A run shows nothing in its first second, then a line a few times a second.
 FIRST_S, EVERY_S = 1.0, 0.25
+#: Ctrl-C is looked for this often while the core works in the background.
+LOOK_S = 0.1
 
 
 @contextmanager
@@ -23,8 +35,7 @@ def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Ite
 
     ``progress=None`` shows the line on a terminal and in a notebook.
     """
-    show = progress if progress is not None else (sys.stderr.isatty() or "ipykernel" in sys.modules)
-    if not show:
+    if not _shown(progress):
         yield callback
         return
     start = time.monotonic()
@@ -48,6 +59,96 @@ def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Ite
     finally:
         if shown:
             sys.stderr.write("\n")
+
+
+def _shown(progress: bool | None) -> bool:
+    """As asked for; by default on a terminal and in a notebook. There may be no standard error at all."""
+    if progress is not None or sys.stderr is None:
+        return bool(progress) and sys.stderr is not None
+    return sys.stderr.isatty() or "ipykernel" in sys.modules
+
+
+#: The step that the outermost ``waiting`` shows, or None outside of any.
+_AT: ContextVar[list[str] | None] = ContextVar("_AT", default=None)
+
+
+@contextmanager
+def waiting(what: str, progress: bool | None) -> Iterator[None]:
+    """Show ``what``, the latest :func:`step` and the seconds, from the first second on.
+
+    Inside another ``waiting`` this is a step of that one, silent if that one is.
+    """
+    if _AT.get() is not None:
+        step(what)
+        yield
+        return
+    at, over = [""], Event()
+    token = _AT.set(at)
+    thread = Thread(target=_keep_alive, args=(what, at, over), daemon=True) if _shown(progress) else None
+    if thread is not None:
+        thread.start()
+    try:
+        yield
+    finally:
+        _AT.reset(token)
+        over.set()
+        if thread is not None:
+            thread.join()
+
+
+def step(text: str) -> None:
+    """Name what is being done, if anyone is waiting for it."""
+    at = _AT.get()
+    if at is not None:
+        at[0] = text
+
+
+def patient(what: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """A function with a keyword ``progress`` whose caller is shown that it works."""
+    def around(function: Callable[P, T]) -> Callable[P, T]:
+        @wraps(function)
+        def call(*args: P.args, **kwargs: P.kwargs) -> T:
+            progress: Any = kwargs.get("progress")
+            with waiting(what, progress):
+                return function(*args, **kwargs)
+        return call
+    return around
+
+
+def interruptible(work: Callable[[], T], what: str, progress: bool | None = None) -> T:
+    """The result of a long call into the core, which Ctrl-C leaves at once; the core then ends on its own."""
+    answer: list[T] = []
+    error: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            answer.append(work())
+        except BaseException as exc:  # raised again in the caller's thread
+            error.append(exc)
+
+    thread = Thread(target=run, daemon=True)
+    with waiting(what, progress):
+        thread.start()
+        while thread.is_alive():
+            thread.join(LOOK_S)
+    if error:
+        raise error[0]
+    return answer[0]
+
+
+def _keep_alive(what: str, at: list[str], over: Event) -> None:
+    start, width = time.monotonic(), 0
+    over.wait(FIRST_S)
+    while not over.is_set():
+        text = f"{what}{': ' if at[0] else ''}{at[0]}   {time.monotonic() - start:.0f} s "
+        # Blanks over what a longer line left.
+        sys.stderr.write("\r" + text.ljust(width))
+        sys.stderr.flush()
+        width = len(text)
+        over.wait(EVERY_S)
+    if width:
+        sys.stderr.write("\n")
+        sys.stderr.flush()
 
 
 def _line(state: State, budget: int, seconds: float, done: int) -> str:

@@ -146,4 +146,4 @@ def warn_of_formulation(formulation: str) -> None:
             "rational function; on the eight-mass chain 4 to 6 of 28 values come out, 0.4 to 0.7 % off, and "
             "three to nine false ones with them. Look at its peaks, and take the values from "
             "formulation='joint'.",
-            AntiresWarning, stacklevel=3)
+            AntiresWarning, stacklevel=4)

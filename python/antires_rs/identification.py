@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from ._progress import patient, step
 from ._validation import FloatArray, choice, frequency_band, integer, reject
 from .antiresonance_set import AntiresonanceSet
 from .bands import join, windows
@@ -47,6 +48,7 @@ CHOICES = ("auto", "numerators", *FORMULATIONS)
 LINES_PER_ORDER = 3
 
 
+@patient("identifying antiresonances")
 def identify_antiresonances(
         source: Recording | FrequencyResponse, *, excitation: Any, band_hz: Sequence[float],
         dofs: Iterable[Any] | None = None, route: str = "transmissibility", nperseg: int | None = None,
@@ -55,7 +57,7 @@ def identify_antiresonances(
         freq_tol: float | None = None, damping_tol: float | None = None, min_rows: int | None = None,
         max_damping: float | None = None, min_dominance: float | None = None, persistent: bool | None = None,
         keep_common: bool = False, second_opinion: str | None = None,
-        check: str = "warn") -> AntiresonanceSet:
+        check: str = "warn", progress: bool | None = None) -> AntiresonanceSet:
     """Identify the antiresonances of every response, automatically.
 
     Parameters
@@ -100,6 +102,8 @@ def identify_antiresonances(
     check : {"warn", "raise", "off"}
         What to do with :func:`~antires_rs.check_data`: warn of what it finds, refuse data in which it finds
         something fatal, or leave it out. The answer is ``.data_check`` of the set.
+    progress : bool, optional
+        A line on standard error after a second; by default on a terminal and in a notebook.
 
     Returns
     -------
@@ -174,6 +178,7 @@ def identify_antiresonances(
                "A value is accepted only when more than min_rows consecutive orders agree.")
     use_force = route == "frf"
     _can_answer(source, use_force)
+    step("spectra")
     if isinstance(source, Recording):
         lines_for = lines_of_recording(source, band, use_force=use_force, nperseg=nperseg, noverlap=noverlap,
                                        window=window, method=method, estimator=estimator)
@@ -190,6 +195,7 @@ def identify_antiresonances(
         band, nperseg, noverlap, window, method, strict=check == "raise")
     if formulation == "auto":
         formulation = "numerators" if first.segments is not None and estimator == "rank1" else "joint"
+    step("fit")
     if formulation == "numerators":
         found = _from_numerators(source.dofs, first, band, orders, rule, keep_common)
     else:
@@ -207,6 +213,7 @@ def identify_antiresonances(
     if second_opinion is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
         from .second_opinion import judge
+        step("second opinion")
         values = {dof: identified[dof] for dof in wanted}
         identified.second_opinion = judge(lines_for, source.dofs, values, band, second_opinion)
     return identified
@@ -231,6 +238,7 @@ def _one_by_one(dofs: tuple[Any, ...], lines_for: Callable[[int], Lines], band: 
     shared: dict[int, tuple[PoleSweep, range, FloatArray]] = {}
     # Dofs not asked for are looked at too: what all channels share is told only from all.
     for row, dof in enumerate(dofs):
+        step(f"response {row + 1} of {len(dofs)}")
         below = FORCE if use_force else row
         lines = lines_for(below)
         cut = windows(lines.freq_hz, band)
@@ -264,7 +272,7 @@ def _checked(source: Recording | FrequencyResponse, excitation: Any, band: tuple
         fatal = [str(f) for f in checked.findings if f.severity == "fatal"]
         raise UnsuitableDataError("source: " + " ".join(fatal))
     if not checked.ok:
-        warnings.warn("data check: " + " ".join(checked.warnings), AntiresWarning, stacklevel=3)
+        warnings.warn("data check: " + " ".join(checked.warnings), AntiresWarning, stacklevel=4)
     return checked
 
 

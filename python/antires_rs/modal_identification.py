@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ._progress import patient
 from ._validation import ComplexArray, FloatArray, choice, frequency_band, integer, reject
 from .bands import join, windows
 from .exceptions import UnsuitableDataError
@@ -62,11 +63,13 @@ class Curves:
         return self.values.reshape(-1, self.freq_hz.size)
 
 
+@patient("identifying modes")
 def identify_modes(
         source: Recording | FrequencyResponse, *, band_hz: Sequence[float], route: str = "auto",
         method: str = "auto", nperseg: int | None = None, estimator: str = "h1", max_order: int = 60,
         min_order: int = 2, freq_tol: float = 0.01, damping_tol: float = 0.10, min_rows: int = 10,
-        max_damping: float = 0.10, min_dominance: float = 0.05) -> ModalSet:
+        max_damping: float = 0.10, min_dominance: float = 0.05,
+        progress: bool | None = None) -> ModalSet:
     """Identify resonances, damping and mode shapes, automatically.
 
     Parameters
@@ -89,6 +92,8 @@ def identify_modes(
     max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
         As for :func:`~antires_rs.stabilization`. With few lines the highest order is lowered to
         two thirds of their number. Resonances closer than ``freq_tol`` count as one.
+    progress : bool, optional
+        A line on standard error after a second; by default on a terminal and in a notebook.
 
     Returns
     -------

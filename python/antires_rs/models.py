@@ -14,24 +14,20 @@ import numpy as np
 
 from . import _core
 from ._matrices import as_dense, as_sparse, as_term
-from ._validation import (
-    ComplexArray,
-    FloatArray,
-    choice,
-    finite_scalar,
-    integer,
-    real_array,
-    reject,
-    shape_of,
-)
+from ._progress import interruptible
+from ._validation import choice, finite_scalar, integer, real_array, reject, shape_of
 from .exceptions import AntiresWarning, NumericalError
 from .modal_set import ModalSet
 
 if TYPE_CHECKING:
     from ._core import Model as CoreModel
+    from ._validation import ComplexArray, FloatArray
     from .signals import Recording
 
 __all__ = ["MassSpringChain", "MatrixModel", "StructuralModel"]
+
+#: From here on antiresonances may take seconds.
+MANY_DOFS = 200
 
 Method = Literal["modal", "pencil"]
 Motion = Literal["accelerance", "mobility", "receptance"]
@@ -212,8 +208,9 @@ class StructuralModel:
         limit = np.inf if f_max_hz is None else finite_scalar(
             "f_max_hz", f_max_hz, low=0.0, low_open=True, unit="Hz")
         dofs = self._dofs("response", response)
-        found = self._core.antiresonances(dofs, self._dof("excitation", excitation), limit, method,
-                                          bool(include_cancelled))
+        asked = (dofs, self._dof("excitation", excitation), limit, method, bool(include_cancelled))
+        found = self._core.antiresonances(*asked) if self.n_dof < MANY_DOFS else interruptible(
+            lambda: self._core.antiresonances(*asked), f"antiresonances of {len(dofs)} responses")
         for dof, (_, identically_zero) in zip(dofs, found, strict=True):
             if identically_zero:
                 warnings.warn(f"response dof {dof} is not connected to excitation dof {excitation}: "
@@ -224,7 +221,7 @@ class StructuralModel:
     def simulate(self, *, excitation: int, fs_hz: float, duration_s: float, damping_ratio: Any,
                  band_hz: tuple[float, float] | None = None, noise: float = 0.0,
                  responses: Sequence[int] | None = None,
-                 rng: int | np.random.Generator | None = None) -> Recording:
+                 rng: int | np.random.Generator | None = None, progress: bool | None = None) -> Recording:
         """Record the accelerations of a virtual test under one random force.
 
         Parameters
@@ -245,6 +242,8 @@ class StructuralModel:
             Dofs of the accelerometers; all by default.
         rng : int or numpy.random.Generator, optional
             Randomness.
+        progress : bool, optional
+            A line on standard error after a second; by default on a terminal and in a notebook.
 
         Returns
         -------
@@ -270,7 +269,8 @@ class StructuralModel:
         elastic = [f for f in self._core.modes()[0] if f > 0]
         return simulate(self, responses=dofs, excitation=self._dof("excitation", excitation), fs_hz=fs_hz,
                         duration_s=duration_s, damping_ratio=damping_ratio,
-                        lowest_hz=min(elastic, default=0.0), band_hz=band_hz, noise=noise, rng=rng)
+                        lowest_hz=min(elastic, default=0.0), band_hz=band_hz, noise=noise, rng=rng,
+                        progress=progress)
 
     def _dof(self, name: str, value: Any) -> int:
         return integer(name, value, low=0, high=self.n_dof - 1)

@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ._progress import step
 from ._validation import ComplexArray, FloatArray
 from .accepted import Accepted, Value
 from .bands import Window
@@ -82,6 +83,7 @@ def select(lines: Lines, n_responses: int, window: Window, orders: range, rule: 
     numerators = best.fit.values(best.coefficients).T
     diagrams = []
     for row in range(n_responses):
+        step(f"response {row + 1} of {n_responses}")
         sweep = sweeps[row]
         others = [] if keep_common else [roots[k] for k in sweep.others]
         sweep.companions = [] if keep_common else [sweeps[k] for k in sweep.others]

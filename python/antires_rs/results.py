@@ -225,12 +225,10 @@ class DamageResult(UpdateResult):
         visible = [(e, b) for e, b in self.detectable.items() if np.isfinite(b)]
         hidden = [label(e) for e, b in self.detectable.items() if not np.isfinite(b)]
         if visible:
-            worst = max(visible, key=lambda pair: pair[1])
-            least = min(b for _, b in visible)
-            ends = [f"{100 * beta:.0f} %" for beta in (least, worst[1])]
-            span = " to ".join(dict.fromkeys(ends))
-            notes.append(f"Damage below {span} ({label(worst[0])}) would come out as "
-                         "undamaged: with gamma1, gamma2 it costs more than it explains.")
+            ends = [min(visible, key=lambda pair: pair[1]), max(visible, key=lambda pair: pair[1])]
+            span = " to ".join(dict.fromkeys(f"{100 * beta:.0f} % ({label(e)})" for e, beta in ends))
+            notes.append(f"Smallest damage that would be seen: {span}. An element with less than its own "
+                         "limit counts as undamaged: gamma1 and gamma2 outweigh what its damage explains.")
         if hidden:
             notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
         if self.problem.penalty is not None and self.problem.penalty.snap > 0:

@@ -14,14 +14,8 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from ._validation import (
-    ComplexArray,
-    FloatArray,
-    finite_scalar,
-    frequency_band,
-    random_generator,
-    reject,
-)
+from ._progress import patient, step
+from ._validation import ComplexArray, FloatArray, finite_scalar, frequency_band, random_generator, reject
 from .exceptions import AntiresWarning
 from .signals import Recording
 
@@ -40,9 +34,11 @@ class _Responding(Protocol):
             kind: Literal["accelerance"] = ...) -> ComplexArray: ...
 
 
+@patient("recording the virtual test")
 def simulate(model: _Responding, *, responses: list[int], excitation: int, fs_hz: float, duration_s: float,
              damping_ratio: Any, lowest_hz: float, band_hz: tuple[float, float] | None = None,
-             noise: float = 0.0, rng: int | np.random.Generator | None = None) -> Recording:
+             noise: float = 0.0, rng: int | np.random.Generator | None = None,
+             progress: bool | None = None) -> Recording:
     """Record accelerations under a band-limited random force; see ``MassSpringChain.simulate``."""
     rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
     duration = finite_scalar("duration_s", duration_s, low=0.0, low_open=True, unit="s")
@@ -71,6 +67,7 @@ def simulate(model: _Responding, *, responses: list[int], excitation: int, fs_hz
     window = slice(lead, lead + samples)
     records = np.empty((len(responses), samples))
     for row, dof in enumerate(responses):
+        step(f"response {row + 1} of {len(responses)}")
         transfer = np.zeros(freq_hz.size, dtype=np.complex128)
         transfer[inside] = model.frf(dof, excitation, freq_hz[inside], damping_ratio=damping_ratio)
         records[row] = np.fft.irfft(transfer * spectrum, total)[window]
@@ -88,5 +85,5 @@ def _lead_in(samples: int, rate: float, lowest_hz: float, damping_ratio: Any) ->
     if memory > _LONGEST_LEAD_IN:
         warnings.warn(f"the slowest mode ({lowest_hz:.3g} Hz, damping ratio {least:.3g}) remembers "
                       f"{memory / rate:.3g} s; the lead-in is cut to {_LONGEST_LEAD_IN / rate:.3g} s and "
-                      "that mode is not quite stationary in the record.", AntiresWarning, stacklevel=4)
+                      "that mode is not quite stationary in the record.", AntiresWarning, stacklevel=5)
     return int(min(memory, _LONGEST_LEAD_IN)) + 1

@@ -73,14 +73,15 @@ class Chain8:
 
     def experiment(self, level: int = 0, *, noise: float = 0.0, duration_s: float = DURATION_S,
                    damping_ratio: Any = DAMPING_RATIO,
-                   rng: int | np.random.Generator | None = None) -> Recording:
+                   rng: int | np.random.Generator | None = None,
+                   progress: bool | None = None) -> Recording:
         """Record of a virtual test at 512 Hz: random force at mass 1, accelerations of all masses.
 
         ``noise`` is white sensor noise as a fraction of each channel's own rms.
         """
         return self.true_model(level).simulate(
             excitation=self.excitation, fs_hz=FS_HZ, duration_s=duration_s, damping_ratio=damping_ratio,
-            noise=noise, responses=self.responses, rng=rng)
+            noise=noise, responses=self.responses, rng=rng, progress=progress)
 
     def exact_modes(self, level: int = 0) -> ModalSet:
         """The seven resonances and shapes of the undamped structure, rigid-body mode left out."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from .._progress import patient
 from .._validation import choice, frequency_band, reject
 from ..signals import FrequencyResponse, Recording, frozen
 from . import channels, force_location, one_force, phase, resolution
@@ -23,9 +24,10 @@ TESTS = (channels.DEAD, channels.CLIPPED, channels.DUPLICATED, channels.DROPOUTS
          force_location.NAME)
 
 
+@patient("checking the data")
 def check_data(source: Recording | FrequencyResponse, *, excitation: Any = None, band_hz: Sequence[float],
                nperseg: int | None = None, noverlap: int | None = None, window: Any = "hann",
-               method: str = "auto") -> DataCheck:
+               method: str = "auto", progress: bool | None = None) -> DataCheck:
     """Ask whether data are fit for identification before anything is fitted to them.
 
     Parameters
@@ -38,6 +40,8 @@ def check_data(source: Recording | FrequencyResponse, *, excitation: Any = None,
         Band in which antiresonances are wanted.
     nperseg, noverlap, window, method
         As for :func:`~antires_rs.identify_antiresonances`; give the same.
+    progress : bool, optional
+        A line on standard error after a second; by default on a terminal and in a notebook.
 
     Returns
     -------

@@ -54,7 +54,7 @@ def of_recording(rec: Recording, excitation: Any, band: tuple[float, float], npe
         return said + [resolution.too_few_lines(int(inside.sum()), band)] + _none_by_line(
             "too few lines in the band"), None
     spectra, frfs = _without_force(spectra, inside, live)
-    said += _resolution(live, spectra, inside, band, length)
+    said += _resolution(live, spectra, inside, band, length, chosen=nperseg is None)
     seen = of_spectra(spectra, inside, live.dofs, nperseg=length, fs_hz=live.fs_hz, taper=taper)
     dead = channels.unrelated(seen)
     lost = {dof for one in dead if isinstance(one, Finding) for dof in one.where}
@@ -122,7 +122,7 @@ def _some(spectra: CrossSpectra, rows: list[int]) -> CrossSpectra:
 
 
 def _resolution(rec: Recording, spectra: CrossSpectra, inside: Any, band: tuple[float, float],
-                length: int | None) -> Said:
+                length: int | None, *, chosen: bool) -> Said:
     """Lines per bandwidth, the bandwidth being measured with the longest segments if need be."""
     spacing = float(spectra.freq_hz[1] - spectra.freq_hz[0])
     lines = resolution.sharpest_lines(_power(spectra, inside), leakage=length is not None)
@@ -140,7 +140,7 @@ def _resolution(rec: Recording, spectra: CrossSpectra, inside: Any, band: tuple[
         if finer is not None:
             lines, bandwidth = finer, finer * float(long.freq_hz[1])
     return resolution.of_segments(bandwidth, spacing, rec.duration_s, longer=longest > length,
-                                  known=lines is not None and lines >= 1.0)
+                                  chosen=chosen, known=lines is not None and lines >= 1.0)
 
 
 def _power(spectra: CrossSpectra, inside: Any) -> FloatArray:

@@ -36,11 +36,11 @@ def sharpest_lines(power: FloatArray, leakage: bool = True) -> float | None:
 
 
 def of_segments(bandwidth_hz: float | None, spacing_hz: float, duration_s: float, *, longer: bool,
-                known: bool) -> Said:
+                chosen: bool, known: bool) -> Said:
     """Lines per bandwidth of averaged segments, and what would mend it.
 
-    ``longer``: the record allows longer segments. ``known``: the bandwidth was resolved; otherwise it is an
-    upper limit.
+    ``longer``: the record allows longer segments. ``chosen``: these were not the user's, so that leaving the
+    choice is no advice. ``known``: the bandwidth was resolved; otherwise it is an upper limit.
     """
     if bandwidth_hz is None:
         return [_nothing_sharp()]
@@ -55,8 +55,9 @@ def of_segments(bandwidth_hz: float | None, spacing_hz: float, duration_s: float
             f"{BANDWIDTHS:g} are good.")
     wanted_s = BANDWIDTHS / max(bandwidth_hz, 0.5 * spacing_hz)
     if longer:
+        leave_it = "" if chosen else ", or let nperseg=None choose"
         return [Finding(RESOLUTION, severity, (), lines, ENOUGH, "The resolution is too coarse: " + seen,
-                        f"Use longer segments, of {rounded(wanted_s)} s, or let nperseg=None choose.")]
+                        f"Use longer segments, of {rounded(wanted_s)} s{leave_it}.")]
     constants = np.pi * bandwidth_hz * duration_s
     # With as few lines as are needed; more are better.
     least_s = SEGMENTS * wanted_s * ENOUGH / BANDWIDTHS

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..._progress import patient
 from ..._validation import FloatArray, finite_scalar, integer
 from ...antiresonance_set import AntiresonanceSet
 from ...frame_parameters import angle, point_mass, thickness, youngs_modulus
@@ -66,8 +67,10 @@ class Exhaust:
         self.masses = [name for name, *_ in geometry.MASSES]
         self.bends = [name for name, *_ in geometry.BENDS]
 
+    @patient("recording the virtual test")
     def experiment(self, level: int = 0, *, noise: float = 0.01, duration_s: float = DURATION_S,
-                   rng: int | np.random.Generator | None = None) -> Recording:
+                   rng: int | np.random.Generator | None = None,
+                   progress: bool | None = None) -> Recording:
         """Record of the virtual test at 1024 Hz: random force, accelerations of the 16 places.
 
         Made by the tested structure, a finer frame with other properties than ``model``. The default
@@ -82,6 +85,8 @@ class Exhaust:
         duration_s : float
         rng : int or numpy.random.Generator, optional
             Randomness of force and noise.
+        progress : bool, optional
+            A line on standard error after a second; by default on a terminal and in a notebook.
 
         Returns
         -------
@@ -92,7 +97,8 @@ class Exhaust:
         # The slowest mode decides how long the lead-in is; each mode's own damping is in ``tested.frf``.
         return simulate(tested, responses=self.responses, excitation=self.excitation, fs_hz=FS_HZ,
                         duration_s=duration_s, damping_ratio=experiment.RIGID_DAMPING,
-                        lowest_hz=float(tested.freq_hz[0]), band_hz=FORCE_HZ, noise=noise, rng=rng)
+                        lowest_hz=float(tested.freq_hz[0]), band_hz=FORCE_HZ, noise=noise, rng=rng,
+                        progress=progress)
 
     def truth(self, level: int = 0) -> dict[str, Any]:
         """What was tested, by name.
