@@ -33,3 +33,7 @@ def test_every_benchmark_it_names_exists(script):
 def test_every_make_target_it_names_exists(target):
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     assert re.search(rf"^{target}:", makefile, re.MULTILINE)
+
+
+def test_nothing_is_left_to_fill_in():
+    assert not re.search(r"\b(TODO|TBD|[A-Z]+TABLE)\b", README)
