@@ -86,7 +86,8 @@ def main(frames=200, digits=20, first=0):
                 missed = [f for f in moved if f is not None and unmatched([f], ours)]
                 counts["ours wrong" if wrong or missed else "scipy wrong"] += 1
                 print(f"  frame {seed}, n = {len(k_mat)}, ({i}, {excitation}), {limit_hz:.0f} Hz: "
-                      f"ours {only_ours}, scipy {only_theirs}; ours wrong {wrong}, missed {missed}", flush=True)
+                      f"ours {only_ours}, scipy {only_theirs}; ours wrong {wrong}, missed {missed}",
+                      flush=True)
             if seed < digits:
                 errors += [exact.error(i, excitation, f) for f in ours]
     print(f"{frames} frames: {counts}")
