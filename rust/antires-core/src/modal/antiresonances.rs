@@ -137,8 +137,8 @@ impl AntiresonanceSolver {
         Ok(())
     }
 
-    /// Columns i and k of (K − xM)⁻¹, each up to a factor, into `left` and `right`; returns leftᵀ M right. `matrices`
-    /// are those last set, and `k` is the excitation of the last query.
+    /// Columns i and k of (K − xM)⁻¹, each up to a factor, into `left` and `right`; returns leftᵀ M right.
+    /// `matrices` are those last set, and `k` is the excitation of the last query.
     ///
     /// # Errors
     /// Those of [`SymmetricSolver::solve`].

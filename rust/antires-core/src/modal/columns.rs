@@ -1,5 +1,5 @@
-//! Columns i and k of (K − xM)⁻¹ from band matrices or from all modes, for roots on the matrices themselves and for their
-//! sensitivities.
+//! Columns i and k of (K − xM)⁻¹ from band matrices or from all modes, for roots on the matrices themselves
+//! and for their sensitivities.
 //!
 //! ```text
 //! (K − xM) u = e_k,  (K − xM) w = e_i        H_ik = e_iᵀu,  dH_ik/dx = wᵀMu
@@ -33,8 +33,8 @@ pub(super) struct Columns {
 }
 
 impl ReducedModes {
-    /// The root of H_ik nearest to `x` within `reach`, or as near as rounding of K and M tells, by Newton's method
-    /// on the matrices; none where there is none, or where rounding spoils the factors of K − xM.
+    /// The root of H_ik nearest to `x` within `reach`, or as near as rounding of K and M tells, by Newton's
+    /// method on the matrices; none where there is none, or where rounding spoils the factors of K − xM.
     pub fn polish(&mut self, i: usize, x: f64, reach: f64) -> Option<f64> {
         let (k, ..) = self.solved?;
         let (i, k) = (self.structure.row(i), self.structure.row(k));
@@ -63,7 +63,8 @@ impl ReducedModes {
         f64::EPSILON * moved.sqrt() / slope.abs()
     }
 
-    /// Columns i and k of (K − xM)⁻¹ by dof, each up to a factor, into `left` and `right`; returns leftᵀ M right.
+    /// Columns i and k of (K − xM)⁻¹ by dof, each up to a factor, into `left` and `right`; returns leftᵀ M
+    /// right.
     pub fn columns(
         &mut self,
         (i, k): (usize, usize),

@@ -131,8 +131,8 @@ impl Receptance {
         self.cancelled.sort_by(f64::total_cmp);
     }
 
-    /// Looks at the signs of the residues. Between neighbours of one sign lies an odd number of roots, so as many
-    /// pairs of them as there are roots at most leave none for elsewhere.
+    /// Looks at the signs of the residues. Between neighbours of one sign lies an odd number of roots, so
+    /// as many pairs of them as there are roots at most leave none for elsewhere.
     #[must_use]
     pub fn pattern(&self) -> Pattern {
         let first = self.residues[0];

@@ -57,7 +57,8 @@ pub struct Secular<'a> {
 }
 
 /// Appends the roots of `h` in (low, high] to `roots`, ascending; `high` may be infinite. False when
-/// rounding leaves a doubt about the number of them. Their places are good to [`Receptance::noise_and_slope`].
+/// rounding leaves a doubt about the number of them. Their places are good to
+/// [`Receptance::noise_and_slope`].
 pub fn roots(
     h: &Receptance,
     low: f64,
