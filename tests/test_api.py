@@ -76,8 +76,8 @@ def test_functions_document_every_parameter(name):
 
 def test_importing_costs_no_optional_package():
     loaded = in_a_new_process("import sys, antires_rs\nprint(*sys.modules)").split()
-    for package in ("matplotlib", "scipy.signal", "scipy.io", "h5py", "pandas", "jinja2", "pyuff", "tqdm",
-                    "multiprocessing.pool"):
+    for package in ("matplotlib", "scipy.signal", "scipy.io", "h5py", "pandas", "xarray", "jinja2", "pyuff",
+                    "tqdm", "multiprocessing.pool"):
         assert package not in loaded, package
 
 

@@ -35,6 +35,22 @@ from .frame_parameters import (
 )
 from .frame_parts import GroundSpring, NodeSpring, PointMass
 from .identification import identify_antiresonances
+from .io import (
+    from_sep005,
+    read_csv,
+    read_hdf5,
+    read_mat,
+    read_matrices,
+    read_npz,
+    read_uff,
+    to_sep005,
+    write_csv,
+    write_hdf5,
+    write_mat,
+    write_matrices,
+    write_npz,
+    write_uff,
+)
 from .modal_identification import identify_modes
 from .modal_set import ModalSet
 from .models import MassSpringChain, MatrixModel
@@ -94,18 +110,32 @@ __all__ = [
     "diameter",
     "fit_rational",
     "frf",
+    "from_sep005",
     "identify_antiresonances",
     "identify_modes",
     "inertia",
     "mass_factor",
     "point_mass",
+    "read_csv",
+    "read_hdf5",
+    "read_mat",
+    "read_matrices",
+    "read_npz",
+    "read_uff",
     "stabilization",
     "stiffness_factor",
     "stiffness_reduction",
     "support_stiffness",
     "thickness",
+    "to_sep005",
     "transmissibility",
     "transmissibility_sum",
     "update",
+    "write_csv",
+    "write_hdf5",
+    "write_mat",
+    "write_matrices",
+    "write_npz",
+    "write_uff",
     "youngs_modulus",
 ]

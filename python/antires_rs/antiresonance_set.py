@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _edits, _set_file
-from ._columns import companions, label, sorted_scores, table, unknown_scores, values_of, with_column
+from ._columns import companions, label, sorted_scores, unknown_scores, values_of, with_column
 from ._edits import Edit
 from ._files import write_atomically
 from ._validation import FloatArray, choice, reject
-from .exceptions import MissingDependencyError
 from .signals import frozen
 
 if TYPE_CHECKING:
@@ -335,12 +334,13 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         MissingDependencyError
             pandas is not installed.
         """
-        try:
-            import pandas as pd
-        except ImportError as exc:
-            raise MissingDependencyError("to_dataframe needs pandas; install it: pip install pandas") from exc
-        names, rows = table(self)
-        return pd.DataFrame(rows, columns=names)
+        from .io.tables import to_dataframe
+        return to_dataframe(self)
+
+    def to_xarray(self) -> Any:
+        """An ``xarray.Dataset`` over dof and rank, NaN beyond a dof's values; needs xarray."""
+        from .io.tables import to_xarray
+        return to_xarray(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write as JSON, whole or not at all; every float comes back bit for bit.
@@ -357,10 +357,13 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         InvalidInputError
             The folder does not exist.
         """
+        write_atomically(path, self.to_json().encode())
+
+    def to_json(self) -> str:
+        """The text that :meth:`save` writes."""
         first = self.original()
-        text = _set_file.to_json(self.excitation, self._tables(), self.scores, self.edits,
+        return _set_file.to_json(self.excitation, self._tables(), self.scores, self.edits,
                                  (first._tables(), first.scores) if self.edits else None)
-        write_atomically(path, text.encode())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> AntiresonanceSet:
@@ -381,7 +384,12 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
             text = Path(path).read_text(encoding="utf-8")
         except UnicodeDecodeError as exc:
             raise _set_file.damaged(str(path), exc) from exc
-        data = _set_file.from_json(text, str(path))
+        return cls.from_json(text, str(path))
+
+    @classmethod
+    def from_json(cls, text: str, name: str = "text") -> AntiresonanceSet:
+        """A set from the text of :meth:`to_json`; ``name`` stands for it in messages."""
+        data = _set_file.from_json(text, name)
         try:
             new = cls(data["excitation"], **data["now"])
             if data["before"] is not None:
@@ -389,4 +397,4 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
                 new.edits = data["edits"]
             return new
         except (TypeError, ValueError) as exc:
-            raise _set_file.damaged(str(path), exc) from exc
+            raise _set_file.damaged(name, exc) from exc

@@ -100,12 +100,14 @@ class FrameModel(StructuralModel):
         self._beams = tuple((a, b, section) for (a, b), section in zip(ends, chosen, strict=True))
         in_space = nodes.shape[1] == 3
         self._fixed = tuple(fixed_dofs(fixed, in_space))
+        self._made = (nodes, listed, _orientation(orientation, len(rows), in_space),
+                      core_masses(point_masses), core_ground_springs(ground_springs),
+                      core_node_springs(node_springs))
         frame = _core.Frame(
-            nodes, list(self._beams), _orientation(orientation, len(rows), in_space),
+            nodes, list(self._beams), self._made[2],
             [s._parts(f"sections[{name!r}]" if isinstance(name, str) else f"sections[{name}]", in_space)
              for name, s in zip(self._names, listed, strict=True)],
-            core_masses(point_masses), core_ground_springs(ground_springs), core_node_springs(node_springs),
-            list(self._fixed))
+            *self._made[3:], list(self._fixed))
         self._core = _core.Model.from_frame(frame)
         parts = np.array(frame.parts())
         if parts.max() > 0:

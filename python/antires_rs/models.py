@@ -41,17 +41,18 @@ class StructuralModel:
     """What every model can do. Build a :class:`MassSpringChain` or a :class:`MatrixModel`."""
 
     _core: CoreModel
+    _made: tuple[Any, ...] = ()  # what it was made of
+    _origin: tuple[Any, FloatArray] | None = None  # problem and x, of a model that came out of an updating
 
     @property
     def n_dof(self) -> int:
         """Number of degrees of freedom."""
         return self._core.n_dof
 
-    def _with_core(self, core: CoreModel) -> Self:
+    def _with_core(self, core: CoreModel, origin: tuple[Any, FloatArray] | None = None) -> Self:
         """Return a model of this class around other core matrices (an updated state)."""
         other = object.__new__(type(self))
-        other.__dict__.update(self.__dict__)
-        other._core = core
+        other.__dict__.update(self.__dict__, _core=core, _origin=origin)
         return other
 
     def element_label(self, element: int) -> str:
@@ -327,9 +328,9 @@ class MassSpringChain(StructuralModel):
         masses = real_array("masses_kg", masses_kg, ndim=1, wanted="an array (n,) of masses in kg")
         springs = np.zeros(0) if np.size(springs_n_per_m) == 0 else real_array(
             "springs_n_per_m", springs_n_per_m, ndim=1, wanted="an array (n - 1,) of stiffnesses in N/m")
-        self._core = _core.Model.chain(masses, springs,
-                                       finite_scalar("ground_first_n_per_m", ground_first_n_per_m),
-                                       finite_scalar("ground_last_n_per_m", ground_last_n_per_m))
+        self._made = (masses, springs, finite_scalar("ground_first_n_per_m", ground_first_n_per_m),
+                      finite_scalar("ground_last_n_per_m", ground_last_n_per_m))
+        self._core = _core.Model.chain(*self._made)
 
     def element_label(self, element: int) -> str:
         """``spring 1`` to ``spring n-1`` between the masses, then the two ground springs."""
@@ -382,10 +383,9 @@ class MatrixModel(StructuralModel):
     def __init__(self, stiffness: Any, mass: Any, *, stiffness_terms: Iterable[Any] = (),
                  mass_terms: Iterable[Any] = ()) -> None:
         k = as_dense("stiffness", stiffness)
-        self._core = _core.Model.from_matrices(
-            k, as_dense("mass", mass),
-            [as_term(f"stiffness_terms[{i}]", t, len(k)) for i, t in enumerate(stiffness_terms)],
-            [as_term(f"mass_terms[{i}]", t, len(k)) for i, t in enumerate(mass_terms)])
+        self._made = ([as_term(f"stiffness_terms[{i}]", t, len(k)) for i, t in enumerate(stiffness_terms)],
+                      [as_term(f"mass_terms[{i}]", t, len(k)) for i, t in enumerate(mass_terms)])
+        self._core = _core.Model.from_matrices(k, as_dense("mass", mass), *self._made)
 
     def stiffness(self) -> Any:
         """Stiffness matrix as ``scipy.sparse.csc_array``, (n, n), N/m."""

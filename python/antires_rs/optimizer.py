@@ -66,6 +66,8 @@ class OptimizeResult:
         Final individuals.
     population_costs : ndarray, (n_islands, population)
         Their costs.
+    options : dict
+        Options of the optimizer in force.
     """
 
     x: FloatArray
@@ -78,13 +80,15 @@ class OptimizeResult:
     history: History = field(repr=False)
     populations: FloatArray = field(repr=False)
     population_costs: FloatArray = field(repr=False)
+    options: dict[str, Any] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def _of(cls, raw: dict[str, Any]) -> OptimizeResult:
+    def _of(cls, raw: dict[str, Any], optimizer: IslandGA) -> OptimizeResult:
         history = History(raw["history_nfev"], raw["history_cost"], raw["history_migrations"])
         names = ("x", "fun", "success", "status", "message", "nfev", "nit", "populations",
                  "population_costs")
-        return cls(history=history, **{name: raw[name] for name in names})
+        return cls(history=history, options={**optimizer.options, "max_seconds": optimizer.max_seconds},
+                   **{name: raw[name] for name in names})
 
 
 class IslandGA:
@@ -229,7 +233,7 @@ class IslandGA:
                 watched(callback, progress, self.options["max_evaluations"]) as watcher:
             raw = _core.minimize(batch, box[:, 0].copy(), box[:, 1].copy(), guesses(x0, len(box)),
                                  self.options, seed_of(rng), self.max_seconds, watcher)
-        return OptimizeResult._of(raw)
+        return OptimizeResult._of(raw, self)
 
 
 def seed_of(rng: int | np.random.Generator | None) -> int:

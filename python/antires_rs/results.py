@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
@@ -108,6 +108,38 @@ class UpdateResult:
         """Differences of the frequencies before and after updating; see :mod:`antires_rs.plotting`."""
         from .plotting import plot_differences
         return plot_differences(self.table, ax=ax)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write problem, search and versions into one file ``*.npz``, whole or not at all; no pickle.
+
+        Raises
+        ------
+        InvalidInputError
+            Another ending, or a folder that does not exist.
+        """
+        from .io.results import save_result
+        save_result(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read what :meth:`save` wrote, in this version or an older one; every float comes back bit for bit.
+
+        Diagrams of the measured sets are not kept.
+
+        Raises
+        ------
+        UnsuitableDataError
+            The file is damaged, of another kind, or of a newer version.
+        FileNotFoundError
+            There is none.
+
+        Warns
+        -----
+        AntiresWarning
+            This version computes another objective at the same x.
+        """
+        from .io.results import load_result
+        return cast("Self", load_result(path, cls))
 
     def report(self, path: str | os.PathLike[str], **options: Any) -> None:
         """Write one self-contained HTML file; for ``options`` see :func:`antires_rs.report.write_report`."""

@@ -119,6 +119,36 @@ class Recording:
         """Length of the record in seconds, ``n_samples / fs_hz``."""
         return self.n_samples / self.fs_hz
 
+    def to_dataframe(self) -> Any:
+        """A column for each dof, and ``force``, over ``time_s``.
+
+        Returns
+        -------
+        pandas.DataFrame
+
+        Raises
+        ------
+        MissingDependencyError
+            pandas is not installed.
+        """
+        from .io.tables import to_dataframe
+        return to_dataframe(self)
+
+    def to_xarray(self) -> Any:
+        """``responses`` and ``force`` over ``dof`` and ``time_s``; the rate is an attribute.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Raises
+        ------
+        MissingDependencyError
+            xarray is not installed.
+        """
+        from .io.tables import to_xarray
+        return to_xarray(self)
+
     def __repr__(self) -> str:
         force = "no force" if self.force is None else "with force"
         return (f"Recording({self.n_channels} channels, {self.duration_s:g} s at {self.fs_hz:g} Hz, "
@@ -245,6 +275,36 @@ class FrequencyResponse:
     def n_freq(self) -> int:
         """Number of frequency lines."""
         return int(self.freq_hz.size)
+
+    def to_dataframe(self) -> Any:
+        """The complex values, a column for each dof, over ``freq_hz``.
+
+        Returns
+        -------
+        pandas.DataFrame
+
+        Raises
+        ------
+        MissingDependencyError
+            pandas is not installed.
+        """
+        from .io.tables import to_dataframe
+        return to_dataframe(self)
+
+    def to_xarray(self) -> Any:
+        """``values``, ``coherence`` and ``std`` over ``dof`` and ``freq_hz``; the kind is an attribute.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Raises
+        ------
+        MissingDependencyError
+            xarray is not installed.
+        """
+        from .io.tables import to_xarray
+        return to_xarray(self)
 
     def __repr__(self) -> str:
         to = "" if self.reference is None else f", reference={self.reference!r}"

@@ -202,7 +202,7 @@ class UpdatingProblem:
 
     def model_at(self, x: Any) -> StructuralModel:
         """The model with parameters ``x`` applied."""
-        return self.model._with_core(self._core.model_at(self._repaired(x)))
+        return self.model._with_core(self._core.model_at(self._repaired(x)), (self, self._vector(x).copy()))
 
     def _repaired(self, x: Any) -> FloatArray:
         return self._core.repaired(self._vector(x))
@@ -356,7 +356,7 @@ def _search(problem: UpdatingProblem, optimizer: IslandGA | None, rng: Any, work
         raw = problem._core.minimize(
             problem.bounds[:, 0].copy(), problem.bounds[:, 1].copy(), first, ga.options, seed,
             thread_count(workers), ga.max_seconds, watcher, kept)
-    return OptimizeResult._of(raw), seed
+    return OptimizeResult._of(raw, ga), seed
 
 
 def _parameters(parameters: Iterable[Parameter] | Parameter) -> tuple[Parameter, ...]:

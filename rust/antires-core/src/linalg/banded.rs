@@ -7,7 +7,7 @@
 //!
 //! Reference: Golub & Van Loan, Matrix Computations, 4th ed., sections 4.3 and 8.4.
 
-use pulp::NullaryFnOnce;
+use crate::linalg::wide::NullaryFnOnce;
 
 use super::wide::{self, LANES, dot, subtract};
 

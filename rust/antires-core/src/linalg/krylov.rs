@@ -21,7 +21,7 @@
 //! Signal Process. 13 (1994) 733-758 (Lanczos and moments); Grimes, Lewis & Simon, SIAM J. Matrix Anal.
 //! Appl. 15 (1994) 228-272 (count of the modes by inertia).
 
-use pulp::NullaryFnOnce;
+use crate::linalg::wide::NullaryFnOnce;
 
 use super::banded::Banded;
 use super::tridiagonal;

@@ -5,7 +5,7 @@
 //!
 //! Reference: Parlett, The Symmetric Eigenvalue Problem (1998), ch. 8.
 
-use pulp::NullaryFnOnce;
+use crate::linalg::wide::NullaryFnOnce;
 
 use super::wide;
 

@@ -3,7 +3,8 @@
 //! The order of the additions is written out in lanes, and no multiplication is fused with an addition: the
 //! bits are the same on every machine.
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::Arch;
+pub use pulp::NullaryFnOnce;
 
 /// Sums side by side.
 pub const LANES: usize = 4;

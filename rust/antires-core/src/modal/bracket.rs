@@ -13,7 +13,7 @@
 //!
 //! Reference: Melman, Numer. Math. 69 (1995) 483-493 (transformed secular equations).
 
-use pulp::NullaryFnOnce;
+use crate::linalg::wide::NullaryFnOnce;
 
 use super::enclosure::Cell;
 use super::receptance::Receptance;

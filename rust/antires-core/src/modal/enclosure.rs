@@ -21,7 +21,7 @@
 //! with p = 1, 2, 3 for f, f' and f''/2, wherever the two terms have one sign. The second line, equal for A
 //! = B, follows from a + b >= 2 √(ab) for the mixed terms in pairs, and needs one root.
 
-use pulp::NullaryFnOnce;
+use crate::linalg::wide::NullaryFnOnce;
 
 use super::receptance::Receptance;
 use super::rest::{LANES, Lanes, Rest, total};

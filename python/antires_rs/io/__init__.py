@@ -1,0 +1,19 @@
+"""Files in and out: recordings and responses, matrices of models, results.
+
+Each format has a file of its own; docs/files.md has a table of what each keeps. Optional packages (h5py,
+pyuff, pandas, xarray) and ``scipy.io`` are imported where they are used.
+"""
+
+from .delimited import read_csv
+from .delimited_write import write_csv
+from .hdf5 import read_hdf5, write_hdf5
+from .mat import mat_arrays, read_mat, write_mat
+from .matrices import read_dof_map, read_matrices, write_matrices
+from .npz import read_npz, write_npz
+from .sep005 import from_sep005, to_sep005
+from .uff import list_uff, read_uff
+from .uff_write import write_uff
+
+__all__ = ["from_sep005", "list_uff", "mat_arrays", "read_csv", "read_dof_map", "read_hdf5", "read_mat",
+           "read_matrices", "read_npz", "read_uff", "to_sep005", "write_csv", "write_hdf5", "write_mat",
+           "write_matrices", "write_npz", "write_uff"]

@@ -1,0 +1,117 @@
+"""What all readers share: files named in errors, what is missing counted, optional packages named."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from .._validation import reject
+from ..exceptions import AntiresWarning, MissingDependencyError, UnsuitableDataError
+from ..signals import FrequencyResponse, Recording
+
+__all__ = ["Signal", "existing_file", "missing_package", "missing_part", "rate_of", "signal_given",
+           "simplest_rate", "unsuitable", "warn"]
+
+Signal = Recording | FrequencyResponse
+
+
+def existing_file(path: str | os.PathLike[str]) -> Path:
+    """The path of a file that is there and not empty."""
+    if not isinstance(path, str | os.PathLike):
+        reject("path", path, "the path of a file")
+    file = Path(path)
+    if file.is_dir():
+        reject("path", str(file), "a file, not a folder")
+    if file.stat().st_size == 0:
+        unsuitable(file, "which is empty", "a file with data")
+    return file
+
+
+def unsuitable(path: Path, found: str, wanted: str, remedy: str = "") -> NoReturn:
+    """Raise for a file that is damaged or of another kind."""
+    raise UnsuitableDataError(f"path: got {str(path)!r}, {found}; wanted {wanted}."
+                              f"{' ' + remedy if remedy else ''}")
+
+
+def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) -> None:
+    """A file of which a part is missing: an error, or with ``partial`` a warning that counts it."""
+    if partial and kept:
+        warn(f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
+        return
+    remedy = "Copy or export it again" + (", or pass partial=True to read what is whole." if kept else ".")
+    unsuitable(path, found, wanted, remedy)
+
+
+def warn(message: str) -> None:
+    """Warn at the line of the user's call, however deep in this package."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and str(frame.f_globals.get("__name__")).startswith("antires_rs."):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, AntiresWarning, stacklevel=level)
+
+
+def missing_package(what: str, package: str, extra: str, cause: ImportError) -> MissingDependencyError:
+    """The error that names the extra to install."""
+    error = MissingDependencyError(f'{what} needs {package}; install it with: '
+                                   f'pip install "antires-rs[{extra}]", or: pip install {package}')
+    error.__cause__ = cause
+    return error
+
+
+def signal_given(signal: Any) -> Signal:
+    """What a writer takes."""
+    if not isinstance(signal, Signal):
+        reject("signal", type(signal).__name__, "a Recording or a FrequencyResponse")
+    return signal
+
+
+def simplest_rate(low: float, high: float) -> float:
+    """The rate in [low, high] that is the simplest number, or whose step is."""
+    rate, step = _simplest(low, high), _simplest(1.0 / high, 1.0 / low)
+    # Of equally simple ones, the nearer to the middle.
+    found = [(_digits(rate), abs(rate - 0.5 * (low + high)), rate),
+             (_digits(step), abs(1.0 / step - 0.5 * (low + high)), 1.0 / step)]
+    return min(found)[2]
+
+
+def _simplest(low: float, high: float) -> float:
+    """The number of fewest decimal digits in [low, high]; both positive."""
+    middle = 0.5 * (low + high)
+    for digits in range(1, 17):
+        number = float(f"{middle:.{digits - 1}e}")
+        if low <= number <= high:
+            return number
+    return middle
+
+
+def _digits(number: float) -> int:
+    return len(f"{number:.15e}".partition("e")[0].rstrip("0"))
+
+
+def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
+    """Sampling rate of evenly spaced instants in s; refuses gaps.
+
+    ``digits`` is the relative rounding of the instants as they were written, which hides the last digits of
+    the rate: among the rates that fit, the one of fewest digits is taken, or the one whose step has fewest.
+    """
+    wanted = "instants in s, evenly spaced and ascending"
+    if times.size < 2 or not np.isfinite(times).all():
+        unsuitable(path, f"whose {times.size} instants are too few or not finite", wanted)
+    span, rounding = float(times[-1] - times[0]), digits * float(np.abs(times).max())
+    step = span / (times.size - 1)
+    if span <= 0.0:
+        unsuitable(path, "whose time does not ascend", wanted)
+    # A lost sample moves its neighbour by a whole step; a tenth is jitter no writer makes by rounding.
+    late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
+    if late.size:
+        i = int(late[0])
+        unsuitable(path, f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of "
+                   f"{step:.6g} s ({late.size} such gaps)", wanted,
+                   "Samples are missing, or the sampling was uneven.")
+    count = times.size - 1
+    return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))

@@ -1,0 +1,166 @@
+"""Foreign files that are a bag of named arrays (MAT, HDF5, npz): which of them is what."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any, Literal, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._validation import choice, finite_scalar, reject, shape_of
+from ..signals import FrequencyResponse
+from ._common import Signal, rate_of, unsuitable
+from .channels import Channel, Dofs, in_si, recording_of, renamed
+from .units import named_unit
+
+__all__ = ["signal_of_arrays"]
+
+#: Last parts of names, in small letters, that say what an array is when the user does not.
+_TIME = {"time", "t", "time_s", "tijd", "zeit"}
+_RATE = {"fs", "fs_hz", "rate", "samplerate", "sampling_rate", "sample_rate", "samplingfrequency"}
+_FREQ = {"f", "freq", "freq_hz", "frequency", "frequencies", "freqs"}
+_FORCE = {"force", "hammer", "excitation", "input"}
+_COHERENCE = {"coherence", "coh", "gamma2"}
+
+Kind = Literal["frf", "transmissibility"]
+
+
+def signal_of_arrays(path: Path, arrays: Mapping[str, NDArray[Any]], *, responses: Any = None,
+                     time: str | None = None, freq: str | None = None, force: Any = "auto",
+                     fs_hz: float | None = None, dofs: Dofs = None, unit: str | None = None,
+                     kind: str = "frf", reference: Any = None) -> Signal:
+    """A Recording, or a FrequencyResponse where the arrays lie over a frequency.
+
+    Roles that are not named are taken from the arrays' own names; what remains ambiguous is refused, with the
+    list of what the file holds.
+    """
+    numeric = {name: _vectors(value) for name, value in arrays.items() if _usable(value)}
+    if not numeric:
+        unsuitable(path, f"with no numeric array ({_listed(arrays)})", "arrays of numbers")
+    freq = _role(path, "freq", freq, numeric, _FREQ)
+    time = _role(path, "time", time, numeric, _TIME)
+    taken = {name for name in (freq, time) if name}
+    if freq is not None and time is not None:
+        unsuitable(path, f"with both {time!r} and {freq!r} ({_listed(arrays)})", "one of them",
+                   "Name the responses=, and the time= or freq= that belongs to them.")
+    if freq is not None:
+        return _response(path, numeric, freq, responses, dofs, unit, kind, reference)
+    rate = _rate(path, numeric, time, fs_hz)
+    taken |= {name for name in numeric if _last(name) in _RATE}
+    pushed = force if isinstance(force, str) and force in numeric else None
+    if isinstance(force, str) and force != "auto" and pushed is None:
+        reject("force", repr(force), f"'auto', None or an array of the file: {_listed(arrays)}")
+    if pushed is None:
+        found = [n for n in numeric if _last(n) in _FORCE and len(numeric[n]) == 1]
+        pushed = found[0] if len(found) == 1 and force == "auto" else None
+        taken |= set(found)
+    rows = _chosen(path, numeric, responses, taken | ({pushed} if pushed else set()))
+    channels = [Channel(name, values) for name, values in rows]
+    if pushed is not None:
+        channels.append(Channel(pushed, numeric[pushed][0], "N", "force"))
+    return recording_of(path, channels, rate, dofs=dofs, unit=unit,
+                        force=None if force is None else "auto")
+
+
+def _response(path: Path, numeric: dict[str, NDArray[Any]], freq: str, responses: Any, dofs: Dofs,
+              unit: str | None, kind: str, reference: Any) -> FrequencyResponse:
+    """FRFs or transmissibilities over ``freq``."""
+    choice("kind", kind, ("frf", "transmissibility"))
+    lines = numeric[freq][0].real
+    seen = [n for n in numeric if _last(n) in _COHERENCE]
+    rows = _chosen(path, numeric, responses, {freq, *seen})
+    if not any(np.iscomplexobj(values) for _, values in rows):
+        unsuitable(path, f"whose {rows[0][0]} is real", "complex FRFs or transmissibilities",
+                   "Magnitudes alone have lost the phase; combine magnitude and phase first.")
+    for name, values in rows:
+        if values.size != lines.size:
+            unsuitable(path, f"with {values.size} values of {name!r} over {lines.size} frequencies",
+                       "as many")
+    labels = renamed("dofs", [name for name, _ in rows], dofs)
+    kept = [i for i, label in enumerate(labels) if label is not None]
+    values = np.stack([rows[i][1] for i in kept])
+    coherence = np.vstack([numeric[n] for n in seen]).real if seen else None
+    if coherence is not None and coherence.shape == (len(rows), lines.size):
+        coherence = coherence[kept]
+    elif coherence is not None:
+        unsuitable(path, f"with coherences of shape {coherence.shape}", f"({len(rows)}, {lines.size})")
+    if unit is not None:
+        values = in_si(values, named_unit("unit", unit))
+    return FrequencyResponse(lines, values, [labels[i] for i in kept], cast(Kind, kind), reference, coherence)
+
+
+def _rate(path: Path, numeric: dict[str, NDArray[Any]], time: str | None, fs_hz: float | None) -> float:
+    if fs_hz is not None:
+        return finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
+    if time is not None:
+        return rate_of(path, numeric[time][0].real)
+    rates = [n for n in numeric if _last(n) in _RATE and numeric[n].size == 1]
+    if len(rates) != 1:
+        unsuitable(path, f"without a sampling rate or a time ({_listed(numeric)})", "one of them",
+                   "Name time= or give fs_hz=; for responses over frequency name freq=.")
+    return finite_scalar(rates[0], float(numeric[rates[0]][0, 0].real), low=0.0, low_open=True, unit="Hz")
+
+
+def _role(path: Path, argument: str, given: str | None, numeric: dict[str, NDArray[Any]],
+          names: set[str]) -> str | None:
+    """The array the user names for a role, or the only one whose name says it."""
+    if given is not None:
+        if given not in numeric:
+            reject(argument, repr(given), f"a numeric array of {str(path)!r}: {_listed(numeric)}")
+        return given
+    found = [n for n in numeric if _last(n) in names and len(numeric[n]) == 1 and numeric[n].size > 1]
+    if len(found) > 1:
+        unsuitable(path, f"with several candidates for {argument}=, {found}", f"one {argument}",
+                   f"Name it: {argument}={found[0]!r}.")
+    return found[0] if found else None
+
+
+def _chosen(path: Path, numeric: dict[str, NDArray[Any]], responses: Any, taken: set[str],
+            ) -> list[tuple[str, NDArray[Any]]]:
+    """(name, values) of every response row; rows of a matrix are named ``name[0]``, ``name[1]``..."""
+    if responses is None:
+        longest = max((v.shape[1] for n, v in numeric.items() if n not in taken), default=0)
+        names = [n for n, v in numeric.items() if n not in taken and v.shape[1] == longest and longest > 1]
+    else:
+        asked: Sequence[Any] = [responses] if shape_of(responses) == () else list(responses)
+        names = []
+        for pattern in asked:
+            # Names of struct arrays have brackets, which are no patterns.
+            hits = [pattern] if pattern in numeric else [
+                n for n in numeric if isinstance(pattern, str) and "*" in pattern
+                and fnmatchcase(n, pattern.replace("[", "[[]")) and n not in taken]
+            if not hits:
+                reject("responses", repr(pattern), f"arrays of {str(path)!r}: {_listed(numeric)}")
+            names += [n for n in hits if n not in names]
+    if not names:
+        unsuitable(path, f"with {_listed(numeric)}, none of which is a response", "arrays of samples",
+                   "Name them: responses=[...].")
+    rows = []
+    for name in names:
+        several = len(numeric[name]) > 1
+        rows += [(f"{name}[{i}]" if several else name, row) for i, row in enumerate(numeric[name])]
+    shared = {n.rpartition(".")[0] for n, _ in rows}
+    cut = len(shared.pop()) + 1 if len(shared) == 1 and "." in rows[0][0] else 0
+    return [(name[cut:], row) for name, row in rows]
+
+
+def _usable(value: Any) -> bool:
+    return bool(value.dtype.kind in "iufc" and value.ndim <= 2 and value.size)
+
+
+def _vectors(value: NDArray[Any]) -> NDArray[Any]:
+    """Channels first: the longer axis is time or frequency."""
+    rows = np.atleast_2d(value.astype(np.complex128 if value.dtype.kind == "c" else np.float64))
+    return rows.T if rows.shape[0] > rows.shape[1] else rows
+
+
+def _last(name: str) -> str:
+    return name.rpartition(".")[2].rpartition("/")[2].lower()
+
+
+def _listed(arrays: Mapping[str, Any]) -> str:
+    shown = [f"{name} {'x'.join(map(str, value.shape))}" for name, value in list(arrays.items())[:20]]
+    return ", ".join(shown) + (f" and {len(arrays) - 20} more" if len(arrays) > 20 else "")

@@ -1,0 +1,129 @@
+"""From channels as a file has them to a Recording: roles, units and names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._validation import FloatArray, reject, shape_of
+from ..signals import Recording
+from ._common import unsuitable, warn
+from .units import Unit, named_unit, parse_unit
+
+__all__ = ["Channel", "Dofs", "in_si", "recording_of", "renamed"]
+
+#: How a user names dofs: in the order of the channels, by the channel's own name, or by a function of it.
+Dofs = Iterable[Any] | Mapping[Any, Any] | Callable[[Any], Any] | None
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One channel of a file.
+
+    Attributes
+    ----------
+    name : str or int
+        As the file has it.
+    values : (n_samples,)
+    unit : str
+        As the file has it; ``''`` where it is silent.
+    role : {"", "force", "response"}
+        Where the file states it.
+    """
+
+    name: Any
+    values: FloatArray
+    unit: str = ""
+    role: str = ""
+
+
+def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, *, dofs: Dofs = None,
+                 force: Any = "auto", unit: str | None = None) -> Recording:
+    """The recording, in SI, its force told from its responses.
+
+    A channel is a force where the file says so, by role or unit. ``force`` is "auto" (the only one there is),
+    None (left out) or the name of a channel.
+    """
+    lengths = {c.values.size for c in channels}
+    if len(lengths) > 1:
+        unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length")
+    # The unit that a user names is that of the responses.
+    units = {id(c): _unit(path, c) for c in channels}
+    forces = [c for c in channels if c.role == "force" or units[id(c)].quantity == "force"]
+    if force not in ("auto", None) and all(c.name != force for c in forces):
+        forces += [c for c in channels if c.name == force]  # the user knows better than a silent file
+    responses = [c for c in channels if not any(c is f for f in forces)]
+    if not responses:
+        unsuitable(path, f"with {len(forces)} force and no response", "at least one response channel")
+    chosen = _force(forces, force)
+    if unit is not None:
+        units |= {id(c): named_unit("unit", unit) for c in responses}
+    else:
+        _warn_unknown(path, responses)
+    kinds = {units[id(c)].quantity for c in responses}
+    if len(kinds) > 1:
+        unsuitable(path, "with responses of several kinds, " + ", ".join(
+            f"{c.name!r} in {c.unit or 'no unit'}" for c in responses), "accelerations, velocities or "
+            "displacements alone", "Read the channels of one kind, or name the unit= of all.")
+    labels = renamed("dofs", [c.name for c in responses], dofs)
+    kept = [i for i, label in enumerate(labels) if label is not None]
+    if not kept:
+        reject("dofs", "None for every channel", "at least one channel to keep")
+    return Recording(np.stack([in_si(responses[i].values, units[id(responses[i])]) for i in kept]), fs_hz,
+                     [labels[i] for i in kept],
+                     None if chosen is None else in_si(chosen.values, units[id(chosen)]))
+
+
+def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
+    """The dof of each channel; None for those the user leaves out."""
+    if dofs is None:
+        return list(names)
+    if isinstance(dofs, Mapping):
+        lost = [name for name in names if name not in dofs]
+        if lost:
+            reject(argument, f"no dof for {lost}", f"a dof for each of {list(names)}",
+                   "Map a channel to None to leave it out.")
+        return [dofs[name] for name in names]
+    if callable(dofs):
+        return [dofs(name) for name in names]
+    labels = list(dofs) if shape_of(dofs) != () else [dofs]
+    if len(labels) != len(names):
+        reject(argument, f"{len(labels)} dofs", f"{len(names)}, one for each of {list(names)}")
+    return labels
+
+
+def in_si(values: Any, unit: Unit) -> Any:
+    """Values in SI; the same bits where they are."""
+    return values if unit.factor == 1.0 else values * unit.factor
+
+
+def _unit(path: Path, channel: Channel) -> Unit:
+    unit = parse_unit(channel.unit) or Unit()
+    if unit.per:
+        unsuitable(path, f"with the unit {channel.unit!r} of channel {channel.name!r}", "a unit of a record")
+    return unit
+
+
+def _warn_unknown(path: Path, responses: Sequence[Channel]) -> None:
+    odd = sorted({c.unit for c in responses if parse_unit(c.unit) is None})
+    if odd:
+        warn(f"path: {str(path)!r} has responses in {', '.join(map(repr, odd))}, which is no unit known "
+             "here; values are as they are in the file. Name it by unit= if they should be converted.")
+
+
+def _force(forces: list[Channel], force: Any) -> Channel | None:
+    if force is None or (isinstance(force, str) and force == "auto" and not forces):
+        return None
+    names = [c.name for c in forces]
+    if isinstance(force, str) and force == "auto":
+        if len(forces) > 1:
+            reject("force", f"'auto' for a file with {len(forces)} force channels, {names}",
+                   "the name of one, or None", "The theory is that of one force.")
+        return forces[0]
+    if force not in names:
+        reject("force", repr(force), f"'auto', None or a channel of the file, {names or 'it has no force'}")
+    return forces[names.index(force)]

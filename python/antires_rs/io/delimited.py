@@ -1,0 +1,176 @@
+"""CSV and TSV: rows are samples or frequencies, columns are channels.
+
+Ours begins with comment lines ``# name: JSON``, which hold kind, dofs, rate and the number of rows, so that
+a file that was cut between two rows is noticed too. Others are read with or without a line of names.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._validation import choice, finite_scalar
+from ..signals import FrequencyResponse
+from ._common import Signal, existing_file, missing_part, rate_of, unsuitable
+from .channels import Channel, Dofs, in_si, recording_of, renamed
+from .delimited_text import Table, table_of
+from .units import named_unit, parse_unit
+
+__all__ = ["read_csv"]
+
+_TIME, _FREQ = ("time", "t", "s", "time_s", "seconds"), ("freq", "f", "hz", "frequency", "freq_hz")
+
+
+def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: float | None = None,
+             dofs: Dofs = None, force: Any = "auto", unit: str | None = None, kind: str = "frf",
+             reference: Any = None, delimiter: str | None = None, decimal: str | None = None,
+             partial: bool = False) -> Signal:
+    """Read columns of text: one of our files as it was, any other by the names of its columns.
+
+    Parameters
+    ----------
+    path : path-like
+        Separated by commas, semicolons, tabs or spaces; lines beginning with # or % are comments. The last of
+        a few lines of text before the numbers names the columns, ``tip [g]``; a line of units may follow it.
+        Complex columns are ``1.5-0.2j`` (or i), or pairs ``re(tip)``, ``im(tip)``.
+    first : {"time", "freq", "channel"}, optional
+        What the first column is. By default its name tells, and complex columns lie over frequency.
+    fs_hz : float, optional
+        Sampling rate, where there is no column of time.
+    dofs : sequence, mapping or callable, optional
+        Dof of each response: in order, by the column's name, or a function of it; None leaves one out.
+        Default: the names, or 0, 1, ... without names.
+    force : str or None
+        Column of the force; "auto" takes the one in N or called force, None leaves it out.
+    unit : str, optional
+        Unit of the responses, in place of the file's: ``'m/s2'``, ``'g'``, ``'g/N'`` and the like.
+    kind, reference
+        Of complex columns: as in :class:`FrequencyResponse`.
+    delimiter, decimal : str, optional
+        Between columns, and the decimal sign ("." or ","). By default what the numbers show.
+    partial : bool
+        Read the whole rows of a file that was cut, with a warning that counts what is missing.
+
+    Returns
+    -------
+    Recording or FrequencyResponse
+        In SI.
+
+    Raises
+    ------
+    UnsuitableDataError
+        A row that is cut or not numeric, fewer rows than the file states, gaps in time.
+    InvalidInputError
+        Options that do not fit the file.
+    FileNotFoundError
+        There is none.
+
+    Warns
+    -----
+    AntiresWarning
+        The last line has no end, so that its last number may be cut; a unit that is not known.
+
+    Notes
+    -----
+    A file of another program that was cut exactly between two rows shows no sign of it.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, antires_rs as ar
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder, "run.csv")
+    ...     _ = file.write_text("time [s];tip [g];hammer [N]\\n0;1,0;5\\n0,5;-0,5;0\\n1;0,25;0\\n")
+    ...     record = ar.read_csv(file)
+    >>> record, record.responses[0].tolist()
+    (Recording(1 channels, 1.5 s at 2 Hz, dofs=('tip',), with force), [9.80665, -4.903325, 2.4516625])
+    """
+    file = existing_file(path)
+    if first is not None:
+        choice("first", first, ("time", "freq", "channel"))
+    table = table_of(file, delimiter, decimal)
+    if table.problem:
+        missing_part(file, table.problem, "a line end after the last row and every row whole", partial,
+                     len(table.values))
+    if "rows" in table.header and len(table.values) != table.header["rows"]:
+        stated = table.header["rows"]
+        if not table.problem:
+            kept = len(table.values) if len(table.values) < stated else 0
+            missing_part(file, f"{len(table.values)} of {stated} rows are there",
+                         f"{stated} rows, as its header states", partial, kept)
+    if len(table.values) < 2:
+        unsuitable(file, f"with {len(table.values)} rows of numbers", "at least two")
+    if "kind" in table.header:
+        return _own(file, table)
+    return _foreign(file, table, first, fs_hz, dofs, force, unit, kind, reference)
+
+
+def _own(file: Path, table: Table) -> Signal:
+    """A file of ours: the header tells everything."""
+    head, columns = table.header, table.values.real.T
+    try:
+        dofs, n = list(head["dofs"]), len(head["dofs"])
+        if head["kind"] == "recording":
+            channels = [Channel(dof, column, head["unit"]) for dof, column in zip(dofs, columns[1:n + 1],
+                                                                                  strict=True)]
+            if head["force"]:
+                channels.append(Channel("force", columns[n + 1], "N", "force"))
+            return recording_of(file, channels, float(head["fs_hz"]))
+        values = columns[1:2 * n + 1:2] + 1j * columns[2:2 * n + 2:2]
+        rest = columns[2 * n + 1:].reshape(-1, n, columns.shape[1])
+        more = dict(zip(head["more"], rest, strict=True))
+        return FrequencyResponse(columns[0], in_si(values, named_unit("unit", head["unit"])), dofs,
+                                 head["kind"], head["reference"], more.get("coherence"), head["n_averages"],
+                                 more.get("std"))
+    except (KeyError, TypeError, ValueError, IndexError) as exc:
+        if type(exc).__module__.startswith("antires_rs"):
+            raise
+        unsuitable(file, f"whose header is damaged ({type(exc).__name__}: {exc})", "a file of write_csv")
+
+
+def _foreign(file: Path, table: Table, first: str | None, fs_hz: float | None, dofs: Dofs, force: Any,
+             unit: str | None, kind: str, reference: Any) -> Signal:
+    names, units, columns = table.complex_columns()
+    if first is None:
+        said = names[0].lower() if table.names else ""
+        seconds, hertz = units[0].lower() == "s", units[0].lower() == "hz"
+        first = ("time" if said in _TIME or seconds else "freq" if said in _FREQ or hertz
+                 else "freq" if any(np.iscomplexobj(c) for c in columns)
+                 else "channel" if table.names and fs_hz is not None else None)
+    if first is None:
+        unsuitable(file, f"whose first column, {names[0]!r}, is neither called time nor frequency",
+                   "to know what it is", "Pass first='time', 'freq' or, with fs_hz=, 'channel'.")
+    skip = 0 if first == "channel" else 1
+    if len(columns) <= skip:
+        unsuitable(file, "with no column of values", "at least one beside the first")
+    labels = names if table.names else [i - skip for i in range(len(names))]
+    if first == "freq":
+        return _response(file, columns, labels, units, dofs, unit, kind, reference)
+    if any(np.iscomplexobj(c) for c in columns):
+        unsuitable(file, "with complex columns over time", "real ones", "Pass first='freq'.")
+    if first == "time" and fs_hz is None:
+        rate = rate_of(file, columns[0], digits=table.digits)
+    else:
+        rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
+    channels = [Channel(name, values, its, "force" if str(name).lower() == "force" else "")
+                for name, values, its in zip(labels[skip:], columns[skip:], units[skip:], strict=True)]
+    return recording_of(file, channels, rate, dofs=dofs, force=force, unit=unit)
+
+
+def _response(file: Path, columns: list[Any], labels: list[Any], units: list[str], dofs: Dofs,
+              unit: str | None, kind: str, reference: Any) -> FrequencyResponse:
+    choice("kind", kind, ("frf", "transmissibility"))
+    if not all(np.iscomplexobj(c) for c in columns[1:]):
+        unsuitable(file, "with real columns over frequency", "complex ones, or pairs re(x), im(x)",
+                   "Magnitudes alone have lost the phase.")
+    lines = columns[0].real
+    named = renamed("dofs", labels[1:], dofs)
+    kept = [i for i, label in enumerate(named) if label is not None]
+    rows = []
+    for i in kept:
+        own = named_unit("unit", unit) if unit is not None else parse_unit(units[i + 1])
+        rows.append(columns[i + 1] if own is None else in_si(columns[i + 1], own))
+    return FrequencyResponse(lines, np.stack(rows), [named[i] for i in kept],
+                             "frf" if kind == "frf" else "transmissibility", reference)

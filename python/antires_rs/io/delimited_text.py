@@ -1,0 +1,232 @@
+"""The text of a CSV or TSV file as names, units and numbers."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._common import unsuitable, warn
+from .units import parse_unit
+
+__all__ = ["MARK", "Table", "table_of"]
+
+#: First line of our files.
+MARK, VERSION = "# antires_rs csv", 1
+_COMMENT = ("#", "%", "//")
+_PAIR = re.compile(r"^(?:(re|im|real|imag)[ _(]+(.+?)\)?|(.+?)[ _]+(re|im|real|imag))$", re.IGNORECASE)
+_UNIT = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]$")
+
+
+@dataclass
+class Table:
+    """Numbers of a file, one row a line.
+
+    Attributes
+    ----------
+    header : dict
+        The JSON values of ``# name: value`` lines; empty for files of other programs.
+    names, units : list of str
+        By column; ``names`` is empty where the file has none.
+    values : (n_rows, n_columns)
+        Real or complex.
+    problem : str
+        What is cut; empty for a whole file.
+    digits : float
+        Relative rounding of the first column, by its digits.
+    """
+
+    header: dict[str, Any] = field(default_factory=dict)
+    names: list[str] = field(default_factory=list)
+    units: list[str] = field(default_factory=list)
+    values: NDArray[Any] = field(default_factory=lambda: np.empty((0, 0)))
+    problem: str = ""
+    digits: float = 1e-9
+
+    def complex_columns(self) -> tuple[list[str], list[str], list[Any]]:
+        """Names, units and values, with pairs ``re(x)``, ``im(x)`` made one column."""
+        n = self.values.shape[1]
+        names = self.names or [f"column {i + 1}" for i in range(n)]
+        units = self.units or [""] * n
+        columns = [c if np.any(c.imag) else c.real for c in self.values.T]
+        if np.iscomplexobj(self.values):
+            # A column of complex text is complex even where its imaginary part vanishes; the first is not.
+            columns = [columns[0], *self.values.T[1:]]
+        out: tuple[list[str], list[str], list[Any]] = ([], [], [])
+        i = 0
+        while i < n:
+            here, after = (_PAIR.match(names[j]) if j < n else None for j in (i, i + 1))
+            name, unit, column, step = names[i], units[i], columns[i], 1
+            if (here and after and (_part(here), _part(after)) == ("re", "im")
+                    and _base(here) == _base(after)):
+                name, column, step = _base(here), columns[i] + 1j * columns[i + 1], 2
+            for one, value in zip(out, (name, unit, column), strict=True):
+                one.append(value)
+            i += step
+        return out
+
+
+def _part(match: re.Match[str]) -> str:
+    return (match[1] or match[4])[:2].lower()
+
+
+def _base(match: re.Match[str]) -> str:
+    return str(match[2] or match[3]).strip()
+
+
+def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
+    """Comments, names and numbers; a last row that is cut is left out and told of."""
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        text = file.read_text(encoding="latin-1")
+    if "\x00" in text:
+        unsuitable(file, "with bytes that are no text", "a text file")
+    table, ended = Table(), text.endswith(("\n", "\r"))
+    lines = text.splitlines()
+    if text.startswith(MARK):
+        _header(file, lines, table)
+    body = [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENT)]
+    trailing = delimiter is None and len(body) > 1 and all(line.rstrip()[-1] in ",;" for line in body[:-1])
+    if trailing:  # some programs end every row with a delimiter
+        whole = body[-1].rstrip()[-1] in ",;"
+        body = [line.rstrip()[:-1] for line in body[:-1]] + [body[-1].rstrip()[:-1] if whole else body[-1]]
+        ended, trailing = ended and whole, not whole
+    between = delimiter if delimiter is not None else _delimiter(body)
+    point = decimal if decimal is not None else ("," if between != "," and _decimal_commas(body) else ".")
+    start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
+    if start == len(body):
+        unsuitable(file, "without a row of numbers", "columns of numbers",
+                   "Name the delimiter= and decimal=.")
+    rows = body[start:]
+    width = len(_split(rows[0], between))
+    _names(table, body[:start] or _commented_names(lines, between, width), between)
+    if not ended:
+        # A number that lost its last digits still is one, so that only a line end proves the row whole.
+        cut = len(_split(rows[-1], between)) != width or "rows" in table.header or trailing
+        stated = f" of {table.header['rows']}" if "rows" in table.header else ""
+        if cut:
+            rows.pop()
+            table.problem = f"row {len(rows) + 1}{stated} is cut, {len(rows)} are whole"
+        else:
+            _warn_end(file)
+    _fill(file, table, rows, between, point, width)
+    return table
+
+
+def _fill(file: Path, table: Table, rows: list[str], between: str | None, point: str, width: int) -> None:
+    if table.names and len(table.names) != width:
+        unsuitable(file, f"with {len(table.names)} names over {width} columns", "a name for each column")
+    for i, row in enumerate(rows):
+        got = len(_split(row, between))
+        if got != width:
+            unsuitable(file, f"whose row {i + 1} has {got} columns", f"{width}, as the first row",
+                       "It was cut or damaged.")
+    plain = "\n".join(rows)
+    if point == ",":
+        plain = plain.replace(",", ".")
+    is_complex = bool(re.search(r"[0-9.][ij]\b", plain[:2000]))
+    if is_complex:
+        plain = re.sub(r"(?<=[0-9.])i\b", "j", plain)
+    try:
+        values = np.loadtxt(plain.splitlines(), delimiter=between, ndmin=2, comments=None,
+                            dtype=np.complex128 if is_complex else np.float64)
+    except ValueError as exc:
+        unsuitable(file, f"with a value that is no number ({exc})", "numbers in every column")
+    table.values = values if rows else np.empty((0, width))
+    if len(rows):
+        # Half a unit in the last decimal place that the first column ever shows.
+        places = max(_places(_split(row, between)[0], point) for row in rows[:1000])
+        largest = float(np.abs(table.values[:, 0]).max()) or 1.0
+        table.digits = max(0.5 * 10.0**-places / largest, 1e-15)
+
+
+def _places(number: str, point: str) -> int:
+    mantissa, _, exponent = number.strip().lower().partition("e")
+    return len(mantissa.partition(point)[2]) - int(exponent or 0)
+
+
+def _header(file: Path, lines: list[str], table: Table) -> None:
+    """Our own ``# name: JSON`` lines."""
+    version = lines[0][len(MARK):].strip()
+    if version != str(VERSION):
+        unsuitable(file, f"of version {version!r}", f"version {VERSION} or older", "Update antires_rs.")
+    for line in lines[1:]:
+        if not line.startswith("# "):
+            break
+        name, _, value = line[2:].partition(": ")
+        try:
+            table.header[name] = json.loads(value)
+        except ValueError:
+            unsuitable(file, f"whose header is damaged at {name!r}", "a whole file of write_csv")
+    if not isinstance(table.header.get("rows"), int):
+        unsuitable(file, "whose header does not state its rows", "a whole file of write_csv", "It was cut.")
+
+
+def _delimiter(body: list[str]) -> str | None:
+    """The sign that splits the last whole line of numbers; None for spaces."""
+    sample = body[len(body) // 2] if body else ""
+    for sign in ("\t", ";"):
+        if sign in sample:
+            return sign
+    return "," if "," in sample else None
+
+
+def _decimal_commas(body: list[str]) -> bool:
+    sample = "".join(body[-5:])
+    return "," in sample and "." not in sample
+
+
+def _split(line: str, between: str | None) -> list[str]:
+    return line.split(between) if between is not None else line.split()
+
+
+def _numeric(line: str, between: str | None, point: str) -> bool:
+    parts = [p.strip().replace("i", "j") for p in _split(line, between)]
+    try:
+        for part in parts:
+            complex(part.replace(",", ".") if point == "," else part)
+    except ValueError:
+        return False
+    return bool(parts)
+
+
+def _names(table: Table, head: list[str], between: str | None) -> None:
+    """Names and units of the lines of text above the numbers."""
+    rows = [[part.strip().strip('"') for part in _split(line, between)] for line in head]
+    if not rows:
+        return
+    names = rows[-1]
+    second = rows[-2] if len(rows) > 1 else []
+    bracketed = [_UNIT.match(part) for part in names]
+    # A line of units under the names: every part is one, in brackets or not.
+    if second and len(second) == len(names) and all(
+            parse_unit(part) is not None or _bare(part).lower() in ("s", "hz") for part in names):
+        table.names, table.units = second, [_bare(part) for part in names]
+        return
+    table.names = [m[1] if m and m[1] and not _PAIR.match(part) else part
+                   for m, part in zip(bracketed, names, strict=True)]
+    table.units = [m[2] if m and m[1] and not _PAIR.match(part) else ""
+                   for m, part in zip(bracketed, names, strict=True)]
+
+
+def _commented_names(lines: list[str], between: str | None, width: int) -> list[str]:
+    """Names in the last comment above the numbers, as numpy.savetxt writes them; only if they fit."""
+    first = next(i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(_COMMENT))
+    above = lines[first - 1].lstrip().lstrip("#%/").strip() if first else ""
+    fits = len(_split(above, between)) == width and width > 1
+    return [above] if fits and not any(_numeric(part, None, ".") for part in _split(above, between)) else []
+
+
+def _bare(part: str) -> str:
+    return part.strip("[]() ")
+
+
+def _warn_end(file: Path) -> None:
+    warn(f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
+         "If it is whole, add one.")

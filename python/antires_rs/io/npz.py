@@ -1,0 +1,134 @@
+"""NumPy archives, without pickle in either direction."""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._files import write_atomically
+from ._common import Signal, existing_file, signal_given, unsuitable
+from ._packing import pack, unpack
+from .arrays import signal_of_arrays
+from .channels import Dofs
+
+__all__ = ["read_archive", "read_npz", "write_archive", "write_npz"]
+
+#: The member that holds the JSON text, as bytes.
+TEXT = "antires_rs"
+
+
+def read_npz(path: str | os.PathLike[str], *, responses: Any = None, time: str | None = None,
+             freq: str | None = None, force: Any = "auto", fs_hz: float | None = None, dofs: Dofs = None,
+             unit: str | None = None, kind: str = "frf", reference: Any = None) -> Signal:
+    """Read a NumPy archive: one of ours as it was, any other by the names of its arrays.
+
+    Parameters
+    ----------
+    path : path-like
+    responses : str or sequence of str, optional
+        Names of the response arrays, ``*`` for any text; those that no other role takes by default. A matrix
+        gives one channel for each row, the longer axis being time or frequency.
+    time, freq : str, optional
+        Name of the time or the frequency; by default the array called so.
+    force : str or None
+        Name of the force; "auto" takes the array called so, None leaves it out.
+    fs_hz : float, optional
+        Sampling rate, where the file has neither time nor rate.
+    dofs : sequence, mapping or callable, optional
+        Dof of each response: in order, by name, or a function of the name; None leaves one out. Default: the
+        arrays' names.
+    unit : str, optional
+        Unit of the responses, which are converted to SI: ``'m/s2'``, ``'g'``, ``'g/N'`` and the like. SI by
+        default.
+    kind, reference
+        Of responses over frequency: as in :class:`FrequencyResponse`.
+
+    Returns
+    -------
+    Recording or FrequencyResponse
+
+    Raises
+    ------
+    UnsuitableDataError
+        A damaged or cut file (the archive's directory is its end, and every member has a checksum), objects
+        that would need pickle, or arrays whose role is not clear.
+    FileNotFoundError
+        There is none.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np, antires_rs as ar
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     np.savez(folder + "/a.npz", time=np.arange(100) / 50.0, tip=np.sin(np.arange(100.0)))
+    ...     ar.read_npz(folder + "/a.npz", unit="g")
+    Recording(1 channels, 2 s at 50 Hz, dofs=('tip',), no force)
+    """
+    file = existing_file(path)
+    arrays = read_archive(file)
+    if TEXT in arrays:
+        return unpack(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays)
+    return signal_of_arrays(file, arrays, responses=responses, time=time, freq=freq, force=force,
+                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
+
+
+def write_npz(path: str | os.PathLike[str], signal: Signal) -> Path:
+    """Write a signal as a NumPy archive, whole or not at all; every float comes back bit for bit.
+
+    Parameters
+    ----------
+    path : path-like
+        Replaced if it exists.
+    signal : Recording or FrequencyResponse
+
+    Returns
+    -------
+    pathlib.Path
+
+    Raises
+    ------
+    InvalidInputError
+        The folder does not exist, or dofs that are neither integers nor strings.
+
+    Examples
+    --------
+    >>> import tempfile, antires_rs as ar
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = ar.write_npz(folder + "/a.npz", ar.Recording([[1.0, 2.0, 4.0]], 8.0, dofs=["tip"]))
+    ...     ar.read_npz(file).responses
+    array([[1., 2., 4.]])
+    """
+    text, arrays = pack(signal_given(signal))
+    return write_archive(path, text, arrays)
+
+
+def write_archive(path: str | os.PathLike[str], text: str, arrays: dict[str, NDArray[Any]]) -> Path:
+    """Arrays and a text in one archive."""
+    buffer = io.BytesIO()
+    members: dict[str, Any] = {TEXT: np.frombuffer(text.encode(), dtype=np.uint8), **arrays}
+    np.savez_compressed(buffer, **members)  # plain arrays only: nothing is pickled
+    return write_atomically(path, buffer.getvalue())
+
+
+def read_archive(file: Path) -> dict[str, NDArray[Any]]:
+    """Every array of an archive; the checksums of zip are compared."""
+    import zipfile
+    import zlib
+    wanted = "a whole NumPy archive (.npz) of plain arrays"
+    try:
+        if not zipfile.is_zipfile(file):
+            unsuitable(file, "which is no archive", wanted,
+                       "It was cut, or is a single array: use numpy.load.")
+        with np.load(file, allow_pickle=False) as archive:
+            return {name: archive[name] for name in archive.files}
+    except (zipfile.BadZipFile, zlib.error, ValueError, KeyError, OSError, EOFError, NotImplementedError,
+            MemoryError) as exc:
+        if type(exc).__module__.startswith("antires_rs"):
+            raise
+        reason = "objects, which only pickle reads" if "pickle" in str(exc) and zipfile.is_zipfile(file) \
+            else str(exc) or type(exc).__name__
+        unsuitable(file, f"which cannot be read ({reason})", wanted, "It was cut or damaged: copy it again.")

@@ -1,0 +1,70 @@
+"""Results of updating and damage assessment as one file: what was asked, how it went, what came out.
+
+A NumPy archive with a JSON text, version 1: model, parameters, measured sets, penalty, weights, the
+optimizer's options, seed, x, history, final populations and the versions it was made with. No pickle; every
+part has a checksum.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._core import __version__
+from .._validation import reject
+from ..optimizer import History, OptimizeResult
+from ..results import DamageResult, UpdateResult
+from ._common import unsuitable, warn
+from ._store import Store, read_store, write_store
+from .problems import describe_problem, made_problem
+
+__all__ = ["load_result", "save_result"]
+
+FORMAT, VERSION = "antires_rs.result", 1
+_ARRAYS = ("x", "populations", "population_costs")
+_PLAIN = ("fun", "success", "status", "message", "nfev", "nit")
+_CLASSES = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}
+
+
+def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
+    """Write a result, whole or not at all; see :meth:`UpdateResult.save`."""
+    if Path(path).suffix != ".npz":
+        reject("path", str(path), "a file that ends in .npz")
+    store, search = Store(), result.search
+    data = {
+        "format": FORMAT, "version": VERSION, "class": type(result).__name__, "seed": result.seed,
+        "problem": describe_problem(result.problem, store),
+        "search": {**{name: getattr(search, name) for name in _PLAIN},
+                   **{name: store.put(getattr(search, name)) for name in _ARRAYS},
+                   "history": {name: store.put(getattr(search.history, name))
+                               for name in ("nfev", "cost", "migrations")},
+                   "options": search.options},
+        "made_with": {"antires_rs": __version__, "numpy": np.__version__,
+                      "python": platform.python_version(), "system": platform.platform()},
+    }
+    return write_store(path, data, store)
+
+
+def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateResult) -> Any:
+    """Read what :func:`save_result` wrote; see :meth:`UpdateResult.load`."""
+    wanted = f"a file written by {kind.__name__}.save, version {VERSION} or older"
+    file, data = read_store(path, FORMAT, VERSION, wanted)
+    try:
+        made = _CLASSES[data["class"]]
+        if not issubclass(made, kind):
+            unsuitable(file, f"which holds an {made.__name__}", wanted, f"Use {made.__name__}.load.")
+        problem = made_problem(data["problem"], str(file))
+        raw = data["search"]
+        search = OptimizeResult(history=History(**raw.pop("history")), **raw)
+    except (KeyError, TypeError, IndexError) as exc:
+        unsuitable(file, f"which is damaged ({type(exc).__name__}: {exc})", wanted)
+    cost = problem.cost(search.x)
+    if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
+        maker = data["made_with"]["antires_rs"]
+        warn(f"path: {str(file)!r} was made by antires_rs {maker}; its objective was {search.fun:.9g} where "
+             f"this version computes {cost:.9g}.")
+    return made(problem, search, data["seed"])

@@ -1,0 +1,157 @@
+"""Time series as the dictionaries of the SDyPy projects, SDyPy Enhancement Proposal 5 (draft of 2023)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._validation import finite_scalar, real_array, reject
+from ..signals import Recording
+from ._common import rate_of
+from .channels import Channel, Dofs, recording_of
+from .units import named_unit
+
+__all__ = ["from_sep005", "to_sep005"]
+
+_COMPULSORY = ("data", "name", "unit_str")
+_SPELLED = ("data", "name", "unit_str", "fs", "time", "unit_tex", "start_timestamp", "start_timestamp_format")
+_PROHIBITED = ("unit", "timestamp", "signal", "sample_frequency")
+
+
+def from_sep005(channels: Any, *, dofs: Dofs = None, force: Any = "auto", unit: str | None = None,
+                ) -> Recording:
+    """A recording of the channels of SEP 5.
+
+    Parameters
+    ----------
+    channels : dict or sequence of dict
+        One for each channel: ``data`` (1-D), ``name``, ``unit_str``, and ``fs`` in Hz or ``time`` in s.
+    dofs : sequence, mapping or callable, optional
+        Dof of each response: in order, by name, or a function of the name; None leaves one out. Default: the
+        names.
+    force : str or None
+        Name of the force; "auto" takes the one channel in N, None leaves it out.
+    unit : str, optional
+        Unit of the responses, in place of ``unit_str``.
+
+    Returns
+    -------
+    Recording
+        In SI.
+
+    Raises
+    ------
+    InvalidInputError
+        A key that is missing, misspelled or prohibited by the proposal, a name twice, different rates or
+        lengths.
+    UnsuitableDataError
+        Gaps in ``time``, responses of several kinds.
+
+    Notes
+    -----
+    SEP 5, SDyPy Unified timeseries, W. Weijtjens and J. Slavic, draft of 2023-07-07. ``start_timestamp``
+    must be the same in all channels that have it; it is not kept.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> ar.from_sep005([{"name": "tip", "data": np.array([0.0, 1.0, 0.5]), "fs": 100, "unit_str": "g"}])
+    Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
+    """
+    given = [channels] if isinstance(channels, Mapping) else channels
+    if not isinstance(given, Iterable) or isinstance(given, str):
+        reject("channels", type(channels).__name__, "a sequence of dicts, one for each channel")
+    rows = list(given)
+    if not rows:
+        reject("channels", "none", "at least one dict")
+    made, rates = [], []
+    for i, row in enumerate(rows):
+        _check_keys(i, row)
+        data = real_array(f"channels[{i}]['data']", row["data"], ndim=1, wanted="a real array (n_samples,)")
+        made.append(Channel(row["name"], data, row["unit_str"] or ""))
+        rates.append(_rate(i, row, data.size))
+    names = [c.name for c in made]
+    if len(set(names)) != len(names):
+        reject("channels", f"the name {next(n for n in names if names.count(n) > 1)!r} twice",
+               "names that differ")
+    if max(rates) - min(rates) > 1e-9 * max(rates):
+        reject("channels", f"rates from {min(rates):g} to {max(rates):g} Hz", "one rate",
+               "Resample them first.")
+    starts = {row["start_timestamp"] for row in rows if row.get("start_timestamp")}
+    if len(starts) > 1:
+        reject("channels", f"{len(starts)} different start_timestamp", "channels recorded together")
+    return recording_of(Path("SEP-005 channels"), made, rates[0], dofs=dofs, force=force, unit=unit)
+
+
+def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
+    """The channels of a recording as SEP 5 has them, the force last.
+
+    Parameters
+    ----------
+    rec : Recording
+    unit : str
+        SI unit of the responses.
+
+    Returns
+    -------
+    list of dict
+        ``data``, ``name`` (the dof as text), ``fs``, ``unit_str``, and ``dof``, the label itself.
+
+    Raises
+    ------
+    InvalidInputError
+        Something that is not a Recording, a unit that is not SI, dofs that are the same as text.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> ar.to_sep005(ar.Recording([[1.0, 2.0, 3.0]], 8.0, dofs=["tip"]))[0]["unit_str"]
+    'm/s2'
+    """
+    if not isinstance(rec, Recording):
+        reject("rec", type(rec).__name__, "a Recording")
+    if named_unit("unit", unit).factor != 1.0:
+        reject("unit", repr(unit), "an SI unit: recordings are in SI")
+    names = [str(dof) for dof in rec.dofs]
+    taken = [*names, "force"] if rec.force is not None else names
+    if len(set(taken)) != len(taken):
+        reject("rec", f"dofs {rec.dofs}", "dofs that differ as text, and from 'force' where there is one")
+    out = [{"name": name, "data": np.array(row), "fs": rec.fs_hz, "unit_str": unit, "dof": dof}
+           for name, row, dof in zip(names, rec.responses, rec.dofs, strict=True)]
+    if rec.force is not None:
+        out.append({"name": "force", "data": np.array(rec.force), "fs": rec.fs_hz, "unit_str": "N"})
+    return out
+
+
+def _check_keys(i: int, row: Any) -> None:
+    here = f"channels[{i}]"
+    if not isinstance(row, Mapping):
+        reject(here, type(row).__name__, "a dict")
+    for key in row:
+        near = [k for k in _SPELLED if k.replace("_", "") == str(key).lower().replace("_", "") and k != key]
+        if near:
+            reject(here, f"the key {key!r}", f"{near[0]!r}, as SEP 5 spells it")
+        if str(key).lower().replace("_", "") in (k.replace("_", "") for k in _PROHIBITED):
+            reject(here, f"the key {key!r}, which SEP 5 prohibits",
+                   "'unit_str', 'start_timestamp', 'data' or 'fs'")
+    for key in _COMPULSORY:
+        if key not in row:
+            reject(here, f"no {key!r}", f"the keys {', '.join(map(repr, _COMPULSORY))}, and 'fs' or 'time'")
+    if not isinstance(row["name"], str):
+        reject(f"{here}['name']", row["name"], "a text")
+    if row["unit_str"] is not None and not isinstance(row["unit_str"], str):
+        reject(f"{here}['unit_str']", row["unit_str"], "a text or None")
+
+
+def _rate(i: int, row: Mapping[str, Any], size: int) -> float:
+    if row.get("fs") is not None:
+        return finite_scalar(f"channels[{i}]['fs']", row["fs"], low=0.0, low_open=True, unit="Hz")
+    if row.get("time") is None:
+        reject(f"channels[{i}]", "neither 'fs' nor 'time'", "one of them")
+    time = real_array(f"channels[{i}]['time']", row["time"], ndim=1, wanted=f"a real array ({size},) in s")
+    if time.size != size:
+        reject(f"channels[{i}]['time']", f"{time.size} instants", f"{size}, as the data")
+    return rate_of(Path(f"SEP-005 channels[{i}]"), time)

@@ -1,0 +1,78 @@
+"""Signals and antiresonances for pandas and xarray."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._columns import table
+from ..signals import FrequencyResponse, Recording
+from ._common import missing_package
+
+if TYPE_CHECKING:
+    from ..antiresonance_set import AntiresonanceSet
+
+__all__ = ["to_dataframe", "to_xarray"]
+
+
+def to_dataframe(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:
+    """A pandas.DataFrame: a column a channel over time or frequency, or a row an antiresonance."""
+    try:
+        import pandas as pd
+    except ImportError as exc:
+        raise missing_package("to_dataframe", "pandas", "tables", exc) from exc
+    if isinstance(source, Recording):
+        index = pd.Index(_instants(source), name="time_s")
+        frame = pd.DataFrame(source.responses.T, index=index,
+                             columns=pd.Index(list(source.dofs), dtype=object))
+        if source.force is not None:
+            frame["force"] = source.force
+        return frame
+    if isinstance(source, FrequencyResponse):
+        return pd.DataFrame(source.values.T, index=pd.Index(source.freq_hz, name="freq_hz"),
+                            columns=pd.Index(list(source.dofs), dtype=object))
+    names, rows = table(source)
+    return pd.DataFrame(rows, columns=names)
+
+
+def to_xarray(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:
+    """An xarray.Dataset with dofs and time, frequency or rank as coordinates."""
+    try:
+        import xarray as xr
+    except ImportError as exc:
+        raise missing_package("to_xarray", "xarray", "tables", exc) from exc
+    if isinstance(source, Recording):
+        labels = _labels(source.dofs)
+        data: dict[str, Any] = {"responses": (("dof", "time_s"), np.array(source.responses))}
+        if source.force is not None:
+            data["force"] = (("time_s",), np.array(source.force))
+        return xr.Dataset(data, {"dof": labels, "time_s": _instants(source)}, {"fs_hz": source.fs_hz})
+    if isinstance(source, FrequencyResponse):
+        labels = _labels(source.dofs)
+        data = {name: (("dof", "freq_hz"), np.array(getattr(source, name)))
+                for name in ("values", "coherence", "std") if getattr(source, name) is not None}
+        # Attributes that netCDF can hold: what is not known is left out.
+        known = {"kind": source.kind, "reference": source.reference, "n_averages": source.n_averages}
+        return xr.Dataset(data, {"dof": labels, "freq_hz": np.array(source.freq_hz)},
+                          {name: value for name, value in known.items() if value is not None})
+    labels = _labels(source)
+    longest = max(freq.size for freq in source.values())
+    padded = {name: np.full((len(source), longest), np.nan)
+              for name in ("freq_hz", "damping_ratio", "std_hz")}
+    for i, dof in enumerate(source):
+        for name, column in source.columns(dof).items():
+            padded[name][i, :column.size] = column
+    return xr.Dataset({name: (("dof", "rank"), rows) for name, rows in padded.items()},
+                      {"dof": labels, "rank": np.arange(longest)}, {"excitation": source.excitation})
+
+
+def _labels(dofs: Any) -> Any:
+    """Whole numbers and text side by side, which numpy would make text."""
+    labels = np.empty(len(dofs), dtype=object)
+    labels[:] = list(dofs)
+    return labels
+
+
+def _instants(rec: Recording) -> Any:
+    return np.arange(rec.n_samples) / rec.fs_hz

@@ -1,0 +1,88 @@
+"""Units of channels and how they become SI: m/s2, m/s, m and N.
+
+Names are compared without brackets, spaces, carets and superscripts: ``m/s^2``, ``(m/s²)`` and ``m/s2`` are
+the same unit. An FRF has a quotient, such as ``g/N`` or ``m/s2/N``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from .._validation import reject
+
+__all__ = ["STANDARD_GRAVITY", "Unit", "named_unit", "parse_unit"]
+
+#: m/s2 in one g, by definition (3rd CGPM, 1901).
+STANDARD_GRAVITY = 9.80665
+INCH, POUND_FORCE = 0.0254, 4.4482216152605
+
+_SI = {
+    "acceleration": {"m/s2": 1.0, "m/s/s": 1.0, "ms-2": 1.0, "g": STANDARD_GRAVITY, "gn": STANDARD_GRAVITY,
+                     "mg": 1e-3 * STANDARD_GRAVITY, "mm/s2": 1e-3, "cm/s2": 1e-2, "gal": 1e-2,
+                     "in/s2": INCH, "ft/s2": 12.0 * INCH},
+    "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": INCH, "ft/s": 12.0 * INCH},
+    "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": INCH, "ft": 12.0 * INCH},
+    "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": POUND_FORCE, "kgf": STANDARD_GRAVITY},
+}
+_NONE = {"", "1", "-", "none", "unknown", "[]"}
+
+
+@dataclass(frozen=True)
+class Unit:
+    """What a channel measures, per what, and its value in SI.
+
+    Attributes
+    ----------
+    quantity : str
+        ``'acceleration', 'velocity', 'displacement', 'force'``; ``''`` where the unit is not stated.
+    per : str
+        Quantity of the denominator; ``''`` without one.
+    factor : float
+        Multiplies values into SI.
+    """
+
+    quantity: str = ""
+    per: str = ""
+    factor: float = 1.0
+
+
+def parse_unit(text: str) -> Unit | None:
+    """The unit of that name; None where it is not known."""
+    name = _plain(text)
+    if name.lower() in _NONE:
+        return Unit()
+    simple = _simple(name)
+    if simple:
+        return Unit(*simple[:1], "", simple[1])
+    for cut in (i for i, letter in enumerate(name) if letter == "/"):
+        above, below = _simple(_plain(name[:cut])), _simple(_plain(name[cut + 1:]))
+        if above and below:
+            return Unit(above[0], below[0], above[1] / below[1])
+    return None
+
+
+def named_unit(name: str, value: Any) -> Unit:
+    """The unit a user names; an unknown one is refused."""
+    unit = parse_unit(value) if isinstance(value, str) else None
+    if unit is None:
+        known = ", ".join(repr(u) for units in _SI.values() for u in list(units)[:4])
+        reject(name, repr(value), f"a unit such as {known}, or a quotient such as 'g/N'")
+    return unit
+
+
+def _plain(text: str) -> str:
+    for old, new in (("²", "2"), ("^", ""), ("**", ""), ("·", ""), (" ", ""), ("µ", "u"), ("μ", "u")):
+        text = text.replace(old, new)
+    while len(text) > 1 and (text[0], text[-1]) in (("(", ")"), ("[", "]")):
+        text = text[1:-1]
+    return text
+
+
+def _simple(name: str) -> tuple[str, float] | None:
+    # Capitals as they are first: mN and MN differ. Then in small letters, as some programs print M/S2.
+    for spelled in (name, name.lower()):
+        for quantity, units in _SI.items():
+            if spelled in units:
+                return quantity, units[spelled]
+    return None

@@ -1,0 +1,181 @@
+"""Results as files: every bit of the answer and of what was asked comes back, for every kind of model."""
+
+import json
+import zipfile
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+
+QUICK = ar.IslandGA(max_evaluations=600)
+CHAIN = ar.MassSpringChain([1.0, 2.0, 1.5], [500.0, 400.0], ground_first_n_per_m=100.0)
+SPRING = np.array([[500.0, -500.0, 0.0], [-500.0, 500.0, 0.0], [0.0, 0.0, 0.0]])
+
+
+def zeros(model, responses, excitation, scale=1.02, **options):
+    found = {i: scale * model.antiresonances(i, excitation, **options) for i in responses}
+    return ar.AntiresonanceSet(excitation, found, std_hz={i: 0.01 * f for i, f in found.items()})
+
+
+def frame(dim):
+    if dim == 2:
+        sections = {"pipe": ar.Tube(0.03, 0.002, 2.1e11, 7850.0),
+                    "bar": ar.Rectangle(0.03, 0.01, 7e10, 2700.0)}
+        return ar.FrameModel([(0.25 * i, 0.0) for i in range(5)],
+                             [(i, i + 1, "pipe" if i < 2 else "bar") for i in range(4)], sections,
+                             point_masses=[(4, 0.3, 0.001)], ground_springs=[(2, "v", 1e4)], fixed=[0])
+    nodes = [(0.0, 0.0, 0.25 * i) for i in range(5)]
+    sections = [ar.Section(1e-4, 8e-10, 2.1e11, 7850.0, inertia_y_m4=6e-10, torsion_m4=1e-9)] * 2 + [
+        ar.Tube(0.03, 0.002, 2.1e11, 7850.0)] * 2
+    return ar.FrameModel(nodes, [(i, i + 1) for i in range(4)], sections, fixed=[0, (4, "w")],
+                         orientation=[1.0, 0.2, 0.0], node_springs=[ar.NodeSpring(1, 3, 2e4)],
+                         point_masses=[ar.PointMass(4, 0.2, (1e-3, 2e-3, 3e-3))])
+
+
+def problems():
+    yield "chain", ar.UpdatingProblem(CHAIN, ar.stiffness_factor([0, 2], bounds=(0.8, 1.2)),
+                                      zeros(CHAIN, [0, 1], 0))
+    model = ar.MatrixModel(CHAIN.stiffness(), CHAIN.mass(), stiffness_terms=[SPRING], mass_terms=[np.eye(3)])
+    yield "matrices", ar.UpdatingProblem(
+        model, [ar.stiffness_reduction(0), ar.mass_factor(0, bounds=(0.9, 1.1))],
+        [zeros(model, [0, 1], 0), zeros(model, [1], 2)], penalty=(0.02, 0.01), misfit="squared",
+        weights="std")
+    shapes = CHAIN.modes()
+    yield "modes", ar.UpdatingProblem(
+        CHAIN, ar.stiffness_factor([0, 1, 2], bounds=(0.8, 1.2)),
+        ar.ModalSet(1.02 * shapes.freq_hz, shapes.shapes[:, :2], [0, 1], damping_ratio=[0.01, 0.02, 0.03]))
+    flat = frame(2)
+    yield "plane frame", ar.UpdatingProblem(
+        flat, [ar.thickness("pipe", bounds=(0.0015, 0.0025)), ar.point_mass(0, bounds=(0.2, 0.4)),
+               ar.angle([2, 3], 2, bounds_deg=(-3, 3)),
+               ar.support_stiffness(0, bounds=(0.5, 2), relative=True)],
+        zeros(flat, [1, 4], 1, f_max_hz=400.0))
+    space = frame(3)
+    yield "space frame", ar.UpdatingProblem(
+        space, [ar.youngs_modulus(0, bounds=(1.9e11, 2.3e11)),
+                ar.stiffness_factor([1, 2], bounds=(0.8, 1.2), together=True)],
+        zeros(space, [0, 6], 1, f_max_hz=400.0))
+
+
+PROBLEMS = dict(problems())
+
+
+def same_search(a, b):
+    for name in ("x", "populations", "population_costs"):
+        np.testing.assert_array_equal(getattr(a, name), getattr(b, name))
+        assert getattr(a, name).dtype == getattr(b, name).dtype
+    for name in ("nfev", "cost", "migrations"):
+        np.testing.assert_array_equal(getattr(a.history, name), getattr(b.history, name))
+    for name in ("fun", "success", "status", "message", "nfev", "nit", "options"):
+        assert getattr(a, name) == getattr(b, name)
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_results_come_back(tmp_path, name):
+    problem = PROBLEMS[name]
+    made = ar.update(problem, rng=3, optimizer=QUICK)
+    made.save(tmp_path / "run.npz")
+    back = ar.UpdateResult.load(tmp_path / "run.npz")
+    same_search(made.search, back.search)
+    assert back.search.options["max_evaluations"] == 600
+    assert (back.seed, back.problem.names) == (3, problem.names)
+    assert back.problem.parameters == problem.parameters
+    for mine, theirs in zip(problem.measured, back.problem.measured, strict=True):
+        assert vars(mine).keys() == vars(theirs).keys()
+        if isinstance(mine, ar.AntiresonanceSet):
+            assert mine == theirs
+        else:
+            np.testing.assert_array_equal(mine.shapes, theirs.shapes)
+            np.testing.assert_array_equal(mine.damping_ratio, theirs.damping_ratio)
+            assert mine.dofs == theirs.dofs
+    assert str(back.table) == str(made.table)
+    assert back.summary() == made.summary()
+    dense = [np.asarray(m.todense() if hasattr(m, "todense") else m)
+             for m in (made.model.stiffness(), back.model.stiffness(), made.model.mass(), back.model.mass())]
+    np.testing.assert_array_equal(dense[0], dense[1])
+    np.testing.assert_array_equal(dense[2], dense[3])
+    # The same problem: the search repeats to the bit.
+    again = ar.update(back.problem, rng=back.seed, optimizer=QUICK)
+    np.testing.assert_array_equal(again.x, made.x)
+
+
+def test_damage_of_an_updated_model(tmp_path):
+    """The reference model is itself a result; both problems are in the file."""
+    reference = ar.update(PROBLEMS["chain"], rng=0, optimizer=QUICK).model
+    hurt = ar.UpdatingProblem(reference, ar.stiffness_reduction(1), zeros(reference, [0], 0)).model_at([0.4])
+    measured = zeros(hurt, [0, 1], 0, scale=1.0)
+    measured = measured.drop(0, measured[0][0], reason="by hand")
+    made = ar.assess_damage(reference, measured, rng=1)
+    made.save(tmp_path / "damage.npz")
+    back = ar.DamageResult.load(tmp_path / "damage.npz")
+    assert type(ar.UpdateResult.load(tmp_path / "damage.npz")) is ar.DamageResult
+    assert back.severity == made.severity
+    assert back.detectable == made.detectable
+    assert back.problem.penalty == made.problem.penalty
+    assert back.problem.measured[0].edits == measured.edits
+    np.testing.assert_array_equal(back.problem.model.stiffness(), reference.stiffness())
+    made.save(tmp_path / "again.npz")
+    assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "damage.npz").read_bytes()
+
+
+@pytest.fixture
+def saved(tmp_path):
+    ar.update(PROBLEMS["chain"], rng=0, optimizer=QUICK).save(tmp_path / "run.npz")
+    return tmp_path / "run.npz"
+
+
+def rewritten(path, change):
+    """The archive with its JSON text changed, checksum of the text included."""
+    import hashlib
+    arrays = dict(np.load(path))
+    text = json.dumps(change(json.loads(bytes(arrays["antires_rs"])))).encode()
+    arrays["antires_rs"] = np.frombuffer(text, dtype=np.uint8)
+    arrays["text_sha256"] = np.frombuffer(hashlib.sha256(text).digest(), dtype=np.uint8)
+    np.savez(path, **arrays)
+
+
+def test_wrong_kinds_and_versions(saved, tmp_path):
+    with pytest.raises(ar.UnsuitableDataError, match="which holds an UpdateResult.*Use UpdateResult.load"):
+        ar.DamageResult.load(saved)
+    with pytest.raises(ar.InvalidInputError, match="^path: got .*; wanted a file that ends in .npz"):
+        ar.UpdateResult.load(saved).save(tmp_path / "run.json")
+    rewritten(saved, lambda d: d | {"version": 2})
+    with pytest.raises(ar.UnsuitableDataError, match="of version 2; wanted version 1 or older. Update"):
+        ar.UpdateResult.load(saved)
+    rewritten(saved, lambda d: d | {"version": 1, "format": "other"})
+    with pytest.raises(ar.UnsuitableDataError, match="which holds 'other'"):
+        ar.UpdateResult.load(saved)
+    np.savez(tmp_path / "other.npz", a=1.0)
+    with pytest.raises(ar.UnsuitableDataError, match="an archive of another kind"):
+        ar.UpdateResult.load(tmp_path / "other.npz")
+
+
+def test_edited_files_are_noticed(saved):
+    arrays = dict(np.load(saved))
+    np.savez(saved, **{**arrays, "a0": arrays["a0"] + 1e-9})
+    with pytest.raises(ar.UnsuitableDataError, match="array a0 is missing or does not have its checksum"):
+        ar.UpdateResult.load(saved)
+    text = bytes(arrays["antires_rs"]).replace(b'"seed": 0', b'"seed": 1')
+    np.savez(saved, **{**arrays, "antires_rs": np.frombuffer(text, dtype=np.uint8)})
+    with pytest.raises(ar.UnsuitableDataError, match="whose text does not have its checksum"):
+        ar.UpdateResult.load(saved)
+
+
+def test_another_objective_is_told(saved):
+    rewritten(saved, lambda d: d | {"search": d["search"] | {"fun": 0.5}})
+    with pytest.warns(ar.AntiresWarning, match="its objective was 0.5 where this version computes"):
+        ar.UpdateResult.load(saved)
+    rewritten(saved, lambda d: {k: v for k, v in d.items() if k != "search"})
+    with pytest.raises(ar.UnsuitableDataError, match="which is damaged"):
+        ar.UpdateResult.load(saved)
+
+
+def test_nothing_is_pickled_and_nothing_left_behind(saved):
+    with zipfile.ZipFile(saved) as archive:
+        assert archive.testzip() is None
+    with np.load(saved, allow_pickle=False) as archive:
+        assert all(archive[name].dtype.kind in "fiu" for name in archive.files)
+    assert [p.name for p in saved.parent.iterdir()] == ["run.npz"]
+    data = json.loads(bytes(np.load(saved)["antires_rs"]))
+    assert data["made_with"]["antires_rs"] == ar.__version__
