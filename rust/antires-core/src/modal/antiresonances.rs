@@ -148,10 +148,8 @@ impl AntiresonanceSolver {
         if query.route == Route::Modal && self.receptance.is_zero {
             return Ok(false);
         }
-        let inside = self.found.floor..=ceiling;
-        self.found
-            .cancelled
-            .retain(|x| inside.contains(x) && *x > *inside.start());
+        let floor = self.found.floor;
+        self.found.cancelled.retain(|&(x, _)| x > floor);
         if query.route == Route::Pencil || !certain {
             match self.join_pencil(matrices, (i, k), ceiling) {
                 Err(error) if query.route == Route::Pencil => return Err(error),
@@ -160,7 +158,8 @@ impl AntiresonanceSolver {
             }
         }
         if query.include_cancelled {
-            self.found.proven.append(&mut self.found.cancelled);
+            let cancelled = self.found.cancelled.iter().map(|(x, _)| x);
+            self.found.proven.extend(cancelled);
         }
         self.found.proven.sort_by(f64::total_cmp);
         freq_hz.extend(self.found.proven.iter().map(|&x| hertz(x)));

@@ -38,8 +38,8 @@ pub(super) struct Found {
     pub proven: Vec<f64>,
     /// Roots that rounding may have made.
     pub open: Vec<f64>,
-    /// Poles on which a root lies that cancels.
-    pub cancelled: Vec<f64>,
+    /// Poles on which a root lies that cancels, and whether that is sure.
+    pub cancelled: Vec<(f64, bool)>,
     /// Roots below this are zero at working precision.
     pub floor: f64,
 }
@@ -71,9 +71,10 @@ impl AntiresonanceSolver {
         (low, high): (f64, f64),
         series: Series,
     ) -> bool {
-        let within = |&&x: &&f64| low < x && x <= high;
-        let cancelled = self.receptance.cancelled.iter().filter(within);
-        self.found.cancelled.extend(cancelled);
+        let h = &self.receptance;
+        let within = h.cancelled.iter().filter(|&&x| low < x && x <= high);
+        let told = within.map(|&x| (x, !h.is_zero && !secular::is_hollow(h, x)));
+        self.found.cancelled.extend(told);
         if self.receptance.is_zero {
             return true;
         }
@@ -178,7 +179,7 @@ impl AntiresonanceSolver {
         self.found.proven.truncate(split);
         self.found.proven.extend(upper);
         let mut index = 0;
-        self.found.cancelled.retain(|&x| {
+        self.found.cancelled.retain(|&(x, _)| {
             index += 1;
             index <= cancelled || x > limit
         });

@@ -44,11 +44,11 @@ impl AntiresonanceSolver {
         for &x in &self.found.proven {
             take_nearest(&mut pencil, x);
         }
-        for x in &mut self.found.cancelled {
-            if let Some(root) = take_nearest(&mut pencil, *x) {
-                *x = root.x;
-            }
-        }
+        self.found.cancelled.retain_mut(|(x, sure)| {
+            let own = take_nearest(&mut pencil, *x);
+            *x = own.map_or(*x, |root| root.x);
+            *sure || own.is_some()
+        });
         for root in pencil {
             if root.certain && (root.repeated || root.uncertainty <= DOUBTFUL_ROOT) {
                 self.found.proven.push(root.x);
