@@ -43,8 +43,11 @@ pub struct PencilRoot {
     pub uncertainty: f64,
     /// Whether another one lies close by.
     pub repeated: bool,
-    /// False where that can carry it to zero, to infinity or off the real line.
+    /// False where that can carry it to zero, to infinity or off the real line, or where it fails its residual
+    /// check.
     pub certain: bool,
+    /// The backward error of one that would be certain but for that: QZ may not have converged.
+    pub backward_error: Option<f64>,
 }
 
 /// Real eigenvalues of A v = x B v in (low, high], ascending, repeated ones repeated.
@@ -52,7 +55,7 @@ pub struct PencilRoot {
 /// `rows` and `cols` name the rows and columns of A and B by dof, so that symmetric blocks are recognised.
 ///
 /// # Errors
-/// [`Error::Numerical`] when QZ does not converge or an eigenvalue fails its residual check.
+/// [`Error::Numerical`] when QZ does not converge or no vectors of an eigenvalue can be found.
 pub fn real_eigenvalues(
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
@@ -88,6 +91,7 @@ fn symmetric_eigenvalues(a: &Mat<f64>, b: &Mat<f64>) -> Option<Vec<PencilRoot>> 
         uncertainty: solver.uncertainty(x.abs()) / x.abs(),
         repeated: false,
         certain: true,
+        backward_error: None,
     };
     Some(solver.eigenvalues().iter().map(root).collect())
 }
@@ -113,9 +117,7 @@ fn block_eigenvalues(a: Mat<f64>, b: Mat<f64>, low: f64, high: f64) -> Result<Ve
             (j > 0 && close(&candidates[j - 1])) || candidates.get(j + 1).is_some_and(close);
         let checked = Verified::of(&a, &b, x)?;
         let certain = checked.is_certain(x, n, repeated) && checked.is_real(x, imaginary, n);
-        if certain {
-            checked.require_small_residual(x, repeated)?;
-        }
+        let small = checked.has_small_residual(repeated);
         roots.push(PencilRoot {
             x: x * unit,
             uncertainty: if repeated {
@@ -124,7 +126,8 @@ fn block_eigenvalues(a: Mat<f64>, b: Mat<f64>, low: f64, high: f64) -> Result<Ve
                 checked.uncertainty(x, n)
             },
             repeated,
-            certain,
+            certain: certain && small,
+            backward_error: (certain && !small).then_some(checked.residual),
         });
     }
     let (mut sure, open): (Vec<_>, Vec<_>) = roots.into_iter().partition(|r| r.certain);
@@ -219,21 +222,14 @@ impl Verified {
         )))
     }
 
-    fn require_small_residual(&self, x: f64, repeated: bool) -> Result<()> {
+    fn has_small_residual(&self, repeated: bool) -> bool {
         // A repeated root is itself only good to the root of rounding.
-        if self.residual
-            <= if repeated {
-                SPLIT_ROOT
-            } else {
-                QZ_BACKWARD_ERROR
-            }
-        {
-            return Ok(());
-        }
-        let residual = self.residual;
-        Err(failed(&format!(
-            "the eigenvalue {x:e} (scaled) has a backward error of {residual:e}"
-        )))
+        let most = if repeated {
+            SPLIT_ROOT
+        } else {
+            QZ_BACKWARD_ERROR
+        };
+        self.residual <= most
     }
 
     /// First-order uncertainty relative to the chordal distance of x = α/β, α² + β² = 1, from zero and from
@@ -265,6 +261,14 @@ fn distance(x: f64) -> f64 {
 fn unit(v: Col<f64>) -> Col<f64> {
     let size = v.norm_l2();
     v * faer::Scale(size.recip())
+}
+
+/// The error of a root that does not solve the pencil.
+#[must_use]
+pub fn refused(x: f64, backward_error: f64) -> Error {
+    failed(&format!(
+        "the eigenvalue {x:e} has a backward error of {backward_error:e}"
+    ))
 }
 
 fn failed(detail: &str) -> Error {

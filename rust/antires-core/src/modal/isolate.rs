@@ -7,7 +7,7 @@
 //! [`super::reduced`] takes over, whose shift suits them.
 
 use super::antiresonances::{AntiresonanceSolver, Matrices, band};
-use super::polish::polish_dense;
+use super::polish::{Polished, polish_deleted};
 use super::secular;
 
 /// Relative uncertainty of a root in x from which on it is doubtful.
@@ -19,8 +19,11 @@ const POLISHED_ROOT: f64 = 1e-10;
 /// Multiple of the expected error of a root within which its polish has to end.
 pub(super) const REACH: f64 = 16.0;
 
-/// Share of the modes below the place at which a search is divided.
-const LOW_MODES: f64 = 0.2;
+/// Shares of the modes between which a search is divided.
+const LOW_MODES: (f64, f64) = (0.15, 0.25);
+
+/// Least relative gap between two modes, in x, in which it is.
+const LEAST_GAP: f64 = 1e-4;
 
 /// Relative width in x by which the upper part of a divided search overlaps the lower one.
 const OVERLAP: f64 = 1e-6;
@@ -100,11 +103,11 @@ impl AntiresonanceSolver {
             if !(moved <= fair * x)
                 && let Some(better) = self.polish(matrices, pair, x, REACH * moved)
             {
-                if (better - last_polished).abs() <= FOUND_TWICE * better {
+                if (better.x - last_polished).abs() <= (FOUND_TWICE * better.x).max(better.ulp) {
                     certain = false;
                 } else {
-                    self.found.proven.push(better);
-                    last_polished = better;
+                    self.found.proven.push(better.x);
+                    last_polished = better.x;
                 }
                 continue;
             }
@@ -124,16 +127,17 @@ impl AntiresonanceSolver {
         certain
     }
 
-    /// The root within `reach` of `x` on the matrices, from band factors or, where rounding spoils them, by LU.
+    /// The root within `reach` of `x` on the matrices, from band factors or, where rounding spoils them, on the deleted
+    /// pencil.
     pub(super) fn polish(
         &mut self,
         matrices: Matrices<'_>,
         pair: (usize, usize),
         x: f64,
         reach: f64,
-    ) -> Option<f64> {
+    ) -> Option<Polished> {
         let by_band = band(&mut self.band, &self.structure, matrices).polish(pair, x, reach);
-        by_band.or_else(|| polish_dense(matrices, pair, x, reach))
+        by_band.or_else(|| polish_deleted(matrices, pair, x, reach))
     }
 
     /// The search once more, with the low modes from the band; false where that leaves a doubt too. All modes
@@ -147,12 +151,10 @@ impl AntiresonanceSolver {
         let Some((solver, _)) = &self.dense else {
             return false;
         };
-        let lambda = solver.eigenvalues();
-        let count = (LOW_MODES * lambda.len() as f64) as usize;
-        if count == 0 || lambda[count - 1] <= solver.zero() {
+        let Some(limit) = widest_gap(solver.eigenvalues(), solver.zero()) else {
             return false;
-        }
-        let limit = (lambda[count - 1] * lambda[count]).sqrt().min(ceiling);
+        };
+        let limit = limit.min(ceiling);
         let low = band(&mut self.band, &self.structure, matrices);
         if !low.solve(k, limit) {
             return false;
@@ -185,4 +187,16 @@ impl AntiresonanceSolver {
         });
         below && above
     }
+}
+
+/// The middle of the widest gap, relatively, between the modes at which a search may be divided; none where all
+/// of them are zero or repeated.
+fn widest_gap(lambda: &[f64], zero: f64) -> Option<f64> {
+    let at = |share: f64| (share * lambda.len() as f64) as usize;
+    (at(LOW_MODES.0).max(1)..at(LOW_MODES.1))
+        .filter(|&j| lambda[j - 1] > zero)
+        .map(|j| (lambda[j - 1], lambda[j]))
+        .max_by(|a, b| (a.1 / a.0).total_cmp(&(b.1 / b.0)))
+        .filter(|(below, above)| above - below > LEAST_GAP * below)
+        .map(|(below, above)| (below * above).sqrt())
 }

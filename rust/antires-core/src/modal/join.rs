@@ -6,25 +6,30 @@
 //!
 //! - kept, if QZ knows them well,
 //! - polished on the matrices, if it does not; kept where that ends at a root that none has yet;
-//! - dropped, if neither QZ nor a polish can tell them from zero, infinity or a complex pair.
+//! - dropped, if neither QZ nor a polish can tell them from zero, infinity or a complex pair; of one that does
+//!   not even solve the pencil it is said that QZ failed.
 
 use faer::{Mat, MatRef};
 
 use super::antiresonances::{AntiresonanceSolver, Matrices};
 use super::isolate::{DOUBTFUL_ROOT, ONE_ROOT, REACH};
+use super::polish::Polished;
 use crate::error::Result;
-use crate::linalg::pencil::{PencilRoot, real_eigenvalues};
+use crate::linalg::pencil::{PencilRoot, real_eigenvalues, refused};
 use crate::linalg::tolerances::ROOT_UNCERTAINTY;
 
 /// Relative distance within which a root of the pencil is that of a proven one, or of the cancelled one expected
 /// at a pole.
 const SAME_ROOT: f64 = 1e-6;
 
+/// Ulps of K and M within which two roots found on the matrices are one.
+const SAME_ULPS: f64 = 16.0;
+
 impl AntiresonanceSolver {
     /// Adds the roots of the pencil up to `ceiling` to those found.
     ///
     /// # Errors
-    /// Those of [`real_eigenvalues`].
+    /// Those of [`real_eigenvalues`], and a root that QZ returned without having converged.
     pub(super) fn join_pencil(
         &mut self,
         matrices: Matrices<'_>,
@@ -56,14 +61,17 @@ impl AntiresonanceSolver {
             }
             let reach = REACH * root.uncertainty * root.x;
             match self.polish(matrices, (i, k), root.x, reach) {
-                Some(x) => {
-                    let known = |&y: &f64| (x - y).abs() <= ONE_ROOT * y;
+                Some(Polished { x, ulp }) => {
+                    let known = |&y: &f64| (x - y).abs() <= (ONE_ROOT * y).max(SAME_ULPS * ulp);
                     if !self.found.proven.iter().any(known) && x <= ceiling {
                         self.found.proven.push(x);
                     }
                 }
-                None if root.certain => self.found.proven.push(root.x),
-                None => {}
+                None => match root.backward_error {
+                    Some(error) => return Err(refused(root.x, error)),
+                    None if root.certain => self.found.proven.push(root.x),
+                    None => {}
+                },
             }
         }
         Ok(())

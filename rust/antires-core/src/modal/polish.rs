@@ -9,10 +9,17 @@
 //! does not count the stiffest entries against a mode that does not strain them: a soft support under a fine
 //! mesh is known as well as its spring.
 //!
-//! The band factors come first ([`ReducedModes`]); where rounding spoils them, LU with pivoting.
+//! The band factors come first ([`ReducedModes`]). Where rounding spoils them, or where a pole so near that the
+//! steps do not settle, two-sided Rayleigh quotients on the deleted pencil, which knows no pole, take over:
+//!
+//! ```text
+//! v ← (K_ik − xM_ik)⁻¹ v,  y ← (K_ik − xM_ik)⁻ᵀ y,    x ← yᵀK_ik v / yᵀM_ik v
+//! ```
+//!
+//! Reference: Ostrowski, Arch. Rational Mech. Anal. 3 (1959) 325-340 (two-sided quotients converge cubically).
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, MatRef};
+use faer::prelude::Solve;
+use faer::{Col, Mat, MatRef};
 
 use super::reduced::ReducedModes;
 use crate::linalg::tolerances::ROOT_UNCERTAINTY;
@@ -38,16 +45,23 @@ pub(super) struct Step {
     pub ulp: f64,
 }
 
+/// A root on the matrices, and how far one ulp of theirs moves it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Polished {
+    pub x: f64,
+    pub ulp: f64,
+}
+
 /// The root within `reach` of `x`, or as near as rounding of K and M tells; none where the steps do not settle
-/// on one, or where ulps of K and M carry it to zero or infinity.
-fn newton(x: f64, reach: f64, mut step_at: impl FnMut(f64) -> Option<Step>) -> Option<f64> {
+/// on one, or where an ulp of K and M can carry it to zero or infinity.
+fn newton(x: f64, reach: f64, mut step_at: impl FnMut(f64) -> Option<Step>) -> Option<Polished> {
     let mut at = x;
     for turn in 1..=NEWTON_STEPS {
         let Step { length, ulp } = step_at(at)?;
         at += length;
         let reach = reach.max(MOST_ULPS * ulp).min(FARTHEST * x);
         // NaN is no root.
-        if !((at - x).abs() <= reach) || !(MOST_ULPS * ulp <= ROOT_UNCERTAINTY * at) {
+        if !((at - x).abs() <= reach && ulp <= ROOT_UNCERTAINTY * at) {
             return None;
         }
         let enough = if turn < NEWTON_STEPS {
@@ -56,7 +70,7 @@ fn newton(x: f64, reach: f64, mut step_at: impl FnMut(f64) -> Option<Step>) -> O
             MOST_ULPS * ulp
         };
         if length.abs() <= enough.max(POLISHED * at) {
-            return Some(at);
+            return Some(Polished { x: at, ulp });
         }
     }
     None
@@ -65,47 +79,61 @@ fn newton(x: f64, reach: f64, mut step_at: impl FnMut(f64) -> Option<Step>) -> O
 impl ReducedModes {
     /// The root of H_ik nearest to `x` within `reach` on the matrices last set; none where there is none, or
     /// where rounding spoils the factors of K − xM.
-    pub fn polish(&mut self, (i, k): (usize, usize), x: f64, reach: f64) -> Option<f64> {
+    pub fn polish(&mut self, (i, k): (usize, usize), x: f64, reach: f64) -> Option<Polished> {
         let (i, k) = (self.structure.row(i), self.structure.row(k));
         newton(x, reach, |at| self.newton_step((i, k), at))
     }
 }
 
-/// [`ReducedModes::polish`] by LU with pivoting, for any matrices.
-pub(super) fn polish_dense(
+/// [`ReducedModes::polish`] on the deleted pencil, for any matrices.
+pub(super) fn polish_deleted(
     (k_mat, m_mat): (MatRef<'_, f64>, MatRef<'_, f64>),
     (i, k): (usize, usize),
     x: f64,
     reach: f64,
-) -> Option<f64> {
-    let n = k_mat.nrows();
+) -> Option<Polished> {
     // Powers of two, which round nothing, give translations and rotations one unit.
-    let scale: Vec<f64> = (0..n)
+    let scale: Vec<f64> = (0..k_mat.nrows())
         .map(|d| match k_mat[(d, d)] {
             s if s > 0.0 => (-0.5 * s.log2()).round().exp2(),
             _ => 1.0,
         })
         .collect();
-    let scaled = |a: MatRef<'_, f64>| Mat::from_fn(n, n, |r, c| a[(r, c)] * scale[r] * scale[c]);
-    let (stiffness, mass) = (scaled(k_mat), scaled(m_mat));
+    let n = k_mat.nrows() - 1;
+    let part = |a: MatRef<'_, f64>| {
+        Mat::from_fn(n, n, |r, c| {
+            let (r, c) = (r + usize::from(r >= i), c + usize::from(c >= k));
+            a[(r, c)] * scale[r] * scale[c]
+        })
+    };
+    let (stiffness, mass) = (part(k_mat), part(m_mat));
+    let mut v = Col::from_fn(n, |r| 1.0 + 0.3 * (1.7 * r as f64).sin());
+    let mut y = v.clone();
     newton(x, reach, |at| {
         let shifted = Mat::from_fn(n, n, |r, c| stiffness[(r, c)] - at * mass[(r, c)]);
-        let loads = Mat::from_fn(n, 2, |r, c| {
-            f64::from(u8::from(r == if c == 0 { k } else { i }))
-        });
-        let columns = shifted.partial_piv_lu().solve(&loads);
-        let (u, w) = (columns.col(0), columns.col(1));
-        let (mut slope, mut moved) = (0.0, 0.0);
+        let factors = shifted.partial_piv_lu();
+        for _ in 0..2 {
+            v = unit(factors.solve(&v));
+            y = unit(factors.solve_transpose(&y));
+        }
+        let (mut force, mut slope, mut moved) = (0.0, 0.0, 0.0);
         for c in 0..n {
             for r in 0..n {
-                let (by_k, by_m) = (w[r] * stiffness[(r, c)] * u[c], w[r] * mass[(r, c)] * u[c]);
+                let by_k = y[r] * stiffness[(r, c)] * v[c];
+                let by_m = y[r] * mass[(r, c)] * v[c];
+                force += y[r] * shifted[(r, c)] * v[c];
                 slope += by_m;
                 moved += by_k * by_k + at * at * by_m * by_m;
             }
         }
         Some(Step {
-            length: -u[i] / slope,
+            length: force / slope,
             ulp: f64::EPSILON * moved.sqrt() / slope.abs(),
         })
     })
+}
+
+fn unit(v: Col<f64>) -> Col<f64> {
+    let size = v.norm_l2();
+    v * faer::Scale(size.recip())
 }
