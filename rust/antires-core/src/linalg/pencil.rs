@@ -86,12 +86,15 @@ pub fn real_eigenvalues(
 fn symmetric_eigenvalues(a: &Mat<f64>, b: &Mat<f64>) -> Option<Vec<PencilRoot>> {
     let mut solver = SymmetricSolver::new(a.nrows());
     solver.solve(a.as_ref(), b.as_ref()).ok()?;
-    let root = |&x: &f64| PencilRoot {
-        x,
-        uncertainty: solver.uncertainty(x.abs()) / x.abs(),
-        repeated: false,
-        certain: true,
-        backward_error: None,
+    let root = |&x: &f64| {
+        let uncertainty = solver.uncertainty(x.abs()) / x.abs();
+        PencilRoot {
+            x,
+            uncertainty,
+            repeated: false,
+            certain: uncertainty <= ROOT_UNCERTAINTY,
+            backward_error: None,
+        }
     };
     Some(solver.eigenvalues().iter().map(root).collect())
 }

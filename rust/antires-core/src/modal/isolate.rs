@@ -34,6 +34,9 @@ pub(super) const ONE_ROOT: f64 = 1e-8;
 /// Relative distance in x within which two roots of one series were polished to the same place.
 const FOUND_TWICE: f64 = 1e-12;
 
+/// Ulps of K and M within which two roots placed on the matrices are one.
+pub(super) const SAME_ULPS: f64 = 16.0;
+
 /// What is known of the roots of one response.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Found {
@@ -103,7 +106,9 @@ impl AntiresonanceSolver {
             if !(moved <= fair * x)
                 && let Some(better) = self.polish(matrices, pair, x, REACH * moved)
             {
-                if (better.x - last_polished).abs() <= (FOUND_TWICE * better.x).max(better.ulp) {
+                if (better.x - last_polished).abs()
+                    <= (FOUND_TWICE * better.x).max(SAME_ULPS * better.ulp)
+                {
                     certain = false;
                 } else {
                     self.found.proven.push(better.x);
@@ -163,6 +168,16 @@ impl AntiresonanceSolver {
         self.found.clear();
         let dense_series = std::mem::take(&mut self.receptance);
         low.form(i, &mut self.receptance);
+        // A residue counts as negligible beside the largest of all modes.
+        let largest = |upto: f64| {
+            let told = dense_series.poles.iter().zip(&dense_series.residues);
+            let below = told.take_while(|(l, _)| **l <= upto).map(|(_, c)| c.abs());
+            below.fold(0.0, f64::max)
+        };
+        let factor = largest(f64::INFINITY) / largest(limit);
+        if factor.is_finite() {
+            self.receptance.raise_bar(factor, limit);
+        }
         let below = self.isolate(matrices, (i, k), (0.0, limit), Series::Band);
         let split = self.found.proven.len();
         self.receptance = dense_series;

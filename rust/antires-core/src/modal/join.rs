@@ -12,7 +12,7 @@
 use faer::{Mat, MatRef};
 
 use super::antiresonances::{AntiresonanceSolver, Matrices};
-use super::isolate::{DOUBTFUL_ROOT, ONE_ROOT, REACH};
+use super::isolate::{DOUBTFUL_ROOT, ONE_ROOT, REACH, SAME_ULPS};
 use super::polish::Polished;
 use crate::error::Result;
 use crate::linalg::pencil::{PencilRoot, real_eigenvalues, refused};
@@ -21,9 +21,6 @@ use crate::linalg::tolerances::ROOT_UNCERTAINTY;
 /// Relative distance within which a root of the pencil is that of a proven one, or of the cancelled one expected
 /// at a pole.
 const SAME_ROOT: f64 = 1e-6;
-
-/// Ulps of K and M within which two roots found on the matrices are one.
-const SAME_ULPS: f64 = 16.0;
 
 impl AntiresonanceSolver {
     /// Adds the roots of the pencil up to `ceiling` to those found.
@@ -62,8 +59,10 @@ impl AntiresonanceSolver {
             let reach = REACH * root.uncertainty * root.x;
             match self.polish(matrices, (i, k), root.x, reach) {
                 Some(Polished { x, ulp }) => {
-                    let known = |&y: &f64| (x - y).abs() <= (ONE_ROOT * y).max(SAME_ULPS * ulp);
-                    if !self.found.proven.iter().any(known) && x <= ceiling {
+                    let known = |y: &f64| (x - y).abs() <= (ONE_ROOT * y).max(SAME_ULPS * ulp);
+                    let mut cancelled = self.found.cancelled.iter().map(|(y, _)| y);
+                    if !self.found.proven.iter().any(known) && !cancelled.any(known) && x <= ceiling
+                    {
                         self.found.proven.push(x);
                     }
                 }

@@ -79,7 +79,12 @@ fn newton(x: f64, reach: f64, mut step_at: impl FnMut(f64) -> Option<Step>) -> O
 impl ReducedModes {
     /// The root of H_ik nearest to `x` within `reach` on the matrices last set; none where there is none, or
     /// where rounding spoils the factors of K − xM.
-    pub fn polish(&mut self, (i, k): (usize, usize), x: f64, reach: f64) -> Option<Polished> {
+    pub(super) fn polish(
+        &mut self,
+        (i, k): (usize, usize),
+        x: f64,
+        reach: f64,
+    ) -> Option<Polished> {
         let (i, k) = (self.structure.row(i), self.structure.row(k));
         newton(x, reach, |at| self.newton_step((i, k), at))
     }

@@ -115,6 +115,12 @@ impl Receptance {
         self.drop_negligible(modes);
     }
 
+    /// Sets the poles up to `limit` aside whose residues are below `factor` times the bar so far.
+    pub fn raise_bar(&mut self, factor: f64, limit: f64) {
+        self.negligible *= factor;
+        self.drop_negligible(self.poles.partition_point(|&l| l <= limit));
+    }
+
     fn drop_negligible(&mut self, modes: usize) {
         let mut kept = 0;
         for r in 0..self.poles.len() {
