@@ -71,14 +71,12 @@ class StructuralModel:
     def modes(self, n_modes: int | None = None, f_max_hz: float | None = None) -> ModalSet:
         """Undamped resonances and mass-normalised shapes.
 
-        The lowest of a slender model of some size come from band matrices, with a proof that none is missing.
-
         Parameters
         ----------
         n_modes : int, optional
             Keep the lowest ``n_modes``.
         f_max_hz : float, optional
-            Keep those up to this frequency.
+            Keep those up to this frequency. With either, slender models are solved by bands.
 
         Returns
         -------
@@ -175,8 +173,8 @@ class StructuralModel:
             Highest frequency wanted; all by default.
         method : {'modal', 'pencil'}
             ``'modal'`` takes one symmetric eigenproblem for all responses and brackets the zeros of the
-            modal series, with proof that none is missed; ``'pencil'`` solves each deleted pencil by QZ.
-            Both return the same set.
+            modal series, with proof that none is missed; ``'pencil'`` solves each deleted pencil by QZ, and
+            adds what QZ cannot tell from zero but the matrices confirm. Both return the same set.
         include_cancelled : bool
             Return also the roots that coincide with a resonance which response or excitation does not
             see (residue below 1e-12 of the largest). The FRF shows no dip there.
@@ -185,10 +183,10 @@ class StructuralModel:
         -------
         ndarray, (n,)
             Hz, ascending; a list of arrays for a sequence of responses. Dropped are roots that are
-            infinite or zero at working precision (first-order uncertainty above 1e-3 of their own
+            infinite or zero at working precision (an ulp of K and M moves them by more than 1e-3 of their own
             distance from there), negative, or complex (imaginary part above 1e-9 of the modulus, or above
-            ten times that uncertainty, at most 3e-7). Every QZ root is checked on the matrices to a
-            backward error of 1e-10; one of several within 1e-6 of each other to 3e-7.
+            ten times that uncertainty, at most 3e-7). Every QZ root is checked to a backward error of 1e-10
+            (3e-7 within 1e-6 of another), or polished on the matrices.
 
         Raises
         ------

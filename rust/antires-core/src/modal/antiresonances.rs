@@ -3,7 +3,8 @@
 //! - The **modal route** takes one symmetric eigenproblem for all responses and brackets the zeros of
 //!   each receptance between its poles ([`secular`]). It is what the optimizer runs.
 //! - The **pencil route** deletes row i and column k and solves the general eigenproblem by QZ
-//!   ([`crate::linalg::pencil`]). It is the reference.
+//!   ([`crate::linalg::pencil`]). It is the reference, but for roots far below the norm of the matrices: those
+//!   that the modal series isolates and Newton's method confirms on the matrices are joined to it (`join`).
 //!
 //! Both leave out, by default, the roots that cancel against a pole ([`Receptance`]), since no
 //! measurement can show them. Dropped by both: roots that are infinite, negative, complex, or zero at

@@ -142,3 +142,53 @@ fn unit(v: Col<f64>) -> Col<f64> {
     let size = v.norm_l2();
     v * faer::Scale(size.recip())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::chain::mass_spring_chain;
+    use crate::fem::model::Model;
+    use crate::modal::structure::Structure;
+    use std::sync::Arc;
+
+    /// A stiff chain of n masses, its last one on a soft spring.
+    fn soft(n: usize) -> Model {
+        mass_spring_chain(&vec![1.0; n], &vec![1e12; n - 1], 0.0, 1e2).unwrap()
+    }
+
+    #[test]
+    fn both_ways_lead_to_one_root() {
+        let model = soft(60);
+        let matrices = (model.stiffness(), model.mass());
+        let mut band = ReducedModes::new(Arc::new(Structure::of(&model)));
+        band.set_matrices(matrices.0, matrices.1);
+        // Fixed at mass 30, the masses above it are a rod, fixed and free: 4 k sin²(π / (4 m + 2)).
+        let m = 30.0_f64;
+        let want = 4e12 * (std::f64::consts::PI / (4.0 * m + 2.0)).sin().powi(2);
+        for start in [0.999 * want, 1.0008 * want] {
+            let reach = 2e-3 * want;
+            let by_band = band.polish((30, 59), start, reach).unwrap();
+            let deleted = polish_deleted(matrices, (30, 59), start, reach).unwrap();
+            for found in [by_band, deleted] {
+                assert!((found.x / want - 1.0).abs() < 1e-12, "{found:?} {want}");
+                assert!(found.ulp < 1e-12 * want);
+            }
+            let short = 1e-5 * want;
+            assert!(band.polish((30, 59), start, short).is_none());
+            assert!(polish_deleted(matrices, (30, 59), start, short).is_none());
+        }
+    }
+
+    #[test]
+    fn where_there_is_no_root_none_is_made() {
+        let model = soft(60);
+        let matrices = (model.stiffness(), model.mass());
+        let mut band = ReducedModes::new(Arc::new(Structure::of(&model)));
+        band.set_matrices(matrices.0, matrices.1);
+        // The transfer from end to end of a chain has no zero.
+        for x in [1.0, 1e6, 1e11, 1e13] {
+            assert!(band.polish((0, 59), x, 1e-2 * x).is_none());
+            assert!(polish_deleted(matrices, (0, 59), x, 1e-2 * x).is_none());
+        }
+    }
+}
