@@ -4,6 +4,7 @@ Run:  python benchmarks/frames_against_scipy.py [frames=200] [of them in 50 digi
 Plane and space frames, trees and loops, free and supported, up to 300 dofs; the band holds 5 to 40 modes.
 Where the two differ by more than 1e-7, or in number, 50 digits say which of them is right. There the
 number of roots at the driving point, those that cancel included, is also held against Sylvester's law.
+Some are also asked without a limit, and by the pencil: as many roots have to lie below it.
 """
 
 # ruff: noqa: E402  (the number of BLAS threads is read once, when numpy is imported)
@@ -29,6 +30,10 @@ from random_models import Oracle, cancelled
 
 SAME, PROMISE = 1e-7, 1e-9
 
+#: One frame in so many, of no more dofs than QZ takes a second for, is also asked without a limit and by the
+#: pencil.
+EVERY, MOST_DOFS = 4, 150
+
 
 def band_of(k_mat, m_mat, rng):
     """A limit in Hz with 5 to 40 modes below it, in a gap."""
@@ -51,7 +56,8 @@ def rigid_hz(k_mat, m_mat):
 
 def main(frames=200, digits=20, first=0):
     warnings.simplefilter("ignore")
-    counts = {"pairs": 0, "roots": 0, "equal": 0, "scipy wrong": 0, "ours wrong": 0, "miscounted": 0}
+    counts = {"pairs": 0, "roots": 0, "equal": 0, "scipy wrong": 0, "ours wrong": 0, "miscounted": 0,
+              "asked otherwise": 0, "unlike": 0}
     apart, errors, ours_s, scipy_s = [], [], 0.0, 0.0
     for seed in range(first, first + frames):
         rng = np.random.default_rng([4, seed])
@@ -69,6 +75,16 @@ def main(frames=200, digits=20, first=0):
         if seed < digits and np.sum(full > low_hz) != exact.driving_zeros(excitation, low_hz, limit_hz):
             counts["miscounted"] += 1
             print(f"  frame {seed}, n = {len(k_mat)}, ({excitation}, {excitation}): {full}", flush=True)
+        if seed % EVERY == 0 and len(k_mat) <= MOST_DOFS:
+            unlimited = model.antiresonances(responses, excitation)
+            pencil = model.antiresonances(responses, excitation, f_max_hz=limit_hz, method="pencil")
+            for ours, *others in zip(found, unlimited, pencil, strict=True):
+                counts["asked otherwise"] += 1
+                sizes = [np.count_nonzero(other <= limit_hz) for other in others]
+                if sizes != [ours.size] * 2:
+                    counts["unlike"] += 1
+                    print(f"  frame {seed}, n = {len(k_mat)}: {ours.size} roots below the limit, without one "
+                          f"{sizes[0]}, by the pencil {sizes[1]}", flush=True)
         for i, ours in zip(responses, found, strict=True):
             start = time.perf_counter()
             theirs = Oracle(k_mat, m_mat, i, excitation).freq_hz(0.0, (2 * np.pi * limit_hz) ** 2)

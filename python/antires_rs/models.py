@@ -72,7 +72,7 @@ class StructuralModel:
         n_modes : int, optional
             Keep the lowest ``n_modes``.
         f_max_hz : float, optional
-            Keep those up to this frequency.
+            Keep those up to this frequency. With either, slender models are solved by bands.
 
         Returns
         -------
@@ -92,16 +92,15 @@ class StructuralModel:
         >>> ar.MassSpringChain([1.0, 1.0], [500.0]).modes().freq_hz.round(3)
         array([0.   , 5.033])
         """
-        freq, shapes = self._core.modes()
+        most = None if n_modes is None else integer("n_modes", n_modes, low=1)
+        limit = None if f_max_hz is None else finite_scalar("f_max_hz", f_max_hz, low=0.0, unit="Hz")
+        freq, shapes = self._core.modes(limit, most)
         if np.isnan(freq).any():
             raise NumericalError("modes of (K, M) failed: the stiffness is indefinite, so that "
                                  f"{np.isnan(freq).sum()} motion(s) grow without bound. Check its signs.")
-        keep = len(freq) if n_modes is None else integer("n_modes", n_modes, low=1)
-        if f_max_hz is not None:
-            limit = finite_scalar("f_max_hz", f_max_hz, low=0.0, unit="Hz")
-            keep = min(keep, int(np.count_nonzero(freq <= limit)))
-            if keep == 0:
-                reject("f_max_hz", f"{limit:g} Hz", f"at least the first resonance, {freq[0]:.6g} Hz")
+        keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
+        if limit is not None and keep == 0:
+            reject("f_max_hz", f"{limit:g} Hz", f"at least the first resonance, {freq[0]:.6g} Hz")
         return ModalSet(freq[:keep], shapes[:, :keep].T, dofs=range(self.n_dof))
 
     def frf(self, response: int | Sequence[int], excitation: int, freq_hz: Any, *, damping_ratio: Any,
@@ -170,8 +169,8 @@ class StructuralModel:
             Highest frequency wanted; all by default.
         method : {'modal', 'pencil'}
             ``'modal'`` takes one symmetric eigenproblem for all responses and brackets the zeros of the
-            modal series, with proof that none is missed; ``'pencil'`` solves each deleted pencil by QZ.
-            Both return the same set.
+            modal series, with proof that none is missed; ``'pencil'`` solves each deleted pencil by QZ, and
+            adds what QZ cannot tell from zero but the matrices confirm. Both return the same set.
         include_cancelled : bool
             Return also the roots that coincide with a resonance which response or excitation does not
             see (residue below 1e-12 of the largest). The FRF shows no dip there.
@@ -180,10 +179,10 @@ class StructuralModel:
         -------
         ndarray, (n,)
             Hz, ascending; a list of arrays for a sequence of responses. Dropped are roots that are
-            infinite or zero at working precision (first-order uncertainty above 1e-3 of their own
+            infinite or zero at working precision (an ulp of K and M moves them by more than 1e-3 of their own
             distance from there), negative, or complex (imaginary part above 1e-9 of the modulus, or above
-            ten times that uncertainty, at most 3e-7). Every QZ root is checked on the matrices to a
-            backward error of 1e-10; one of several within 1e-6 of each other to 3e-7.
+            ten times that uncertainty, at most 3e-7). Every QZ root is checked to a backward error of 1e-10
+            (3e-7 within 1e-6 of another), or polished on the matrices.
 
         Raises
         ------
@@ -284,7 +283,7 @@ class StructuralModel:
         return values
 
     def _damping(self, value: Any) -> FloatArray:
-        n_modes = self._core.modes()[0].size
+        n_modes = self._core.n_modes()
         wanted = f"one damping ratio of at least 0, or {n_modes} of them, one for each mode"
         ratio = np.atleast_1d(real_array("damping_ratio", value, ndim=None, wanted=wanted))
         if ratio.ndim != 1 or ratio.size not in (1, n_modes) or ratio.min() < 0:

@@ -1,11 +1,13 @@
 //! Models: matrices, modes, frequency responses, antiresonances.
 
+use std::sync::OnceLock;
+
 use antires_core::error::Error;
 use antires_core::fem::chain::mass_spring_chain;
 use antires_core::fem::model::Model as CoreModel;
 use antires_core::modal::antiresonances::{Query, Route, antiresonances};
 use antires_core::modal::frf::{Motion, frequency_response};
-use antires_core::modal::modes::modes;
+use antires_core::modal::modes::{AllModes, low_modes};
 use numpy::ndarray::Array2;
 use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -20,6 +22,25 @@ type PyModes<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 #[pyclass(frozen, module = "antires_rs._core")]
 pub struct Model {
     pub core: CoreModel,
+    /// The dense solution, made when first asked for: the matrices never change.
+    all: OnceLock<AllModes>,
+}
+
+impl From<CoreModel> for Model {
+    fn from(core: CoreModel) -> Self {
+        let all = OnceLock::new();
+        Self { core, all }
+    }
+}
+
+impl Model {
+    fn all_modes(&self) -> Result<&AllModes, Error> {
+        if let Some(all) = self.all.get() {
+            return Ok(all);
+        }
+        let solved = AllModes::of(&self.core)?;
+        Ok(self.all.get_or_init(|| solved))
+    }
 }
 
 #[pymethods]
@@ -39,7 +60,7 @@ impl Model {
             ground_last_n_per_m,
         )
         .map_err(to_python)?;
-        Ok(Self { core })
+        Ok(core.into())
     }
 
     /// Nominal matrices and the terms they contain.
@@ -57,14 +78,14 @@ impl Model {
             terms(&mass_terms),
         )
         .map_err(to_python)?;
-        Ok(Self { core })
+        Ok(core.into())
     }
 
     /// Beams, masses and springs.
     #[staticmethod]
     fn from_frame(frame: &Frame) -> PyResult<Self> {
         let core = CoreModel::from_frame(frame.core.clone()).map_err(to_python)?;
-        Ok(Self { core })
+        Ok(core.into())
     }
 
     /// The frame it was made from, if it was.
@@ -99,13 +120,35 @@ impl Model {
         array(py, self.core.mass())
     }
 
-    /// Frequencies (m,) and mass-normalised shapes (n, m).
-    fn modes<'py>(&self, py: Python<'py>) -> PyResult<PyModes<'py>> {
-        let solved = run(py, || modes(&self.core))?;
+    /// Frequencies (m,) and mass-normalised shapes (n, m) of all modes; up to a limit or a number they may come
+    /// from the band, which then holds no more than those.
+    #[pyo3(signature = (f_max_hz=None, n_modes=None))]
+    fn modes<'py>(
+        &self,
+        py: Python<'py>,
+        f_max_hz: Option<f64>,
+        n_modes: Option<usize>,
+    ) -> PyResult<PyModes<'py>> {
+        let solved = run(py, || {
+            let low = if f_max_hz.is_some() || n_modes.is_some() {
+                low_modes(&self.core, f_max_hz.unwrap_or(f64::INFINITY), n_modes)
+            } else {
+                None
+            };
+            match low {
+                Some(low) if !low.freq_hz.is_empty() => Ok(low),
+                _ => Ok(self.all_modes()?.finite()),
+            }
+        })?;
         Ok((
             solved.freq_hz.into_pyarray(py),
             array(py, solved.shapes.as_ref()),
         ))
+    }
+
+    /// Number of finite modes.
+    fn n_modes(&self, py: Python<'_>) -> PyResult<usize> {
+        run(py, || Ok(self.all_modes()?.lambda.len()))
     }
 
     /// Frequency responses (n_responses, n_freq).
@@ -136,7 +179,10 @@ impl Model {
                 self.core.check_dof("response", dof)?;
             }
             self.core.check_dof("excitation", excitation)?;
-            frequency_response(&self.core, &responses, excitation, &freq, &damping, motion)
+            let modes = self.all_modes()?;
+            Ok(frequency_response(
+                modes, &responses, excitation, &freq, &damping, motion,
+            ))
         })?;
         let columns = freq.len();
         Ok(Array2::from_shape_fn((responses.len(), columns), |(i, j)| {

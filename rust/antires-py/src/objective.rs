@@ -178,7 +178,7 @@ impl Objective {
     fn model_at(&self, x: PyReadonlyArray1<'_, f64>) -> PyResult<Model> {
         let x = x.as_array().to_vec();
         let core = with!(&self.core, o => o.unknowns().model_at(&x)).map_err(to_python)?;
-        Ok(Model { core })
+        Ok(Model::from(core))
     }
 
     /// J of each row of (m, n), (m,).

@@ -102,7 +102,8 @@ impl Banded {
         self.diagonal[j]
     }
 
-    /// y = A x; both have [`half`](Self::half) more entries than A has rows, zero in x and of no meaning in y.
+    /// y = A x; both have [`half`](Self::half) more entries than A has rows, zero in x and of no meaning in
+    /// y.
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
         wide::run(Multiply { matrix: self, x, y });
     }

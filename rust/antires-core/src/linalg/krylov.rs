@@ -1,4 +1,5 @@
-//! The response of K − xM to one load, from a Krylov space: exact low poles and a few that stand for the rest.
+//! The response of K − xM to one load, from a Krylov space: exact low poles and a few that stand for the
+//! rest.
 //!
 //! With σ > 0, A = K + σM and s = x + σ the response to a load e is u(x) = (K − xM)⁻¹ e =
 //! (I − s A⁻¹M)⁻¹ A⁻¹e. Lanczos in the inner product of M, started at q_1 = A⁻¹e / β_0, gives
@@ -33,7 +34,8 @@ const NEGLIGIBLE_ERROR: f64 = 1e-17;
 /// approximation near one of them does not hide in all.
 const SAMPLES: [f64; 6] = [1.0, 0.967, 0.913, 0.836, 0.719, 0.531];
 
-/// A next vector this small, relative to what it was orthogonalized from, is rounding: the space is invariant.
+/// A next vector this small, relative to what it was orthogonalized from, is rounding: the space is
+/// invariant.
 const INVARIANT: f64 = 1e-14;
 
 /// Lanczos vectors and the poles they give, with the memory to do it again.

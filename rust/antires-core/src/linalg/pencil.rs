@@ -13,7 +13,10 @@
 //!    chordal distance that n ulp of A and B can move it, n·eps·‖y‖‖v‖ / √(|yᵀAv|² + |yᵀBv|²). An
 //!    eigenvalue that this can carry to infinity (to zero) is infinite (zero) at working precision.
 //!
-//! A and B are scaled to unit norm first, so that x is of order one.
+//! A and B are scaled to unit norm first, so that x is of order one. The uncertainty is that of matrices known
+//! to some ulp of their norm. A root of entries far below the norm, such as soft springs under stiff beams, may
+//! be known much better and still come out as uncertain: such roots are returned too, marked, for a caller that
+//! can look at them entry by entry.
 
 use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -30,18 +33,35 @@ use super::tolerances::{
 };
 use crate::error::{Error, Result};
 
+/// A real eigenvalue of a pencil.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PencilRoot {
+    /// Its value.
+    pub x: f64,
+    /// How far, relatively, n ulp of the norms of A and B can move it; of a repeated root, half the gap to
+    /// which QZ splits it.
+    pub uncertainty: f64,
+    /// Whether another one lies close by.
+    pub repeated: bool,
+    /// False where that can carry it to zero, to infinity or off the real line, or where it fails its residual
+    /// check.
+    pub certain: bool,
+    /// The backward error of one that would be certain but for that: QZ may not have converged.
+    pub backward_error: Option<f64>,
+}
+
 /// Real eigenvalues of A v = x B v in (low, high], ascending, repeated ones repeated.
 ///
 /// `rows` and `cols` name the rows and columns of A and B by dof, so that symmetric blocks are recognised.
 ///
 /// # Errors
-/// [`Error::Numerical`] when QZ does not converge or an eigenvalue fails its residual check.
+/// [`Error::Numerical`] when QZ does not converge or no vectors of an eigenvalue can be found.
 pub fn real_eigenvalues(
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
     (rows, cols): (&[usize], &[usize]),
     (low, high): (f64, f64),
-) -> Result<Vec<f64>> {
+) -> Result<Vec<PencilRoot>> {
     let mut roots = Vec::new();
     for block in irreducible_blocks(a, b).unwrap_or_default() {
         let n = block.rows.len();
@@ -54,23 +74,33 @@ pub fn real_eigenvalues(
         col_dofs.sort_unstable();
         let symmetric = (row_dofs == col_dofs).then(|| symmetric_eigenvalues(&block_a, &block_b));
         match symmetric.flatten() {
-            Some(found) => roots.extend(found.into_iter().filter(|&x| low < x && x <= high)),
+            Some(found) => roots.extend(found.into_iter().filter(|r| low < r.x && r.x <= high)),
             None => roots.extend(block_eigenvalues(block_a, block_b, low, high)?),
         }
     }
-    roots.sort_by(f64::total_cmp);
+    roots.sort_by(|p, q| p.x.total_cmp(&q.x));
     Ok(roots)
 }
 
 /// Eigenvalues of a symmetric block; none when it is not fit for the symmetric solver.
-fn symmetric_eigenvalues(a: &Mat<f64>, b: &Mat<f64>) -> Option<Vec<f64>> {
+fn symmetric_eigenvalues(a: &Mat<f64>, b: &Mat<f64>) -> Option<Vec<PencilRoot>> {
     let mut solver = SymmetricSolver::new(a.nrows());
     solver.solve(a.as_ref(), b.as_ref()).ok()?;
-    Some(solver.eigenvalues().to_vec())
+    let root = |&x: &f64| {
+        let uncertainty = solver.uncertainty(x.abs()) / x.abs();
+        PencilRoot {
+            x,
+            uncertainty,
+            repeated: false,
+            certain: uncertainty <= ROOT_UNCERTAINTY,
+            backward_error: None,
+        }
+    };
+    Some(solver.eigenvalues().iter().map(root).collect())
 }
 
 /// Real eigenvalues of an irreducible block in (low, high], by QZ.
-fn block_eigenvalues(a: Mat<f64>, b: Mat<f64>, low: f64, high: f64) -> Result<Vec<f64>> {
+fn block_eigenvalues(a: Mat<f64>, b: Mat<f64>, low: f64, high: f64) -> Result<Vec<PencilRoot>> {
     let n = a.nrows();
     let (norm_a, norm_b) = (a.norm_l2(), b.norm_l2());
     if norm_a == 0.0 || norm_b == 0.0 {
@@ -89,25 +119,32 @@ fn block_eigenvalues(a: Mat<f64>, b: Mat<f64>, low: f64, high: f64) -> Result<Ve
         let repeated =
             (j > 0 && close(&candidates[j - 1])) || candidates.get(j + 1).is_some_and(close);
         let checked = Verified::of(&a, &b, x)?;
-        if checked.is_certain(x, n, repeated) && checked.is_real(x, imaginary, n) {
-            checked.require_small_residual(x, repeated)?;
-            roots.push(x * unit);
-        }
+        let certain = checked.is_certain(x, n, repeated) && checked.is_real(x, imaginary, n);
+        let small = checked.has_small_residual(repeated);
+        roots.push(PencilRoot {
+            x: x * unit,
+            uncertainty: if repeated {
+                SPLIT_ROOT
+            } else {
+                checked.uncertainty(x, n)
+            },
+            repeated,
+            certain: certain && small,
+            backward_error: (certain && !small).then_some(checked.residual),
+        });
     }
-    merge_defective(&mut roots);
-    Ok(roots)
+    let (mut sure, open): (Vec<_>, Vec<_>) = roots.into_iter().partition(|r| r.certain);
+    merge_defective(&mut sure);
+    sure.extend(open);
+    Ok(sure)
 }
 
 /// QZ splits a double root with one vector by the root of rounding, to either side; the mean of the two
 /// is as good as a simple root.
-fn merge_defective(roots: &mut [f64]) {
-    let mut start = 0;
-    for end in 1..=roots.len() {
-        if end == roots.len() || roots[end] - roots[end - 1] > SPLIT_ROOT * roots[end] {
-            let mean = roots[start..end].iter().sum::<f64>() / (end - start) as f64;
-            roots[start..end].fill(mean);
-            start = end;
-        }
+fn merge_defective(roots: &mut [PencilRoot]) {
+    for group in roots.chunk_by_mut(|p, q| q.x - p.x <= SPLIT_ROOT * q.x) {
+        let mean = group.iter().map(|r| r.x).sum::<f64>() / group.len() as f64;
+        group.iter_mut().for_each(|r| r.x = mean);
     }
 }
 
@@ -188,45 +225,53 @@ impl Verified {
         )))
     }
 
-    fn require_small_residual(&self, x: f64, repeated: bool) -> Result<()> {
+    fn has_small_residual(&self, repeated: bool) -> bool {
         // A repeated root is itself only good to the root of rounding.
-        if self.residual
-            <= if repeated {
-                SPLIT_ROOT
-            } else {
-                QZ_BACKWARD_ERROR
-            }
-        {
-            return Ok(());
-        }
-        let residual = self.residual;
-        Err(failed(&format!(
-            "the eigenvalue {x:e} (scaled) has a backward error of {residual:e}"
-        )))
+        let most = if repeated {
+            SPLIT_ROOT
+        } else {
+            QZ_BACKWARD_ERROR
+        };
+        self.residual <= most
+    }
+
+    /// First-order uncertainty relative to the chordal distance of x = α/β, α² + β² = 1, from zero and from
+    /// infinity.
+    fn uncertainty(&self, x: f64, n: usize) -> f64 {
+        n as f64 * f64::EPSILON * self.condition / distance(x)
     }
 
     /// Whether an imaginary part of that size can be rounding.
     fn is_real(&self, x: f64, imaginary: f64, n: usize) -> bool {
-        let distance = x.abs().min(1.0) / x.hypot(1.0);
-        let uncertainty = n as f64 * f64::EPSILON * self.condition / distance;
-        imaginary <= REAL_ROOT.max(10.0 * uncertainty)
+        imaginary <= REAL_ROOT.max(10.0 * self.uncertainty(x, n))
     }
 
     fn is_certain(&self, x: f64, n: usize, repeated: bool) -> bool {
-        // Chordal distance of x = α/β, α² + β² = 1, from zero and from infinity.
-        let distance = x.abs().min(1.0) / x.hypot(1.0);
         if repeated {
             // The vectors of a repeated root are arbitrary within its plane and say nothing of its
             // uncertainty; infinite roots do not come as real roots this close together.
-            return distance > REPEATED_ROOT_DISTANCE;
+            return distance(x) > REPEATED_ROOT_DISTANCE;
         }
-        n as f64 * f64::EPSILON * self.condition <= ROOT_UNCERTAINTY * distance
+        self.uncertainty(x, n) <= ROOT_UNCERTAINTY
     }
+}
+
+/// Chordal distance of x from zero and from infinity.
+fn distance(x: f64) -> f64 {
+    x.abs().min(1.0) / x.hypot(1.0)
 }
 
 fn unit(v: Col<f64>) -> Col<f64> {
     let size = v.norm_l2();
     v * faer::Scale(size.recip())
+}
+
+/// The error of a root that does not solve the pencil.
+#[must_use]
+pub fn refused(x: f64, backward_error: f64) -> Error {
+    failed(&format!(
+        "the eigenvalue {x:e} has a backward error of {backward_error:e}"
+    ))
 }
 
 fn failed(detail: &str) -> Error {

@@ -3,7 +3,8 @@
 //! - The **modal route** takes one symmetric eigenproblem for all responses and brackets the zeros of
 //!   each receptance between its poles ([`secular`]). It is what the optimizer runs.
 //! - The **pencil route** deletes row i and column k and solves the general eigenproblem by QZ
-//!   ([`crate::linalg::pencil`]). It is the reference.
+//!   ([`crate::linalg::pencil`]). It is the reference, but for roots far below the norm of the matrices: those
+//!   that the modal series isolates and Newton's method confirms on the matrices are joined to it (`join`).
 //!
 //! Both leave out, by default, the roots that cancel against a pole ([`Receptance`]), since no
 //! measurement can show them. Dropped by both: roots that are infinite, negative, complex, or zero at
@@ -14,27 +15,18 @@
 
 use std::sync::Arc;
 
-use faer::{Mat, MatRef};
+use faer::MatRef;
 
 use super::columns::modal_columns;
+use super::isolate::{Found, Series};
 use super::modes::{eigenvalue, hertz};
 use super::receptance::Receptance;
 use super::reduced::ReducedModes;
-use super::secular::{self, Scratch};
+use super::secular::Scratch;
 use super::structure::Structure;
 use crate::error::Result;
 use crate::fem::model::{Model, connected};
-use crate::linalg::pencil::real_eigenvalues;
 use crate::linalg::symmetric::SymmetricSolver;
-
-/// Relative distance within which a pencil root is the cancelled one expected at a pole.
-const SAME_ROOT: f64 = 1e-6;
-
-/// Relative uncertainty of a root in x from which on it is doubtful.
-const DOUBTFUL_ROOT: f64 = 1e-9;
-
-/// Relative uncertainty of a root in x from which on it is polished on the matrices.
-const POLISHED_ROOT: f64 = 1e-10;
 
 /// How the roots are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,22 +57,21 @@ pub struct Antiresonances {
     pub identically_zero: bool,
 }
 
+/// K and M.
+pub(super) type Matrices<'a> = (MatRef<'a, f64>, MatRef<'a, f64>);
+
 /// Solver with its working memory; one eigenproblem serves every response.
 ///
 /// A slender structure with a limit in frequency is solved by [`ReducedModes`], all else, and what that
 /// leaves open, by the dense [`SymmetricSolver`].
 pub struct AntiresonanceSolver {
-    structure: Arc<Structure>,
-    reduced: Option<ReducedModes>,
-    /// Made when first needed, with whether it holds the matrices last set.
-    dense: Option<(SymmetricSolver, bool)>,
-    /// Roots below this are zero at working precision.
-    floor: f64,
-    /// Whether the receptance in hand is that of the band route.
-    by_reduced: bool,
-    receptance: Receptance,
-    lambda: Vec<f64>,
-    scratch: Scratch,
+    pub(super) structure: Arc<Structure>,
+    /// Each made when first needed, with whether it holds the matrices last set.
+    pub(super) band: Option<(ReducedModes, bool)>,
+    pub(super) dense: Option<(SymmetricSolver, bool)>,
+    pub(super) receptance: Receptance,
+    pub(super) scratch: Scratch,
+    pub(super) found: Found,
 }
 
 impl AntiresonanceSolver {
@@ -89,56 +80,29 @@ impl AntiresonanceSolver {
     pub fn new(structure: &Arc<Structure>) -> Self {
         Self {
             structure: Arc::clone(structure),
-            reduced: structure
-                .is_slender()
-                .then(|| ReducedModes::new(Arc::clone(structure))),
+            band: None,
             dense: None,
-            floor: 0.0,
-            by_reduced: false,
             receptance: Receptance::default(),
-            lambda: Vec::new(),
             scratch: Scratch::default(),
+            found: Found::default(),
         }
     }
 
     /// Takes the matrices of the following queries.
     pub fn set_matrices(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) {
-        if let Some(reduced) = &mut self.reduced {
-            reduced.set_matrices(k, m);
+        if let Some((_, current)) = &mut self.band {
+            *current = false;
         }
         if let Some((_, current)) = &mut self.dense {
             *current = false;
         }
-    }
-
-    /// Forms the receptance between dofs `i` and `k`, exact up to the limit of the query.
-    fn form(
-        &mut self,
-        (k_mat, m_mat): (MatRef<'_, f64>, MatRef<'_, f64>),
-        i: usize,
-        k: usize,
-        query: &Query,
-    ) -> Result<()> {
-        if query.f_max_hz.is_finite()
-            && let Some(reduced) = &mut self.reduced
-            && reduced.solve(k, eigenvalue(query.f_max_hz))
-        {
-            reduced.form(i, &mut self.receptance);
-            self.receptance.most_roots = None;
-            self.floor = reduced.zero();
-            self.by_reduced = true;
-            return Ok(());
+        if self.structure.is_slender() {
+            band(&mut self.band, &self.structure, (k, m));
         }
-        let solver = dense(&mut self.dense, (k_mat, m_mat))?;
-        self.receptance.form(solver, i, k);
-        self.receptance.most_roots = self.structure.degree(i, k);
-        self.by_reduced = false;
-        self.floor = solver.zero();
-        Ok(())
     }
 
-    /// Columns i and k of (K − xM)⁻¹, each up to a factor, into `left` and `right`; returns leftᵀ M right. `matrices`
-    /// are those last set, and `k` is the excitation of the last query.
+    /// Columns i and k of (K − xM)⁻¹, each up to a factor, into `left` and `right`; returns leftᵀ M right.
+    /// `matrices` are those last set.
     ///
     /// # Errors
     /// Those of [`SymmetricSolver::solve`].
@@ -150,8 +114,9 @@ impl AntiresonanceSolver {
         left: &mut Vec<f64>,
         right: &mut Vec<f64>,
     ) -> Result<f64> {
-        if let Some(reduced) = &mut self.reduced
-            && let Some(slope) = reduced.columns((i, k), x, left, right)
+        if self.structure.is_slender()
+            && let Some(slope) =
+                band(&mut self.band, &self.structure, matrices).columns((i, k), x, left, right)
         {
             return Ok(slope);
         }
@@ -167,7 +132,7 @@ impl AntiresonanceSolver {
     /// Antiresonances (Hz) of H_ik up to the limit of the query, appended to `freq_hz`; `matrices` are
     /// those last set. Returns false when H_ik is identically zero at working precision.
     ///
-    /// Where rounding leaves the modal route in doubt, the pencil decides.
+    /// Where rounding leaves the modal route in doubt, the roots of the pencil join those that are proven.
     ///
     /// # Errors
     /// Those of [`SymmetricSolver::solve`], and of the pencil if that is the route asked for.
@@ -179,97 +144,54 @@ impl AntiresonanceSolver {
         query: &Query,
         freq_hz: &mut Vec<f64>,
     ) -> Result<bool> {
-        self.form(matrices, i, k, query)?;
-        if query.route == Route::Pencil {
-            freq_hz.extend(self.pencil(matrices, i, k, query)?);
-            return Ok(true);
-        }
-        if self.receptance.is_zero {
+        let ceiling = eigenvalue(query.f_max_hz);
+        let certain = self.search(matrices, (i, k), ceiling)?;
+        if query.route == Route::Modal && self.receptance.is_zero {
             return Ok(false);
         }
-        let floor = self.floor;
-        let ceiling = eigenvalue(query.f_max_hz);
-        self.lambda.clear();
-        let certain = secular::roots(
-            &self.receptance,
-            0.0,
-            ceiling,
-            &mut self.lambda,
-            &mut self.scratch,
-        );
-        self.lambda.retain(|&x| x > floor);
-        let certain = certain && self.place_roots(i);
-        if !certain && let Ok(settled) = self.pencil(matrices, i, k, query) {
-            freq_hz.extend(settled);
-            return Ok(true);
+        let floor = self.found.floor;
+        self.found.cancelled.retain(|&(x, _)| x > floor);
+        if query.route == Route::Pencil || !certain {
+            match self.join_pencil(matrices, (i, k), ceiling) {
+                Err(error) if query.route == Route::Pencil => return Err(error),
+                Err(_) => self.found.proven.append(&mut self.found.open),
+                Ok(()) => {}
+            }
         }
         if query.include_cancelled {
-            let inside = |x: &&f64| **x > floor && **x <= ceiling;
-            self.lambda
-                .extend(self.receptance.cancelled.iter().filter(inside));
-            self.lambda.sort_by(f64::total_cmp);
+            let cancelled = self.found.cancelled.iter().map(|(x, _)| x);
+            self.found.proven.extend(cancelled);
         }
-        freq_hz.extend(self.lambda.iter().map(|&x| hertz(x)));
+        self.found.proven.sort_by(f64::total_cmp);
+        freq_hz.extend(self.found.proven.iter().map(|&x| hertz(x)));
         Ok(true)
     }
 
-    /// Compares what rounding of the series can move each root with its place, and mends what is too much on
-    /// the matrices themselves. False where that cannot be done.
-    fn place_roots(&mut self, i: usize) -> bool {
-        for x in &mut self.lambda {
-            let (noise, slope) = self.receptance.noise_and_slope(*x);
-            let mut moved = noise / slope.abs();
-            if let (Some(reduced), true) = (&mut self.reduced, self.by_reduced) {
-                moved += reduced.pole_error(*x);
-                if moved > POLISHED_ROOT * *x
-                    && let Some(better) = reduced.polish(i, *x, 16.0 * moved)
-                {
-                    *x = better;
-                    continue;
-                }
-            }
-            // NaN counts as doubtful.
-            if !(moved <= DOUBTFUL_ROOT * *x) {
-                return false;
+    /// Finds the roots up to `ceiling` by the modal series; false where rounding leaves a doubt.
+    fn search(
+        &mut self,
+        matrices: Matrices<'_>,
+        (i, k): (usize, usize),
+        ceiling: f64,
+    ) -> Result<bool> {
+        self.found.clear();
+        if ceiling.is_finite() && self.structure.is_slender() {
+            let band = band(&mut self.band, &self.structure, matrices);
+            if band.solve(k, ceiling) {
+                band.form(i, &mut self.receptance);
+                self.receptance.most_roots = None;
+                self.found.floor = band.zero();
+                return Ok(self.isolate(matrices, (i, k), (0.0, ceiling), Series::Band));
             }
         }
-        self.lambda.sort_by(f64::total_cmp);
-        true
-    }
-
-    /// Pencil route: antiresonances (Hz) of H_ik up to `f_max_hz`, ascending.
-    fn pencil(
-        &self,
-        (k_mat, m_mat): (MatRef<'_, f64>, MatRef<'_, f64>),
-        i: usize,
-        k: usize,
-        query: &Query,
-    ) -> Result<Vec<f64>> {
-        let (floor, ceiling) = (self.floor, eigenvalue(query.f_max_hz));
-        let (k_ik, m_ik) = (deleted(k_mat, i, k), deleted(m_mat, i, k));
-        let without = |gone: usize| {
-            (0..k_mat.nrows())
-                .filter(|&d| d != gone)
-                .collect::<Vec<_>>()
-        };
-        let mut x = real_eigenvalues(
-            k_ik.as_ref(),
-            m_ik.as_ref(),
-            (&without(i), &without(k)),
-            (floor, ceiling),
-        )?;
-        if !query.include_cancelled {
-            for &pole in self.receptance.cancelled.iter().filter(|&&l| l > floor) {
-                let distance = |x: f64| (x - pole).abs();
-                let nearest = (0..x.len())
-                    .min_by(|&a, &b| distance(x[a]).total_cmp(&distance(x[b])))
-                    .filter(|&at| distance(x[at]) <= SAME_ROOT * pole);
-                if let Some(at) = nearest {
-                    x.remove(at);
-                }
-            }
+        let solver = dense(&mut self.dense, matrices)?;
+        self.receptance.form(solver, i, k);
+        self.receptance.most_roots = self.structure.degree(i, k);
+        self.found.floor = solver.zero();
+        if self.isolate(matrices, (i, k), (0.0, ceiling), Series::Dense) {
+            return Ok(true);
         }
-        Ok(x.into_iter().map(hertz).collect())
+        Ok(self.divided(matrices, (i, k), ceiling))
     }
 }
 
@@ -300,8 +222,23 @@ pub fn antiresonances(
     Ok(out)
 }
 
+/// The band matrices of the matrices last set, made when first asked for.
+pub(super) fn band<'a>(
+    kept: &'a mut Option<(ReducedModes, bool)>,
+    structure: &Arc<Structure>,
+    (k_mat, m_mat): Matrices<'_>,
+) -> &'a mut ReducedModes {
+    let (band, current) =
+        kept.get_or_insert_with(|| (ReducedModes::new(Arc::clone(structure)), false));
+    if !*current {
+        band.set_matrices(k_mat, m_mat);
+        *current = true;
+    }
+    band
+}
+
 /// The dense solution of the matrices last set, made when first asked for.
-fn dense<'a>(
+pub(super) fn dense<'a>(
     kept: &'a mut Option<(SymmetricSolver, bool)>,
     (k_mat, m_mat): (MatRef<'_, f64>, MatRef<'_, f64>),
 ) -> Result<&'a SymmetricSolver> {
@@ -312,12 +249,4 @@ fn dense<'a>(
         *current = true;
     }
     Ok(solver)
-}
-
-/// The matrix without row `i` and column `k`.
-fn deleted(a: MatRef<'_, f64>, i: usize, k: usize) -> Mat<f64> {
-    let n = a.nrows();
-    Mat::from_fn(n - 1, n - 1, |r, c| {
-        a[(r + usize::from(r >= i), c + usize::from(c >= k))]
-    })
 }

@@ -80,7 +80,8 @@ impl Smooth<'_> {
 }
 
 /// Root of `h` in `cell`, with `rest` the part of the other poles; f is positive at the left end if
-/// `left_positive`, and has the other sign at the right end. `at_middle` is the value of `rest` there, if known.
+/// `left_positive`, and has the other sign at the right end. `at_middle` is the value of `rest` there, if
+/// known.
 pub fn root_in_cell(
     h: &Receptance,
     rest: &Rest,

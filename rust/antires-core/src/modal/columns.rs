@@ -1,5 +1,5 @@
-//! Columns i and k of (K − xM)⁻¹ from band matrices or from all modes, for roots on the matrices themselves and for their
-//! sensitivities.
+//! Columns i and k of (K − xM)⁻¹ from band matrices or from all modes, for roots on the matrices themselves
+//! and for their sensitivities.
 //!
 //! ```text
 //! (K − xM) u = e_k,  (K − xM) w = e_i        H_ik = e_iᵀu,  dH_ik/dx = wᵀMu
@@ -8,21 +8,10 @@
 //! At a zero of H_ik, u without its entry i and w without its entry k are the null vectors of the deleted
 //! pencil. The band factors are formed without pivoting, so their growth is asked each time.
 
+use super::polish::Step;
 use super::reduced::ReducedModes;
 use crate::linalg::banded::LARGEST_GROWTH;
 use crate::linalg::symmetric::SymmetricSolver;
-
-/// Steps of a polish: from six digits two lead to the last.
-const NEWTON_STEPS: usize = 4;
-
-/// Relative step of a polish below which it is done.
-const POLISHED: f64 = 1e-12;
-
-/// Farthest that a polish may carry a root, relatively.
-const NEAR: f64 = 1e-5;
-
-/// Ulps of K and M within which a root is where it can be.
-const MOST_ULPS: f64 = 16.0;
 
 /// u and w in the order and the scale of the band, and M u.
 #[derive(Debug, Clone, Default)]
@@ -33,27 +22,13 @@ pub(super) struct Columns {
 }
 
 impl ReducedModes {
-    /// The root of H_ik nearest to `x` within `reach`, or as near as rounding of K and M tells, by Newton's method
-    /// on the matrices; none where there is none, or where rounding spoils the factors of K − xM.
-    pub fn polish(&mut self, i: usize, x: f64, reach: f64) -> Option<f64> {
-        let (k, ..) = self.solved?;
-        let (i, k) = (self.structure.row(i), self.structure.row(k));
-        let (mut at, mut ulp) = (x, 0.0);
-        for turn in 0..NEWTON_STEPS {
-            let slope = self.solve_columns(i, k, at)?;
-            if turn == 0 {
-                ulp = self.ulp_shift(x, slope);
-            }
-            let step = -self.columns.u[i] / slope;
-            at += step;
-            if !((at - x).abs() <= reach.max(MOST_ULPS * ulp).min(NEAR * x)) {
-                return None;
-            }
-            if step.abs() <= (POLISHED * at).max(ulp) {
-                break;
-            }
-        }
-        Some(at)
+    /// Newton's step for a root of H_ik at `x`, by rows `i` and `k` of the band.
+    pub(super) fn newton_step(&mut self, (i, k): (usize, usize), x: f64) -> Option<Step> {
+        let slope = self.solve_columns(i, k, x)?;
+        Some(Step {
+            length: -self.columns.u[i] / slope,
+            ulp: self.ulp_shift(x, slope),
+        })
     }
 
     /// How far one ulp of random sign in each entry of K and M moves the root at `x`, from u and w there.
@@ -63,7 +38,8 @@ impl ReducedModes {
         f64::EPSILON * moved.sqrt() / slope.abs()
     }
 
-    /// Columns i and k of (K − xM)⁻¹ by dof, each up to a factor, into `left` and `right`; returns leftᵀ M right.
+    /// Columns i and k of (K − xM)⁻¹ by dof, each up to a factor, into `left` and `right`; returns leftᵀ M
+    /// right.
     pub fn columns(
         &mut self,
         (i, k): (usize, usize),
@@ -71,10 +47,6 @@ impl ReducedModes {
         left: &mut Vec<f64>,
         right: &mut Vec<f64>,
     ) -> Option<f64> {
-        let (.., well) = self.solved?;
-        if !well {
-            return None;
-        }
         let slope = self.solve_columns(self.structure.row(i), self.structure.row(k), x)?;
         for (out, column) in [(left, &self.columns.w), (right, &self.columns.u)] {
             out.clear();
@@ -103,7 +75,9 @@ impl ReducedModes {
         }
         mu.resize(padded, 0.0);
         self.mass.multiply(u, mu);
-        Some(w.iter().zip(mu.iter()).map(|(a, b)| a * b).sum())
+        let slope: f64 = w.iter().zip(mu.iter()).map(|(a, b)| a * b).sum();
+        // A dof without mass has no scale.
+        slope.is_finite().then_some(slope)
     }
 }
 

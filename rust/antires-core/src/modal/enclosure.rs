@@ -18,8 +18,8 @@
 //!                                                 >= (A + B + (2^(p+1) − 2) √(AB)) / w^p
 //! ```
 //!
-//! with p = 1, 2, 3 for f, f' and f''/2, wherever the two terms have one sign. The second line, equal for A = B,
-//! follows from a + b >= 2 √(ab) for the mixed terms in pairs, and needs one root.
+//! with p = 1, 2, 3 for f, f' and f''/2, wherever the two terms have one sign. The second line, equal for A
+//! = B, follows from a + b >= 2 √(ab) for the mixed terms in pairs, and needs one root.
 
 use crate::linalg::wide::NullaryFnOnce;
 
@@ -149,8 +149,8 @@ pub struct Enclosure {
 }
 
 impl Enclosure {
-    /// Bounds of `h` over `cell` from `ORDER` terms of the series; `rest` is `h` without the poles at the ends.
-    /// Few terms do between poles; more are needed where f is small against its partial fractions.
+    /// Bounds of `h` over `cell` from `ORDER` terms of the series; `rest` is `h` without the poles at the
+    /// ends. Few terms do between poles; more are needed where f is small against its partial fractions.
     pub fn of<const ORDER: usize>(h: &Receptance, rest: &Rest, cell: Cell) -> Self {
         let (middle, radius) = (0.5 * (cell.a + cell.b), 0.5 * (cell.b - cell.a));
         let (series, tails) = wide::run(Series::<ORDER> {

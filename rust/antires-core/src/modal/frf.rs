@@ -10,9 +10,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::error::Result;
-use crate::fem::model::Model;
-use crate::linalg::symmetric::SymmetricSolver;
+use super::modes::AllModes;
 
 /// The motion quantity of a frequency response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,21 +26,17 @@ pub enum Motion {
 /// H(ω) of each response, [n_responses x n_freq] row by row, as (real, imaginary) pairs.
 ///
 /// `damping_ratio` holds one ζ for every mode, or one value for all.
-///
-/// # Errors
-/// Those of the eigenproblem.
+#[must_use]
 pub fn frequency_response(
-    model: &Model,
+    modes: &AllModes,
     responses: &[usize],
     excitation: usize,
     freq_hz: &[f64],
     damping_ratio: &[f64],
     motion: Motion,
-) -> Result<Vec<(f64, f64)>> {
-    let mut solver = SymmetricSolver::new(model.n_dof());
-    solver.solve(model.stiffness(), model.mass())?;
-    let (lambda, phi) = (solver.eigenvalues(), solver.vectors());
-    let n = model.n_dof();
+) -> Vec<(f64, f64)> {
+    let (lambda, phi) = (&modes.lambda, modes.vectors.as_ref());
+    let n = phi.nrows();
     let mut out = vec![(0.0, 0.0); responses.len() * freq_hz.len()];
     for (row, &i) in out.chunks_exact_mut(freq_hz.len().max(1)).zip(responses) {
         let massless: f64 = (lambda.len()..n)
@@ -72,7 +66,7 @@ pub fn frequency_response(
             *h = (re, im);
         }
     }
-    Ok(out)
+    out
 }
 
 /// (re + j im) times 1, jω or −ω².

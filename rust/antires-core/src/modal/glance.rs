@@ -1,7 +1,7 @@
 //! The cells between neighbouring poles, and bounds of f and f' over each that cost little.
 //!
-//! Inside a cell from a to b every term of g, the part of f without the poles at the ends, is monotone, and so
-//! is its derivative. With s = 1 / (λ − a) and t = 1 / (λ − b)
+//! Inside a cell from a to b every term of g, the part of f without the poles at the ends, is monotone, and
+//! so is its derivative. With s = 1 / (λ − a) and t = 1 / (λ − b)
 //!
 //! ```text
 //! |g  − Σ c_r (s + t)/2|   <= Σ |c_r| |s − t|/2

@@ -185,7 +185,7 @@ impl LowModes {
 impl ReducedModes {
     /// The modes up to the limit of the last [`solve`](Self::solve), ascending, and their mass-normalised shapes
     /// by dof.
-    fn modes(&mut self, lambda: &mut Vec<f64>, shapes: &mut Vec<f64>) {
+    pub(super) fn modes(&mut self, lambda: &mut Vec<f64>, shapes: &mut Vec<f64>) {
         let n = self.mass.n();
         // Vectors of those that the load excites stand before the hidden ones, where there are any.
         if self.hidden.is_empty() {

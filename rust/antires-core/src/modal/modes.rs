@@ -1,12 +1,24 @@
-//! Resonant frequencies and mass-normalised mode shapes.
+//! Resonant frequencies and mass-normalised mode shapes: all, or the lowest.
+
+use std::sync::Arc;
 
 use faer::{Mat, MatRef};
 
+use super::reduced::ReducedModes;
+use super::structure::Structure;
 use crate::error::Result;
 use crate::fem::model::Model;
+use crate::linalg::banded::count_below;
 use crate::linalg::symmetric::SymmetricSolver;
 
-/// All finite modes of a model.
+/// Modes more than asked for, and half of those, that the band route may find.
+const SPARE: usize = 4;
+
+/// Counts of modes at most in a search for their limit, and the step down from a λ with too many below it.
+const MOST_COUNTS: usize = 60;
+const COARSE: f64 = 1e-2;
+
+/// Finite modes of a model.
 #[derive(Debug, Clone)]
 pub struct Modes {
     /// Resonant frequencies (Hz), ascending; rigid-body modes at 0. An unstable mode (λ < 0) has NaN.
@@ -27,17 +39,98 @@ pub fn eigenvalue(freq_hz: f64) -> f64 {
     (std::f64::consts::TAU * freq_hz).powi(2)
 }
 
+/// All solutions of K φ = λ M φ.
+#[derive(Debug, Clone)]
+pub struct AllModes {
+    /// Finite eigenvalues, ascending.
+    pub lambda: Vec<f64>,
+    /// Their shapes, then the massless ones of [`SymmetricSolver::vectors`], [n_dof x n_dof].
+    pub vectors: Mat<f64>,
+}
+
+impl AllModes {
+    /// Solves the dense eigenproblem of `model`.
+    ///
+    /// # Errors
+    /// Those of [`SymmetricSolver::solve`].
+    pub fn of(model: &Model) -> Result<Self> {
+        let mut solver = SymmetricSolver::new(model.n_dof());
+        solver.solve(model.stiffness(), model.mass())?;
+        Ok(Self {
+            lambda: solver.eigenvalues().to_vec(),
+            vectors: solver.vectors().to_owned(),
+        })
+    }
+
+    /// The finite modes.
+    #[must_use]
+    pub fn finite(&self) -> Modes {
+        let shapes: MatRef<'_, f64> = self.vectors.get(.., ..self.lambda.len());
+        Modes {
+            freq_hz: self.lambda.iter().map(|&l| hertz(l)).collect(),
+            shapes: shapes.to_owned(),
+        }
+    }
+}
+
 /// Solves for all finite modes of `model`.
 ///
 /// # Errors
 /// Those of [`SymmetricSolver::solve`].
 pub fn modes(model: &Model) -> Result<Modes> {
-    let mut solver = SymmetricSolver::new(model.n_dof());
-    solver.solve(model.stiffness(), model.mass())?;
-    let finite = solver.eigenvalues().len();
-    let shapes: MatRef<'_, f64> = solver.vectors().get(.., ..finite);
-    Ok(Modes {
-        freq_hz: solver.eigenvalues().iter().map(|&l| hertz(l)).collect(),
-        shapes: shapes.to_owned(),
+    Ok(AllModes::of(model)?.finite())
+}
+
+/// The lowest modes of a slender model, up to `f_max_hz` and at most `most` of them, from band matrices: a count
+/// by inertia proves that none is missing. None where the model is not slender, where they are more than a part
+/// of all modes, or where rounding leaves a doubt: then [`AllModes`] has to tell.
+#[must_use]
+pub fn low_modes(model: &Model, f_max_hz: f64, most: Option<usize>) -> Option<Modes> {
+    let structure = Structure::of(model);
+    if !structure.is_slender() {
+        return None;
+    }
+    let mut band = ReducedModes::new(Arc::new(structure));
+    band.set_matrices(model.stiffness(), model.mass());
+    let mut limit = eigenvalue(f_max_hz);
+    if let Some(most) = most {
+        limit = limit.min(band.above(most)?);
+    }
+    if !(limit.is_finite() && band.solve(0, limit)) {
+        return None;
+    }
+    let (mut lambda, mut shapes) = (Vec::new(), Vec::new());
+    band.modes(&mut lambda, &mut shapes);
+    lambda.truncate(most.unwrap_or(usize::MAX));
+    let n = model.n_dof();
+    Some(Modes {
+        freq_hz: lambda.iter().map(|&l| hertz(l)).collect(),
+        shapes: Mat::from_fn(n, lambda.len(), |dof, r| shapes[r * n + dof]),
     })
+}
+
+impl ReducedModes {
+    /// A λ with `most` modes below it, or a few more; none where the search for it leads nowhere.
+    fn above(&mut self, most: usize) -> Option<f64> {
+        let n = self.mass.n();
+        let enough = most..=most + most / 2 + SPARE;
+        let largest = (0..n)
+            .map(|j| self.stiffness.diagonal(j))
+            .fold(0.0, f64::max);
+        let (mut low, mut high) = (0.0, largest);
+        for _ in 0..MOST_COUNTS {
+            // Halving the exponent, until there is a lower end.
+            let at = if low > 0.0 {
+                f64::sqrt(low * high)
+            } else {
+                COARSE * high
+            };
+            let (count, _) = count_below(&self.stiffness, &self.mass, at, &mut self.work);
+            if enough.contains(&count) {
+                return Some(at);
+            }
+            *(if count < most { &mut low } else { &mut high }) = at;
+        }
+        None
+    }
 }

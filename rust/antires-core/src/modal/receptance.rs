@@ -115,6 +115,12 @@ impl Receptance {
         self.drop_negligible(modes);
     }
 
+    /// Sets the poles up to `limit` aside whose residues are below `factor` times the bar so far.
+    pub fn raise_bar(&mut self, factor: f64, limit: f64) {
+        self.negligible *= factor;
+        self.drop_negligible(self.poles.partition_point(|&l| l <= limit));
+    }
+
     fn drop_negligible(&mut self, modes: usize) {
         let mut kept = 0;
         for r in 0..self.poles.len() {
@@ -131,8 +137,8 @@ impl Receptance {
         self.cancelled.sort_by(f64::total_cmp);
     }
 
-    /// Looks at the signs of the residues. Between neighbours of one sign lies an odd number of roots, so as many
-    /// pairs of them as there are roots at most leave none for elsewhere.
+    /// Looks at the signs of the residues. Between neighbours of one sign lies an odd number of roots, so
+    /// as many pairs of them as there are roots at most leave none for elsewhere.
     #[must_use]
     pub fn pattern(&self) -> Pattern {
         let first = self.residues[0];

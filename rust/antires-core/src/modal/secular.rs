@@ -57,7 +57,8 @@ pub struct Secular<'a> {
 }
 
 /// Appends the roots of `h` in (low, high] to `roots`, ascending; `high` may be infinite. False when
-/// rounding leaves a doubt about the number of them. Their places are good to [`Receptance::noise_and_slope`].
+/// rounding leaves a doubt about the number of them. Their places are good to
+/// [`Receptance::noise_and_slope`].
 pub fn roots(
     h: &Receptance,
     low: f64,
@@ -204,14 +205,18 @@ impl Secular<'_> {
     /// Looks whether H really vanishes on the poles that are taken for cancelled ones.
     fn check_cancelled(&mut self) {
         let h = self.h;
-        // At a pole that i or k does not see, the pencil has a root if the rest of H stands out there:
-        // at a distance of residue / H, and the residue may be as large as what counts as negligible.
-        let hollow = |&l: &f64| {
-            let least = h.noise_and_slope(l).0 + h.negligible / (ON_A_POLE * l);
-            l > 0.0 && least.is_finite() && h.value(l).abs() <= least
-        };
-        self.doubtful |= h.cancelled.iter().any(hollow);
+        self.doubtful |= h.cancelled.iter().any(|&l| is_hollow(h, l));
     }
+}
+
+/// Whether H vanishes at `l`, a pole that i or k does not see, so that rounding hides what the pencil has there.
+///
+/// It has a root if the rest of H stands out, at a distance of residue / H, and the residue may be as large as
+/// what counts as negligible.
+#[must_use]
+pub fn is_hollow(h: &Receptance, l: f64) -> bool {
+    let least = h.noise_and_slope(l).0 + h.negligible / (ON_A_POLE * l);
+    l > 0.0 && least.is_finite() && h.value(l).abs() <= least
 }
 
 /// Whether the poles on either side of the cell, at its ends or further away, have residues of one sign.

@@ -77,7 +77,8 @@ impl Structure {
         }
     }
 
-    /// Upper bound of the degree in x of det(K_ik − x M_ik): of the number of roots. None for large structures.
+    /// Upper bound of the degree in x of det(K_ik − x M_ik): of the number of roots. None for large
+    /// structures.
     #[must_use]
     pub fn degree(&self, i: usize, k: usize) -> Option<usize> {
         let degrees = self.degrees.as_ref()?;

@@ -1,0 +1,194 @@
+//! A root of H_ik on the matrices themselves, by Newton's method.
+//!
+//! ```text
+//! x ← x − H_ik / H'_ik,    H_ik = e_iᵀu,  H'_ik = wᵀMu,  (K − xM) u = e_k,  (K − xM) w = e_i
+//! ```
+//!
+//! One ulp of random sign in each entry of K and M moves the root by eps √(Σ (w_r K_rs u_s)² + x² (w_r M_rs u_s)²)
+//! / |wᵀMu|: the measure of what its place can be known to. Unlike a condition number of the whole matrices, it
+//! does not count the stiffest entries against a mode that does not strain them: a soft support under a fine
+//! mesh is known as well as its spring.
+//!
+//! The band factors come first ([`ReducedModes`]). Where rounding spoils them, or where a pole so near that the
+//! steps do not settle, two-sided Rayleigh quotients on the deleted pencil, which knows no pole, take over:
+//!
+//! ```text
+//! v ← (K_ik − xM_ik)⁻¹ v,  y ← (K_ik − xM_ik)⁻ᵀ y,    x ← yᵀK_ik v / yᵀM_ik v
+//! ```
+//!
+//! Reference: Ostrowski, Arch. Rational Mech. Anal. 3 (1959) 325-340 (two-sided quotients converge cubically).
+
+use faer::prelude::Solve;
+use faer::{Col, Mat, MatRef};
+
+use super::reduced::ReducedModes;
+use crate::linalg::tolerances::ROOT_UNCERTAINTY;
+
+/// Most steps: from three digits four lead to the last.
+const NEWTON_STEPS: usize = 8;
+
+/// Relative step below which a root is polished.
+const POLISHED: f64 = 1e-12;
+
+/// Farthest that a polish may carry a root, relatively.
+const FARTHEST: f64 = 1e-2;
+
+/// Ulps of K and M within which a root is where it can be.
+const MOST_ULPS: f64 = 16.0;
+
+/// Newton's step at a point, and how far one ulp of K and M moves the root.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Step {
+    /// −H/H'.
+    pub length: f64,
+    /// See the module.
+    pub ulp: f64,
+}
+
+/// A root on the matrices, and how far one ulp of theirs moves it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Polished {
+    pub x: f64,
+    pub ulp: f64,
+}
+
+/// The root within `reach` of `x`, or as near as rounding of K and M tells; none where the steps do not settle
+/// on one, or where an ulp of K and M can carry it to zero or infinity.
+fn newton(x: f64, reach: f64, mut step_at: impl FnMut(f64) -> Option<Step>) -> Option<Polished> {
+    let mut at = x;
+    for turn in 1..=NEWTON_STEPS {
+        let Step { length, ulp } = step_at(at)?;
+        at += length;
+        let reach = reach.max(MOST_ULPS * ulp).min(FARTHEST * x);
+        // NaN is no root.
+        if !((at - x).abs() <= reach && ulp <= ROOT_UNCERTAINTY * at) {
+            return None;
+        }
+        let enough = if turn < NEWTON_STEPS {
+            ulp
+        } else {
+            MOST_ULPS * ulp
+        };
+        if length.abs() <= enough.max(POLISHED * at) {
+            return Some(Polished { x: at, ulp });
+        }
+    }
+    None
+}
+
+impl ReducedModes {
+    /// The root of H_ik nearest to `x` within `reach` on the matrices last set; none where there is none, or
+    /// where rounding spoils the factors of K − xM.
+    pub(super) fn polish(
+        &mut self,
+        (i, k): (usize, usize),
+        x: f64,
+        reach: f64,
+    ) -> Option<Polished> {
+        let (i, k) = (self.structure.row(i), self.structure.row(k));
+        newton(x, reach, |at| self.newton_step((i, k), at))
+    }
+}
+
+/// [`ReducedModes::polish`] on the deleted pencil, for any matrices.
+pub(super) fn polish_deleted(
+    (k_mat, m_mat): (MatRef<'_, f64>, MatRef<'_, f64>),
+    (i, k): (usize, usize),
+    x: f64,
+    reach: f64,
+) -> Option<Polished> {
+    // Powers of two, which round nothing, give translations and rotations one unit.
+    let scale: Vec<f64> = (0..k_mat.nrows())
+        .map(|d| match k_mat[(d, d)] {
+            s if s > 0.0 => (-0.5 * s.log2()).round().exp2(),
+            _ => 1.0,
+        })
+        .collect();
+    let n = k_mat.nrows() - 1;
+    let part = |a: MatRef<'_, f64>| {
+        Mat::from_fn(n, n, |r, c| {
+            let (r, c) = (r + usize::from(r >= i), c + usize::from(c >= k));
+            a[(r, c)] * scale[r] * scale[c]
+        })
+    };
+    let (stiffness, mass) = (part(k_mat), part(m_mat));
+    let mut v = Col::from_fn(n, |r| 1.0 + 0.3 * (1.7 * r as f64).sin());
+    let mut y = v.clone();
+    newton(x, reach, |at| {
+        let shifted = Mat::from_fn(n, n, |r, c| stiffness[(r, c)] - at * mass[(r, c)]);
+        let factors = shifted.partial_piv_lu();
+        for _ in 0..2 {
+            v = unit(factors.solve(&v));
+            y = unit(factors.solve_transpose(&y));
+        }
+        let (mut force, mut slope, mut moved) = (0.0, 0.0, 0.0);
+        for c in 0..n {
+            for r in 0..n {
+                let by_k = y[r] * stiffness[(r, c)] * v[c];
+                let by_m = y[r] * mass[(r, c)] * v[c];
+                force += y[r] * shifted[(r, c)] * v[c];
+                slope += by_m;
+                moved += by_k * by_k + at * at * by_m * by_m;
+            }
+        }
+        Some(Step {
+            length: force / slope,
+            ulp: f64::EPSILON * moved.sqrt() / slope.abs(),
+        })
+    })
+}
+
+fn unit(v: Col<f64>) -> Col<f64> {
+    let size = v.norm_l2();
+    v * faer::Scale(size.recip())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::chain::mass_spring_chain;
+    use crate::fem::model::Model;
+    use crate::modal::structure::Structure;
+    use std::sync::Arc;
+
+    /// A stiff chain of n masses, its last one on a soft spring.
+    fn soft(n: usize) -> Model {
+        mass_spring_chain(&vec![1.0; n], &vec![1e12; n - 1], 0.0, 1e2).unwrap()
+    }
+
+    #[test]
+    fn both_ways_lead_to_one_root() {
+        let model = soft(60);
+        let matrices = (model.stiffness(), model.mass());
+        let mut band = ReducedModes::new(Arc::new(Structure::of(&model)));
+        band.set_matrices(matrices.0, matrices.1);
+        // Fixed at mass 30, the masses above it are a rod, fixed and free: 4 k sin²(π / (4 m + 2)).
+        let m = 30.0_f64;
+        let want = 4e12 * (std::f64::consts::PI / (4.0 * m + 2.0)).sin().powi(2);
+        for start in [0.999 * want, 1.0008 * want] {
+            let reach = 2e-3 * want;
+            let by_band = band.polish((30, 59), start, reach).unwrap();
+            let deleted = polish_deleted(matrices, (30, 59), start, reach).unwrap();
+            for found in [by_band, deleted] {
+                assert!((found.x / want - 1.0).abs() < 1e-12, "{found:?} {want}");
+                assert!(found.ulp < 1e-12 * want);
+            }
+            let short = 1e-5 * want;
+            assert!(band.polish((30, 59), start, short).is_none());
+            assert!(polish_deleted(matrices, (30, 59), start, short).is_none());
+        }
+    }
+
+    #[test]
+    fn where_there_is_no_root_none_is_made() {
+        let model = soft(60);
+        let matrices = (model.stiffness(), model.mass());
+        let mut band = ReducedModes::new(Arc::new(Structure::of(&model)));
+        band.set_matrices(matrices.0, matrices.1);
+        // The transfer from end to end of a chain has no zero.
+        for x in [1.0, 1e6, 1e11, 1e13] {
+            assert!(band.polish((0, 59), x, 1e-2 * x).is_none());
+            assert!(polish_deleted(matrices, (0, 59), x, 1e-2 * x).is_none());
+        }
+    }
+}
