@@ -1,7 +1,7 @@
 //! Antiresonances of H_ik: the positive real x = ω² with det(K_ik − x M_ik) = 0.
 //!
 //! - The **modal route** takes one symmetric eigenproblem for all responses and brackets the zeros of
-//!   each receptance between its poles ([`secular`]). It is what the optimizer runs.
+//!   each receptance between its poles ([`super::secular`]). It is what the optimizer runs.
 //! - The **pencil route** deletes row i and column k and solves the general eigenproblem by QZ
 //!   ([`crate::linalg::pencil`]). It is the reference, but for roots far below the norm of the matrices: those
 //!   that the modal series isolates and Newton's method confirms on the matrices are joined to it (`join`).
