@@ -56,7 +56,10 @@ try:
 except KeyboardInterrupt:
     print("interrupted")
 """
+# Imported beforehand: scipy.stats runs text by exec, after which Python exits as if the interrupt had not been
+# caught.
 IDENTIFY = """
+import scipy.signal
 record = case.experiment(0, rng=0, duration_s=2400.0)
 threading.Timer(0.3, lambda: print("under way", flush=True)).start()
 try:
