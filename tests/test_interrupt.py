@@ -56,8 +56,8 @@ try:
 except KeyboardInterrupt:
     print("interrupted")
 """
-# Imported beforehand: scipy.stats runs text by exec, after which Python exits as if the interrupt had not been
-# caught.
+# Imported beforehand: scipy.stats runs text by exec, and an interrupt in there, though caught, makes Python
+# exit by the signal.
 IDENTIFY = """
 import scipy.signal
 record = case.experiment(0, rng=0, duration_s=2400.0)
