@@ -237,3 +237,21 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     ar.write_npz(tmp_path / "record.npz", ar.Recording(record.responses, 32.0))
     assert cli.main(["init", str(job), "--data", str(tmp_path / "record.npz"), "--overwrite"]) == 0
     assert "dofs" not in tomllib.loads(job.read_text())["data"]
+
+
+def test_a_remedy_is_spelled_as_its_reader_would_write_it(tmp_path, capsys):
+    """In Python, on the command line and in a job."""
+    table = tmp_path / "unnamed.csv"
+    table.write_text("".join(f"{0.01 * i:.2f},{i % 7},{i % 5}\n" for i in range(200)), encoding="utf-8")
+    with pytest.raises(ar.InvalidInputError, match="Pass first='time', first='freq' or, with fs_hz=, "):
+        ar.read_csv(table)
+    assert cli.main(["identify", str(table), "--band", "3", "30", "--excitation", "0"]) == 1
+    said = capsys.readouterr().err
+    assert "Pass --first time, --first freq or, with --fs, --first channel." in said
+    job = tmp_path / "job.toml"
+    job.write_text('[data]\nfile = "unnamed.csv"\nexcitation = 0\nband_hz = [3.0, 30.0]\n[model]\n'
+                   'kind = "chain"\nmasses_kg = [1, 1]\nsprings_n_per_m = [1e4]\n[damage]\n')
+    assert cli.main(["damage", str(job)]) == 1
+    said = capsys.readouterr().err
+    assert 'line 2, [data] file: got' in said
+    assert 'Pass first = "time", first = "freq" or, with fs_hz, first = "channel".' in said

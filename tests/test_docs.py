@@ -94,7 +94,8 @@ def test_what_a_page_links_to_is_there(page):
 
 def test_the_pages_are_built_without_a_warning(tmp_path):
     """The gallery is not executed here: test_gallery.py does that."""
-    for module in ("sphinx", "pydata_sphinx_theme", "sphinx_gallery", "numpydoc", "myst_parser", "matplotlib"):
+    for module in ("sphinx", "pydata_sphinx_theme", "sphinx_gallery", "numpydoc", "myst_parser",
+                   "matplotlib"):
         pytest.importorskip(module)
     for folder in ("docs", "examples"):
         shutil.copytree(DOCS.parent / folder, tmp_path / folder, ignore=shutil.ignore_patterns(

@@ -112,7 +112,7 @@ class UpdateResult:
 
     @property
     def std(self) -> FloatArray:
-        """Standard deviation of each parameter to first order, (n,); see :mod:`antires_rs.identifiability`."""
+        """Standard deviation of each parameter to first order, (n,), by :mod:`antires_rs.identifiability`."""
         return self.identifiability.std
 
     def _values(self) -> list[str]:

@@ -141,7 +141,7 @@ def _foreign(file: Path, table: Table, first: str | None, fs_hz: float | None, d
                  else "channel" if table.names and fs_hz is not None else None)
     if first is None:
         unsuitable(file, f"whose first column, {names[0]!r}, is neither called time nor frequency",
-                   "to know what it is", "Pass first='time', 'freq' or, with fs_hz=, 'channel'.")
+                   "to know what it is", "Pass first='time', first='freq' or, with fs_hz=, first='channel'.")
     skip = 0 if first == "channel" else 1
     if len(columns) <= skip:
         unsuitable(file, "with no column of values", "at least one beside the first")
