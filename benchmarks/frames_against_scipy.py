@@ -62,7 +62,7 @@ def main(frames=200, digits=20, first=0):
     for seed in range(first, first + frames):
         rng = np.random.default_rng([4, seed])
         k_mat, m_mat = random_frame(rng)
-        limit_hz, modes = band_of(k_mat, m_mat, rng)
+        limit_hz, _ = band_of(k_mat, m_mat, rng)
         excitation = int(rng.integers(0, len(k_mat)))
         responses = [excitation, int(rng.integers(0, len(k_mat)))]
         model = ar.MatrixModel(k_mat, m_mat)

@@ -8,9 +8,9 @@ import pytest
 
 from antires_rs.data_check import check_data
 from antires_rs.signals import FrequencyResponse, Recording
-from virtual_records import CHAIN8_MASSES, CHAIN8_SPRINGS, accelerance, chain_matrices
+from virtual_records import accelerance, chain8_matrices
 
-STIFFNESS, MASS = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+STIFFNESS, MASS = chain8_matrices()
 
 
 def check(resp, excitation=0):

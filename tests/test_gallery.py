@@ -15,7 +15,7 @@ LONGEST = 60
 
 
 @pytest.fixture
-def pyplot(monkeypatch):
+def pyplot():
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
     from matplotlib import pyplot

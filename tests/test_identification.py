@@ -10,16 +10,9 @@ from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
 from antires_rs.identification import identify_antiresonances
 from antires_rs.signals import FrequencyResponse, Recording
 from antires_rs.spectra import frf, transmissibility
-from virtual_records import (
-    CHAIN8_MASSES,
-    CHAIN8_SPRINGS,
-    accelerance,
-    chain_matrices,
-    random_record,
-    true_antiresonances,
-)
+from virtual_records import accelerance, chain8_matrices, random_record, true_antiresonances
 
-STIFFNESS, MASS = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+STIFFNESS, MASS = chain8_matrices()
 TRUTH = [true_antiresonances(STIFFNESS, MASS, dof, 0) for dof in range(8)]
 BAND = (3.0, 130.0)
 FS = 512.0

@@ -15,16 +15,9 @@ from antires_rs.modal_identification import identify_modes
 from antires_rs.modal_set import ModalSet
 from antires_rs.residues import residues
 from antires_rs.signals import FrequencyResponse, Recording
-from virtual_records import (
-    CHAIN8_MASSES,
-    CHAIN8_SPRINGS,
-    accelerance,
-    chain_matrices,
-    hit_record,
-    random_record,
-)
+from virtual_records import accelerance, chain8_matrices, hit_record, random_record
 
-STIFFNESS, MASS = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+STIFFNESS, MASS = chain8_matrices()
 LAMBDA, PHI = scipy.linalg.eigh(STIFFNESS, MASS)
 # Without the rigid-body mode at 0 Hz.
 TRUTH = ModalSet(np.sqrt(LAMBDA[1:]) / (2 * np.pi), PHI[:, 1:].T)
