@@ -192,7 +192,7 @@ def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
     assert json.loads(capsys.readouterr().out)["antiresonances"][7]["freq_hz"] == []
 
 
-def test_warnings_take_one_line(tmp_path, monkeypatch, capsys):
+def test_warnings_take_one_line(tmp_path, capsys):
     noise = np.random.default_rng(0).standard_normal((3, 4096))
     noise[1] = 0.0
     ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 256.0))
