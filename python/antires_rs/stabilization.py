@@ -18,6 +18,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ._pickling import ReadOnly
 from ._validation import ComplexArray, FloatArray, finite_scalar, integer, reject
 from .accepted import Accepted, Value
 from .peaks import dominance
@@ -56,7 +57,7 @@ class Rule:
 
 
 @dataclass(frozen=True, repr=False)
-class StabilizationDiagram:
+class StabilizationDiagram(ReadOnly):
     """Poles of every order, which of them are stable, and the values accepted.
 
     Attributes
