@@ -14,6 +14,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs import cli, demo
+from job_files import DAMAGE, write_measured
 
 FILES = {"stabilization.png", "transmissibility.png", "differences.png", "damage.png", "convergence.png",
          "updating.html", "damage.html", "summary.json"}
@@ -237,3 +238,24 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     ar.write_npz(tmp_path / "record.npz", ar.Recording(record.responses, 32.0))
     assert cli.main(["init", str(job), "--data", str(tmp_path / "record.npz"), "--overwrite"]) == 0
     assert "dofs" not in tomllib.loads(job.read_text())["data"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
+@pytest.mark.parametrize("module", ["antires_rs.cli.command", "antires_rs.cli.parser", "antires_rs.jobs.run"])
+def test_ctrl_c_while_modules_are_loaded_is_one_line(tmp_path, module):
+    write_measured(tmp_path)
+    (tmp_path / "job.toml").write_text(DAMAGE)
+    code = f"""
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupting())
+from antires_rs.cli import main
+sys.exit(main())
+"""
+    done = subprocess.run([sys.executable, "-c", code, "damage", "job.toml"], cwd=tmp_path, check=False,
+                          capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "antires: interrupted\n")
