@@ -259,3 +259,25 @@ sys.exit(main())
     done = subprocess.run([sys.executable, "-c", code, "damage", "job.toml"], cwd=tmp_path, check=False,
                           capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "antires: interrupted\n")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
+def test_an_import_that_ctrl_c_broke_is_ctrl_c_and_no_other(monkeypatch, capsys):
+    """NumPy's C code, for one, makes an ImportError of a KeyboardInterrupt."""
+    def broken(*args, **options):
+        with contextlib.suppress(KeyboardInterrupt):
+            os.kill(os.getpid(), interrupt)
+        raise ImportError("PyCapsule_Import could not import module")
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        monkeypatch.setattr(demo, "command", broken)
+        interrupt = signal.SIGINT
+        assert cli.main(["demo"]) == 130
+        assert capsys.readouterr().err == "antires: interrupted\n"
+        interrupt = 0
+        with pytest.raises(ImportError, match="PyCapsule"):
+            cli.main(["demo"])
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
