@@ -14,6 +14,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs import cli, demo
+from job_files import DAMAGE, write_measured
 
 FILES = {"stabilization.png", "transmissibility.png", "differences.png", "damage.png", "convergence.png",
          "updating.html", "damage.html", "summary.json"}
@@ -255,3 +256,46 @@ def test_a_remedy_is_spelled_as_its_reader_would_write_it(tmp_path, capsys):
     said = capsys.readouterr().err
     assert 'line 2, [data] file: got' in said
     assert 'Pass first = "time", first = "freq" or, with fs_hz, first = "channel".' in said
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
+@pytest.mark.parametrize("module", ["antires_rs.cli.command", "antires_rs.cli.parser", "antires_rs.jobs.run"])
+def test_ctrl_c_while_modules_are_loaded_is_one_line(tmp_path, module):
+    write_measured(tmp_path)
+    (tmp_path / "job.toml").write_text(DAMAGE)
+    code = f"""
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupting())
+from antires_rs.cli import main
+sys.exit(main())
+"""
+    done = subprocess.run([sys.executable, "-c", code, "damage", "job.toml"], cwd=tmp_path, check=False,
+                          capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "antires: interrupted\n")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
+def test_an_import_that_ctrl_c_broke_is_ctrl_c_and_no_other(monkeypatch, capsys):
+    """NumPy's C code, for one, makes an ImportError of a KeyboardInterrupt."""
+    def broken(*args, **options):
+        with contextlib.suppress(KeyboardInterrupt):
+            os.kill(os.getpid(), interrupt)
+        raise ImportError("PyCapsule_Import could not import module")
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        monkeypatch.setattr(demo, "command", broken)
+        interrupt = signal.SIGINT
+        assert cli.main(["demo"]) == 130
+        assert capsys.readouterr().err == "antires: interrupted\n"
+        interrupt = 0
+        with pytest.raises(ImportError, match="PyCapsule"):
+            cli.main(["demo"])
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)

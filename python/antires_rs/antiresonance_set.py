@@ -14,6 +14,7 @@ from . import _edits, _set_file
 from ._columns import companions, label, sorted_scores, values_of, with_column
 from ._edits import Edit
 from ._files import write_atomically
+from ._pickling import ReadOnly
 from ._validation import FloatArray, choice, reject
 from .signals import frozen
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["AntiresonanceSet", "Edit"]
 
 
-class AntiresonanceSet(Mapping[Any, FloatArray]):
+class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
     """Antiresonant frequencies by response dof, a mapping ``{dof: freq_hz}``.
 
     Parameters
@@ -86,11 +87,8 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
                  scores: Mapping[Any, Mapping[str, Any]] | None = None) -> None:
         self.excitation = label("excitation", excitation)
         if not isinstance(freq_hz, Mapping) or not freq_hz:
-            reject(
-                "freq_hz",
-                type(freq_hz).__name__ if not isinstance(freq_hz, Mapping) else "an empty mapping",
-                "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}",
-            )
+            got = "an empty mapping" if isinstance(freq_hz, Mapping) else type(freq_hz).__name__
+            reject("freq_hz", got, "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}")
         self._freq_hz: dict[Any, FloatArray] = {}
         self.diagrams: dict[Any, Any] = dict(diagrams or {})
         self.edits: tuple[Edit, ...] = ()

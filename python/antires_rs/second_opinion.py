@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from ._pickling import ReadOnly
 from ._validation import ComplexArray, FloatArray, choice, finite_scalar, frequency_band, integer, reject
 from .bands import Window, windows
 from .exceptions import UnsuitableDataError
@@ -41,7 +42,7 @@ FLANK, FLANK_SNR = (0.02, 0.20), 2.0
 
 
 @dataclass(frozen=True, repr=False)
-class SecondOpinion:
+class SecondOpinion(ReadOnly):
     """What another method says of identified values.
 
     Attributes

@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ._pickling import ReadOnly
 from ._validation import (
     ComplexArray,
     FloatArray,
@@ -40,7 +41,7 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Recording:
+class Recording(ReadOnly):
     """Responses recorded together on one clock.
 
     Parameters
@@ -162,7 +163,7 @@ def without_force(rec: Recording) -> Recording:
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class FrequencyResponse:
+class FrequencyResponse(ReadOnly):
     """Frequency responses, or transmissibilities, of several dofs to one excitation.
 
     Parameters

@@ -18,6 +18,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ._pickling import ReadOnly
 from ._validation import ComplexArray, FloatArray, integer
 from .accepted import Accepted, Value
 from .peaks import dominance
@@ -32,7 +33,7 @@ SMALL_DAMPING = 0.01
 
 
 @dataclass(frozen=True, repr=False)
-class StabilizationDiagram:
+class StabilizationDiagram(ReadOnly):
     """Poles of every order, which of them are stable, and the values accepted.
 
     Attributes
