@@ -11,7 +11,7 @@ from antires_rs.formulations import FORMULATIONS, sweep_of, warn_of_formulation
 from antires_rs.power_fit import PowerFit, PowerSweep, real_basis, real_roots
 from antires_rs.response_lines import Lines, lines_of_recording
 from antires_rs.signals import Recording
-from antires_rs.stabilization import Rule, diagram
+from antires_rs.stabilization_diagram import Rule, diagram
 from virtual_records import (
     CHAIN8_MASSES,
     CHAIN8_SPRINGS,

@@ -48,7 +48,7 @@ from .first_guess import guessed_weights
 from .power_fit import PowerFit, PowerSweep
 from .rational import NestedFit
 from .response_lines import SNR_CAP, Lines
-from .stabilization import PoleSweep, Rule
+from .stabilization_diagram import PoleSweep, Rule
 
 __all__ = ["FORMULATIONS", "sweep_of", "warn_of_formulation"]
 
@@ -96,7 +96,7 @@ def sweep_of(lines: Lines, row: int, min_order: int, max_order: int, rule: Rule,
     >>> import numpy as np
     >>> from antires_rs.formulations import sweep_of
     >>> from antires_rs.response_lines import Lines
-    >>> from antires_rs.stabilization import Rule
+    >>> from antires_rs.stabilization_diagram import Rule
     >>> f = np.linspace(2.0, 30.0, 600)
     >>> x = np.array([1.0 - f**2 / (10.0**2 + 0.2j * f), 1.0 + 0j * f])  # the first vanishes at 10 Hz
     >>> lines = Lines(f, x / np.linalg.norm(x, axis=0), np.full(600, 1e6))

@@ -37,7 +37,7 @@ from .persistence import add_persistent
 from .presets import rule_options
 from .response_lines import FORCE, Lines, lines_of_recording, lines_of_response
 from .signals import FrequencyResponse, Recording, without_force
-from .stabilization import PoleSweep, Rule, StabilizationDiagram, ZeroSweep, diagram, without_common
+from .stabilization_diagram import PoleSweep, Rule, StabilizationDiagram, ZeroSweep, diagram, without_common
 
 __all__ = ["identify_antiresonances"]
 

@@ -31,7 +31,7 @@ from .bands import Window
 from .likelihood import Likeliest, likeliest
 from .numerators import NumeratorSweep, shared
 from .response_lines import SNR_CAP, Lines
-from .stabilization import Rule, StabilizationDiagram, diagram
+from .stabilization_diagram import Rule, StabilizationDiagram, diagram
 from .uncertainty import Influence, standard_deviations
 
 # A chain and a zero of the likeliest fit this close belong together: the chain may be biased by so much.

@@ -17,7 +17,7 @@ import numpy as np
 
 from ._validation import FloatArray
 from .accepted import Accepted, Value
-from .stabilization import Rule, StabilizationDiagram, Sweep
+from .stabilization_diagram import Rule, StabilizationDiagram, Sweep
 
 WIDTH = 0.02
 PRESENCE = 0.75

@@ -22,7 +22,7 @@ import numpy as np
 
 from ._validation import ComplexArray, FloatArray
 from .forsythe import TOP_COEFFICIENT
-from .stabilization import PoleSweep
+from .stabilization_diagram import PoleSweep
 
 __all__ = ["PowerFit", "PowerSweep", "RealBasis", "real_basis", "real_roots"]
 

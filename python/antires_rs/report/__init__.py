@@ -28,7 +28,7 @@ from ..tables import ModalTable
 
 if TYPE_CHECKING:
     from ..signals import FrequencyResponse
-    from ..stabilization import StabilizationDiagram
+    from ..stabilization_diagram import StabilizationDiagram
 
 __all__ = ["write_report"]
 
