@@ -51,7 +51,7 @@ $(STAMP): pyproject.toml $(RUST)
 
 define VENV_MADE
 @test -n "$(PYTHON)" || { echo "No Python of at least 3.11 found: make PYTHON=/path/to/python" >&2; exit 1; }
-@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv $(VENV)
 endef
 
 # What pyproject.toml lists, quoted for the shell (older pip cannot read dependency groups).
