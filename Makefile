@@ -46,7 +46,8 @@ $(STAMP): pyproject.toml $(RUST)
 	@echo "Making $(VENV) and building the Rust core into it: a few minutes the first time, seconds afterwards."
 	$(VENV_MADE)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(BUILD_TOOLS) $(TEST_TOOLS)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --editable ".[all]"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--no-build-isolation --editable ".[all]"
 	@touch $@
 
 define VENV_MADE
