@@ -67,13 +67,6 @@ def test_a_file_in_the_way_is_a_failed_run(tmp_path, capsys):
     assert "taken" in capsys.readouterr().err
 
 
-def test_help_does_not_load_the_pictures():
-    code = ("import sys; from antires_rs.cli import main\ntry: main(['--help'])\nexcept SystemExit: pass\n"
-            "print({'matplotlib', 'jinja2', 'scipy.signal', 'antires_rs.demo'} & set(sys.modules))")
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "set()"
-
-
 def test_demo_tells_the_story_and_writes_the_files(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(demo, "MAX_EVALUATIONS", 20_000)
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)

@@ -12,7 +12,7 @@ from antires_rs.power_fit import PowerFit, PowerSweep, real_basis, real_roots
 from antires_rs.response_lines import Lines, lines_of_recording
 from antires_rs.rule import Rule
 from antires_rs.signals import Recording
-from antires_rs.stabilization import diagram
+from antires_rs.stabilization_diagram import diagram
 from virtual_records import accelerance, chain8_matrices, random_record, true_antiresonances
 
 STIFFNESS, MASS = chain8_matrices()

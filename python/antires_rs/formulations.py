@@ -49,7 +49,7 @@ from .power_fit import PowerFit, PowerSweep
 from .rational import NestedFit
 from .response_lines import Lines
 from .rule import Rule
-from .stabilization import PoleSweep
+from .stabilization_diagram import PoleSweep
 
 __all__ = ["FORMULATIONS", "sweep_of", "warn_of_formulation"]
 

@@ -38,7 +38,7 @@ from .presets import rule_options
 from .response_lines import FORCE, Lines, lines_of
 from .rule import Rule
 from .signals import FrequencyResponse, Recording, band_of, without_force
-from .stabilization import PoleSweep, StabilizationDiagram, ZeroSweep, diagram, without_common
+from .stabilization_diagram import PoleSweep, StabilizationDiagram, ZeroSweep, diagram, without_common
 
 __all__ = ["identify_antiresonances"]
 

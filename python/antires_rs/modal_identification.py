@@ -1,9 +1,10 @@
 r"""Resonances, damping ratios and mode shapes from FRFs, or from responses alone.
 
 FRFs of one force are fitted jointly, the order is swept, and the poles of H that stay are the resonances
-(module ``stabilization``); residues at them give the shapes (module ``residues``). Without the force the same
-is done with the positive half spectra of the responses (module ``half_spectra``), on the assumption that the
-spectrum of the force is flat where the resonances are: a peak of the force would come out as a mode.
+(module ``stabilization_diagram``); residues at them give the shapes (module ``residues``). Without the
+force the same is done with the positive half spectra of the responses (module ``half_spectra``), on the
+assumption that the spectrum of the force is flat where the resonances are: a peak of the force would come
+out as a mode.
 
 Modes just outside the band reach into it, and no smooth residual term can stand for them. So the lines around
 the band, as far as there are any, are fitted too; the poles found there enter the residues, and are dropped.
@@ -29,7 +30,7 @@ from .rule import Rule
 from .segment_length import choose_nperseg
 from .signals import FrequencyResponse, Recording, band_of, covered_hz
 from .spectra import cross_spectra, two_channel
-from .stabilization import PoleSweep, StabilizationDiagram, diagram
+from .stabilization_diagram import PoleSweep, StabilizationDiagram, diagram
 from .transient import is_transient, transient_spectra
 
 __all__ = ["identify_modes"]

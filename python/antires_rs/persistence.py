@@ -18,7 +18,7 @@ import numpy as np
 from ._validation import FloatArray
 from .accepted import Accepted, Value
 from .rule import Rule
-from .stabilization import StabilizationDiagram, Sweep
+from .stabilization_diagram import StabilizationDiagram, Sweep
 
 WIDTH = 0.02
 PRESENCE = 0.75

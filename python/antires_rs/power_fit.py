@@ -24,7 +24,7 @@ from ._validation import ComplexArray, FloatArray
 from .forsythe import comrade_roots
 from .peaks import share_of_curve
 from .rational import CommonDenominator
-from .stabilization import PoleSweep
+from .stabilization_diagram import PoleSweep
 
 __all__ = ["PowerFit", "PowerSweep", "RealBasis", "real_basis", "real_roots"]
 

@@ -112,7 +112,10 @@ class UpdateResult:
 
     @property
     def std(self) -> FloatArray:
-        """Standard deviation of each parameter to first order, (n,), by :mod:`antires_rs.identifiability`."""
+        """Standard deviation of each parameter to first order, (n,).
+
+        See :class:`~antires_rs.identifiability.Identifiability`.
+        """
         return self.identifiability.std
 
     def _values(self) -> list[str]:

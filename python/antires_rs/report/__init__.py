@@ -28,7 +28,7 @@ from ..tables import ModalTable
 
 if TYPE_CHECKING:
     from ..signals import FrequencyResponse
-    from ..stabilization import StabilizationDiagram
+    from ..stabilization_diagram import StabilizationDiagram
 
 __all__ = ["write_report"]
 
@@ -82,6 +82,7 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
     if not isinstance(result, UpdateResult):
         reject("result", type(result).__name__, "an UpdateResult or a DamageResult")
     try:
+        import matplotlib  # noqa: F401 - only asked whether it is there
         from jinja2 import Environment, StrictUndefined
     except ImportError as exc:
         raise MissingDependencyError('reports need jinja2 and matplotlib; install them with: '

@@ -131,7 +131,7 @@ def stabilization(freq_hz: Any, values: Any, *, max_order: int = 60, min_order: 
     Examples
     --------
     >>> import numpy as np
-    >>> from antires_rs.stabilization import stabilization
+    >>> from antires_rs.stabilization_diagram import stabilization
     >>> f = np.linspace(1.0, 20.0, 400)
     >>> rng = np.random.default_rng(1)
     >>> t = 25 / (5**2 - f**2 + 0.1j * f) + 100 / (10**2 - f**2 + 0.2j * f)
