@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from io import BytesIO
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -10,11 +11,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from .._validation import FloatArray, reject
+from .._validation import FloatArray, frequency_band, reject
 from ..exceptions import MissingDependencyError
 
-__all__ = ["COLOURS", "GREY", "LINES", "below", "data_of", "fit_across", "new_axes", "offer", "picture",
-           "plain_log", "spread", "text_width_pt", "width_pt"]
+__all__ = ["COLOURS", "GREY", "LINES", "band_shown", "below", "data_of", "fit_across", "new_axes", "offer",
+           "picture", "plain_log", "spread", "text_width_pt", "width_pt"]
 
 Table = dict[str, NDArray[Any]]
 
@@ -116,6 +117,13 @@ def width_pt(ax: Any) -> float:
     return float(72.0 * wide * ax.get_position().width * ax.figure.bbox.width / ax.figure.dpi)
 
 
+def band_shown(freq_hz: FloatArray, band_hz: Sequence[float] | None) -> tuple[float, float]:
+    """The band asked for, inside the data; all of them by default."""
+    low, high = float(freq_hz[0]), float(freq_hz[-1])
+    return (low, high) if band_hz is None else frequency_band("band_hz", band_hz, low_hz=low, high_hz=high)
+
+
+@lru_cache(maxsize=1000)
 def text_width_pt(text: str, size_pt: float = 8.33) -> float:
     """Width of the longest line of a text, small by default."""
     from matplotlib.textpath import TextPath
@@ -125,7 +133,7 @@ def text_width_pt(text: str, size_pt: float = 8.33) -> float:
 
 def fit_across(ax: Any, names: Sequence[str], size_pt: float = 10.0) -> bool:
     """Whether evenly spaced labels fit side by side under the axes."""
-    longest = max((text_width_pt(name, size_pt) for name in names), default=0.0)
+    longest = text_width_pt(max(names, key=len, default=""), size_pt)
     return len(names) * (longest + 8.0) <= width_pt(ax)
 
 

@@ -132,5 +132,5 @@ def element_axis(ax: Any, names: list[str], upright: bool, first: tuple[str, ...
     spare = max(0.6, 0.5 * (4 - len(names)))  # one or two bars are bars, not blocks
     ax.set_xlim(-spare, len(names) - 1 + spare)
     ax.set_xlabel("Candidate element (no bar: exactly 0)")
-    length = max(text_width_pt(name, 10.0) for name in names)
+    length = text_width_pt(max(names, key=len), 10.0)
     below(ax, drop_pt=34.0 + length if upright else 44.0, first=first)

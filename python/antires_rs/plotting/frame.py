@@ -165,7 +165,8 @@ def _marked(ax: Any, points: FloatArray, nodes: list[int], marker: str, size: fl
 
 def _numbered(ax: Any, points: FloatArray, ends: FloatArray, arrows: list[FloatArray]) -> None:
     """Numbers from 1 beside the elements, out of the way of arrows."""
-    scale, size = points_per_unit(ax, points, MARGIN), 7.5 if len(ends) <= 60 else 6.5
+    size = 7.5 if len(ends) <= 30 else 6.5
+    scale = points_per_unit(ax, points, MARGIN)
     lines = np.array(arrows).reshape(-1, 2, 2)
     lines[:, 0] *= scale
     lines[:, 1] += lines[:, 0]

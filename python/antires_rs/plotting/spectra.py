@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import frequency_band, reject
+from .._validation import reject
 from ..signals import FrequencyResponse
-from .canvas import COLOURS, GREY, LINES, below, new_axes, offer
+from .canvas import COLOURS, GREY, LINES, band_shown, below, new_axes, offer
 
 if TYPE_CHECKING:
     from ..data_check import DataCheck
@@ -58,9 +58,7 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *,
                else type(resp).__name__, "a FrequencyResponse with coherence",
                "Estimate it from a record with several averages.")
     ax = new_axes(ax, (9.0, 4.0))
-    ends = float(resp.freq_hz[0]), float(resp.freq_hz[-1])
-    low, high = ends if band_hz is None else frequency_band(
-        "band_hz", band_hz, low_hz=ends[0], high_hz=ends[1])
+    low, high = band_shown(resp.freq_hz, band_hz)
     rows = [p for p, dof in enumerate(resp.dofs) if dof != resp.reference]
     curves = resp.coherence[rows]
     if len(rows) <= FEW:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import FloatArray, frequency_band, reject
+from .._validation import FloatArray, reject
 from ..signals import FrequencyResponse
 from ..spectra import transmissibility_sum
-from .canvas import COLOURS, below, new_axes, offer
+from .canvas import COLOURS, band_shown, below, new_axes, offer
 
 if TYPE_CHECKING:
     from ..models import StructuralModel
@@ -80,8 +80,7 @@ def plot_transmissibility(measured: FrequencyResponse, before: StructuralModel,
                "The reference over itself is one everywhere.")
     ax = new_axes(ax, (9.0, 4.5))
     freq = measured.freq_hz
-    low, high = (float(freq[0]), float(freq[-1])) if band_hz is None else frequency_band(
-        "band_hz", band_hz, low_hz=float(freq[0]), high_hz=float(freq[-1]))
+    low, high = band_shown(freq, band_hz)
     # A free structure moves without bound at 0 Hz.
     keep = (freq >= low) & (freq <= high) & (freq > 0.0)
     shown = FrequencyResponse(freq[keep], measured.values[:, keep], measured.dofs, "transmissibility",
