@@ -215,7 +215,7 @@ def test_report_of_a_result_and_of_its_folder(tmp_path, capsys):
     assert "Chain &lt;8&gt;" in (tmp_path / "a.html").read_text()
     drawn = set(os.listdir(tmp_path / "pictures"))
     assert drawn == {os.path.basename(file) for file in written["pictures"]}
-    assert drawn == {"damage.png", "differences.png", "convergence.png"}
+    assert drawn == {"damage.png", "model.png", "differences.png", "convergence.png"}
 
 
 def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):

@@ -124,7 +124,8 @@ def _numbers(found: AntiresonanceSet) -> dict[str, Any]:
 
 def report(args: argparse.Namespace) -> int:
     """The report of a result."""
-    from ..jobs.drawing import origin_of, pictures
+    from ..jobs.drawing import evidence_in, pictures
+    from ..jobs.drawing import report as write
     from ..jobs.files import RunFolder
     from ..results import UpdateResult
     file: Path = args.result / "result.npz" if args.result.is_dir() else args.result
@@ -136,11 +137,13 @@ def report(args: argparse.Namespace) -> int:
     with arguments({"path": "RESULT"}, "Name the result.npz of a run."):
         result = UpdateResult.load(file)
     say("writing the report")
-    result.report(out, title=args.title, origin=origin_of(RunFolder(file.parent)))
+    folder = RunFolder(file.parent)
+    evidence = evidence_in(folder, result)
+    write(result, out, folder, evidence, args.title)
     drawn: list[Path] = []
     if args.pictures is not None:
         args.pictures.mkdir(parents=True, exist_ok=True)
-        drawn = pictures(result, args.pictures, {})
+        drawn = pictures(result, args.pictures, evidence)
     if args.json:
         print_json({"report": str(out), "pictures": [str(file) for file in drawn]})
     else:

@@ -20,7 +20,7 @@ class RunFolder:
 
     Attributes
     ----------
-    folder, result, summary, report, pictures, checkpoint, record : pathlib.Path
+    folder, result, summary, report, pictures, checkpoint, record, evidence : pathlib.Path
         ``record`` says which job runs here, from the beginning of the search on.
     """
 
@@ -29,6 +29,7 @@ class RunFolder:
         self.result, self.summary = folder / "result.npz", folder / "summary.json"
         self.report, self.pictures = folder / "report.html", folder / "pictures"
         self.checkpoint, self.record = folder / "search.ckpt", folder / "run.json"
+        self.evidence = folder / "evidence.npz"
 
     @classmethod
     def of(cls, job: Job) -> RunFolder:
@@ -98,9 +99,9 @@ class RunFolder:
 
 
 #: As write_atomically and Checkpoint name what is not whole yet.
-_HALF_WRITTEN = re.compile(r"\.(antiresonances(_\d+)?\.json|result\.npz|summary\.json|run\.json|report\.html|"
-                           r"\w+\.png)\.\d+\.tmp|search\.ckpt\.tmp")
-_PICTURE = re.compile(r"(differences|convergence|damage|stabilization_.*)\.png")
+_HALF_WRITTEN = re.compile(r"\.(antiresonances(_\d+)?\.json|(result|evidence)\.npz|(summary|run)\.json|"
+                           r"report\.html|\w+\.png)\.\d+\.tmp|search\.ckpt\.tmp")
+_PICTURE = re.compile(r"(differences|convergence|damage|model|stabilization_.*)\.png")
 
 
 def sha256_of(file: Path) -> str:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 
 from .._core import __version__
 from ..antiresonance_set import AntiresonanceSet
@@ -20,6 +21,7 @@ from ..models import StructuralModel
 from ..parameters import stiffness_reduction
 from ..results import UpdateResult
 from ..updating import DamagePenalty, UpdatingProblem, assess_damage, update
+from .evidence import evidence_of, heard, measurement_of
 from .files import RunFolder, sha256_of
 from .job import Job
 from .lines import Path as Keys
@@ -86,6 +88,12 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
     InvalidInputError
         The job or its data cannot be used; the message names the line.
     """
+    with heard() as said:
+        return _carried_out(job, said, resume, fresh, workers, say, progress)
+
+
+def _carried_out(job: Job, said: list[str], resume: bool, fresh: bool, workers: int | None, say: Say,
+                 progress: bool | None) -> Outcome:
     begun = time.perf_counter()
     folder = _checked(job, resume, fresh)
     ga, seed, threads = search_of(job, workers)
@@ -103,9 +111,16 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
     for i, each in enumerate(sets):
         if folder.antiresonances(i).resolve() != measured[i].file.resolve():
             each.save(folder.antiresonances(i))
+    evidence = evidence_of(job, measured)
+    if evidence:
+        evidence.save(folder.evidence)
+    else:
+        folder.evidence.unlink(missing_ok=True)  # of another run
     record = {"job": _relative(job.path, folder.folder), "task": job.task, "seed": seed, "inputs": inputs,
-              "state": "searching", "versions": {"antires_rs": __version__, "numpy": np.__version__,
-                                                 "python": platform.python_version()}}
+              "state": "searching", "title": job.section("output").get("title"),
+              "measurement": measurement_of(job, measured), "warnings": said, "versions": {
+                  "antires_rs": __version__, "numpy": np.__version__, "scipy": scipy.__version__,
+                  "python": platform.python_version(), "system": platform.platform()}}
     folder.write_json(folder.record, record)
     say("searching")
     kept = folder.checkpoint if job.section("search").get("checkpoint", True) else None
@@ -122,7 +137,7 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
     if outcome.interrupted:
         return outcome
     from .drawing import draw
-    outcome.notes = draw(job, result, folder, measured, say)
+    outcome.notes = draw(job, result, folder, evidence, say)
     if not _out_of_time(result):
         folder.forget_search()  # last: as long as it waits, resume makes up for whatever is missing
     return outcome
