@@ -26,15 +26,17 @@ test: test-rust test-python  ## cargo and pytest suites
 test-rust:  ## tests of the Rust core
 	cargo test --locked
 
-test-python: build  ## tests of the Python package
+test-python: build  ## tests of the Python package, the documentation built among them
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(DOCS_TOOLS)
 	$(BIN)/python -m pytest
 
-lint: build  ## clippy, rustdoc, ruff, mypy
+lint: build  ## clippy, rustdoc, ruff, mypy, stubtest
 	cargo fmt --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps -p antires-core
-	$(BIN)/ruff check python tests examples benchmarks docs
+	$(BIN)/ruff check python tests examples benchmarks docs .ci
 	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest antires_rs --mypy-config-file pyproject.toml --allowlist .ci/stubtest_allowlist.txt
 
 format:  ## format the Rust sources
 	cargo fmt
@@ -42,28 +44,43 @@ format:  ## format the Rust sources
 build: $(STAMP)  ## make .venv and build the extension into it
 
 $(STAMP): pyproject.toml $(RUST)
-	@test -n "$(PYTHON)" || { echo "No Python of at least 3.11 found: make PYTHON=/path/to/python" >&2; exit 1; }
 	@echo "Making $(VENV) and building the Rust core into it: a few minutes the first time, seconds afterwards."
-	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check "maturin>=1.9.4,<2" $(TEST_TOOLS)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --editable ".[all]"
+	$(VENV_MADE)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(BUILD_TOOLS) $(TEST_TOOLS)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--no-build-isolation --editable ".[all]"
 	@touch $@
 
-# The tools of a dependency group in pyproject.toml (older pip cannot read groups).
-group = $(shell $(PYTHON) -c 'import tomllib; print(*(chr(34) + t + chr(34) for t in tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["$(1)"]))')
+define VENV_MADE
+@test -n "$(PYTHON)" || { echo "No Python of at least 3.11 found: make PYTHON=/path/to/python" >&2; exit 1; }
+@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv $(VENV)
+endef
+
+# What pyproject.toml lists, quoted for the shell (older pip cannot read dependency groups).
+listed = $(shell $(PYTHON) -c 'import tomllib; print(*(chr(34) + t + chr(34) for t in tomllib.load(open("pyproject.toml", "rb"))$(1)))')
+group = $(call listed,["dependency-groups"]["$(1)"])
 TEST_TOOLS = $(call group,test)
+DOCS_TOOLS = $(call group,docs)
+BUILD_TOOLS = $(call listed,["build-system"]["requires"])
 
 docs: build  ## pages and executed gallery into docs/_build/html, warnings are errors
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(call group,docs)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(DOCS_TOOLS)
 	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
 
-wheel: build  ## build a wheel into dist/
-	$(BIN)/maturin build --release --locked --out dist
+# Messages of dependencies name their source files; the folders of this machine stay out of a wheel.
+AWAY = build.rustflags=["--remap-path-prefix=$(or $(CARGO_HOME),$(HOME)/.cargo)=cargo","--remap-path-prefix=$(CURDIR)=."]
 
-sdist:  ## build a source distribution into dist/
-	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check "maturin>=1.9.4,<2"
+wheel: $(BIN)/maturin  ## build a wheel, with its bill of materials inside, into dist/
+	$(BIN)/maturin build --release --locked --config '$(AWAY)' --out dist
+	$(BIN)/python .ci/tidy_wheel.py --strict dist/*.whl
+
+sdist: $(BIN)/maturin  ## build a source distribution into dist/
 	$(BIN)/maturin sdist --out dist
+
+$(BIN)/maturin: pyproject.toml
+	$(VENV_MADE)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(BUILD_TOOLS)
+	@touch $@
 
 bench: build  ## speed and accuracy tables of the README
 	$(BIN)/python benchmarks/objective_speed.py

@@ -280,10 +280,3 @@ def test_data_that_look_like_a_marker(tmp_path):
     path = ar.write_uff(tmp_path / "a.uff", ar.Recording(rows, 100.0))
     with pytest.raises(ar.UnsuitableDataError, match="whose dataset 1 has 100 points of the 400"):
         ar.read_uff(path)
-
-
-def test_without_pyuff(tmp_path, monkeypatch):
-    path = ar.write_uff(tmp_path / "a.uff", recording())
-    monkeypatch.setitem(__import__("sys").modules, "pyuff", None)
-    with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[uff\]"'):
-        ar.read_uff(path)

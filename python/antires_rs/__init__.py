@@ -8,134 +8,61 @@ array([2.199, 5.758])
 See ARCHITECTURE.md for the map of the package, and :mod:`antires_rs.cases` for complete studies.
 """
 
-from . import cases
-from ._core import __version__
-from .antiresonance_set import AntiresonanceSet
-from .data_check import DataCheck, Finding, check_data
-from .exceptions import (
-    AntiresError,
-    AntiresWarning,
-    InternalError,
-    InvalidInputError,
-    MissingDependencyError,
-    NumericalError,
-    ObjectiveError,
-    UnsuitableDataError,
-)
-from .frame import FrameModel
-from .frame_parameters import (
-    angle,
-    density,
-    diameter,
-    inertia,
-    point_mass,
-    support_stiffness,
-    thickness,
-    youngs_modulus,
-)
-from .frame_parts import GroundSpring, NodeSpring, PointMass
-from .identification import identify_antiresonances
-from .io import (
-    from_sep005,
-    read_csv,
-    read_hdf5,
-    read_mat,
-    read_matrices,
-    read_npz,
-    read_uff,
-    to_sep005,
-    write_csv,
-    write_hdf5,
-    write_mat,
-    write_matrices,
-    write_npz,
-    write_uff,
-)
-from .modal_identification import identify_modes
-from .modal_set import ModalSet
-from .models import MassSpringChain, MatrixModel
-from .optimizer import History, IslandGA, OptimizeResult
-from .parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
-from .rational import RationalFit, fit_rational
-from .results import DamageResult, UpdateResult
-from .sections import Rectangle, Section, Tube
-from .signals import FrequencyResponse, Recording
-from .spectra import frf, transmissibility, transmissibility_sum
-from .stabilization import StabilizationDiagram, stabilization
-from .tables import FrequencyTable, ModalTable
-from .updating import DamagePenalty, UpdatingProblem, assess_damage, update
+from importlib import import_module as _import_module
 
-__all__ = [
-    "AntiresError",
-    "AntiresWarning",
-    "AntiresonanceSet",
-    "DamagePenalty",
-    "DamageResult",
-    "DataCheck",
-    "Finding",
-    "FrameModel",
-    "FrequencyResponse",
-    "FrequencyTable",
-    "GroundSpring",
-    "History",
-    "InternalError",
-    "InvalidInputError",
-    "IslandGA",
-    "MassSpringChain",
-    "MatrixModel",
-    "MissingDependencyError",
-    "ModalSet",
-    "ModalTable",
-    "NodeSpring",
-    "NumericalError",
-    "ObjectiveError",
-    "OptimizeResult",
-    "Parameter",
-    "PointMass",
-    "RationalFit",
-    "Recording",
-    "Rectangle",
-    "Section",
-    "StabilizationDiagram",
-    "Tube",
-    "UnsuitableDataError",
-    "UpdateResult",
-    "UpdatingProblem",
-    "__version__",
-    "angle",
-    "assess_damage",
-    "cases",
-    "check_data",
-    "density",
-    "diameter",
-    "fit_rational",
-    "frf",
-    "from_sep005",
-    "identify_antiresonances",
-    "identify_modes",
-    "inertia",
-    "mass_factor",
-    "point_mass",
-    "read_csv",
-    "read_hdf5",
-    "read_mat",
-    "read_matrices",
-    "read_npz",
-    "read_uff",
-    "stabilization",
-    "stiffness_factor",
-    "stiffness_reduction",
-    "support_stiffness",
-    "thickness",
-    "to_sep005",
-    "transmissibility",
-    "transmissibility_sum",
-    "update",
-    "write_csv",
-    "write_hdf5",
-    "write_mat",
-    "write_matrices",
-    "write_npz",
-    "write_uff",
-    "youngs_modulus",
-]
+from ._core import __version__ as __version__
+
+# Where each public name lives. It is imported at first use, so that `antires --help` waits for no numpy.
+# No name may be that of a module, which would take its place once imported.
+_NAMES = {
+    "antiresonance_set": ("AntiresonanceSet",),
+    "data_check": ("DataCheck", "Finding", "check_data"),
+    "exceptions": ("AntiresError", "AntiresWarning", "InternalError", "InvalidInputError",
+                   "MissingDependencyError", "NumericalError", "ObjectiveError", "UnsuitableDataError"),
+    "frame": ("FrameModel",),
+    "frame_parameters": ("angle", "density", "diameter", "inertia", "point_mass", "support_stiffness",
+                         "thickness", "youngs_modulus"),
+    "frame_parts": ("GroundSpring", "NodeSpring", "PointMass"),
+    "identification": ("identify_antiresonances",),
+    "io": ("from_sep005", "read_csv", "read_hdf5", "read_mat", "read_matrices", "read_npz", "read_uff",
+           "to_sep005", "write_csv", "write_hdf5", "write_mat", "write_matrices", "write_npz", "write_uff"),
+    "modal_identification": ("identify_modes",),
+    "modal_set": ("ModalSet",),
+    "models": ("MassSpringChain", "MatrixModel"),
+    "optimizer": ("History", "IslandGA", "OptimizeResult"),
+    "parameters": ("Parameter", "mass_factor", "stiffness_factor", "stiffness_reduction"),
+    "rational": ("RationalFit", "fit_rational"),
+    "results": ("DamageResult", "UpdateResult"),
+    "sections": ("Rectangle", "Section", "Tube"),
+    "signals": ("FrequencyResponse", "Recording"),
+    "spectra": ("frf", "transmissibility", "transmissibility_sum"),
+    "stabilization_diagram": ("StabilizationDiagram", "stabilization"),
+    "tables": ("FrequencyTable", "ModalTable"),
+    "updating": ("DamagePenalty", "UpdatingProblem", "assess_damage", "update"),
+}
+_HOME = {name: module for module, names in _NAMES.items() for name in names}
+# Modules to be found by completion; every other module is an attribute as well.
+_MODULES = ("cases", "exceptions", "io", "plotting", "report")
+
+__all__ = sorted([*_HOME, "__version__", "cases"])
+
+
+def __getattr__(name: str) -> object:
+    if name in _HOME:
+        found: object = getattr(_import_module(f"{__name__}.{_HOME[name]}"), name)
+        globals()[name] = found
+        return found
+    if not name.startswith("__"):
+        module = f"{__name__}.{name}"
+        try:
+            return _import_module(module)
+        except ModuleNotFoundError as exc:
+            if exc.name != module:  # one that the module itself asks for
+                raise
+    # With name and obj, Python proposes what was meant.
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name,
+                         obj=_import_module(__name__))
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__, *_MODULES})

@@ -15,7 +15,7 @@ from ._validation import FloatArray
 from .accepted import Accepted, Value
 from .segment_length import MOST_LINES
 from .signals import frozen
-from .stabilization import StabilizationDiagram
+from .stabilization_diagram import StabilizationDiagram
 
 WINDOW_LINES = 2500
 # Values this close to a cut, as a share of the window's width, are left to the neighbour.

@@ -120,7 +120,10 @@ class UpdateResult:
 
     @property
     def std(self) -> FloatArray:
-        """Standard deviation of each parameter to first order, (n,); see :class:`Identifiability`."""
+        """Standard deviation of each parameter to first order, (n,).
+
+        See :class:`~antires_rs.identifiability.Identifiability`.
+        """
         return self.identifiability.std
 
     def _values(self) -> list[str]:

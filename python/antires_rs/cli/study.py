@@ -8,7 +8,7 @@ from typing import Any
 
 from .._validation import reject
 from ..antiresonance_set import AntiresonanceSet
-from ..jobs.keys import FORMATS, format_of
+from ..jobs.keys import DATA, FORMATS, format_of
 from .terminal import arguments, existing, print_json, say
 
 __all__ = ["demo", "identify", "report"]
@@ -88,10 +88,18 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
     chosen = {name: getattr(args, name) for name in _CHOICES if getattr(args, name) is not None}
     with arguments(_NAMES, _SEE):
         say(f"reading {args.file.name}")
-        signal = read_signal(args.file, kind, options)
+        signal = read_signal(args.file, kind, options, _as_option)
         say(f"identifying the antiresonances of {len(signal.dofs)} responses")
         force = options.get("dofs", {}).get(args.excitation, args.excitation)
         return identify_antiresonances(signal, excitation=force, band_hz=args.band, **chosen)
+
+
+def _as_option(name: str, value: str | None) -> str:
+    """An argument of a reader as this command has it; those it lacks a job has."""
+    option = _NAMES.get(name)
+    if option is None or not option.startswith("--"):
+        return f"{name} (in a job)" if DATA.key(name) else name
+    return option if value is None else f"{option} {value}"
 
 
 def _diagrams(found: AntiresonanceSet, folder: Path, prefix: str) -> None:

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy
 
 from .._core import __version__
 from ..antiresonance_set import AntiresonanceSet
@@ -67,7 +66,8 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
     ----------
     job : Job
     resume : bool
-        Go on from the checkpoint of a run that was interrupted, to the same bits.
+        Go on from the checkpoint of a run that was interrupted, to the same bits; from the beginning where
+        it had none yet.
     fresh : bool
         Begin anew though there is such a checkpoint.
     workers : int, optional
@@ -93,6 +93,7 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
 
 def _carried_out(job: Job, said: list[str], resume: bool, fresh: bool, workers: int | None, say: Say,
                  progress: bool | None) -> Outcome:
+    import scipy  # slow to load
     begun = time.perf_counter()
     folder = _checked(job, resume, fresh)
     ga, seed, threads = search_of(job, workers)
@@ -103,6 +104,8 @@ def _carried_out(job: Job, said: list[str], resume: bool, fresh: bool, workers: 
     sets = _kept_sets(job, folder, measured, inputs) if resume else [m.found for m in measured]
     search = _search(job, model, (parameters, places), sets[0] if len(sets) == 1 else sets)
     folder.prepare()  # not before: a job that cannot run leaves nothing behind
+    if not resume:
+        folder.forget_record()
     if fresh:
         folder.forget_search()
     for i, each in enumerate(sets):
@@ -133,10 +136,10 @@ def _carried_out(job: Job, said: list[str], resume: bool, fresh: bool, workers: 
     folder.write_json(folder.record, record)
     if outcome.interrupted:
         return outcome
-    if not _out_of_time(result):
-        folder.forget_search()
     from .drawing import draw
     outcome.notes = draw(job, result, folder, evidence, say)
+    if not _out_of_time(result):
+        folder.forget_search()  # last: as long as it waits, resume makes up for whatever is missing
     return outcome
 
 
@@ -154,7 +157,8 @@ def _checked(job: Job, resume: bool, fresh: bool) -> RunFolder:
         job.reject(place, f"{folder.folder.name!r}, where a search of this job waits that did not finish",
                    "a folder without one", f"Go on with 'antires resume {job.path.name}', or begin anew with "
                    "--fresh.")
-    if resume and not folder.unfinished:
+    # Killed before the first checkpoint, a search begins again with the sets that it had.
+    if resume and not (folder.unfinished or folder.state == "searching"):
         job.reject(place, f"{folder.folder.name!r}, where no search waits", "a search that did not finish",
                    f"Begin with 'antires {job.task} {job.path.name}'.")
     return folder

@@ -12,7 +12,7 @@ from .canvas import COLOURS, below, new_axes, offer, plain_log
 from .stabilization import diagram_tables, mark_values, pole_table
 
 if TYPE_CHECKING:
-    from ..stabilization import StabilizationDiagram
+    from ..stabilization_diagram import StabilizationDiagram
 
 __all__ = ["plot_damping_clusters"]
 

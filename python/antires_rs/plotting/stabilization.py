@@ -11,7 +11,7 @@ from .._validation import FloatArray
 from .canvas import COLOURS, below, new_axes, offer, spread
 
 if TYPE_CHECKING:
-    from ..stabilization import StabilizationDiagram
+    from ..stabilization_diagram import StabilizationDiagram
 
 __all__ = ["mark_values", "plot_stabilization", "pole_table"]
 

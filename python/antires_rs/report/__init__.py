@@ -27,7 +27,7 @@ from .figures import diagram_figures, figures_of, largest, states
 from .rows import damage_rows, frequency_rows, parameter_rows
 
 if TYPE_CHECKING:
-    from ..stabilization import StabilizationDiagram
+    from ..stabilization_diagram import StabilizationDiagram
 
 __all__ = ["write_report"]
 
@@ -96,6 +96,7 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
     if not isinstance(result, UpdateResult):
         reject("result", type(result).__name__, "an UpdateResult or a DamageResult")
     try:
+        import matplotlib  # noqa: F401 - only asked whether it is there
         from jinja2 import Environment, StrictUndefined
     except ImportError as exc:
         raise MissingDependencyError('reports need jinja2 and matplotlib; install them with: '

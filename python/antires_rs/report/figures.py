@@ -29,7 +29,7 @@ from .facts import dof_name
 if TYPE_CHECKING:
     from ..results import UpdateResult
     from ..signals import FrequencyResponse
-    from ..stabilization import StabilizationDiagram
+    from ..stabilization_diagram import StabilizationDiagram
 
 __all__ = ["Figure", "diagram_figures", "figures_of", "largest", "model_picture", "states"]
 

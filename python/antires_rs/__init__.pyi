@@ -1,0 +1,137 @@
+# What type checkers and editors see of __init__.py, which imports at first use; a test compares the two.
+
+from . import cases
+from . import exceptions as exceptions
+from . import io as io
+from . import plotting as plotting
+from . import report as report
+from ._core import __version__
+from .antiresonance_set import AntiresonanceSet
+from .data_check import DataCheck, Finding, check_data
+from .exceptions import (
+    AntiresError,
+    AntiresWarning,
+    InternalError,
+    InvalidInputError,
+    MissingDependencyError,
+    NumericalError,
+    ObjectiveError,
+    UnsuitableDataError,
+)
+from .frame import FrameModel
+from .frame_parameters import (
+    angle,
+    density,
+    diameter,
+    inertia,
+    point_mass,
+    support_stiffness,
+    thickness,
+    youngs_modulus,
+)
+from .frame_parts import GroundSpring, NodeSpring, PointMass
+from .identification import identify_antiresonances
+from .io import (
+    from_sep005,
+    read_csv,
+    read_hdf5,
+    read_mat,
+    read_matrices,
+    read_npz,
+    read_uff,
+    to_sep005,
+    write_csv,
+    write_hdf5,
+    write_mat,
+    write_matrices,
+    write_npz,
+    write_uff,
+)
+from .modal_identification import identify_modes
+from .modal_set import ModalSet
+from .models import MassSpringChain, MatrixModel
+from .optimizer import History, IslandGA, OptimizeResult
+from .parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
+from .rational import RationalFit, fit_rational
+from .results import DamageResult, UpdateResult
+from .sections import Rectangle, Section, Tube
+from .signals import FrequencyResponse, Recording
+from .spectra import frf, transmissibility, transmissibility_sum
+from .stabilization_diagram import StabilizationDiagram, stabilization
+from .tables import FrequencyTable, ModalTable
+from .updating import DamagePenalty, UpdatingProblem, assess_damage, update
+
+__all__ = [
+    "AntiresError",
+    "AntiresWarning",
+    "AntiresonanceSet",
+    "DamagePenalty",
+    "DamageResult",
+    "DataCheck",
+    "Finding",
+    "FrameModel",
+    "FrequencyResponse",
+    "FrequencyTable",
+    "GroundSpring",
+    "History",
+    "InternalError",
+    "InvalidInputError",
+    "IslandGA",
+    "MassSpringChain",
+    "MatrixModel",
+    "MissingDependencyError",
+    "ModalSet",
+    "ModalTable",
+    "NodeSpring",
+    "NumericalError",
+    "ObjectiveError",
+    "OptimizeResult",
+    "Parameter",
+    "PointMass",
+    "RationalFit",
+    "Recording",
+    "Rectangle",
+    "Section",
+    "StabilizationDiagram",
+    "Tube",
+    "UnsuitableDataError",
+    "UpdateResult",
+    "UpdatingProblem",
+    "__version__",
+    "angle",
+    "assess_damage",
+    "cases",
+    "check_data",
+    "density",
+    "diameter",
+    "fit_rational",
+    "frf",
+    "from_sep005",
+    "identify_antiresonances",
+    "identify_modes",
+    "inertia",
+    "mass_factor",
+    "point_mass",
+    "read_csv",
+    "read_hdf5",
+    "read_mat",
+    "read_matrices",
+    "read_npz",
+    "read_uff",
+    "stabilization",
+    "stiffness_factor",
+    "stiffness_reduction",
+    "support_stiffness",
+    "thickness",
+    "to_sep005",
+    "transmissibility",
+    "transmissibility_sum",
+    "update",
+    "write_csv",
+    "write_hdf5",
+    "write_mat",
+    "write_matrices",
+    "write_npz",
+    "write_uff",
+    "youngs_modulus",
+]
