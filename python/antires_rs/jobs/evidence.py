@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,11 +20,9 @@ from ..exceptions import UnsuitableDataError
 from ..io._store import Store, read_store, write_store
 from ..report.facts import of_evidence, of_identification, of_signal
 from ..signals import FrequencyResponse, Recording
+from ..stabilization_diagram import StabilizationDiagram
 from .job import Job
 from .measured import Measured
-
-if TYPE_CHECKING:
-    from ..stabilization_diagram import StabilizationDiagram
 
 __all__ = ["Evidence", "evidence_of", "heard", "measurement_of"]
 
@@ -125,7 +123,6 @@ def _described(diagram: StabilizationDiagram, store: Store) -> dict[str, Any]:
 
 
 def _made(data: dict[str, Any]) -> StabilizationDiagram:
-    from .. import StabilizationDiagram
     ends = np.cumsum(data["counts"])[:-1]
     freq, damping, stable = (tuple(np.split(data[name], ends)) for name in _ROWS)
     low, high = data["band_hz"]

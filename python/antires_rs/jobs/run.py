@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy
 
 from .._core import __version__
 from ..antiresonance_set import AntiresonanceSet
@@ -94,6 +93,7 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
 
 def _carried_out(job: Job, said: list[str], resume: bool, fresh: bool, workers: int | None, say: Say,
                  progress: bool | None) -> Outcome:
+    import scipy  # slow to load
     begun = time.perf_counter()
     folder = _checked(job, resume, fresh)
     ga, seed, threads = search_of(job, workers)
