@@ -12,6 +12,7 @@ import antires_rs as ar
 from antires_rs import cli
 from antires_rs.accepted import Accepted
 from antires_rs.jobs.evidence import Evidence, heard
+from antires_rs.report import figures
 from job_files import DAMAGE, write_measured
 
 JOB = DAMAGE.replace('file = "measured.json"', """file = "record.npz"
@@ -152,7 +153,7 @@ def test_warnings_are_heard_once_and_shown_as_ever():
     assert [str(each.message) for each in shown] == ["one", "two", "two"]
 
 
-def test_two_positions_of_the_force_keep_both_diagrams(tmp_path, capsys):
+def test_two_positions_of_the_force_keep_both_diagrams(tmp_path, monkeypatch):
     model = ar.cases.chain8().true_model(1)
     for force in (0, 7):
         record = model.simulate(excitation=force, fs_hz=512.0, duration_s=64.0, damping_ratio=0.01,
@@ -163,10 +164,15 @@ def test_two_positions_of_the_force_keep_both_diagrams(tmp_path, capsys):
     job = re.sub(r"\[data\].*?\n\n", data, JOB, count=1, flags=re.S)
     job = job.replace("[0, 3, 4]", "[0, 7]").replace("pictures = false", "")
     (tmp_path / "job.toml").write_text(job, encoding="utf-8")
+    painted = []
+    paint = figures.picture
+    monkeypatch.setattr(figures, "picture", lambda *args: painted.append(args) or paint(*args))
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 0
-    drawn = {file.name for file in (tmp_path / "job_results" / "pictures").glob("stabilization*.png")}
-    assert drawn == {"stabilization_0.png", "stabilization_7.png", "stabilization_2_0.png",
-                     "stabilization_2_7.png"}
+    drawn = {file.name for file in (tmp_path / "job_results" / "pictures").iterdir()}
+    diagrams = {f"stabilization_dof_{dof}_force_at_dof_{force}.png" for dof in (0, 7) for force in (0, 7)}
+    assert drawn - diagrams == {f"{name}.png" for name in ("convergence", "damage", "differences", "model",
+                                                           "response")}
+    assert len(drawn) == len(painted) == 9  # once for the report and the folder
     html = (tmp_path / "job_results" / "report.html").read_text()
     assert "Stabilization diagram of dof 0, force at dof 7" in html
     assert "<h3>Measurement 2</h3>" in html

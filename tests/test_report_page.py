@@ -179,16 +179,22 @@ def test_a_parameter_with_a_unit_and_on_its_bound_is_told_as_such(reports):
     assert "No stabilization diagram can be shown" in html
 
 
+def drawn_of(diagram, count=1):
+    chain = ar.MassSpringChain(np.ones(3), [500.0, 500.0])
+    result = ar.assess_damage(chain, exact(chain), rng=0, workers=1)
+    return figures.drawings_of(result, diagrams=dict.fromkeys(range(count), diagram)).diagrams
+
+
 def test_diagrams_beyond_the_size_are_left_out_and_counted(tmp_path, monkeypatch):
     f = np.linspace(1.0, 20.0, 200)
     noise = 1e-3 * np.random.default_rng(0).standard_normal(200)
     one = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f) + noise, max_order=16)
-    size = len(figures.diagram_figures({0: one}, False)[0][0].uri)
-    shown, left = figures.diagram_figures(dict.fromkeys(range(5), one), False, room=int(2.5 * size))
+    size = len(drawn_of(one)[0].uri)
+    shown, left = figures.fitting(drawn_of(one, 5), room=int(2.5 * size))
     assert (len(shown), left) == (2, 3)
     chain = ar.MassSpringChain(np.ones(3), [500.0, 500.0])
     result = ar.assess_damage(chain, exact(chain), rng=0, workers=1)
-    monkeypatch.setattr(figures.diagram_figures, "__defaults__", (int(2.5 * size),))
+    monkeypatch.setattr(figures.fitting, "__defaults__", (int(2.5 * size),))
     file = write_report(result, tmp_path / "r.html", diagrams=dict.fromkeys(range(5), one))
     assert "3 more diagrams are left out to keep this file below 3 MB" in file.read_text()
 
@@ -200,7 +206,7 @@ def test_with_all_the_room_for_diagrams_filled_it_stays_below_three_megabytes(tm
     chain = ar.MassSpringChain(np.ones(3), [500.0, 500.0])
     result = ar.assess_damage(chain, exact(chain), rng=0, workers=1)
     room = figures.MOST_BYTES
-    size = len(figures.diagram_figures({0: one}, False)[0][0].uri)
+    size = len(drawn_of(one)[0].uri)
     file = write_report(result, tmp_path / "r.html", diagrams={0: one})
     # What is not a diagram, the text of all the others counted in, leaves room to the limit.
     assert file.stat().st_size - size + room < 2.9e6

@@ -104,11 +104,13 @@ def _as_option(name: str, value: str | None) -> str:
 
 def _diagrams(found: AntiresonanceSet, folder: Path, prefix: str) -> None:
     from .._files import write_atomically
+    from ..jobs.files import picture_name
     from ..plotting.canvas import picture
     folder.mkdir(parents=True, exist_ok=True)
     for dof, diagram in found.diagrams.items():
-        write_atomically(folder / f"{prefix}stabilization_{dof}.png",
-                         picture(lambda ax, d=diagram: d.plot(ax=ax), (9.0, 5.2)))
+        name = f"dof {dof}" if isinstance(dof, int) else str(dof)
+        write_atomically(folder / picture_name(f"{prefix}stabilization_{name}"),
+                         picture(lambda ax, d=diagram: d.plot(ax=ax), (9.0, 5.0)))
 
 
 def _numbers(found: AntiresonanceSet) -> dict[str, Any]:
@@ -124,7 +126,7 @@ def _numbers(found: AntiresonanceSet) -> dict[str, Any]:
 
 def report(args: argparse.Namespace) -> int:
     """The report of a result."""
-    from ..jobs.drawing import evidence_in, pictures
+    from ..jobs.drawing import drawings, evidence_in, pictures
     from ..jobs.drawing import report as write
     from ..jobs.files import RunFolder
     from ..results import UpdateResult
@@ -138,14 +140,14 @@ def report(args: argparse.Namespace) -> int:
         result = UpdateResult.load(file)
     say("writing the report")
     folder = RunFolder(file.parent)
-    evidence = evidence_in(folder, result)
-    write(result, out, folder, evidence, args.title)
-    drawn: list[Path] = []
+    drawn = drawings(result, evidence_in(folder, result))
+    write(result, out, folder, drawn, args.title)
+    written: list[Path] = []
     if args.pictures is not None:
         args.pictures.mkdir(parents=True, exist_ok=True)
-        drawn = pictures(result, args.pictures, evidence)
+        written = pictures(drawn, args.pictures)
     if args.json:
-        print_json({"report": str(out), "pictures": [str(file) for file in drawn]})
+        print_json({"report": str(out), "pictures": [str(file) for file in written]})
     else:
-        print("\n".join(f"Wrote {path}" for path in (out, *drawn)))
+        print("\n".join(f"Wrote {path}" for path in (out, *written)))
     return 0

@@ -9,12 +9,14 @@ from typing import Any
 
 from .._files import write_atomically
 from ..exceptions import AntiresWarning, MissingDependencyError, UnsuitableDataError
-from ..results import DamageResult, UpdateResult
+from ..report.facts import named_diagrams
+from ..report.figures import Drawings, drawings_of
+from ..results import UpdateResult
 from .evidence import Evidence
-from .files import RunFolder
+from .files import RunFolder, picture_name
 from .job import Job
 
-__all__ = ["draw", "evidence_in", "origin_of", "pictures", "report"]
+__all__ = ["draw", "drawings", "evidence_in", "origin_of", "pictures", "report"]
 
 
 def draw(job: Job, result: UpdateResult, folder: RunFolder, evidence: Evidence,
@@ -22,31 +24,36 @@ def draw(job: Job, result: UpdateResult, folder: RunFolder, evidence: Evidence,
     """Write what the job asks for; what is left out for want of a package is returned as a note."""
     output = job.section("output")
     try:
+        drawn = drawings(result, evidence)
         if output.get("report", True):
             say("writing the report")
-            report(result, folder.report, folder, evidence, output.get("title"))
+            report(result, folder.report, folder, drawn, output.get("title"))
         if output.get("pictures", True):
             say("drawing the pictures")
             folder.pictures.mkdir(exist_ok=True)
-            pictures(result, folder.pictures, evidence)
+            pictures(drawn, folder.pictures)
     except MissingDependencyError as exc:
         return [str(exc)]
     return []
 
 
-def report(result: UpdateResult, file: Path, folder: RunFolder, evidence: Evidence,
-           title: str | None) -> None:
+def drawings(result: UpdateResult, evidence: Evidence) -> Drawings:
+    """Pictures for the report and the folder, each drawn once."""
+    sets, model = result.problem.measured, result.problem.model
+    shown = named_diagrams(evidence.diagrams, [each.excitation for each in sets], model) if any(
+        evidence.diagrams) else None
+    return drawings_of(result, evidence.response, diagrams=shown)
+
+
+def report(result: UpdateResult, file: Path, folder: RunFolder, drawn: Drawings, title: str | None) -> None:
     """Write the report of a result with what its folder knows of the run."""
     from ..report import write_report
-    from ..report.facts import named_diagrams
     record = folder.read_record() or {}
     sets = result.problem.measured
     about = record.get("measurement")
-    shown = named_diagrams(evidence.diagrams, [each.excitation for each in sets], result.problem.model
-                           ) if any(evidence.diagrams) else None
     write_report(result, file, title=title or record.get("title"), origin=origin_of(folder),
                  measurement=about if about and len(about) == len(sets) else None,
-                 response=evidence.response, warnings=record.get("warnings"), diagrams=shown)
+                 warnings=record.get("warnings"), drawn=drawn)
 
 
 def evidence_in(folder: RunFolder, result: UpdateResult) -> Evidence:
@@ -73,21 +80,7 @@ def origin_of(folder: RunFolder) -> dict[str, str | list[str]]:
             "Run with": made}
 
 
-def pictures(result: UpdateResult, folder: Path, evidence: Evidence) -> list[Path]:
-    """Write every picture of a result as PNG; returns the files."""
-    from .. import plotting
-    from ..plotting.canvas import picture
-    from ..report.figures import model_picture
-    written = {"differences": picture(lambda ax: plotting.plot_differences(result.table, ax=ax), (9.5, 4.6)),
-               "convergence": picture(lambda ax: plotting.plot_convergence(result, ax=ax), (9.0, 4.4))}
-    if isinstance(result, DamageResult):
-        width = max(7.0, 0.32 * len(result.x) + 1.5)
-        written["damage"] = picture(lambda ax: plotting.plot_damage(result, ax=ax), (width, 4.4))
-    drawn = model_picture(result)
-    if drawn is not None:
-        written["model"] = picture(lambda ax: drawn[0](ax=ax), drawn[1])
-    for i, table in enumerate(evidence.diagrams):
-        for dof, diagram in table.items():
-            name = f"stabilization_{f'{i + 1}_' if i else ''}{dof}"
-            written[name] = picture(lambda ax, d=diagram: d.plot(ax=ax), (9.0, 5.2))
-    return [write_atomically(folder / f"{name}.png", png) for name, png in written.items()]
+def pictures(drawn: Drawings, folder: Path) -> list[Path]:
+    """Write every picture as PNG; returns the files."""
+    named = {**drawn.figures, **{f"stabilization_{name}": one for name, one in drawn.diagrams.items()}}
+    return [write_atomically(folder / picture_name(name), one.png) for name, one in named.items()]

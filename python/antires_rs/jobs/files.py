@@ -12,7 +12,7 @@ from typing import Any
 from .._files import write_atomically
 from .job import Job
 
-__all__ = ["RunFolder", "sha256_of"]
+__all__ = ["RunFolder", "picture_name", "sha256_of"]
 
 
 class RunFolder:
@@ -101,7 +101,18 @@ class RunFolder:
 #: As write_atomically and Checkpoint name what is not whole yet.
 _HALF_WRITTEN = re.compile(r"\.(antiresonances(_\d+)?\.json|(result|evidence)\.npz|(summary|run)\.json|"
                            r"report\.html|\w+\.png)\.\d+\.tmp|search\.ckpt\.tmp")
-_PICTURE = re.compile(r"(differences|convergence|damage|model|stabilization_.*)\.png")
+_PICTURE = re.compile(r"(differences|convergence|damage|model|response|stabilization_.*)\.png")
+
+
+def picture_name(name: str) -> str:
+    """File of a picture; names of channels may hold what no file's may.
+
+    Examples
+    --------
+    >>> picture_name("stabilization_node 4 v, force at node 0 v")
+    'stabilization_node_4_v_force_at_node_0_v.png'
+    """
+    return re.sub(r"[^\w.+-]+", "_", name) + ".png"
 
 
 def sha256_of(file: Path) -> str:

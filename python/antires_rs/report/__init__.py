@@ -22,8 +22,8 @@ from .._validation import reject
 from ..exceptions import MissingDependencyError
 from ..results import DamageResult, UpdateResult
 from ..signals import FrequencyResponse, Recording
-from .facts import Facts, dof_name, named_diagrams, of_model, of_search, of_set, of_signal
-from .figures import diagram_figures, figures_of, largest, states
+from .facts import Facts, dof_name, of_model, of_search, of_set, of_signal
+from .figures import Drawings, drawings_of, fitting, largest, states
 from .rows import damage_rows, frequency_rows, parameter_rows
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
                  diagrams: Mapping[Any, StabilizationDiagram] | None = None,
                  response: FrequencyResponse | None = None, truth: Mapping[int, float] | None = None,
                  origin: Mapping[str, str | Sequence[str]] | None = None,
-                 warnings: Sequence[str] | None = None) -> Path:
+                 warnings: Sequence[str] | None = None, drawn: Drawings | None = None) -> Path:
     """Write a result with its tables, pictures and caveats into one HTML file below 3 MB.
 
     Parameters
@@ -65,6 +65,9 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
         What repeats the run, such as its command and the checksums of its files; shown beside the seed.
     warnings : sequence of str, optional
         What was warned of in the run. Default: what the data checks of the measured sets say.
+    drawn : Drawings, optional
+        Pictures that are wanted elsewhere too, so that none is drawn twice. Default: those of ``diagrams``,
+        ``response`` and ``truth``.
 
     Returns
     -------
@@ -110,7 +113,8 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
         reject("response", "transmissibilities with measured modes", "None",
                "A ModalSet does not tell where the force was, which the model's transmissibilities need.")
     measured = _measured(result, measurement)
-    shown, left_out = diagram_figures(_diagrams(result) if diagrams is None else diagrams, modal)
+    drawn = drawings_of(result, response, truth, diagrams) if drawn is None else drawn
+    shown, left_out = fitting(drawn.diagrams)
     if warnings is None:
         warnings = [said for each in problem.measured
                     for said in getattr(getattr(each, "data_check", None), "warnings", ())]
@@ -123,7 +127,7 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
         answer=_answer_damage(damage) if damage else _answer_update(result), lead=_lead(result),
         result=result, damage=damage is not None, modal=modal, states=states(result),
         parameters=damage_rows(damage, truth) if damage else parameter_rows(result),
-        known=truth is not None, rows=frequency_rows(result), figures=figures_of(result, response, truth),
+        known=truth is not None, rows=frequency_rows(result), figures=drawn.figures,
         measured=measured, diagrams=shown, left_out=left_out, warnings=list(warnings),
         model=of_model(problem.model), run=of_search(result) | _lines(origin or {}) | _versions())
     return write_atomically(path, html.encode("utf-8"))
@@ -174,15 +178,6 @@ def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
             reject("measurement", type(one).__name__, "a Recording, a FrequencyResponse or facts by name")
     told = [_lines(one) if isinstance(one, Mapping) else of_signal(one) for one in given]
     return [(told[i] if told else {}) | of_set(each, result.problem.model) for i, each in enumerate(sets)]
-
-
-def _diagrams(result: UpdateResult) -> dict[Any, StabilizationDiagram]:
-    """Those that the measured sets carry, by the name of the response."""
-    problem = result.problem
-    sets = problem.measured
-    if problem.objective == "modal":
-        return {i: each.diagram for i, each in enumerate(sets) if each.diagram is not None}
-    return named_diagrams([each.diagrams for each in sets], [each.excitation for each in sets], problem.model)
 
 
 def _lines(facts: Mapping[str, str | Sequence[str]]) -> Facts:

@@ -1,11 +1,11 @@
-"""The pictures of a report: drawn, made small, with the sentence that stands under and in place of each."""
+"""The pictures of a result, each drawn once, with the sentences that stand under it and in place of it."""
 
 from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
@@ -24,14 +24,14 @@ from ..plotting import (
 )
 from ..plotting.canvas import picture
 from ..results import DamageResult
-from .facts import dof_name
+from .facts import dof_name, named_diagrams
 
 if TYPE_CHECKING:
     from ..results import UpdateResult
     from ..signals import FrequencyResponse
     from ..stabilization_diagram import StabilizationDiagram
 
-__all__ = ["Figure", "diagram_figures", "figures_of", "largest", "model_picture", "states"]
+__all__ = ["Drawings", "Figure", "drawings_of", "fitting", "largest", "states"]
 
 #: Colours kept: lines and their soft edges need no more, and a third of the bytes is left.
 COLOURS_KEPT = 128
@@ -43,31 +43,80 @@ Draw = Callable[..., Any]
 
 @dataclass(frozen=True)
 class Figure:
-    """One picture: what is under it, what it says to who cannot see it, and itself."""
+    """One picture, drawn when first asked for; what stands under it, and what is read out in its place."""
 
+    draw: Draw
+    size_in: tuple[float, float]
     caption: str
     alt: str
-    uri: str
+
+    @cached_property
+    def png(self) -> bytes:
+        """As a file of its own."""
+        return picture(lambda ax: self.draw(ax=ax), self.size_in)
+
+    @cached_property
+    def uri(self) -> str:
+        """As it stands in a page, in few colours."""
+        return "data:image/png;base64," + b64encode(_small(self.png)).decode("ascii")
 
 
-def figures_of(result: UpdateResult, response: FrequencyResponse | None,
-               truth: Mapping[int, float] | None) -> dict[str, Figure]:
+@dataclass(frozen=True)
+class Drawings:
+    """All pictures of a result: by name, and the stabilization diagrams by that of their response."""
+
+    figures: Mapping[str, Figure]
+    diagrams: Mapping[Any, Figure]
+
+
+def drawings_of(result: UpdateResult, response: FrequencyResponse | None = None,
+                truth: Mapping[int, float] | None = None,
+                diagrams: Mapping[Any, StabilizationDiagram] | None = None) -> Drawings:
+    """Pictures of a result; ``diagrams`` are by default those that its measured sets carry."""
+    modal = result.problem.objective == "modal"
+    shown = _carried(result) if diagrams is None else diagrams
+    return Drawings(_figures(result, response, truth),
+                    {name: _diagram(name, diagram, modal) for name, diagram in shown.items()})
+
+
+def fitting(figures: Mapping[Any, Figure], room: int = MOST_BYTES) -> tuple[list[Figure], int]:
+    """As many pictures as there is room for in a page, and how many were left out."""
+    kept: list[Figure] = []
+    for one in figures.values():
+        room -= len(one.uri)
+        if room < 0:
+            break
+        kept.append(one)
+    return kept, len(figures) - len(kept)
+
+
+def _carried(result: UpdateResult) -> dict[Any, StabilizationDiagram]:
+    """Diagrams that the measured sets carry, by the name of the response."""
+    problem = result.problem
+    sets = problem.measured
+    if problem.objective == "modal":
+        return {i: each.diagram for i, each in enumerate(sets) if each.diagram is not None}
+    return named_diagrams([each.diagrams for each in sets], [each.excitation for each in sets], problem.model)
+
+
+def _figures(result: UpdateResult, response: FrequencyResponse | None,
+             truth: Mapping[int, float] | None) -> dict[str, Figure]:
     """All pictures but the diagrams, by name."""
     problem, names = result.problem, states(result)
     what = "resonance" if problem.objective == "modal" else "antiresonance"
     figures = {}
     if isinstance(result, DamageResult):
         width = max(7.0, 0.32 * len(result.x) + 1.5)
-        figures["damage"] = _figure(
+        figures["damage"] = Figure(
             partial(plot_damage, result, truth=truth), (width, 4.4),
             "Stiffness loss by element, and the smallest that would have been seen.",
             "Bar chart: " + (", ".join(f"{problem.model.element_label(e)} {100 * result.severity[e]:.1f} %"
                                        for e in result.damaged) or "no damage in any element"))
-    drawn = model_picture(result)
+    drawn = _model_picture(result)
     if drawn is not None:
-        figures["model"] = _figure(*drawn)
+        figures["model"] = Figure(*drawn)
     table = result.table
-    figures["differences"] = _figure(
+    figures["differences"] = Figure(
         lambda ax: plot_differences(table, ax=ax, names=names), (9.5, 4.6),
         f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
         f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
@@ -75,7 +124,7 @@ def figures_of(result: UpdateResult, response: FrequencyResponse | None,
         f"{names[1]}")
     if response is not None:
         over = dof_name(problem.model, response.reference)
-        figures["response"] = _figure(
+        figures["response"] = Figure(
             lambda ax: plot_transmissibility(response, problem.model, result.model, dof=None,
                                              excitation=problem.measured[0].excitation, ax=ax, names=names),
             (9.0, 4.4),
@@ -84,34 +133,25 @@ def figures_of(result: UpdateResult, response: FrequencyResponse | None,
             f"Curves by frequency of the transmissibilities over {over}: measured, and of the model "
             f"{names[0]} and {names[1]}")
     history = result.history
-    figures["convergence"] = _figure(
+    figures["convergence"] = Figure(
         partial(plot_convergence, result), (9.0, 4.2), "The search: best objective of each island.",
         f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, from "
         f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}")
     return figures
 
 
-def diagram_figures(diagrams: Mapping[Any, StabilizationDiagram], modal: bool,
-                    room: int = MOST_BYTES) -> tuple[list[Figure], int]:
-    """Stabilization diagrams by dof or name, as many as there is room for, and how many were left out."""
-    figures: list[Figure] = []
-    for dof, diagram in diagrams.items():
-        of = "all responses" if modal or dof is None else f"dof {dof}" if isinstance(dof, int) else str(dof)
-        found = ", ".join(f"{f:.2f}" for f in diagram.identified)
-        one = _figure(
-            diagram.plot, (9.0, 5.0),
-            f"Stabilization diagram of {of}: poles of rational fits of rising order; those that stay are "
-            f"{'the resonances' if modal else 'its antiresonances'}.",
-            f"Stabilization diagram of {of}, {diagram.band_hz[0]:g} to {diagram.band_hz[1]:g} Hz: "
-            + (f"accepted at {found} Hz" if found else "no value accepted"))
-        room -= len(one.uri)
-        if room < 0:
-            break
-        figures.append(one)
-    return figures, len(diagrams) - len(figures)
+def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
+    of = "all responses" if modal or name is None else f"dof {name}" if isinstance(name, int) else str(name)
+    found = ", ".join(f"{f:.2f}" for f in diagram.identified)
+    return Figure(
+        diagram.plot, (9.0, 5.0),
+        f"Stabilization diagram of {of}: poles of rational fits of rising order; those that stay are "
+        f"{'the resonances' if modal else 'its antiresonances'}.",
+        f"Stabilization diagram of {of}, {diagram.band_hz[0]:g} to {diagram.band_hz[1]:g} Hz: "
+        + (f"accepted at {found} Hz" if found else "no value accepted"))
 
 
-def model_picture(result: UpdateResult) -> tuple[Draw, tuple[float, float], str, str] | None:
+def _model_picture(result: UpdateResult) -> tuple[Draw, tuple[float, float], str, str] | None:
     """How to draw the model, its size, caption and alternative; None for matrices, which have no shape."""
     problem, model = result.problem, result.problem.model
     first = problem.measured[0]
@@ -150,11 +190,6 @@ def states(result: UpdateResult) -> tuple[str, str]:
 def largest(percent: float) -> str:
     """The largest difference in words."""
     return f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all"
-
-
-def _figure(draw: Draw, size_in: tuple[float, float], caption: str, alt: str) -> Figure:
-    png = _small(picture(lambda ax: draw(ax=ax), size_in, dpi=130))
-    return Figure(caption, alt, "data:image/png;base64," + b64encode(png).decode("ascii"))
 
 
 def _small(png: bytes) -> bytes:
