@@ -281,7 +281,7 @@ def test_without_matplotlib_the_numbers_are_there_and_it_says_what_is_missing(tm
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     summary = run(tmp_path, DAMAGE.replace("report = false\npictures = false\n", ""))
     assert summary["damaged"] == [4]
-    assert 'pip install "antires-rs[plot]"' in capsys.readouterr().err
+    assert 'pip install "antires-rs[report]"' in capsys.readouterr().err
     assert not (tmp_path / "job_results" / "report.html").exists()
     # With it, the report of a search that has finished is written from its result.
     monkeypatch.undo()
