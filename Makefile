@@ -26,7 +26,8 @@ test: test-rust test-python  ## cargo and pytest suites
 test-rust:  ## tests of the Rust core
 	cargo test --locked
 
-test-python: build  ## tests of the Python package
+test-python: build  ## tests of the Python package, the documentation built among them
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(DOCS_TOOLS)
 	$(BIN)/python -m pytest
 
 lint: build  ## clippy, rustdoc, ruff, mypy, stubtest
@@ -59,10 +60,11 @@ endef
 listed = $(shell $(PYTHON) -c 'import tomllib; print(*(chr(34) + t + chr(34) for t in tomllib.load(open("pyproject.toml", "rb"))$(1)))')
 group = $(call listed,["dependency-groups"]["$(1)"])
 TEST_TOOLS = $(call group,test)
+DOCS_TOOLS = $(call group,docs)
 BUILD_TOOLS = $(call listed,["build-system"]["requires"])
 
 docs: build  ## pages and executed gallery into docs/_build/html, warnings are errors
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(call group,docs)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(DOCS_TOOLS)
 	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
 
 # Messages of dependencies name their source files; the folders of this machine stay out of a wheel.

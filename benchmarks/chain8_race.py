@@ -22,6 +22,7 @@ import time
 
 import numpy as np
 from objective_speed import by_numpy
+from rival_searches import pycma, pymoo_ga, scipy_de
 
 import antires_rs as ar
 
@@ -35,6 +36,8 @@ class Done(Exception):
 
 class Account:
     """J in numpy for rows of severities; raises at the bar or at the limit."""
+
+    bounds = np.tile([0.0, UPPER], (7, 1))
 
     def __init__(self, case, measured, limit):
         self.case, self.measured, self.limit = case, measured, limit
@@ -51,35 +54,6 @@ class Account:
         if self.reached or self.nfev >= self.limit:
             raise Done
         return costs
-
-
-def scipy_de(account, seed):
-    from scipy.optimize import differential_evolution
-    differential_evolution(lambda x: account(x.T), [(0.0, UPPER)] * 7, rng=seed, vectorized=True,
-                           updating="deferred", polish=False, tol=0.0, maxiter=10**6)
-
-
-def pycma(account, seed):
-    import cma
-    rng = np.random.default_rng(seed)
-    while True:
-        search = cma.CMAEvolutionStrategy(rng.uniform(0.0, UPPER, 7), 0.25, {
-            "bounds": [[0.0] * 7, [UPPER] * 7], "seed": int(rng.integers(1, 2**31)), "verbose": -9})
-        while not search.stop():
-            candidates = search.ask()
-            search.tell(candidates, account(np.array(candidates)).tolist())
-
-
-def pymoo_ga(account, seed):
-    from pymoo.algorithms.soo.nonconvex.ga import GA
-    from pymoo.core.problem import Problem
-    from pymoo.optimize import minimize
-
-    class Wrapped(Problem):
-        def _evaluate(self, x, out, *args, **kwargs):
-            out["F"] = account(x)
-
-    minimize(Wrapped(n_var=7, n_obj=1, xl=0.0, xu=UPPER), GA(pop_size=160), ("n_gen", 10**6), seed=seed)
 
 
 def deap_ga(account, seed):

@@ -62,7 +62,7 @@ def spread(rng, n, damping=(1e-3, 0.05), lines=2400, band=(1.0, 200.0)):
 
 def light(rng, n):
     """All of 0.1 % damping, with five lines or more in the narrowest half-power bandwidth."""
-    freq, hz, damping = spread(rng, n, (1e-3, 1e-3), 2, (40.0, 200.0))
+    _, hz, damping = spread(rng, n, (1e-3, 1e-3), 2, (40.0, 200.0))
     return np.arange(40.0, 200.0, 2e-3 * hz.min() / 5), hz, damping
 
 

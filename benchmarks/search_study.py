@@ -15,6 +15,7 @@ import statistics
 import time
 
 import numpy as np
+from rival_searches import pycma, pymoo_ga, scipy_de
 
 import antires_rs as ar
 
@@ -30,6 +31,7 @@ class Account:
 
     def __init__(self, problem, bar, limit):
         self.problem, self.bar, self.limit = problem, bar, limit
+        self.bounds = problem.bounds
         self.nfev, self.fun, self.x = 0, np.inf, None
 
     def __call__(self, candidates):
@@ -55,40 +57,6 @@ def islands(**options):
                           callback=lambda state: state["fun"] <= account.bar)
         account.nfev, account.fun, account.x = found.nfev, found.fun, found.x
     return run
-
-
-def scipy_de(account, seed):
-    """scipy.optimize.differential_evolution with its defaults, vectorized."""
-    from scipy.optimize import differential_evolution
-    differential_evolution(lambda x: account(x.T), account.problem.bounds, rng=seed, vectorized=True,
-                           updating="deferred", polish=False, tol=0.0, maxiter=10**6)
-
-
-def pycma(account, seed):
-    """CMA-ES with its defaults, from random points until the limit."""
-    import cma
-    low, high = account.problem.bounds.T
-    rng = np.random.default_rng(seed)
-    while True:
-        search = cma.CMAEvolutionStrategy(rng.uniform(low, high), 0.25, {
-            "bounds": [low.tolist(), high.tolist()], "seed": int(rng.integers(1, 2**31)), "verbose": -9})
-        while not search.stop():
-            candidates = search.ask()
-            search.tell(candidates, account(np.array(candidates)).tolist())
-
-
-def pymoo_ga(account, seed):
-    """pymoo's genetic algorithm with 160 individuals."""
-    from pymoo.algorithms.soo.nonconvex.ga import GA
-    from pymoo.core.problem import Problem
-    from pymoo.optimize import minimize
-
-    class Wrapped(Problem):
-        def _evaluate(self, x, out, *args, **kwargs):
-            out["F"] = account(x)
-
-    low, high = account.problem.bounds.T
-    minimize(Wrapped(n_var=len(low), n_obj=1, xl=low, xu=high), GA(pop_size=160), ("n_gen", 10**6), seed=seed)
 
 
 #: The paper's algorithm as printed stops on equal genes only and counts any gain.

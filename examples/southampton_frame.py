@@ -35,8 +35,8 @@ def data_folder() -> Path | None:
     return folder if folder.is_dir() else None
 
 
-def read_column(path: Path, floor: int) -> ar.FrequencyResponse:
-    """Accelerances of the three floors under a force at ``floor``: f; H_1k; H_2k; H_3k."""
+def read_column(path: Path) -> ar.FrequencyResponse:
+    """Accelerances of the three floors under a force at floor k: f; H_1k; H_2k; H_3k."""
     table = np.loadtxt(path, delimiter=";", dtype=complex)
     inside = table[:, 0].real > 0
     return ar.FrequencyResponse(table[inside, 0].real, table[inside, 1:].T, dofs=[0, 1, 2], kind="frf")
@@ -44,7 +44,7 @@ def read_column(path: Path, floor: int) -> ar.FrequencyResponse:
 
 def identify(folder: Path) -> list[ar.AntiresonanceSet]:
     """Antiresonances of the three columns, by the same settings."""
-    return [ar.identify_antiresonances(read_column(folder / name, floor), excitation=floor, band_hz=BAND_HZ)
+    return [ar.identify_antiresonances(read_column(folder / name), excitation=floor, band_hz=BAND_HZ)
             for floor, name in enumerate(FILES)]
 
 

@@ -112,3 +112,10 @@ def random_frame(rng, most_dofs=300):
 
 def unit(v):
     return v / np.linalg.norm(v)
+
+
+def rigid_hz(k_mat, m_mat):
+    """Below this a motion is rigid: a few ulp of the stiffness against the mass."""
+    scale = np.sqrt(np.diag(m_mat))
+    highest = np.abs(k_mat / np.outer(scale, scale)).sum(axis=0).max()
+    return np.sqrt(16 * np.finfo(float).eps * highest) / (2 * np.pi)

@@ -16,7 +16,7 @@ import numpy as np
 import scipy.linalg
 
 import antires_rs as ar
-from virtual_records import CHAIN8_MASSES, CHAIN8_SPRINGS, chain_matrices
+from virtual_records import CHAIN8_MASSES, CHAIN8_SPRINGS, chain8_matrices, chain_matrices
 
 FS_HZ = 512.0
 #: Modal damping of every elastic mode, before a dashpot is added.
@@ -155,7 +155,7 @@ def structure(stiffness, mass, *, excitation=0, responses=None, added_damping=0.
 
 def chain8(seed):
     """The nominal eight-mass chain; the seed does not matter."""
-    return structure(*chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS))
+    return structure(*chain8_matrices())
 
 
 def random_chain(seed, excitation=0):
@@ -176,7 +176,7 @@ def dashpot_between(seed):
     at = int(rng.integers(7))
     c = np.zeros((8, 8))
     c[at:at + 2, at:at + 2] = rng.uniform(0.05, 0.2) * CHAIN8_IMPEDANCE * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    return structure(*chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS), added_damping=c)
+    return structure(*chain8_matrices(), added_damping=c)
 
 
 def dashpot_to_ground(seed):
@@ -185,13 +185,13 @@ def dashpot_to_ground(seed):
     c = np.zeros((8, 8))
     at = int(rng.integers(8))
     c[at, at] = rng.uniform(0.05, 0.2) * CHAIN8_IMPEDANCE
-    return structure(*chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS), added_damping=c)
+    return structure(*chain8_matrices(), added_damping=c)
 
 
 def spring_to_ground(seed):
     """The eight-mass chain with a spring to ground at one mass, 0.2 to 2 times the others."""
     rng = np.random.default_rng([seed, 4])
-    stiffness, mass = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+    stiffness, mass = chain8_matrices()
     at = int(rng.integers(8))
     stiffness[at, at] += rng.uniform(0.2, 2.0) * CHAIN8_SPRINGS[0]
     return structure(stiffness, mass)

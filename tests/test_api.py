@@ -39,11 +39,9 @@ def test_every_public_name_is_documented(name):
     assert re.search(r"^Examples\n-+\n>>> ", text, re.MULTILINE), f"{name} has no example"
 
 
-@pytest.mark.parametrize("name", PUBLIC)
+@pytest.mark.parametrize("name", [n for n in PUBLIC if inspect.isclass(getattr(ar, n))])
 def test_every_public_method_is_documented(name):
     thing = getattr(ar, name)
-    if not inspect.isclass(thing) or issubclass(thing, Exception):
-        return
     for member, value in vars(thing).items():
         if not member.startswith("_") and (callable(value) or isinstance(value, property | classmethod)):
             assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
@@ -95,7 +93,9 @@ def test_the_core_knows_neither_python_nor_numpy():
     manifest = tomllib.loads((ROOT / "rust/antires-core/Cargo.toml").read_text())
     for section in ("dependencies", "dev-dependencies", "build-dependencies"):
         assert not {"pyo3", "numpy", "pyo3-ffi"} & set(manifest.get(section, {}))
-    for source in (ROOT / "rust/antires-core/src").rglob("*.rs"):
+    sources = list((ROOT / "rust/antires-core/src").rglob("*.rs"))
+    assert sources
+    for source in sources:
         assert not re.search(r"^\s*use (pyo3|numpy)\b", source.read_text(), re.MULTILINE), source.name
 
 
@@ -106,7 +106,9 @@ def test_the_optimizer_sees_no_structure():
     forbidden = {"optimize": "fem|modal|update|linalg", "linalg": "fem|modal|optimize|update",
                  "fem": "modal|optimize|update", "modal": "optimize|update"}
     for folder, others in forbidden.items():
-        for source in (core / folder).rglob("*.rs"):
+        sources = list((core / folder).rglob("*.rs"))
+        assert sources, folder
+        for source in sources:
             code = "\n".join(line for line in source.read_text().splitlines() if "//" not in line)
             assert not re.search(rf"\bcrate::({others})\b", code), f"{folder}/{source.name}"
     package = ROOT / "python/antires_rs"

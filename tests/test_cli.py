@@ -14,6 +14,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs import cli, demo
+from job_files import DAMAGE, write_measured
 
 FILES = {"stabilization.png", "transmissibility.png", "differences.png", "damage.png", "convergence.png",
          "updating.html", "damage.html", "summary.json"}
@@ -185,7 +186,7 @@ def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
     assert json.loads(capsys.readouterr().out)["antiresonances"][7]["freq_hz"] == []
 
 
-def test_warnings_take_one_line(tmp_path, monkeypatch, capsys):
+def test_warnings_take_one_line(tmp_path, capsys):
     noise = np.random.default_rng(0).standard_normal((3, 4096))
     noise[1] = 0.0
     ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 256.0))
@@ -214,7 +215,7 @@ def test_report_of_a_result_and_of_its_folder(tmp_path, capsys):
     assert "Chain &lt;8&gt;" in (tmp_path / "a.html").read_text()
     drawn = set(os.listdir(tmp_path / "pictures"))
     assert drawn == {os.path.basename(file) for file in written["pictures"]}
-    assert drawn == {"damage.png", "differences.png", "convergence.png"}
+    assert drawn == {"damage.png", "model.png", "differences.png", "convergence.png"}
 
 
 def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
@@ -230,3 +231,64 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     ar.write_npz(tmp_path / "record.npz", ar.Recording(record.responses, 32.0))
     assert cli.main(["init", str(job), "--data", str(tmp_path / "record.npz"), "--overwrite"]) == 0
     assert "dofs" not in tomllib.loads(job.read_text())["data"]
+
+
+def test_a_remedy_is_spelled_as_its_reader_would_write_it(tmp_path, capsys):
+    """In Python, on the command line and in a job."""
+    table = tmp_path / "unnamed.csv"
+    table.write_text("".join(f"{0.01 * i:.2f},{i % 7},{i % 5}\n" for i in range(200)), encoding="utf-8")
+    with pytest.raises(ar.InvalidInputError, match="Pass first='time', first='freq' or, with fs_hz=, "):
+        ar.read_csv(table)
+    assert cli.main(["identify", str(table), "--band", "3", "30", "--excitation", "0"]) == 1
+    said = capsys.readouterr().err
+    assert "Pass --first time, --first freq or, with --fs, --first channel." in said
+    job = tmp_path / "job.toml"
+    job.write_text('[data]\nfile = "unnamed.csv"\nexcitation = 0\nband_hz = [3.0, 30.0]\n[model]\n'
+                   'kind = "chain"\nmasses_kg = [1, 1]\nsprings_n_per_m = [1e4]\n[damage]\n')
+    assert cli.main(["damage", str(job)]) == 1
+    said = capsys.readouterr().err
+    assert 'line 2, [data] file: got' in said
+    assert 'Pass first = "time", first = "freq" or, with fs_hz, first = "channel".' in said
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
+@pytest.mark.parametrize("module", ["antires_rs.cli.command", "antires_rs.cli.parser", "antires_rs.jobs.run"])
+def test_ctrl_c_while_modules_are_loaded_is_one_line(tmp_path, module):
+    write_measured(tmp_path)
+    (tmp_path / "job.toml").write_text(DAMAGE)
+    code = f"""
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupting())
+from antires_rs.cli import main
+sys.exit(main())
+"""
+    done = subprocess.run([sys.executable, "-c", code, "damage", "job.toml"], cwd=tmp_path, check=False,
+                          capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "antires: interrupted\n")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
+def test_an_import_that_ctrl_c_broke_is_ctrl_c_and_no_other(monkeypatch, capsys):
+    """NumPy's C code, for one, makes an ImportError of a KeyboardInterrupt."""
+    def broken(*args, **options):
+        with contextlib.suppress(KeyboardInterrupt):
+            os.kill(os.getpid(), interrupt)
+        raise ImportError("PyCapsule_Import could not import module")
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        monkeypatch.setattr(demo, "command", broken)
+        interrupt = signal.SIGINT
+        assert cli.main(["demo"]) == 130
+        assert capsys.readouterr().err == "antires: interrupted\n"
+        interrupt = 0
+        with pytest.raises(ImportError, match="PyCapsule"):
+            cli.main(["demo"])
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)

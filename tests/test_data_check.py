@@ -10,15 +10,9 @@ from antires_rs.exceptions import InvalidInputError
 from antires_rs.noise_level import noise_power
 from antires_rs.signals import Recording
 from antires_rs.spectra import cross_spectra
-from virtual_records import (
-    CHAIN8_MASSES,
-    CHAIN8_SPRINGS,
-    chain_matrices,
-    hit_record,
-    random_record,
-)
+from virtual_records import chain8_matrices, hit_record, random_record
 
-STIFFNESS, MASS = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+STIFFNESS, MASS = chain8_matrices()
 BAND = (3.0, 130.0)
 FS = 512.0
 

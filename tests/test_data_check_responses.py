@@ -1,16 +1,14 @@
 """The data check on measured responses, simulated and real."""
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from antires_rs.data_check import check_data
 from antires_rs.signals import FrequencyResponse, Recording
-from virtual_records import CHAIN8_MASSES, CHAIN8_SPRINGS, accelerance, chain_matrices
+from measured_data import BRAKE_REUSS, FLOORS, needs_brake_reuss, needs_southampton, southampton
+from virtual_records import accelerance, chain8_matrices
 
-STIFFNESS, MASS = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+STIFFNESS, MASS = chain8_matrices()
 
 
 def check(resp, excitation=0):
@@ -57,16 +55,10 @@ def test_dead_coarse_and_incoherent_responses_are_named():
     assert [(f.name, f.where) for f in result.findings] == [("signal_to_noise", (1,))]
 
 
-DATA = Path(os.environ.get("ANTIRES_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
-WITH_DATA = pytest.mark.skipif(not DATA.is_dir(),
-                               reason="measured data absent; set ANTIRES_DATA to their folder")
-
-
-@WITH_DATA
-@pytest.mark.parametrize(("name", "floor"), [("Experimental.csv", 0), ("test_2.csv", 1), ("test_3.csv", 2)])
-def test_the_excited_floor_of_the_southampton_frame(name, floor):
-    table = np.loadtxt(DATA / "southampton_3storey" / name, delimiter=";", dtype=complex)
-    resp = FrequencyResponse(table[:, 0].real, table[:, 1:].T)
+@needs_southampton
+@pytest.mark.parametrize("floor", range(3))
+def test_the_excited_floor_of_the_southampton_frame(floor):
+    resp = southampton(FLOORS[floor])
     for band in ((5.0, 32.0), (4.0, 60.0)):
         for stated in range(3):
             result = check_data(resp, excitation=stated, band_hz=band)
@@ -77,10 +69,10 @@ def test_the_excited_floor_of_the_southampton_frame(name, floor):
                 assert result.findings[0].advice.startswith(f"Dof {floor} would fit")
 
 
-@WITH_DATA
+@needs_brake_reuss
 def test_the_single_hit_on_the_brake_reuss_beam():
     from scipy.io import loadmat
-    path = DATA / "brake_reuss_beam" / "HammerImpact.mat"
+    path = BRAKE_REUSS / "HammerImpact.mat"
     held = loadmat(path, squeeze_me=True, struct_as_record=False)["HIdata"]
     rec = Recording([held.acc1, held.acc2, held.acc3], 12800.0, dofs=["acc1", "acc2", "acc3"])
     result = check_data(rec, excitation="hammer", band_hz=(50.0, 1200.0))

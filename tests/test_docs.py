@@ -1,6 +1,10 @@
 """The documentation keeps its word: its code runs as printed, and every public name has a page."""
 
+import os
 import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -86,3 +90,20 @@ def test_what_a_page_links_to_is_there(page):
         made = target.startswith("gallery/")
         source = DOCS / target if not made else DOCS.parent / "examples" / target.replace(".rst", ".py")
         assert (source.exists() or target == "gallery/index.rst"), target
+
+
+def test_the_pages_are_built_without_a_warning(tmp_path):
+    """The gallery is not executed here: test_gallery.py does that."""
+    for module in ("sphinx", "pydata_sphinx_theme", "sphinx_gallery", "numpydoc", "myst_parser",
+                   "matplotlib"):
+        pytest.importorskip(module)
+    for folder in ("docs", "examples"):
+        shutil.copytree(DOCS.parent / folder, tmp_path / folder, ignore=shutil.ignore_patterns(
+            "_build", "generated", "backreferences"))
+    shutil.rmtree(tmp_path / "docs" / "gallery", ignore_errors=True)
+    build = subprocess.run(
+        [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-D", "plot_gallery=0", "docs", "html"],
+        cwd=tmp_path, capture_output=True, text=True, env=os.environ | {"MPLBACKEND": "Agg"}, check=False)
+    assert build.returncode == 0, build.stderr
+    assert (tmp_path / "html" / "index.html").stat().st_size > 1000
+    assert (tmp_path / "html" / "api" / "generated" / "antires_rs.update.html").exists()

@@ -10,18 +10,12 @@ from antires_rs.first_guess import guessed_poles, guessed_weights
 from antires_rs.formulations import FORMULATIONS, sweep_of, warn_of_formulation
 from antires_rs.power_fit import PowerFit, PowerSweep, real_basis, real_roots
 from antires_rs.response_lines import Lines, lines_of_recording
+from antires_rs.rule import Rule
 from antires_rs.signals import Recording
-from antires_rs.stabilization_diagram import Rule, diagram
-from virtual_records import (
-    CHAIN8_MASSES,
-    CHAIN8_SPRINGS,
-    accelerance,
-    chain_matrices,
-    random_record,
-    true_antiresonances,
-)
+from antires_rs.stabilization_diagram import diagram
+from virtual_records import accelerance, chain8_matrices, random_record, true_antiresonances
 
-STIFFNESS, MASS = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+STIFFNESS, MASS = chain8_matrices()
 TRUTH = [true_antiresonances(STIFFNESS, MASS, dof, 0) for dof in range(8)]
 BAND = (3.0, 130.0)
 

@@ -1,21 +1,21 @@
 """Every script of the gallery runs, draws or prints what it promises, and stays short."""
 
-import os
 import runpy
 from pathlib import Path
 
 import pytest
 
+from measured_data import DATA
+
 GALLERY = Path(__file__).resolve().parents[1] / "examples" / "gallery"
 SCRIPTS = sorted(GALLERY.glob("plot_*.py"))
-DATA = Path(os.environ.get("ANTIRES_DATA", GALLERY.parents[2] / "shared" / "data"))
 #: Scripts on measured structures, and the folder of their data.
 MEASURED = {"plot_southampton_frame": "southampton_3storey", "plot_brake_reuss_beam": "brake_reuss_beam"}
 LONGEST = 60
 
 
 @pytest.fixture
-def pyplot(monkeypatch):
+def pyplot():
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
     from matplotlib import pyplot

@@ -1,8 +1,5 @@
 """From records and responses to antiresonances: chain8, a measured frame, and what must be refused."""
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,16 +7,10 @@ from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
 from antires_rs.identification import identify_antiresonances
 from antires_rs.signals import FrequencyResponse, Recording
 from antires_rs.spectra import frf, transmissibility
-from virtual_records import (
-    CHAIN8_MASSES,
-    CHAIN8_SPRINGS,
-    accelerance,
-    chain_matrices,
-    random_record,
-    true_antiresonances,
-)
+from measured_data import FLOORS, needs_southampton, southampton
+from virtual_records import accelerance, chain8_matrices, random_record, true_antiresonances
 
-STIFFNESS, MASS = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+STIFFNESS, MASS = chain8_matrices()
 TRUTH = [true_antiresonances(STIFFNESS, MASS, dof, 0) for dof in range(8)]
 BAND = (3.0, 130.0)
 FS = 512.0
@@ -184,8 +175,6 @@ def test_a_single_frf_has_zeros_on_the_frf_route():
     assert np.allclose(found[3], TRUTH[3], rtol=1e-3)
 
 
-DATA = Path(os.environ.get("ANTIRES_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
-FRAME = DATA / "southampton_3storey"
 # By column (excited floor) and floor: ranges of the reference, from a rational fit of each FRF by hand.
 FRAME_ZEROS = {
     "Experimental.csv": [[(8.5, 8.9), (23.7, 24.1)], [(14.3, 14.65)], []],
@@ -194,12 +183,10 @@ FRAME_ZEROS = {
 }
 
 
-@pytest.mark.skipif(not FRAME.is_dir(), reason="Southampton data absent; set ANTIRES_DATA to their folder")
+@needs_southampton
 @pytest.mark.parametrize("name", FRAME_ZEROS)
 def test_southampton_frame(name):
-    table = np.loadtxt(FRAME / name, delimiter=";", dtype=complex)
-    resp = FrequencyResponse(table[:, 0].real, table[:, 1:].T)
-    found = identify_antiresonances(resp, excitation=list(FRAME_ZEROS).index(name), band_hz=(5.0, 32.0))
+    found = identify_antiresonances(southampton(name), excitation=FLOORS.index(name), band_hz=(5.0, 32.0))
     for floor, ranges in enumerate(FRAME_ZEROS[name]):
         assert found[floor].size == len(ranges)
         for value, (low, high) in zip(found[floor], ranges, strict=True):

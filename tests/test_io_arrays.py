@@ -151,7 +151,7 @@ def test_changed_bytes_are_noticed(tmp_path, write, read):
         read(path)
 
 
-def test_a_newer_version_is_refused(tmp_path):
+def test_a_newer_version_is_refused():
     import json
     from pathlib import Path
 

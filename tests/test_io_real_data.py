@@ -1,18 +1,14 @@
 """The files of two published measurements, as they are."""
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import antires_rs as ar
-
-ROOT = Path(os.environ.get("ANTIRES_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
+from measured_data import DATA
 
 
 def data_file(name):
-    path = ROOT / name
+    path = DATA / name
     if not path.is_file():
         pytest.skip(f"record absent: {path}; set ANTIRES_DATA")
     return path

@@ -115,8 +115,8 @@ def test_the_template_is_a_valid_job_with_every_key(tmp_path, task, model):
                     assert f"\n{key.name} = " in text or f"\n# {key.name} =" in text, (section.name, key.name)
 
 
-def test_defaults_in_the_template_are_those_in_force(tmp_path):
-    """A template with every default made active does what the template does."""
+def test_defaults_in_the_template_are_those_in_force():
+    """Every default that a key states is the one of the search or of the call."""
     options = ar.IslandGA().options
     for key in SECTIONS["search"].keys:
         if key.name in options and key.default:

@@ -6,7 +6,7 @@ import scipy.linalg
 
 import antires_rs as ar
 from exact_roots import ExactPencil
-from random_frames import assemble, random_frame
+from random_frames import assemble, random_frame, rigid_hz
 from random_models import Oracle, cancelled
 from tolerances import AGAINST_SCIPY, PROMISE, PROMISE_ULPS
 
@@ -14,13 +14,6 @@ from tolerances import AGAINST_SCIPY, PROMISE, PROMISE_ULPS
 def band_hz(k_mat, m_mat, modes):
     lam = scipy.linalg.eigvalsh(k_mat, m_mat)
     return np.sqrt(0.3 * lam[modes - 1] + 0.7 * lam[modes]) / (2 * np.pi)
-
-
-def rigid_hz(k_mat, m_mat):
-    """Below this a motion is rigid: a few ulp of the stiffness against the mass."""
-    scale = np.sqrt(np.diag(m_mat))
-    highest = np.abs(k_mat / np.outer(scale, scale)).sum(axis=0).max()
-    return np.sqrt(16 * np.finfo(float).eps * highest) / (2 * np.pi)
 
 
 def assert_promise(k_mat, m_mat, i, k, freq_hz):

@@ -1,8 +1,5 @@
 """Resonances, damping and shapes, from FRFs and from responses alone."""
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
 import scipy.linalg
@@ -15,16 +12,10 @@ from antires_rs.modal_identification import identify_modes
 from antires_rs.modal_set import ModalSet
 from antires_rs.residues import residues
 from antires_rs.signals import FrequencyResponse, Recording
-from virtual_records import (
-    CHAIN8_MASSES,
-    CHAIN8_SPRINGS,
-    accelerance,
-    chain_matrices,
-    hit_record,
-    random_record,
-)
+from measured_data import FLOORS, needs_southampton, southampton
+from virtual_records import accelerance, chain8_matrices, hit_record, random_record
 
-STIFFNESS, MASS = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+STIFFNESS, MASS = chain8_matrices()
 LAMBDA, PHI = scipy.linalg.eigh(STIFFNESS, MASS)
 # Without the rigid-body mode at 0 Hz.
 TRUTH = ModalSet(np.sqrt(LAMBDA[1:]) / (2 * np.pi), PHI[:, 1:].T)
@@ -248,15 +239,10 @@ def test_bad_sets_are_named(make, name):
 
 # ---- a measured structure ----------------------------------------------------------------------------
 
-DATA = Path(os.environ.get("ANTIRES_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
-FRAME = DATA / "southampton_3storey"
-
-
-@pytest.mark.skipif(not FRAME.is_dir(), reason="Southampton data absent; set ANTIRES_DATA to their folder")
-@pytest.mark.parametrize("name", ["Experimental.csv", "test_2.csv", "test_3.csv"])
+@needs_southampton
+@pytest.mark.parametrize("name", FLOORS)
 def test_southampton_frame(name):
-    table = np.loadtxt(FRAME / name, delimiter=";", dtype=complex)
-    modes = identify_modes(FrequencyResponse(table[:, 0].real, table[:, 1:].T), band_hz=(5.0, 32.0))
+    modes = identify_modes(southampton(name), band_hz=(5.0, 32.0))
     # The three of the storeys; a weak one at 28.9 Hz, of the frame's own, is in all three tests.
     assert np.allclose(modes.freq_hz, [6.51, 17.46, 26.50, 28.92], rtol=2e-3)
     assert np.all((modes.damping_ratio[:3] > 0.0014) & (modes.damping_ratio[:3] < 0.0026))

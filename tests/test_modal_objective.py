@@ -300,7 +300,7 @@ def test_pictures_and_report(damage, tmp_path):
     html = (tmp_path / "modes.html").read_text()
     assert "Damage assessment with resonances and mode shapes" in html
     assert "7 measured resonances with shapes at 8 dofs" in html
-    assert html.count("<th>MAC</th>") == 2
+    assert html.count('<th scope="col">MAC</th>') == 2
     for value in (*damage.table.before_mac, *damage.table.after_mac):
         assert f"<td>{value:.3f}</td>" in html
     assert "antiresonance" not in html.split("<footer")[0].replace("antires_rs", "")

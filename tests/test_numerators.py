@@ -13,14 +13,7 @@ from antires_rs.rankone import channel_noise
 from antires_rs.response_lines import Lines
 from antires_rs.signals import Recording
 from antires_rs.uncertainty import Influence, standard_deviations
-from virtual_records import (
-    CHAIN8_MASSES,
-    CHAIN8_SPRINGS,
-    accelerance,
-    chain_matrices,
-    random_record,
-    true_antiresonances,
-)
+from virtual_records import accelerance, chain8_matrices, chain_matrices, random_record, true_antiresonances
 
 STIFFNESS, MASS = chain_matrices([1.0, 0.8, 1.2, 0.9], [4e4, 3e4, 5e4])
 FREQ = np.linspace(2.0, 70.0, 500)
@@ -162,7 +155,7 @@ def test_channel_noise_is_told_in_any_unit():
 
 def test_what_no_reference_alone_shows():
     """At 10 % noise a joint fit over one reference misses the lowest antiresonances; this one has all."""
-    stiffness, mass = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+    stiffness, mass = chain8_matrices()
     responses, _ = random_record(stiffness, mass, duration_s=200.0, noise=0.1, seed=14)
     rec = Recording(responses, 512.0)
     counts = {}
@@ -179,7 +172,7 @@ def test_what_no_reference_alone_shows():
 
 
 def test_only_averaged_records_have_standard_deviations_of_segments():
-    stiffness, mass = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+    stiffness, mass = chain8_matrices()
     responses, _ = random_record(stiffness, mass, duration_s=64.0, noise=0.01, seed=15)
     found = identify_antiresonances(Recording(responses, 512.0), excitation=0, band_hz=BAND8)
     assert all(found.std_hz[dof].size == found[dof].size for dof in found)
@@ -191,7 +184,7 @@ def test_only_averaged_records_have_standard_deviations_of_segments():
 @pytest.mark.parametrize("options", [{"keep_common": True}, {"channels": 2}])
 def test_light_damping_without_a_third_witness(options):
     """Whether all rows share a root cannot be asked: what stays over the orders is still found."""
-    stiffness, mass = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+    stiffness, mass = chain8_matrices()
     responses, _ = random_record(stiffness, mass, duration_s=64.0, noise=0.001, damping_ratio=0.0003, seed=16)
     rec = Recording(responses[:options.pop("channels", 8)], 512.0)
     found = identify_antiresonances(rec, excitation=0, band_hz=BAND8, check="off", **options)

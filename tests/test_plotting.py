@@ -93,7 +93,7 @@ def test_without_axes_a_pyplot_figure_is_made_and_no_setting_changed(draw, name)
         pyplot.close(made.figure)
 
 
-def test_with_axes_pyplot_learns_of_nothing(draw, ax):
+def test_with_axes_pyplot_learns_of_nothing(draw):
     from matplotlib import pyplot
     for function in draw.values():
         picture(function, (6.0, 4.0), dpi=50)

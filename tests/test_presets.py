@@ -4,7 +4,7 @@ import pytest
 
 from antires_rs.exceptions import InvalidInputError
 from antires_rs.presets import DEFAULTS, PRESETS, rule_options
-from antires_rs.stabilization_diagram import Rule
+from antires_rs.rule import Rule
 
 
 def test_without_a_preset_the_defaults_hold():

@@ -16,7 +16,7 @@ from antires_rs.spectra import (
     transmissibility,
     transmissibility_sum,
 )
-from virtual_records import CHAIN8_MASSES, CHAIN8_SPRINGS, chain_matrices, random_record
+from virtual_records import chain8_matrices, random_record
 
 RNG = np.random.default_rng(11)
 RECORD = Recording(RNG.standard_normal((3, 5000)).cumsum(axis=1) + 4.0, 200.0,
@@ -75,7 +75,7 @@ def test_without_noise_all_estimators_agree():
 
 
 def test_rank_one_keeps_the_peak_that_h1_flattens():
-    stiffness, mass = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+    stiffness, mass = chain8_matrices()
     clean, _ = random_record(stiffness, mass, seed=21)
     noisy, _ = random_record(stiffness, mass, seed=21, noise=0.02)
     truth = transmissibility(Recording(clean, 512.0), 3, nperseg=8192, estimator="rank1")
@@ -157,7 +157,7 @@ def test_with_few_averages_the_deviation_is_still_right():
 def test_predicted_deviations_hold_line_by_line_on_a_structure(estimator, reference):
     # Leakage, noise and strong resonances together. 20 records tell a deviation to 16 %, its median over
     # 1,000 lines far better.
-    stiffness, mass = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+    stiffness, mass = chain8_matrices()
     predicted, values = [], []
     for seed in range(130, 150):
         responses, _ = random_record(stiffness, mass, noise=0.01, seed=seed, duration_s=64.0)

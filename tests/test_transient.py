@@ -8,17 +8,9 @@ from antires_rs.identification import identify_antiresonances
 from antires_rs.signals import Recording
 from antires_rs.spectra import frf, transmissibility
 from antires_rs.transient import find_events, is_transient, transient_spectra
-from virtual_records import (
-    CHAIN8_MASSES,
-    CHAIN8_SPRINGS,
-    accelerance,
-    chain_matrices,
-    hit_record,
-    random_record,
-    true_antiresonances,
-)
+from virtual_records import accelerance, chain8_matrices, hit_record, random_record, true_antiresonances
 
-STIFFNESS, MASS = chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+STIFFNESS, MASS = chain8_matrices()
 FS = 512.0
 
 

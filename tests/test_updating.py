@@ -263,6 +263,18 @@ def test_a_parameter_on_its_bound_is_named():
     assert "On a bound" in " ".join(result.notes)
 
 
+def test_what_a_polish_leaves_a_hair_off_a_bound_is_on_it():
+    problem = ar.UpdatingProblem(CASE.model, ar.stiffness_factor(range(4), bounds=(0.9, 1.1)), CASE.exact())
+    result = ar.update(problem, rng=0, optimizer=ar.IslandGA(max_evaluations=200))
+    result.x = np.array([0.9 + 3e-13, 1.1 - 2e-14, 0.9 + 1e-5, 1.0])
+    assert result.at_bound == problem.names[:2]
+    # Where it began is not where the data pushed it.
+    reduction = ar.UpdatingProblem(CASE.model, ar.stiffness_reduction([0]), CASE.exact())
+    unmoved = ar.update(reduction, rng=0, optimizer=ar.IslandGA(max_evaluations=200))
+    unmoved.x = np.array([1e-9])
+    assert unmoved.at_bound == []
+
+
 def test_a_model_without_any_partner_gives_a_table_that_says_so():
     problem = CASE.updating_problem(ar.AntiresonanceSet(0, {7: [20.0]}))
     result = ar.update(problem, rng=0, optimizer=ar.IslandGA(max_evaluations=160))

@@ -22,6 +22,11 @@ def chain_matrices(masses, springs):
     return stiffness, np.diag(np.asarray(masses, float))
 
 
+def chain8_matrices():
+    """Stiffness and mass of the eight-mass chain."""
+    return chain_matrices(CHAIN8_MASSES, CHAIN8_SPRINGS)
+
+
 def true_antiresonances(stiffness, mass, response, excitation, f_max_hz=np.inf):
     """Real positive roots (Hz) of det(K_ik - w^2 M_ik) = 0 by scipy's QZ."""
     k = np.delete(np.delete(stiffness, response, 0), excitation, 1)

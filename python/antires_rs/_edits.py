@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from ._columns import unknown_scores
 from ._validation import FloatArray, finite_scalar, real_array, reject
 
-__all__ = ["Edit", "check_reason", "clash", "companion", "described", "nearest", "values_hz"]
+__all__ = ["Edit", "added", "described", "dropped"]
 
 #: Distance of a frequency named by hand from the value it means, relative.
 NAMED_WITHIN = 0.01
@@ -49,12 +50,50 @@ class Edit:
         return f"{verb} {self.freq_hz:.2f} Hz at dof {self.dof}{why}"
 
 
+#: Columns, scores and records of one dof after an edit.
+Edited = tuple[dict[str, FloatArray], dict[str, Any], list[Edit]]
+
+
 def described(edits: Sequence[Edit]) -> str:
     """One line for all edits."""
     return "edited by hand: " + "; ".join(map(str, edits))
 
 
-def values_hz(value: Any) -> FloatArray:
+def dropped(dof: Any, there: Mapping[str, FloatArray], scores: Mapping[str, Any], freq_hz: Any, reason: Any,
+            tol_hz: float | None) -> Edited:
+    """The columns ``there`` of a dof and their scores without the values meant by ``freq_hz``."""
+    chosen = _nearest(_values_hz(freq_hz), there["freq_hz"], dof, tol_hz)
+    reason = _check_reason(reason)
+    records = []
+    for i in chosen:
+        known = {name: float(there[name][i]) for name in ("damping_ratio", "std_hz")
+                 if not np.isnan(there[name][i])}
+        own = {name: column[i].item() for name, column in scores.items()
+               if column[i] == column[i]}  # NaN is not equal to itself
+        records.append(Edit("drop", dof, float(there["freq_hz"][i]), reason, **known, scores=own))
+    left = np.delete(np.arange(there["freq_hz"].size), chosen)
+    return ({name: column[left] for name, column in there.items()},
+            {name: column[left] for name, column in scores.items()}, records)
+
+
+def added(dof: Any, there: Mapping[str, FloatArray], scores: Mapping[str, Any], freq_hz: Any,
+          damping_ratio: Any, std_hz: Any, reason: Any) -> Edited:
+    """The columns ``there`` of a dof and their scores with new values among them."""
+    new = _values_hz(freq_hz)
+    _clash(new, there["freq_hz"], dof)
+    given = {"damping_ratio": _companion("damping_ratio", damping_ratio, new.size, ""),
+             "std_hz": _companion("std_hz", std_hz, new.size, " in Hz")}
+    reason = _check_reason(reason)
+    records = [Edit("add", dof, float(f), reason, damping, std)
+               for f, damping, std in zip(new, given["damping_ratio"], given["std_hz"], strict=True)]
+    columns = {"freq_hz": new, **{name: np.array(v, dtype=np.float64) for name, v in given.items()}}
+    rank = np.argsort(np.concatenate([there["freq_hz"], new]), kind="stable")
+    return ({name: np.concatenate([column, columns[name]])[rank] for name, column in there.items()},
+            {name: np.concatenate([column, unknown_scores(column, new.size)])[rank]
+             for name, column in scores.items()}, records)
+
+
+def _values_hz(value: Any) -> FloatArray:
     """One or more positive frequencies, in the order given."""
     wanted = "one or more positive frequencies in Hz"
     array = np.atleast_1d(real_array("freq_hz", value, ndim=None, wanted=wanted)).ravel()
@@ -63,14 +102,14 @@ def values_hz(value: Any) -> FloatArray:
     return array
 
 
-def check_reason(reason: Any) -> str:
+def _check_reason(reason: Any) -> str:
     """A text, possibly empty."""
     if not isinstance(reason, str):
         reject("reason", reason, "a text")
     return reason
 
 
-def nearest(asked_hz: FloatArray, there_hz: FloatArray, dof: Any, tol_hz: float | None) -> list[int]:
+def _nearest(asked_hz: FloatArray, there_hz: FloatArray, dof: Any, tol_hz: float | None) -> list[int]:
     """Index of the value meant by each frequency, every value once."""
     there = ", ".join(f"{f:.3f}" for f in there_hz) + " Hz" if there_hz.size else "no value"
     if tol_hz is not None:
@@ -90,7 +129,7 @@ def nearest(asked_hz: FloatArray, there_hz: FloatArray, dof: Any, tol_hz: float 
     return chosen
 
 
-def companion(name: str, value: Any, count: int, unit: str) -> list[float | None]:
+def _companion(name: str, value: Any, count: int, unit: str) -> list[float | None]:
     """One number for all new values, or one each; None where not known."""
     if value is None:
         return [None] * count
@@ -103,7 +142,7 @@ def companion(name: str, value: Any, count: int, unit: str) -> list[float | None
     return [float(v) for v in np.broadcast_to(array, count)]
 
 
-def clash(new_hz: FloatArray, there_hz: FloatArray, dof: Any) -> None:
+def _clash(new_hz: FloatArray, there_hz: FloatArray, dof: Any) -> None:
     """Refuse values that are there already, or come twice."""
     for i, value in enumerate(new_hz):
         for other, where in ((there_hz, "there already"), (new_hz[:i], "given twice")):

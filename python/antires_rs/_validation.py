@@ -61,6 +61,15 @@ def complex_array(name: str, value: Any, *, ndim: int | None, wanted: str) -> Co
     return _array(name, value, np.complex128, ndim, wanted)
 
 
+def complex_rows(name: str, value: Any, n_columns: int, *, wanted: str) -> ComplexArray:
+    """Complex array (n_rows, n_columns); a vector is taken as one row."""
+    array = complex_array(name, value, ndim=None, wanted=wanted)
+    array = array[None, :] if array.ndim == 1 else array
+    if array.ndim != 2 or array.shape[1] != n_columns:
+        reject(name, f"an array of shape {array.shape}", wanted)
+    return array
+
+
 def shape_of(value: Any) -> tuple[int, ...]:
     """Shape of anything array-like; of a ragged sequence, which has none, its length."""
     try:

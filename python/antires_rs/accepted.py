@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ._pickling import ReadOnly
 from ._validation import ComplexArray, FloatArray
 from .scores import grades, local_misfit, prominence_db
 from .signals import frozen
@@ -30,7 +31,7 @@ class Value(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Accepted:
+class Accepted(ReadOnly):
     """Columns of the accepted values, ascending in frequency.
 
     Attributes

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _edits, _set_file
-from ._columns import companions, label, sorted_scores, unknown_scores, values_of, with_column
+from ._columns import companions, label, sorted_scores, values_of, with_column
 from ._edits import Edit
 from ._files import write_atomically
+from ._pickling import ReadOnly
 from ._validation import FloatArray, choice, reject
 from .signals import frozen
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["AntiresonanceSet", "Edit"]
 
 
-class AntiresonanceSet(Mapping[Any, FloatArray]):
+class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
     """Antiresonant frequencies by response dof, a mapping ``{dof: freq_hz}``.
 
     Parameters
@@ -86,11 +87,8 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
                  scores: Mapping[Any, Mapping[str, Any]] | None = None) -> None:
         self.excitation = label("excitation", excitation)
         if not isinstance(freq_hz, Mapping) or not freq_hz:
-            reject(
-                "freq_hz",
-                type(freq_hz).__name__ if not isinstance(freq_hz, Mapping) else "an empty mapping",
-                "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}",
-            )
+            got = "an empty mapping" if isinstance(freq_hz, Mapping) else type(freq_hz).__name__
+            reject("freq_hz", got, "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}")
         self._freq_hz: dict[Any, FloatArray] = {}
         self.diagrams: dict[Any, Any] = dict(diagrams or {})
         self.edits: tuple[Edit, ...] = ()
@@ -185,19 +183,8 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         dropped 12.20 Hz at dof 0 (mains hum of the shaker)
         """
         dof = self._known(dof)
-        there, own = self.columns(dof), self.scores.get(dof, {})
-        chosen = _edits.nearest(_edits.values_hz(freq_hz), there["freq_hz"], dof, tol_hz)
-        reason = _edits.check_reason(reason)
-        records = []
-        for i in chosen:
-            known = {name: float(there[name][i]) for name in ("damping_ratio", "std_hz")
-                     if not np.isnan(there[name][i])}
-            scores = {name: column[i].item() for name, column in own.items()
-                      if column[i] == column[i]}  # NaN is not equal to itself
-            records.append(Edit("drop", dof, float(there["freq_hz"][i]), reason, **known, scores=scores))
-        left = np.delete(np.arange(there["freq_hz"].size), chosen)
-        return self._edited(dof, {name: column[left] for name, column in there.items()},
-                            {name: column[left] for name, column in own.items()}, records)
+        return self._edited(dof, _edits.dropped(dof, self.columns(dof), self.scores.get(dof, {}), freq_hz,
+                                                reason, tol_hz))
 
     def add(self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None,
             reason: str = "") -> AntiresonanceSet:
@@ -235,20 +222,8 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         edited by hand: added 12.20 Hz at dof 0 (clear in the phase)
         """
         dof = self._known(dof)
-        new = _edits.values_hz(freq_hz)
-        there = self.columns(dof)
-        _edits.clash(new, there["freq_hz"], dof)
-        given = {"damping_ratio": _edits.companion("damping_ratio", damping_ratio, new.size, ""),
-                 "std_hz": _edits.companion("std_hz", std_hz, new.size, " in Hz")}
-        reason = _edits.check_reason(reason)
-        records = [Edit("add", dof, float(f), reason, damping, std)
-                   for f, damping, std in zip(new, given["damping_ratio"], given["std_hz"], strict=True)]
-        columns = {"freq_hz": new, **{name: np.array(v, dtype=np.float64) for name, v in given.items()}}
-        rank = np.argsort(np.concatenate([there["freq_hz"], new]), kind="stable")
-        scores = {name: np.concatenate([column, unknown_scores(column, new.size)])[rank]
-                  for name, column in self.scores.get(dof, {}).items()}
-        return self._edited(dof, {name: np.concatenate([column, columns[name]])[rank]
-                                  for name, column in there.items()}, scores, records)
+        return self._edited(dof, _edits.added(dof, self.columns(dof), self.scores.get(dof, {}), freq_hz,
+                                              damping_ratio, std_hz, reason))
 
     def original(self) -> AntiresonanceSet:
         """The set before the first edit by hand; itself if there was none."""
@@ -296,9 +271,9 @@ class AntiresonanceSet(Mapping[Any, FloatArray]):
         return {"freq_hz": freq, "damping_ratio": self.damping_ratio.get(dof, unknown),
                 "std_hz": self.std_hz.get(dof, unknown)}
 
-    def _edited(self, dof: Any, columns: dict[str, FloatArray], scores: dict[str, Any],
-                records: list[Edit]) -> AntiresonanceSet:
+    def _edited(self, dof: Any, edited: _edits.Edited) -> AntiresonanceSet:
         """A copy with other columns at one dof; whatever else the set carries stays with it."""
+        columns, scores, records = edited
         new = copy.copy(self)
         new._freq_hz = {**self._freq_hz, dof: frozen(columns["freq_hz"])}
         new.damping_ratio = with_column(self.damping_ratio, dof, columns["damping_ratio"])

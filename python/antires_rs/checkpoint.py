@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ._core import __version__
+from ._files import put_in_place
 from ._validation import reject
 from .exceptions import AntiresWarning, UnsuitableDataError
 
@@ -110,7 +111,7 @@ class Checkpoint:
                 os.fsync(file.fileno())
             if self.path.exists():
                 os.replace(self.path, self.previous)
-            os.replace(self._beside, self.path)
+            put_in_place(self._beside, self.path)
         except OSError as exc:
             self._beside.unlink(missing_ok=True)
             if not self._failed:

@@ -36,6 +36,7 @@ import numpy as np
 from ._validation import ComplexArray, FloatArray
 from .exceptions import UnsuitableDataError
 from .noise_level import noise_power
+from .rankone import scaled_eigh
 
 # Below this a coherence is that of a line without energy.
 LEAST_COHERENCE = 1e-12
@@ -80,9 +81,9 @@ def std_of_coherence(values: ComplexArray, coherence: FloatArray, n_averages: fl
 
 def std_of_rank_one(matrix: ComplexArray, j: int, n_averages: float) -> FloatArray:
     """Standard deviation of real and imaginary part of the rank-one T_pj, (n_channels, n_freq)."""
-    root = np.sqrt(noise_power(matrix, n_averages))
-    # conj(A) B is the transpose of the covariance.
-    values, vectors = np.linalg.eigh((matrix / (root[:, None] * root)).transpose(0, 2, 1))
+    noise = noise_power(matrix, n_averages)
+    root = np.sqrt(noise)
+    values, vectors = scaled_eigh(matrix, noise)
     first = np.maximum(values[:, -1:], 1e-300)
     values = np.clip(values[:, :-1], 0.0, (1.0 - LEAST_GAP) * first)
     own, others = vectors[:, :, -1], vectors[:, :, :-1]

@@ -42,13 +42,14 @@ import warnings
 
 import numpy as np
 
-from ._validation import ComplexArray, FloatArray, choice, reject
+from ._validation import ComplexArray, FloatArray, choice
 from .exceptions import AntiresWarning
 from .first_guess import guessed_weights
 from .power_fit import PowerFit, PowerSweep
 from .rational import NestedFit
-from .response_lines import SNR_CAP, Lines
-from .stabilization_diagram import PoleSweep, Rule
+from .response_lines import Lines
+from .rule import Rule
+from .stabilization_diagram import PoleSweep
 
 __all__ = ["FORMULATIONS", "sweep_of", "warn_of_formulation"]
 
@@ -56,8 +57,6 @@ FORMULATIONS = ("joint", "sum", "power", "eq10")
 # Order of the denominator guessed for the weights: the trend over the band, from which every order gains.
 # Higher ones find more near the noise, and false ones with them.
 GUESS_ORDER = 4
-# Real numbers of data that an order needs: with fewer, poles follow the noise of single lines.
-DATA_PER_ORDER = 3
 
 
 def sweep_of(lines: Lines, row: int, min_order: int, max_order: int, rule: Rule, formulation: str = "joint",
@@ -96,7 +95,7 @@ def sweep_of(lines: Lines, row: int, min_order: int, max_order: int, rule: Rule,
     >>> import numpy as np
     >>> from antires_rs.formulations import sweep_of
     >>> from antires_rs.response_lines import Lines
-    >>> from antires_rs.stabilization_diagram import Rule
+    >>> from antires_rs.rule import Rule
     >>> f = np.linspace(2.0, 30.0, 600)
     >>> x = np.array([1.0 - f**2 / (10.0**2 + 0.2j * f), 1.0 + 0j * f])  # the first vanishes at 10 Hz
     >>> lines = Lines(f, x / np.linalg.norm(x, axis=0), np.full(600, 1e6))
@@ -108,23 +107,18 @@ def sweep_of(lines: Lines, row: int, min_order: int, max_order: int, rule: Rule,
     """
     choice("formulation", formulation, FORMULATIONS)
     per_line = 1 if formulation == "power" else 2
-    highest = min(max_order, per_line * lines.freq_hz.size // DATA_PER_ORDER)
-    if highest - min_order < rule.min_rows:
-        reject("band_hz", f"a band with {lines.freq_hz.size} lines for orders {min_order} to {highest}",
-               f"orders that span more than min_rows = {rule.min_rows}",
-               "Widen the band, or use longer segments.")
-    orders = range(min_order, highest + 1)
+    orders = rule.orders((min_order, max_order), lines.freq_hz.size, per_line=per_line)
     quotients, power = lines.quotients(row)
-    weights = lines.snr / (1.0 + lines.snr / SNR_CAP)
+    weights = lines.capped_snr
     guess = guessed_weights(lines.freq_hz, power, GUESS_ORDER if lines.segments is not None else 0)
     if formulation == "power":
         # The denominator in f^2 is the square of that in s.
         squares = quotients.real**2 + quotients.imag**2
-        fit = PowerFit(lines.freq_hz, squares, weights * guess**2 / (1.0 + power), highest)
+        fit = PowerFit(lines.freq_hz, squares, weights * guess**2 / (1.0 + power), orders[-1])
         return PowerSweep(fit), orders, power
     target = _target(quotients, formulation)
     own = power if formulation == "joint" else np.abs(target[0])**2
-    nested = NestedFit(lines.freq_hz, target, weights * guess / (1.0 + own), highest)
+    nested = NestedFit(lines.freq_hz, target, weights * guess / (1.0 + own), orders[-1])
     return PoleSweep(nested), orders, np.abs(target.sum(axis=0))
 
 

@@ -67,13 +67,25 @@ def forsythe_basis(x: FloatArray, weight: FloatArray, order: int) -> Basis:
 
 def roots(coefficients: FloatArray, b: FloatArray) -> ComplexArray:
     """All roots in s / (2 pi f_max) of sum_k coefficients[k] phi_k."""
+    # s phi_k = b_{k+1} phi_{k+1} - b_k phi_{k-1}
+    return comrade_roots(coefficients, b, below=-b)
+
+
+def comrade_roots(coefficients: FloatArray, b: FloatArray, *, below: FloatArray,
+                  middle: FloatArray | None = None) -> ComplexArray:
+    """All roots in x of sum_k coefficients[k] p_k, top coefficients that carry rounding only left out.
+
+    The recurrence is x p_k = b_{k+1} p_{k+1} + middle_k p_k + below_k p_{k-1}.
+    """
     size = np.abs(coefficients)
     order = coefficients.size - 1
     while order > 0 and size[order] <= TOP_COEFFICIENT * size.max():
         order -= 1
     if order == 0:
         return np.empty(0, dtype=np.complex128)
-    # s phi_k = b_{k+1} phi_{k+1} - b_k phi_{k-1}; at a root phi_order follows from the lower ones.
-    comrade = np.diag(b[1:order], 1) - np.diag(b[1:order], -1)
+    comrade = np.diag(b[1:order], 1) + np.diag(below[1:order], -1)
+    if middle is not None:
+        comrade += np.diag(middle[:order])
+    # At a root p_order follows from the lower ones.
     comrade[-1] -= b[order] * coefficients[:order] / coefficients[order]
     return np.asarray(np.linalg.eigvals(comrade), dtype=np.complex128)

@@ -30,6 +30,7 @@ from .sections import Rectangle, Section, Tube, section_of
 
 if TYPE_CHECKING:
     from ._core import Frame as CoreFrame
+    from ._core import Model as CoreModel
 
 __all__ = ["FrameModel"]
 
@@ -107,18 +108,20 @@ class FrameModel(StructuralModel):
         self._made = (nodes, listed, _orientation(orientation, len(rows), in_space),
                       core_masses(point_masses), core_ground_springs(ground_springs),
                       core_node_springs(node_springs))
-        frame = _core.Frame(
-            nodes, list(self._beams), self._made[2],
-            [s._parts(f"sections[{name!r}]" if isinstance(name, str) else f"sections[{name}]", in_space)
-             for name, s in zip(self._names, listed, strict=True)],
-            *self._made[3:], list(self._fixed))
-        self._core = _core.Model.from_frame(frame)
-        parts = np.array(frame.parts())
+        self._core = self._nominal_core()
+        parts = np.array(self._frame.parts())
         if parts.max() > 0:
             alone = [int(node) for node in np.flatnonzero(parts != parts[0])]
             warnings.warn(f"the frame is in {parts.max() + 1} parts that nothing joins; apart from node 0 "
                           f"are nodes {alone}. A response in one part to a force in another is zero.",
                           AntiresWarning, stacklevel=2)
+
+    def _nominal_core(self) -> CoreModel:
+        nodes, listed, orientation, masses, to_ground, between = self._made
+        sections = [s._parts(f"sections[{name!r}]" if isinstance(name, str) else f"sections[{name}]",
+                             nodes.shape[1] == 3) for name, s in zip(self._names, listed, strict=True)]
+        return _core.Model.from_frame(_core.Frame(nodes, list(self._beams), orientation, sections, masses,
+                                                  to_ground, between, list(self._fixed)))
 
     @property
     def _frame(self) -> CoreFrame:

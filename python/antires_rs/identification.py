@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from ._progress import patient, step
-from ._validation import FloatArray, choice, frequency_band, integer, reject
+from ._validation import FloatArray, choice, integer, reject
 from .antiresonance_set import AntiresonanceSet
 from .bands import join, windows
 from .data_check import DataCheck, check_data
@@ -35,17 +35,16 @@ from .formulations import FORMULATIONS, sweep_of, warn_of_formulation
 from .numerator_selection import select
 from .persistence import add_persistent
 from .presets import rule_options
-from .response_lines import FORCE, Lines, lines_of_recording, lines_of_response
-from .signals import FrequencyResponse, Recording, without_force
-from .stabilization_diagram import PoleSweep, Rule, StabilizationDiagram, ZeroSweep, diagram, without_common
+from .response_lines import FORCE, Lines, lines_of
+from .rule import Rule
+from .signals import FrequencyResponse, Recording, band_of, without_force
+from .stabilization_diagram import PoleSweep, StabilizationDiagram, ZeroSweep, diagram, without_common
 
 __all__ = ["identify_antiresonances"]
 
 # Beyond, a narrower band or windows serve better than more orders.
 HIGHEST_ORDER = 200
 CHOICES = ("auto", "numerators", *FORMULATIONS)
-# Real numbers of data (two a line) an order needs: with fewer, poles follow the noise of single lines.
-LINES_PER_ORDER = 3
 
 
 @patient("identifying antiresonances")
@@ -162,32 +161,16 @@ def identify_antiresonances(
                "Sums and magnitudes are those of transmissibilities.")
     warn_of_formulation(formulation)
     rule = Rule(**options).checked()
-    if isinstance(source, Recording):
-        band = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=source.fs_hz / 2)
-    elif isinstance(source, FrequencyResponse):
-        band = frequency_band(
-            "band_hz", band_hz, low_hz=float(source.freq_hz[0]), high_hz=float(source.freq_hz[-1])
-        )
-    else:
-        reject("source", type(source).__name__, "a Recording or a FrequencyResponse")
+    band = band_of(source, band_hz)
     wanted = _wanted_dofs(dofs, source.dofs)
     max_order = integer("max_order", max_order, low=2, high=HIGHEST_ORDER)
     min_order = integer("min_order", min_order, low=1, high=max_order)
-    if max_order - min_order < rule.min_rows:
-        reject("max_order", max_order, f"at least min_order + min_rows = {min_order + rule.min_rows}",
-               "A value is accepted only when more than min_rows consecutive orders agree.")
+    rule.check_span(min_order, max_order)
     use_force = route == "frf"
     _can_answer(source, use_force)
     step("spectra")
-    if isinstance(source, Recording):
-        lines_for = lines_of_recording(source, band, use_force=use_force, nperseg=nperseg, noverlap=noverlap,
-                                       window=window, method=method, estimator=estimator)
-    else:
-        same = lines_of_response(source, band, use_force=use_force)
-
-        def lines_for(row: int) -> Lines:
-            return same
-
+    lines_for = lines_of(source, band, use_force=use_force, nperseg=nperseg, noverlap=noverlap, window=window,
+                         method=method, estimator=estimator)
     orders = (min_order, max_order)
     first = lines_for(FORCE if use_force else 0)
     checked = None if check == "off" else _checked(
@@ -225,7 +208,8 @@ def _from_numerators(dofs: tuple[Any, ...], lines: Lines, band: tuple[float, flo
     """All dofs from one fit a window."""
     cut = windows(lines.freq_hz, band)
     parts = [lines.part(w.first, w.last) for w in cut]
-    found = [select(part, len(dofs), w, _orders(part, orders, rule), rule, keep_common)
+    found = [select(part, len(dofs), w, rule.orders(orders, part.freq_hz.size), rule,
+                    keep_common)
              for part, w in zip(parts, cut, strict=True)]
     return {dof: join([d[row] for d in found], cut, band, rule.freq_tol) for row, dof in enumerate(dofs)}
 
@@ -299,14 +283,3 @@ def _wanted_dofs(dofs: Iterable[Any] | None, known: tuple[Any, ...]) -> tuple[An
     if strange or not wanted:
         reject("dofs", strange or "an empty list", f"dofs out of {known}")
     return tuple(known[known.index(dof)] for dof in wanted)
-
-
-def _orders(lines: Lines, orders: tuple[int, int], rule: Rule) -> range:
-    """Those orders that the number of lines can bear."""
-    low, high = orders
-    highest = min(high, 2 * lines.freq_hz.size // LINES_PER_ORDER)
-    if highest - low < rule.min_rows:
-        reject("band_hz", f"a band with {lines.freq_hz.size} lines for orders {low} to {highest}",
-               f"orders that span more than min_rows = {rule.min_rows}",
-               "Widen the band, or use longer segments.")
-    return range(low, highest + 1)

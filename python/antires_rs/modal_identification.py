@@ -18,18 +18,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from ._progress import patient
-from ._validation import ComplexArray, FloatArray, choice, frequency_band, integer, reject
+from ._validation import ComplexArray, FloatArray, choice, integer, reject
 from .bands import join, windows
 from .exceptions import UnsuitableDataError
 from .half_spectra import half_spectra
 from .modal_set import ModalSet
 from .rational import NestedFit
 from .residues import dominant_shapes, residues
-from .response_lines import FORCE, SNR_CAP, lines_of_response
+from .response_lines import FORCE, lines_of_response
+from .rule import Rule
 from .segment_length import choose_nperseg
-from .signals import FrequencyResponse, Recording
+from .signals import FrequencyResponse, Recording, band_of, covered_hz
 from .spectra import cross_spectra, two_channel
-from .stabilization_diagram import PoleSweep, Rule, StabilizationDiagram, diagram
+from .stabilization_diagram import PoleSweep, StabilizationDiagram, diagram
 from .transient import is_transient, transient_spectra
 
 __all__ = ["identify_modes"]
@@ -37,8 +38,6 @@ __all__ = ["identify_modes"]
 # A joint fit needs resolution at its poles more than averages: segments longer by this than for
 # antiresonances.
 FRF_SEGMENT_FACTOR = 2
-# Real numbers of data (two a line) that an order needs.
-LINES_PER_ORDER = 3
 # Lines around the band that residues use: from a third of its lower limit to half as much again as its upper.
 # On the exhaust, with a mode 4 % above the band, the least MAC rises from 0.42 to 0.9999; no lower limit at
 # all, or twice the upper one, is no better.
@@ -137,28 +136,21 @@ def identify_modes(
     rule = Rule(freq_tol, damping_tol, min_rows, max_damping, min_dominance).checked()
     max_order = integer("max_order", max_order, low=2)
     min_order = integer("min_order", min_order, low=1, high=max_order)
-    if max_order - min_order < min_rows:
-        reject("max_order", max_order, f"at least min_order + min_rows = {min_order + min_rows}",
-               "A value is accepted only when more than min_rows consecutive orders agree.")
+    rule.check_span(min_order, max_order)
+    available = covered_hz(source)
+    band = band_of(source, band_hz)
     if isinstance(source, Recording):
-        band = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=source.fs_hz / 2)
-        available = (0.0, source.fs_hz / 2)
         curves_in = _of_recording(source, band, route, method, nperseg, estimator)
-    elif isinstance(source, FrequencyResponse):
-        band = frequency_band("band_hz", band_hz, low_hz=float(source.freq_hz[0]),
-                              high_hz=float(source.freq_hz[-1]))
+    else:
         if source.kind != "frf":
             raise UnsuitableDataError(
                 "source: got transmissibilities; wanted FRFs or a Recording. The resonances cancel in a "
                 "quotient of responses: transmissibilities hold the antiresonances only.")
         if route == "responses":
             reject("route", "'responses' with a source of FRFs", "'auto' or 'frf'")
-        available = (float(source.freq_hz[0]), float(source.freq_hz[-1]))
 
         def curves_in(lines_hz: tuple[float, float]) -> Curves:
             return _of_frfs(source, lines_hz, 0.0)
-    else:
-        reject("source", type(source).__name__, "a Recording or a FrequencyResponse")
     found = _stabilized(curves_in(band), band, (min_order, max_order), rule)
     around = (max(band[0] / BELOW, available[0]), min(band[1] * ABOVE, available[1]))
     shapes = np.empty((0, len(source.dofs)), dtype=np.complex128)
@@ -203,7 +195,7 @@ def _of_frfs(resp: FrequencyResponse, band: tuple[float, float], added_decay_per
     """
     lines = lines_of_response(resp, band, use_force=True)
     frfs, power = lines.quotients(FORCE)
-    weights = lines.snr / (1.0 + lines.snr / SNR_CAP) / np.sqrt(1.0 + power)
+    weights = lines.capped_snr / np.sqrt(1.0 + power)
     inside = np.isin(resp.freq_hz, lines.freq_hz)
     size = np.linalg.norm(frfs, axis=1)
     scale = np.linalg.norm(resp.values[:, inside], axis=1) / np.where(size > 0.0, size, 1.0)
@@ -238,14 +230,10 @@ def _stabilized(curves: Curves, band: tuple[float, float], orders: tuple[int, in
     for window in cut:
         some = slice(window.first, window.last)
         freq, values = curves.freq_hz[some], curves.flat[:, some]
-        highest = min(orders[1], 2 * freq.size // LINES_PER_ORDER)
-        if highest - orders[0] < rule.min_rows:
-            reject("band_hz", f"a band with {freq.size} lines for orders {orders[0]} to {highest}",
-                   f"orders that span more than min_rows = {rule.min_rows}",
-                   "Widen the band, or use longer segments.")
-        sweep = PoleSweep(NestedFit(freq, values, curves.weights[some], highest))
+        within = rule.orders(orders, freq.size)
+        sweep = PoleSweep(NestedFit(freq, values, curves.weights[some], within[-1]))
         background = np.sqrt(np.sum(np.abs(values)**2, axis=0))
-        parts.append(diagram(sweep, range(orders[0], highest + 1), window.report_hz, rule, freq, background,
+        parts.append(diagram(sweep, within, window.report_hz, rule, freq, background,
                              curves.added_decay_per_s))
     return join(parts, cut, band, rule.freq_tol)
 

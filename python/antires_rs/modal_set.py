@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from ._pickling import ReadOnly
 from ._validation import FloatArray, dof_labels, real_array, reject
 from .signals import frozen
 
 __all__ = ["ModalSet"]
 
 
-class ModalSet:
+class ModalSet(ReadOnly):
     """Resonant frequencies with their mode shapes.
 
     Parameters

@@ -31,7 +31,8 @@ from .bands import Window
 from .likelihood import Likeliest, likeliest
 from .numerators import NumeratorSweep, shared
 from .response_lines import SNR_CAP, Lines
-from .stabilization_diagram import Rule, StabilizationDiagram, diagram
+from .rule import Rule
+from .stabilization_diagram import StabilizationDiagram, diagram
 from .uncertainty import Influence, standard_deviations
 
 # A chain and a zero of the likeliest fit this close belong together: the chain may be biased by so much.

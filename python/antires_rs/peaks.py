@@ -23,4 +23,9 @@ def dominance(above: tuple[Basis, FloatArray], below: tuple[Basis, FloatArray], 
     slope = np.abs(denominator[:n] - denominator[n:2 * n]) / (2 * step)
     residue = numerator[:n] / np.maximum(slope, 1e-300)
     curve = numerator[n:] / np.maximum(np.abs(denominator[3 * n:]), 1e-300)
-    return np.asarray(residue / np.maximum(np.abs(s.real) * curve, 1e-300))
+    return share_of_curve(residue, s.real, curve)
+
+
+def share_of_curve(residue: FloatArray, distance: FloatArray, curve: FloatArray) -> FloatArray:
+    """Peak of a pole at its ``distance`` from the lines, over the curve there."""
+    return np.asarray(residue / np.maximum(np.abs(distance) * curve, 1e-300))

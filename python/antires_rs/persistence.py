@@ -17,7 +17,8 @@ import numpy as np
 
 from ._validation import FloatArray
 from .accepted import Accepted, Value
-from .stabilization_diagram import Rule, StabilizationDiagram, Sweep
+from .rule import Rule
+from .stabilization_diagram import StabilizationDiagram, Sweep
 
 WIDTH = 0.02
 PRESENCE = 0.75

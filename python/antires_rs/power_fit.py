@@ -21,7 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ._validation import ComplexArray, FloatArray
-from .forsythe import TOP_COEFFICIENT
+from .forsythe import comrade_roots
+from .peaks import share_of_curve
+from .rational import CommonDenominator
 from .stabilization_diagram import PoleSweep
 
 __all__ = ["PowerFit", "PowerSweep", "RealBasis", "real_basis", "real_roots"]
@@ -75,18 +77,10 @@ def real_basis(t: FloatArray, weight: FloatArray, order: int) -> RealBasis:
 
 def real_roots(coefficients: FloatArray, basis: RealBasis) -> ComplexArray:
     """All roots in t of sum_k coefficients[k] p_k: real, or conjugate pairs."""
-    size = np.abs(coefficients)
-    order = coefficients.size - 1
-    while order > 0 and size[order] <= TOP_COEFFICIENT * size.max():
-        order -= 1
-    if order == 0:
-        return np.empty(0, dtype=np.complex128)
-    comrade = np.diag(basis.a[:order]) + np.diag(basis.b[1:order], 1) + np.diag(basis.b[1:order], -1)
-    comrade[-1] -= basis.b[order] * coefficients[:order] / coefficients[order]
-    return np.asarray(np.linalg.eigvals(comrade), dtype=np.complex128)
+    return comrade_roots(coefficients, basis.b, below=basis.b, middle=basis.a)
 
 
-class PowerFit:
+class PowerFit(CommonDenominator):
     """The one factorisation behind every order of real rational functions of f^2 with common poles.
 
     Answers what ``NestedFit`` of :mod:`~antires_rs.rational` answers, so that the same sweep runs on it.
@@ -109,19 +103,6 @@ class PowerFit:
         above = np.ascontiguousarray((self.numerator_basis.p * self.weights[:, None]).T)
         self.x = np.array([above @ (y[:, None] * self.denominator_basis.p) for y in self.values])
 
-    def gram(self, order: int) -> FloatArray:
-        """What the denominator minimises: d' G d."""
-        block = self.x[:, :order + 1, :order + 1].reshape(-1, order + 1)
-        return np.asarray(np.eye(order + 1) - block.T @ block, dtype=np.float64)
-
-    def denominator(self, gram: FloatArray) -> FloatArray:
-        """Coefficients with the lowest set to one."""
-        try:
-            rest = np.linalg.solve(gram[1:, 1:], -gram[1:, 0])
-        except np.linalg.LinAlgError:
-            rest = np.linalg.lstsq(gram[1:, 1:], -gram[1:, 0], rcond=None)[0]
-        return np.concatenate([[1.0], rest])
-
     def poles(self, coefficients: FloatArray) -> ComplexArray:
         """Roots of the denominator in rad/s: pairs in the left half plane, real roots of z as they come."""
         z = self.middle + self.half * real_roots(coefficients, self.denominator_basis)
@@ -141,7 +122,7 @@ class PowerFit:
         slope = np.abs(below[2 * n:3 * n] - below[3 * n:]) / (2 * step)
         residue = above[:n] / np.maximum(slope, 1e-300)
         curve = above[n:] / np.maximum(np.abs(below[n:2 * n]), 1e-300)
-        return np.asarray(2.0 * residue / np.maximum(np.abs(t.imag) * curve, 1e-300))
+        return share_of_curve(2.0 * residue, t.imag, curve)
 
 
 class PowerSweep(PoleSweep):

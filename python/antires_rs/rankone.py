@@ -35,7 +35,7 @@ def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> Floa
     first = np.where(first > 0.0, first, 1.0)
     scale = first
     for _ in range(NOISE_PASSES):
-        values, vectors = _eigh(some, scale)
+        values, vectors = scaled_eigh(some, scale)
         if values.shape[1] > 1 and np.median(values[:, -2] / np.maximum(values[:, -1], 1e-300)) < EXACT:
             break  # of rank one but for rounding: there is no noise to tell
         # The noise is in the largest eigenvalue as well.
@@ -58,7 +58,7 @@ def response_vectors(
     """
     known = noise is not None and noise.min() > 0.0
     scale = noise if noise is not None and known else channel_noise(matrix)
-    values, vectors = _eigh(matrix, scale)
+    values, vectors = scaled_eigh(matrix, scale)
     floor = 1.0 if known else noise_floor(values)
     return np.ascontiguousarray((vectors[:, :, -1] * np.sqrt(scale)).T), values[:, -1] / floor
 
@@ -70,7 +70,8 @@ def noise_floor(values: FloatArray) -> float:
     return max(floor, 1e-15 * float(values[:, -1].max()), 1e-300)
 
 
-def _eigh(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, ComplexArray]:
+def scaled_eigh(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, ComplexArray]:
+    """Eigenvalues and eigenvectors line by line, channels divided by the roots of ``scale``."""
     root = np.sqrt(scale)
     # conj(A) B is the transpose of the covariance whose eigenvectors are wanted.
     values, vectors = np.linalg.eigh((matrix / (root[:, None] * root)).transpose(0, 2, 1))

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from ._validation import ComplexArray, FloatArray, complex_array, frequency_band, integer, real_array, reject
+from ._validation import ComplexArray, FloatArray, complex_rows, frequency_band, integer, real_array, reject
 from .exceptions import NumericalError
 from .first_guess import guessed_weights
 from .forsythe import Basis, forsythe_basis, roots
@@ -60,7 +60,30 @@ class RootSet:
         return int(self.s.size)
 
 
-class NestedFit:
+class CommonDenominator:
+    """What fits of every order share once the numerators are eliminated.
+
+    ``x``, (n_outputs, max_order + 1, max_order + 1), couples the orthonormal bases of numerators and
+    denominator; its leading blocks serve the lower orders.
+    """
+
+    x: FloatArray
+
+    def gram(self, order: int) -> FloatArray:
+        """G of one order: the denominator minimises d' G d."""
+        block = self.x[:, :order + 1, :order + 1].reshape(-1, order + 1)
+        return np.eye(order + 1) - block.T @ block
+
+    def denominator(self, gram: FloatArray) -> FloatArray:
+        """Coefficients under the constraint "low"."""
+        try:
+            rest = np.linalg.solve(gram[1:, 1:], -gram[1:, 0])
+        except np.linalg.LinAlgError:
+            rest = np.linalg.lstsq(gram[1:, 1:], -gram[1:, 0], rcond=None)[0]
+        return np.concatenate([[1.0], rest])
+
+
+class NestedFit(CommonDenominator):
     """The one factorisation behind every order up to ``max_order``.
 
     ``weights`` multiply squared residuals and are (n_freq,). Solutions are asked for by order.
@@ -95,20 +118,6 @@ class NestedFit:
         # Re(i^m) z for even m, Re(i^m i) z for odd m.
         sign = np.array([1.0, -1.0, -1.0, 1.0])[(index[None, :] - index[:, None]) % 4]
         return np.asarray(x * sign, dtype=np.float64)
-
-    def gram(self, order: int) -> FloatArray:
-        """G of one order."""
-        n1 = order + 1
-        block = self.x[:, :n1, :n1].reshape(-1, n1)
-        return np.eye(n1) - block.T @ block
-
-    def denominator(self, gram: FloatArray) -> FloatArray:
-        """Coefficients under the constraint "low"."""
-        try:
-            rest = np.linalg.solve(gram[1:, 1:], -gram[1:, 0])
-        except np.linalg.LinAlgError:
-            rest = np.linalg.lstsq(gram[1:, 1:], -gram[1:, 0], rcond=None)[0]
-        return np.concatenate([[1.0], rest])
 
     def poles(self, coefficients: FloatArray) -> ComplexArray:
         """Roots of the denominator in rad/s."""
@@ -207,10 +216,7 @@ def prepare(freq_hz: Any, values: Any, order: int, band_hz: Any, weights: Any, o
     """Checked lines in the band: frequencies, values (n_outputs, n), weights of squared residuals."""
     freq = check_freq("freq_hz", freq_hz)
     wanted = f"a complex array ({freq.size},) or (n_outputs, {freq.size}), one column a frequency"
-    array = complex_array("values", values, ndim=None, wanted=wanted)
-    array = array[None, :] if array.ndim == 1 else array
-    if array.ndim != 2 or array.shape[1] != freq.size:
-        reject("values", f"an array of shape {array.shape}", wanted)
+    array = complex_rows("values", values, freq.size, wanted=wanted)
     low, high = frequency_band("band_hz", (freq[0], freq[-1]) if band_hz is None else band_hz,
                                low_hz=float(freq[0]), high_hz=float(freq[-1]))
     inside = (freq >= low) & (freq <= high)

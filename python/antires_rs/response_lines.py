@@ -67,6 +67,11 @@ class Lines:
         return np.asarray(self.snr[:, None, None] * v[:, :, None] * v[:, None, :].conj())
 
     @property
+    def capped_snr(self) -> FloatArray:
+        """What the lines are worth as weights: never so much that leakage rules."""
+        return np.asarray(self.snr / (1.0 + self.snr / SNR_CAP))
+
+    @property
     def snr_known(self) -> bool:
         """False for transmissibilities, whose magnitude says nothing about noise."""
         return bool(self.snr[0] < UNKNOWN_SNR)
@@ -82,6 +87,20 @@ class Lines:
         own = np.where(np.abs(own) < 1e-12, 1e-12, own)
         others = np.delete(self.vectors, row, axis=0) / own
         return others, np.sum(np.abs(others)**2, axis=0)
+
+
+def lines_of(source: Recording | FrequencyResponse, band_hz: tuple[float, float], *, use_force: bool,
+             nperseg: int | None, noverlap: int | None, window: Any, method: str, estimator: str,
+             ) -> Callable[[int], Lines]:
+    """Response vectors of either source; the argument is the row that will be divided by.
+
+    The options of averaging are a record's.
+    """
+    if isinstance(source, Recording):
+        return lines_of_recording(source, band_hz, use_force=use_force, nperseg=nperseg, noverlap=noverlap,
+                                  window=window, method=method, estimator=estimator)
+    same = lines_of_response(source, band_hz, use_force=use_force)
+    return lambda row: same
 
 
 def lines_of_recording(rec: Recording, band_hz: tuple[float, float], *, use_force: bool, nperseg: int | None,

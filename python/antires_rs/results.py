@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 __all__ = ["DamageResult", "FrequencyTable", "ModalTable", "UpdateResult"]
 
 
+#: What ends this close to a bound, as a share of the bounds' distance, is on it: a polish leaves some 1e-12.
+_ON_BOUND = 1e-6
+
+
 class UpdateResult:
     """An updated model and how it came about.
 
@@ -87,7 +91,11 @@ class UpdateResult:
     def at_bound(self) -> list[str]:
         """Names of the parameters that the data pushed to a bound other than their nominal value."""
         low, high = self.problem.bounds.T
-        on = ((self.x <= low) | (self.x >= high)) & (self.x != self.problem.nominal) & (low < high)
+        near = _ON_BOUND * (high - low)
+        nominal = self.problem.nominal
+        at_low = (self.x <= low + near) & (abs(nominal - low) > near)
+        at_high = (self.x >= high - near) & (abs(nominal - high) > near)
+        on = (at_low | at_high) & (low < high)
         on &= ~self.identifiability.blind  # where an unseen parameter ends means nothing
         return [name for name, hit in zip(self.problem.names, on, strict=True) if hit]
 

@@ -24,9 +24,8 @@ import numpy as np
 
 from ._validation import ComplexArray, FloatArray
 
-__all__ = ["GRADES", "grades", "local_misfit", "prominence_db"]
+__all__ = ["grades", "local_misfit", "prominence_db"]
 
-GRADES = ("sure", "fair", "weak")
 # The five tests of a grade.
 MORE_ROWS, MOST_SPREAD, LEAST_DOMINANCE, MOST_RESIDUAL, LEAST_PROMINENCE_DB = 20, 1e-3, 0.9, 0.1, 6.0
 

@@ -19,12 +19,13 @@ from typing import Any
 
 import numpy as np
 
+from ._pickling import ReadOnly
 from ._validation import ComplexArray, FloatArray, choice, finite_scalar, frequency_band, integer, reject
 from .bands import Window, windows
 from .exceptions import UnsuitableDataError
-from .response_lines import Lines, lines_of_recording, lines_of_response
+from .response_lines import Lines, lines_of
 from .set_valued_aaa import set_valued_aaa
-from .signals import FrequencyResponse, Recording, frozen
+from .signals import FrequencyResponse, Recording, covered_hz, frozen
 from .vector_fitting import vector_fitting
 
 __all__ = ["METHODS", "SecondOpinion", "judge", "second_opinion"]
@@ -36,13 +37,12 @@ MORE_POLES, LEAST_POLES = 8, 12
 #: A pole that owns less of the curve confirms nothing, one that owns less than the second is no candidate.
 DOMINANCE, STRONG = 0.3, 0.7
 MAX_DAMPING = 0.10
-SNR_CAP = 1e4
 #: Signal-to-noise power of the response beside a candidate (median on either side, 2 to 20 % away): 3 dB.
 FLANK, FLANK_SNR = (0.02, 0.20), 2.0
 
 
 @dataclass(frozen=True, repr=False)
-class SecondOpinion:
+class SecondOpinion(ReadOnly):
     """What another method says of identified values.
 
     Attributes
@@ -181,28 +181,18 @@ def second_opinion(source: Recording | FrequencyResponse, identified: Mapping[An
     finite_scalar("tol", tol, low=0.0, high=0.5, low_open=True)
     if not isinstance(identified, Mapping):
         reject("identified", type(identified).__name__, "an AntiresonanceSet, or a mapping of dof to Hz")
-    if not isinstance(source, Recording | FrequencyResponse):
-        reject("source", type(source).__name__, "a Recording or a FrequencyResponse")
+    low_hz, high_hz = covered_hz(source)
     strange = [dof for dof in identified if dof not in source.dofs]
     if strange:
         reject("identified", f"dofs {strange}", f"dofs of the source, {source.dofs}")
     force = len(source.dofs) < 2
-    if isinstance(source, Recording):
-        band = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=source.fs_hz / 2)
-        if force and source.force is None:
-            raise UnsuitableDataError(
-                "source: got a single channel and no force; wanted two or more channels, or a force, so that "
-                "there is a quotient to fit. Add a channel.")
-        lines_for = lines_of_recording(source, band, use_force=force, nperseg=nperseg, noverlap=noverlap,
-                                       window=window, method=averaging, estimator="rank1")
-    else:
-        band = frequency_band("band_hz", band_hz, low_hz=float(source.freq_hz[0]),
-                              high_hz=float(source.freq_hz[-1]))
-        same = lines_of_response(source, band, use_force=force)
-
-        def lines_for(row: int) -> Lines:
-            return same
-
+    band = frequency_band("band_hz", band_hz, low_hz=low_hz, high_hz=high_hz)
+    if force and isinstance(source, Recording) and source.force is None:
+        raise UnsuitableDataError(
+            "source: got a single channel and no force; wanted two or more channels, or a force, so that "
+            "there is a quotient to fit. Add a channel.")
+    lines_for = lines_of(source, band, use_force=force, nperseg=nperseg, noverlap=noverlap, window=window,
+                         method=averaging, estimator="rank1")
     values = {dof: np.sort(np.atleast_1d(np.asarray(f, dtype=np.float64))) for dof, f in identified.items()}
     return judge(lines_for, source.dofs, values, band, method, tol, n_poles)
 
@@ -239,7 +229,7 @@ def judge(lines_for: Callable[[int], Lines], dofs: Sequence[Any], values: Mappin
 def _poles(lines: Lines, row: int, window: Window, method: str, n_poles: int) -> tuple[FloatArray, Any]:
     """Frequencies of the poles that own a part of the curve, and which of them are candidates."""
     quotients, power = lines.quotients(row)
-    weights = lines.snr / (1.0 + lines.snr / SNR_CAP) / (1.0 + power)
+    weights = lines.capped_snr / (1.0 + power)
     most = max(min(n_poles, lines.freq_hz.size // 4), 1)
     s, dominance = METHODS[method](lines.freq_hz, quotients, weights, most)
     decay = -(s.real + lines.added_decay_per_s)

@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._validation import ComplexArray, FloatArray
+from .peaks import share_of_curve
 
 __all__ = ["set_valued_aaa"]
 
@@ -101,7 +102,7 @@ def _dominance(supports: ComplexArray, values: ComplexArray, w: ComplexArray, po
     residue = np.linalg.norm(cauchy @ above, axis=1) / np.maximum(np.abs(cauchy**2 @ w), 1e-300)
     beside = _cauchy(np.asarray(1j * poles.imag), supports)
     curve = np.linalg.norm(beside @ above, axis=1) / np.maximum(np.abs(beside @ w), 1e-300)
-    return np.asarray(residue / np.maximum(np.abs(poles.real) * curve, 1e-300))
+    return share_of_curve(residue, poles.real, curve)
 
 
 def _cauchy(z: ComplexArray, supports: ComplexArray) -> ComplexArray:

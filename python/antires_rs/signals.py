@@ -14,13 +14,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ._pickling import ReadOnly
 from ._validation import (
     ComplexArray,
     FloatArray,
     choice,
-    complex_array,
+    complex_rows,
     dof_labels,
     finite_scalar,
+    frequency_band,
     real_array,
     reject,
 )
@@ -39,7 +41,7 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Recording:
+class Recording(ReadOnly):
     """Responses recorded together on one clock.
 
     Parameters
@@ -161,7 +163,7 @@ def without_force(rec: Recording) -> Recording:
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class FrequencyResponse:
+class FrequencyResponse(ReadOnly):
     """Frequency responses, or transmissibilities, of several dofs to one excitation.
 
     Parameters
@@ -220,10 +222,7 @@ class FrequencyResponse:
                  std: Any | None = None) -> None:
         freq = check_freq("freq_hz", freq_hz)
         wanted = f"a complex array (n_outputs, {freq.size}), one row an output, one column a frequency"
-        array = complex_array("values", values, ndim=None, wanted=wanted)
-        array = array[None, :] if array.ndim == 1 else array
-        if array.ndim != 2 or array.shape[1] != freq.size:
-            reject("values", f"an array of shape {array.shape}", wanted)
+        array = complex_rows("values", values, freq.size, wanted=wanted)
         labels = dof_labels("dofs", dofs, array.shape[0])
         choice("kind", kind, ("frf", "transmissibility"))
         if kind == "transmissibility" and reference not in labels:
@@ -319,6 +318,21 @@ def _beside(name: str, value: Any, shape: tuple[int, ...], wanted: str) -> Float
     if array.shape != shape:
         reject(name, f"an array of shape {array.shape}", wanted)
     return array
+
+
+def covered_hz(source: Any) -> tuple[float, float]:
+    """Frequencies that a source of either kind can tell of; anything else is refused."""
+    if isinstance(source, Recording):
+        return 0.0, source.fs_hz / 2
+    if isinstance(source, FrequencyResponse):
+        return float(source.freq_hz[0]), float(source.freq_hz[-1])
+    reject("source", type(source).__name__, "a Recording or a FrequencyResponse")
+
+
+def band_of(source: Any, band_hz: Any) -> tuple[float, float]:
+    """A band inside what the source covers."""
+    low, high = covered_hz(source)
+    return frequency_band("band_hz", band_hz, low_hz=low, high_hz=high)
 
 
 def check_freq(name: str, value: Any) -> FloatArray:

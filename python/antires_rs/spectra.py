@@ -150,9 +150,7 @@ def cross_spectra(rec: Recording, *, nperseg: int, noverlap: int | None = None, 
     n_seg = integer("nperseg", nperseg, low=8, high=rec.n_samples)
     overlap = n_seg // 2 if noverlap is None else integer("noverlap", noverlap, low=0, high=n_seg - 1)
     taper = window_values(window, n_seg)
-    data = rec.responses
-    if include_force:
-        data = np.vstack([data, _force(rec)])
+    data = channels_of(rec, include_force)
     segments = np.lib.stride_tricks.sliding_window_view(data, n_seg, axis=1)[:, ::n_seg - overlap]
     spectra = np.fft.rfft((segments - segments.mean(axis=2, keepdims=True)) * taper)
     # One-sided: all lines but zero and Nyquist stand for two.
@@ -347,6 +345,11 @@ def _force(rec: Recording) -> FloatArray:
         reject("rec", "a Recording without force", "one with the force recorded",
                "Use transmissibilities: they need no force.")
     return rec.force
+
+
+def channels_of(rec: Recording, include_force: bool) -> FloatArray:
+    """The responses, and below them the force where it is wanted."""
+    return np.vstack([rec.responses, _force(rec)]) if include_force else rec.responses
 
 
 def window_values(window: Any, n: int) -> FloatArray:

@@ -18,45 +18,22 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ._validation import ComplexArray, FloatArray, finite_scalar, integer, reject
+from ._pickling import ReadOnly
+from ._validation import ComplexArray, FloatArray, integer
 from .accepted import Accepted, Value
 from .peaks import dominance
 from .rational import NestedFit, prepare
+from .rule import Rule
 from .signals import frozen
 
 __all__ = ["StabilizationDiagram", "stabilization"]
-
 
 # Damping ratio up to which changes of damping are taken relative to this where both signs are allowed.
 SMALL_DAMPING = 0.01
 
 
-@dataclass(frozen=True)
-class Rule:
-    """When a pole is stable, and when a chain of them is accepted."""
-
-    freq_tol: float = 0.01
-    damping_tol: float = 0.10
-    min_rows: int = 10
-    max_damping: float = 0.10
-    min_dominance: float = 0.05
-    # Zeros, unlike poles, may lie right of the axis: measured ones of light damping often do, a little.
-    both_sides: bool = False
-    # Accept what is there in most orders without standing still.
-    persistent: bool = True
-
-    def checked(self) -> Rule:
-        """Same rule, or an error that names the bad option."""
-        finite_scalar("freq_tol", self.freq_tol, low=0.0, high=0.5, low_open=True)
-        finite_scalar("damping_tol", self.damping_tol, low=0.0, high=1.0, low_open=True)
-        integer("min_rows", self.min_rows, low=1)
-        finite_scalar("max_damping", self.max_damping, low=0.0, high=1.0, low_open=True)
-        finite_scalar("min_dominance", self.min_dominance, low=0.0)
-        return self
-
-
 @dataclass(frozen=True, repr=False)
-class StabilizationDiagram:
+class StabilizationDiagram(ReadOnly):
     """Poles of every order, which of them are stable, and the values accepted.
 
     Attributes
@@ -165,9 +142,7 @@ def stabilization(freq_hz: Any, values: Any, *, max_order: int = 60, min_order: 
     rule = Rule(freq_tol, damping_tol, min_rows, max_damping, min_dominance).checked()
     max_order = integer("max_order", max_order, low=2)
     min_order = integer("min_order", min_order, low=1)
-    if max_order - min_order < min_rows:
-        reject("max_order", max_order, f"at least min_order + min_rows = {min_order + min_rows}",
-               "A value is accepted only when more than min_rows consecutive orders agree.")
+    rule.check_span(min_order, max_order)
     freq, array, weight = prepare(freq_hz, values, max_order, band_hz, weights, "max_order")
     band = (float(freq[0]), float(freq[-1])) if band_hz is None else (float(band_hz[0]), float(band_hz[1]))
     sweep = PoleSweep(NestedFit(freq, array, weight, max_order))

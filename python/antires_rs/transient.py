@@ -16,7 +16,7 @@ import numpy as np
 from ._validation import FloatArray, choice
 from .exceptions import UnsuitableDataError
 from .signals import Recording
-from .spectra import CrossSpectra, _force, averaged_products
+from .spectra import CrossSpectra, averaged_products, channels_of
 
 __all__ = ["Event", "find_events", "is_transient", "transient_spectra"]
 
@@ -184,9 +184,7 @@ def transient_spectra(rec: Recording, *, window: str = "auto", include_force: bo
     """
     choice("window", window, ("auto", "rectangular", "exponential"))
     events = find_events(rec)
-    data = rec.responses
-    if include_force:
-        data = np.vstack([data, _force(rec)])
+    data = channels_of(rec, include_force)
     # One length for all, so that their lines agree; a shorter event is padded with zeros, being dead by then.
     length = max(event.stop - event.start for event in events)
     decay = _window_decay(rec, events, window)

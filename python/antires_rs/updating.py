@@ -20,6 +20,7 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _core
+from ._pickling import AroundCore
 from ._progress import watched
 from ._targets import AntiresonanceTargets, ModalTargets, targets_of
 from ._validation import FloatArray, choice, finite_scalar, real_array, reject, shape_of
@@ -67,7 +68,7 @@ class DamagePenalty:
         finite_scalar("snap", self.snap, low=0.0, high=1e-3)
 
 
-class UpdatingProblem:
+class UpdatingProblem(AroundCore[_core.Objective]):
     """A model, what may change in it, and what was measured.
 
     Parameters
@@ -163,9 +164,12 @@ class UpdatingProblem:
         _core.check_bounds(model._core, parts, self.bounds[:, 0].copy(), self.bounds[:, 1].copy())
         self.names = [parameter_name(model, p) for p in self.parameters]
         warn_far(self.parameters, self.names, self._nominal)
-        self._core = targets.core(
-            model._core, parts, misfit, (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None,
-            self.penalty.snap if self.penalty else 0.0, self.weights)
+        self._core = self._made_core()
+
+    def _made_core(self) -> _core.Objective:
+        prices = (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None
+        return self._targets.core(self.model._core, core_parameters(self.model, self.parameters), self.misfit,
+                                  prices, self.penalty.snap if self.penalty else 0.0, self.weights)
 
     @property
     def objective(self) -> str:

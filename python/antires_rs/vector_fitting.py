@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._validation import ComplexArray, FloatArray
+from .peaks import share_of_curve
 
 __all__ = ["vector_fitting"]
 
@@ -72,10 +73,9 @@ def vector_fitting(freq_hz: FloatArray, values: ComplexArray, weights: FloatArra
             blocks.append(np.linalg.qr(rest - q @ (q.T @ rest), mode="r"))
         relaxed = np.append(phi.real.mean(axis=0), 1.0) * size
         rows = np.concatenate([*blocks, relaxed[None, :]])
-        scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
         target = np.zeros(rows.shape[0])
         target[-1] = size
-        solution = np.linalg.lstsq(rows / scale, target, rcond=None)[0] / scale
+        solution = _scaled_lstsq(rows, target[:, None])[:, 0]
         poles = _zeros(poles, solution[:-1], float(solution[-1]))
     return poles * (2 * np.pi * freq_hz[-1]), _dominance(s, values, root, poles)
 
@@ -97,6 +97,12 @@ def _stack(z: ComplexArray) -> FloatArray:
     return np.concatenate([z.real, z.imag])
 
 
+def _scaled_lstsq(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Least squares with columns of unit norm, or their sizes would decide on the rank."""
+    scale = np.maximum(np.linalg.norm(left, axis=0), 1e-300)
+    return np.asarray(np.linalg.lstsq(left / scale, right, rcond=None)[0] / scale[:, None])
+
+
 def _zeros(poles: ComplexArray, c: FloatArray, d: float) -> ComplexArray:
     """Zeros of sigma, one of each pair: eigenvalues of A - b c' / d."""
     d = float(np.copysign(max(abs(d), LEAST_CONSTANT), d))
@@ -116,9 +122,8 @@ def _zeros(poles: ComplexArray, c: FloatArray, d: float) -> ComplexArray:
 def _dominance(s: ComplexArray, values: ComplexArray, root: FloatArray, poles: ComplexArray) -> FloatArray:
     """Residues from a last linear fit."""
     left = _stack(root * _with_line(_fractions(s, poles), s))
-    scale = np.maximum(np.linalg.norm(left, axis=0), 1e-300)
-    x = np.linalg.lstsq(left / scale, _stack(root * values.T), rcond=None)[0] / scale[:, None]
+    x = _scaled_lstsq(left, _stack(root * values.T))
     residue = np.linalg.norm(x[0:2 * poles.size:2] + 1j * x[1:2 * poles.size:2], axis=1)
     at = np.asarray(1j * poles.imag)
     curve = np.linalg.norm(_with_line(_fractions(at, poles), at) @ x, axis=1)
-    return np.asarray(residue / np.maximum(np.abs(poles.real) * curve, 1e-300))
+    return share_of_curve(residue, poles.real, curve)

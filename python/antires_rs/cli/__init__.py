@@ -6,14 +6,10 @@ terminal only.
 
 from __future__ import annotations
 
-import os
 import sys
-import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
-
-from ..exceptions import AntiresError, AntiresWarning, InvalidInputError, UnsuitableDataError
-from .parser import parser
 
 __all__ = ["main"]
 
@@ -39,33 +35,36 @@ def main(argv: Sequence[str] | None = None) -> int:
     Traceback (most recent call last):
     SystemExit: 0
     """
-    args = parser().parse_args(argv)
-    with warnings.catch_warnings():
-        warnings.simplefilter("always", AntiresWarning)
-        warnings.showwarning = _warn
-        try:
-            code: int = args.run(args)
-            sys.stdout.flush()
-            return code
-        except KeyboardInterrupt:
-            print("antires: interrupted", file=sys.stderr)
-            return 130
-        except BrokenPipeError:
-            # The reader (head, less) has gone. Python would complain again when it flushes at exit.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            return 1
-        except (AntiresError, OSError) as exc:
-            print(f"antires: error: {exc}", file=sys.stderr)
-            wrong = isinstance(exc, InvalidInputError) and not isinstance(exc, UnsuitableDataError)
-            return 2 if wrong else 1
+    came: list[int] = []
+    try:  # Ctrl-C may come while modules are loaded, so all but this file is loaded in here
+        with _noticed(came):
+            from .command import run
+            return run(argv)
+    except KeyboardInterrupt:
+        pass
+    except ImportError:  # what C code of other packages, interrupted as it is loaded, makes of it
+        if not came:
+            raise
+    print("antires: interrupted", file=sys.stderr)
+    return 130
 
 
-def _warn(message: Warning | str, category: type[Warning], filename: str, lineno: int, file: Any = None,
-          line: str | None = None) -> None:
-    """One line for a warning of ours; others as Python has them."""
-    if issubclass(category, AntiresWarning):
-        print(f"antires: warning: {message}", file=sys.stderr)
-    else:
-        print(warnings.formatwarning(message, category, filename, lineno, line), end="", file=sys.stderr)
+@contextmanager
+def _noticed(came: list[int]) -> Iterator[None]:
+    """Keep in mind that Ctrl-C came, where it raises KeyboardInterrupt as usual."""
+    import signal
+    from threading import current_thread, main_thread
 
+    def interrupt(number: int, frame: Any) -> None:
+        came.append(number)
+        signal.default_int_handler(number, frame)
 
+    usual = signal.getsignal(signal.SIGINT)
+    if usual is not signal.default_int_handler or current_thread() is not main_thread():
+        yield
+        return
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)

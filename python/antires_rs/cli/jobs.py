@@ -71,7 +71,7 @@ def resume(args: argparse.Namespace) -> int:
     """Go on with a job."""
     job = read_job(_job_of(args.target))
     folder = RunFolder.of(job)
-    if not folder.unfinished and folder.result.is_file():
+    if not folder.unfinished and folder.state not in (None, "searching") and folder.result.is_file():
         from ..results import UpdateResult
         done = UpdateResult.load(folder.result)
         print(f"antires: this search has finished ({done.status}); nothing is left to do", file=sys.stderr)

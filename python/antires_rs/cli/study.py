@@ -8,7 +8,7 @@ from typing import Any
 
 from .._validation import reject
 from ..antiresonance_set import AntiresonanceSet
-from ..jobs.keys import FORMATS, format_of
+from ..jobs.keys import DATA, FORMATS, format_of
 from .terminal import arguments, existing, print_json, say
 
 __all__ = ["demo", "identify", "report"]
@@ -88,10 +88,18 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
     chosen = {name: getattr(args, name) for name in _CHOICES if getattr(args, name) is not None}
     with arguments(_NAMES, _SEE):
         say(f"reading {args.file.name}")
-        signal = read_signal(args.file, kind, options)
+        signal = read_signal(args.file, kind, options, _as_option)
         say(f"identifying the antiresonances of {len(signal.dofs)} responses")
         force = options.get("dofs", {}).get(args.excitation, args.excitation)
         return identify_antiresonances(signal, excitation=force, band_hz=args.band, **chosen)
+
+
+def _as_option(name: str, value: str | None) -> str:
+    """An argument of a reader as this command has it; those it lacks a job has."""
+    option = _NAMES.get(name)
+    if option is None or not option.startswith("--"):
+        return f"{name} (in a job)" if DATA.key(name) else name
+    return option if value is None else f"{option} {value}"
 
 
 def _diagrams(found: AntiresonanceSet, folder: Path, prefix: str) -> None:
@@ -116,7 +124,8 @@ def _numbers(found: AntiresonanceSet) -> dict[str, Any]:
 
 def report(args: argparse.Namespace) -> int:
     """The report of a result."""
-    from ..jobs.drawing import origin_of, pictures
+    from ..jobs.drawing import evidence_in, pictures
+    from ..jobs.drawing import report as write
     from ..jobs.files import RunFolder
     from ..results import UpdateResult
     file: Path = args.result / "result.npz" if args.result.is_dir() else args.result
@@ -128,11 +137,13 @@ def report(args: argparse.Namespace) -> int:
     with arguments({"path": "RESULT"}, "Name the result.npz of a run."):
         result = UpdateResult.load(file)
     say("writing the report")
-    result.report(out, title=args.title, origin=origin_of(RunFolder(file.parent)))
+    folder = RunFolder(file.parent)
+    evidence = evidence_in(folder, result)
+    write(result, out, folder, evidence, args.title)
     drawn: list[Path] = []
     if args.pictures is not None:
         args.pictures.mkdir(parents=True, exist_ok=True)
-        drawn = pictures(result, args.pictures, {})
+        drawn = pictures(result, args.pictures, evidence)
     if args.json:
         print_json({"report": str(out), "pictures": [str(file) for file in drawn]})
     else:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from .._progress import patient
-from .._validation import choice, frequency_band, reject
-from ..signals import FrequencyResponse, Recording, frozen
+from .._validation import choice, reject
+from ..signals import FrequencyResponse, Recording, band_of, frozen
 from . import channels, force_location, one_force, phase, resolution
 from .evidence import Evidence
 from .findings import SEVERITIES, DataCheck, Finding, NotTested, Said
@@ -89,15 +89,11 @@ def check_data(source: Recording | FrequencyResponse, *, excitation: Any = None,
     if excitation is not None and (isinstance(excitation, bool) or not isinstance(
             excitation, int | np.integer | str)):
         reject("excitation", excitation, "a dof named by an integer or a string, or None")
+    band = band_of(source, band_hz)
     if isinstance(source, Recording):
-        band = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=source.fs_hz / 2)
         said, seen = of_recording(source, excitation, band, nperseg, noverlap, window, method)
-    elif isinstance(source, FrequencyResponse):
-        band = frequency_band("band_hz", band_hz, low_hz=float(source.freq_hz[0]),
-                              high_hz=float(source.freq_hz[-1]))
-        said, seen = of_response(source, excitation, band)
     else:
-        reject("source", type(source).__name__, "a Recording or a FrequencyResponse")
+        said, seen = of_response(source, excitation, band)
     return _result(said, seen, source.dofs, excitation, band)
 
 

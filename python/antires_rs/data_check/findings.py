@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from .._pickling import ReadOnly
 from .._validation import FloatArray
 
 __all__ = ["DataCheck", "Finding"]
@@ -73,7 +74,7 @@ def rounded(value: float) -> str:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DataCheck:
+class DataCheck(ReadOnly):
     """Whether data are fit for identification, and what is wrong with them.
 
     Attributes

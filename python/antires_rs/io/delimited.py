@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from .._validation import choice, finite_scalar
+from ..exceptions import AntiresError
 from ..signals import FrequencyResponse
 from ._common import Signal, existing_file, missing_part, rate_of, unsuitable
 from .channels import Channel, Dofs, in_si, recording_of, renamed
@@ -124,9 +125,9 @@ def _own(file: Path, table: Table) -> Signal:
         return FrequencyResponse(columns[0], in_si(values, named_unit("unit", head["unit"])), dofs,
                                  head["kind"], head["reference"], more.get("coherence"), head["n_averages"],
                                  more.get("std"))
+    except AntiresError:
+        raise
     except (KeyError, TypeError, ValueError, IndexError) as exc:
-        if type(exc).__module__.startswith("antires_rs"):
-            raise
         unsuitable(file, f"whose header is damaged ({type(exc).__name__}: {exc})", "a file of write_csv")
 
 
@@ -141,7 +142,7 @@ def _foreign(file: Path, table: Table, first: str | None, fs_hz: float | None, d
                  else "channel" if table.names and fs_hz is not None else None)
     if first is None:
         unsuitable(file, f"whose first column, {names[0]!r}, is neither called time nor frequency",
-                   "to know what it is", "Pass first='time', 'freq' or, with fs_hz=, 'channel'.")
+                   "to know what it is", "Pass first='time', first='freq' or, with fs_hz=, first='channel'.")
     skip = 0 if first == "channel" else 1
     if len(columns) <= skip:
         unsuitable(file, "with no column of values", "at least one beside the first")

@@ -16,7 +16,7 @@ import numpy as np
 from .._validation import reject
 from ..models import MatrixModel
 from ._common import existing_file, unsuitable
-from ._store import Store, read_store, write_store
+from ._store import Store, read_store, square, write_store
 from .npz import read_archive
 from .uff_names import CODES, DIRECTIONS
 
@@ -110,7 +110,7 @@ def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
         reject("model", "an updated model" if isinstance(model, MatrixModel) else type(model).__name__,
                "a MatrixModel as it was made", "Save the result of an updating with result.save.")
     store = Store()
-    matrices = [_entries(np.asarray(m), store) for m in (model._core.stiffness(), model._core.mass())]
+    matrices = [store.put_matrix(np.asarray(m)) for m in (model._core.stiffness(), model._core.mass())]
     terms = [[[store.put(part) for part in term] for term in each] for each in model._made]
     return write_store(path, {"format": FORMAT, "version": VERSION, "n_dof": model.n_dof,
                               "matrices": matrices, "terms": terms}, store)
@@ -174,8 +174,8 @@ def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tu
 def _own(path: str | os.PathLike[str]) -> MatrixModel:
     _, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
     n = data["n_dof"]
-    stiffness, mass = (_dense(entries, n) for entries in data["matrices"])
-    terms = [[_dense(term, n) for term in each] for each in data["terms"]]
+    stiffness, mass = (square(entries, n) for entries in data["matrices"])
+    terms = [[square(term, n) for term in each] for each in data["terms"]]
     return MatrixModel(stiffness, mass, stiffness_terms=terms[0], mass_terms=terms[1])
 
 
@@ -232,14 +232,3 @@ def _stated(head: Sequence[bytes], sizes: list[int]) -> int:
         return sizes[2]
     n = sizes[0]
     return {b"symmetric": n * (n + 1) // 2, b"skew-symmetric": n * (n - 1) // 2}.get(head[4], n * sizes[1])
-
-
-def _entries(dense: Any, store: Store) -> list[dict[str, str]]:
-    rows, columns = np.nonzero(dense)
-    return [store.put(rows), store.put(columns), store.put(dense[rows, columns])]
-
-
-def _dense(entries: list[Any], n: int) -> Any:
-    made = np.zeros((n, n))
-    made[entries[0], entries[1]] = entries[2]
-    return made

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._files import write_atomically
+from ..exceptions import AntiresError
 from ._common import Signal, existing_file, signal_given, unsuitable
 from ._packing import pack, unpack
 from .arrays import signal_of_arrays
@@ -125,10 +126,10 @@ def read_archive(file: Path) -> dict[str, NDArray[Any]]:
                        "It was cut, or is a single array: use numpy.load.")
         with np.load(file, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
+    except AntiresError:
+        raise
     except (zipfile.BadZipFile, zlib.error, ValueError, KeyError, OSError, EOFError, NotImplementedError,
             MemoryError) as exc:
-        if type(exc).__module__.startswith("antires_rs"):
-            raise
         reason = "objects, which only pickle reads" if "pickle" in str(exc) and zipfile.is_zipfile(file) \
             else str(exc) or type(exc).__name__
         unsuitable(file, f"which cannot be read ({reason})", wanted, "It was cut or damaged: copy it again.")

@@ -10,8 +10,6 @@ import json
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-
 from .._validation import reject
 from ..antiresonance_set import AntiresonanceSet
 from ..frame import FrameModel
@@ -21,7 +19,7 @@ from ..models import MassSpringChain, MatrixModel, StructuralModel
 from ..parameters import Parameter
 from ..sections import Rectangle, Section, Tube
 from ..updating import DamagePenalty, UpdatingProblem
-from ._store import Store
+from ._store import Store, square
 
 __all__ = ["describe_problem", "made_problem"]
 
@@ -74,8 +72,8 @@ def _describe_model(model: StructuralModel, store: Store) -> dict[str, Any]:
                 "ground_first_n_per_m": first, "ground_last_n_per_m": last}
     if isinstance(model, MatrixModel):
         return {"kind": "matrices", "n_dof": model.n_dof,
-                "stiffness": _entries(model._core.stiffness(), store),
-                "mass": _entries(model._core.mass(), store),
+                "stiffness": store.put_matrix(model._core.stiffness()),
+                "mass": store.put_matrix(model._core.mass()),
                 "terms": [[[store.put(part) for part in term] for term in terms] for terms in model._made]}
     if isinstance(model, FrameModel):
         return _describe_frame(model, store)
@@ -91,8 +89,8 @@ def _made_model(data: dict[str, Any], name: str) -> StructuralModel:
                                ground_last_n_per_m=data["ground_last_n_per_m"])
     if data["kind"] == "matrices":
         n = data["n_dof"]
-        stiffness, mass = ([_matrix(term, n) for term in terms] for terms in data["terms"])
-        return MatrixModel(_matrix(data["stiffness"], n), _matrix(data["mass"], n), stiffness_terms=stiffness,
+        stiffness, mass = ([square(term, n) for term in terms] for terms in data["terms"])
+        return MatrixModel(square(data["stiffness"], n), square(data["mass"], n), stiffness_terms=stiffness,
                            mass_terms=mass)
     if data["kind"] == "frame":
         return _made_frame(data)
@@ -123,15 +121,3 @@ def _made_frame(data: dict[str, Any]) -> FrameModel:
         node_springs=[NodeSpring(node, other, k, direction)
                       for node, other, direction, k in data["node_springs"]],
         fixed=[tuple(row) for row in data["fixed"]], orientation=data["orientation"])
-
-
-def _entries(dense: Any, store: Store) -> list[dict[str, str]]:
-    rows, columns = np.nonzero(dense)
-    return [store.put(rows), store.put(columns), store.put(dense[rows, columns])]
-
-
-def _matrix(entries: list[Any], n: int) -> Any:
-    rows, columns, values = entries
-    dense = np.zeros((n, n))
-    dense[rows, columns] = values
-    return dense

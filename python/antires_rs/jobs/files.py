@@ -20,7 +20,7 @@ class RunFolder:
 
     Attributes
     ----------
-    folder, result, summary, report, pictures, checkpoint, record : pathlib.Path
+    folder, result, summary, report, pictures, checkpoint, record, evidence : pathlib.Path
         ``record`` says which job runs here, from the beginning of the search on.
     """
 
@@ -29,6 +29,7 @@ class RunFolder:
         self.result, self.summary = folder / "result.npz", folder / "summary.json"
         self.report, self.pictures = folder / "report.html", folder / "pictures"
         self.checkpoint, self.record = folder / "search.ckpt", folder / "run.json"
+        self.evidence = folder / "evidence.npz"
 
     @classmethod
     def of(cls, job: Job) -> RunFolder:
@@ -55,13 +56,22 @@ class RunFolder:
         return self.checkpoint.exists() or self._previous.exists()
 
     @property
+    def state(self) -> str | None:
+        """How the last run ended, or "searching"; None where none has begun."""
+        return (self.read_record() or {}).get("state")
+
+    @property
     def _previous(self) -> Path:
         return self.checkpoint.with_name(self.checkpoint.name + ".previous")
 
     def forget_search(self) -> None:
         """Remove the checkpoint; the result holds all of it."""
-        for file in (self.checkpoint, self._previous):
+        for file in (self._previous, self.checkpoint):  # a kill in between leaves the later one
             file.unlink(missing_ok=True)
+
+    def forget_record(self) -> None:
+        """Remove the record: another run begins, and until it has its own, nothing here speaks for it."""
+        self.record.unlink(missing_ok=True)
 
     def forget_results(self) -> None:
         """Remove what an earlier run drew, so that nothing stale stands beside a new result."""
@@ -88,10 +98,10 @@ class RunFolder:
         return Path(os.path.normpath(self.folder / str(record.get("job", ""))))
 
 
-#: As write_atomically names its files.
-_HALF_WRITTEN = re.compile(r"\.(antiresonances(_\d+)?\.json|result\.npz|summary\.json|run\.json|report\.html|"
-                           r"\w+\.png)\.\d+\.tmp")
-_PICTURE = re.compile(r"(differences|convergence|damage|stabilization_.*)\.png")
+#: As write_atomically and Checkpoint name what is not whole yet.
+_HALF_WRITTEN = re.compile(r"\.(antiresonances(_\d+)?\.json|(result|evidence)\.npz|(summary|run)\.json|"
+                           r"report\.html|\w+\.png)\.\d+\.tmp|search\.ckpt\.tmp")
+_PICTURE = re.compile(r"(differences|convergence|damage|model|stabilization_.*)\.png")
 
 
 def sha256_of(file: Path) -> str:

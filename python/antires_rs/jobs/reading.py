@@ -22,12 +22,21 @@ Signal = Recording | FrequencyResponse
 _READERS: dict[str, Callable[..., Signal]] = {
     "uff": io.read_uff, "mat": io.read_mat, "hdf5": io.read_hdf5, "csv": io.read_csv, "npz": io.read_npz}
 _LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the command line."
+#: An argument of a reader in one of its messages, alone or with a value.
+_PASSED = re.compile(r"\b([a-z_]+)=(?:'([^']*)')?(?=[\s,.;:]|$)")
 #: Keys of [data] that are not a reader's.
 _OURS = {"file", "format", "excitation", "band_hz", "dofs"}
 
 
-def read_signal(file: Path, kind: str, options: dict[str, Any]) -> Signal:
+def _in_a_job(name: str, value: str | None) -> str:
+    return name if value is None else f'{name} = "{value}"'
+
+
+def read_signal(file: Path, kind: str, options: dict[str, Any],
+                spell: Callable[[str, str | None], str] = _in_a_job) -> Signal:
     """Read a signal; ``options`` are keys of [data].
+
+    ``spell`` writes an argument of the reader, with or without a value, as this user would.
 
     Raises
     ------
@@ -47,8 +56,9 @@ def read_signal(file: Path, kind: str, options: dict[str, Any]) -> Signal:
     by_point = kind == "uff" and isinstance(dofs, dict) and all(map(_is_point, dofs))
     try:
         signal = _READERS[kind](file, **chosen, **({"dofs": dofs} if by_point else {}))
-    except InvalidInputError as exc:  # None is false in a job
+    except InvalidInputError as exc:  # which speaks to one who calls from Python
         said = re.sub(r"Map a \w+ to None to leave it out;?", _LEAVE_OUT, str(exc))
+        said = _PASSED.sub(lambda found: spell(found[1], found[2]), said)
         raise type(exc)(said) from exc
     return signal if by_point or not dofs else _named(signal, dofs)
 

@@ -20,6 +20,7 @@ from ..models import StructuralModel
 from ..parameters import stiffness_reduction
 from ..results import UpdateResult
 from ..updating import DamagePenalty, UpdatingProblem, assess_damage, update
+from .evidence import evidence_of, heard, measurement_of
 from .files import RunFolder, sha256_of
 from .job import Job
 from .lines import Path as Keys
@@ -65,7 +66,8 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
     ----------
     job : Job
     resume : bool
-        Go on from the checkpoint of a run that was interrupted, to the same bits.
+        Go on from the checkpoint of a run that was interrupted, to the same bits; from the beginning where
+        it had none yet.
     fresh : bool
         Begin anew though there is such a checkpoint.
     workers : int, optional
@@ -85,6 +87,13 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
     InvalidInputError
         The job or its data cannot be used; the message names the line.
     """
+    with heard() as said:
+        return _carried_out(job, said, resume, fresh, workers, say, progress)
+
+
+def _carried_out(job: Job, said: list[str], resume: bool, fresh: bool, workers: int | None, say: Say,
+                 progress: bool | None) -> Outcome:
+    import scipy  # slow to load
     begun = time.perf_counter()
     folder = _checked(job, resume, fresh)
     ga, seed, threads = search_of(job, workers)
@@ -95,14 +104,23 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
     sets = _kept_sets(job, folder, measured, inputs) if resume else [m.found for m in measured]
     search = _search(job, model, (parameters, places), sets[0] if len(sets) == 1 else sets)
     folder.prepare()  # not before: a job that cannot run leaves nothing behind
+    if not resume:
+        folder.forget_record()
     if fresh:
         folder.forget_search()
     for i, each in enumerate(sets):
         if folder.antiresonances(i).resolve() != measured[i].file.resolve():
             each.save(folder.antiresonances(i))
+    evidence = evidence_of(job, measured)
+    if evidence:
+        evidence.save(folder.evidence)
+    else:
+        folder.evidence.unlink(missing_ok=True)  # of another run
     record = {"job": _relative(job.path, folder.folder), "task": job.task, "seed": seed, "inputs": inputs,
-              "state": "searching", "versions": {"antires_rs": __version__, "numpy": np.__version__,
-                                                 "python": platform.python_version()}}
+              "state": "searching", "title": job.section("output").get("title"),
+              "measurement": measurement_of(job, measured), "warnings": said, "versions": {
+                  "antires_rs": __version__, "numpy": np.__version__, "scipy": scipy.__version__,
+                  "python": platform.python_version(), "system": platform.platform()}}
     folder.write_json(folder.record, record)
     say("searching")
     kept = folder.checkpoint if job.section("search").get("checkpoint", True) else None
@@ -118,10 +136,10 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
     folder.write_json(folder.record, record)
     if outcome.interrupted:
         return outcome
-    if not _out_of_time(result):
-        folder.forget_search()
     from .drawing import draw
-    outcome.notes = draw(job, result, folder, measured, say)
+    outcome.notes = draw(job, result, folder, evidence, say)
+    if not _out_of_time(result):
+        folder.forget_search()  # last: as long as it waits, resume makes up for whatever is missing
     return outcome
 
 
@@ -139,7 +157,8 @@ def _checked(job: Job, resume: bool, fresh: bool) -> RunFolder:
         job.reject(place, f"{folder.folder.name!r}, where a search of this job waits that did not finish",
                    "a folder without one", f"Go on with 'antires resume {job.path.name}', or begin anew with "
                    "--fresh.")
-    if resume and not folder.unfinished:
+    # Killed before the first checkpoint, a search begins again with the sets that it had.
+    if resume and not (folder.unfinished or folder.state == "searching"):
         job.reject(place, f"{folder.folder.name!r}, where no search waits", "a search that did not finish",
                    f"Begin with 'antires {job.task} {job.path.name}'.")
     return folder

@@ -38,7 +38,9 @@ def summary_of(job: Job, result: UpdateResult, record: dict[str, Any], measured:
         "largest_before_percent": number(table.largest_before_percent),
         "largest_after_percent": number(table.largest_after_percent),
         "antiresonances": _rows(table) if isinstance(table, FrequencyTable) else [],
-        "warnings": [said for check in checks for said in check.warnings],
+        # Those of the data check have been raised as one.
+        "warnings": [*(said for check in checks for said in check.warnings),
+                     *(said for said in record["warnings"] if not said.startswith("data check: "))],
         "notes": [] if at_once else result.notes,
     }
 

@@ -2,9 +2,12 @@
 
 Every function draws into ``ax`` and returns it. Without ``ax`` it makes a new pyplot figure, so that
 ``plt.show()`` and notebooks display it as usual; no style, backend or rcParam is ever changed. Colours are
-those of Okabe and Ito, and no curve, bar or mark is told from another by colour alone.
+those of Okabe and Ito, and no curve, bar or mark is told from another by colour alone. :func:`data_of` gives
+the numbers behind any of them.
 """
 
+from .canvas import data_of
+from .chain import plot_chain
 from .convergence import plot_convergence
 from .damage import plot_damage
 from .damages import plot_damages
@@ -16,6 +19,8 @@ from .stabilization import plot_stabilization
 from .transmissibility import plot_transmissibility
 
 __all__ = [
+    "data_of",
+    "plot_chain",
     "plot_coherence",
     "plot_convergence",
     "plot_damage",

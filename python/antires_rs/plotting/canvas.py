@@ -1,17 +1,23 @@
-"""What all pictures share: axes, palette, and the way to a PNG without pyplot."""
+"""What all pictures share: axes, palette, legends, their numbers, and the way to a PNG without pyplot."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from io import BytesIO
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .._validation import FloatArray
+from .._validation import FloatArray, frequency_band, reject
 from ..exceptions import MissingDependencyError
 
-__all__ = ["COLOURS", "GREY", "LINES", "below", "new_axes", "picture", "spread"]
+__all__ = ["COLOURS", "GREY", "LINES", "band_shown", "below", "data_of", "fit_across", "new_axes", "offer",
+           "picture", "plain_log", "spread", "text_width_pt", "width_pt"]
+
+Table = dict[str, NDArray[Any]]
 
 #: Okabe and Ito's palette (2008), told apart by all common kinds of colour vision; yellow, too pale for lines
 #: on white, is left out.
@@ -55,17 +61,106 @@ def picture(draw: Callable[..., Any], size_in: tuple[float, float], *, rows: int
     return file.getvalue()
 
 
-def below(ax: Any, columns: int, *, drop_pt: float = 40.0, first: Sequence[str] = (),
-          **options: Any) -> None:
-    """Legend ``drop_pt`` points under the axes, where it can hide nothing."""
+_offered: WeakKeyDictionary[Any, dict[str, Table]] = WeakKeyDictionary()
+
+
+def offer(ax: Any, **tables: Mapping[str, Any]) -> None:
+    """Keep the numbers of a picture for :func:`data_of`; a picture drawn over another adds its own."""
+    made = {name: {column: np.array(values) for column, values in table.items()}
+            for name, table in tables.items()}
+    for column in (column for table in made.values() for column in table.values()):
+        column.setflags(write=False)
+    _offered.setdefault(ax, {}).update(made)
+
+
+def data_of(ax: Any) -> dict[str, Table]:
+    """Return the numbers behind a picture, for a table, a file or a picture of your own.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Returned by any function of this module.
+
+    Returns
+    -------
+    dict of str to dict of str to ndarray
+        Tables by name and their columns, all columns of a table of one length. The names of columns end in
+        their unit (``freq_hz``, ``loss_percent``, ``level_db``); without one they are labels, counts or
+        ratios. The arrays are read-only. ``pandas.DataFrame(data_of(ax)["bars"])`` makes a frame of a table.
+
+    Raises
+    ------
+    InvalidInputError
+        Axes that none of these functions has drawn into.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> from antires_rs import plotting
+    >>> from matplotlib.figure import Figure
+    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
+    >>> measured = ar.AntiresonanceSet(0, {0: [1.9, 5.2], 1: [3.1]})
+    >>> ax = ar.assess_damage(intact, measured, rng=0).plot(ax=Figure().subplots())
+    >>> bars = plotting.data_of(ax)["bars"]
+    >>> bars["element"].tolist(), list(bars)
+    ([0, 1], ['element', 'name', 'loss_percent', 'smallest_seen_percent'])
+    """
+    try:
+        return {name: dict(table) for name, table in _offered[ax].items()}
+    except (KeyError, TypeError):
+        reject("ax", f"{type(ax).__name__} without a picture of antires_rs", "what a plot_ function returned")
+
+
+def width_pt(ax: Any) -> float:
+    """Width that the axes will have, roughly: a constrained layout gives them more than they have now."""
+    wide = 1.15 if ax.figure.get_layout_engine() is not None else 1.0
+    return float(72.0 * wide * ax.get_position().width * ax.figure.bbox.width / ax.figure.dpi)
+
+
+def band_shown(freq_hz: FloatArray, band_hz: Sequence[float] | None) -> tuple[float, float]:
+    """The band asked for, inside the data; all of them by default."""
+    low, high = float(freq_hz[0]), float(freq_hz[-1])
+    return (low, high) if band_hz is None else frequency_band("band_hz", band_hz, low_hz=low, high_hz=high)
+
+
+@lru_cache(maxsize=1000)
+def text_width_pt(text: str, size_pt: float = 8.33) -> float:
+    """Width of the longest line of a text, small by default."""
+    from matplotlib.textpath import TextPath
+    return max(float(TextPath((0.0, 0.0), line, size=size_pt).get_extents().width) if line.strip() else 0.0
+               for line in text.split("\n"))
+
+
+def fit_across(ax: Any, names: Sequence[str], size_pt: float = 10.0) -> bool:
+    """Whether evenly spaced labels fit side by side under the axes."""
+    longest = text_width_pt(max(names, key=len, default=""), size_pt)
+    return len(names) * (longest + 8.0) <= width_pt(ax)
+
+
+def _columns(widths: FloatArray, room: float) -> int:
+    """Columns of a legend that fits into the room in as few rows as can be."""
+    for rows in range(1, widths.size):
+        count = -(-widths.size // rows)
+        if sum(column.max() for column in np.array_split(widths, count)) <= room:
+            return count
+    return 1
+
+
+def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = (), **options: Any) -> None:
+    """Legend ``drop_pt`` points under the axes, where it can hide nothing; as many columns as fit.
+
+    The labels in ``first`` lead, in that order.
+    """
     from matplotlib.transforms import ScaledTranslation
     entries = list(zip(*ax.get_legend_handles_labels(), strict=True))
     entries.sort(key=lambda entry: first.index(entry[1]) if entry[1] in first else len(first))
     # Points, not a share of the height: the tick labels in between do not grow with the axes.
     under = ax.transAxes + ScaledTranslation(0.0, -drop_pt / 72.0, ax.figure.dpi_scale_trans)
     handles, labels = [entry[0] for entry in entries], [entry[1] for entry in entries]
+    widths = np.array([text_width_pt(label) + 45.0 for label in labels])  # with the handle and its gaps
     ax.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=under,
-              ncols=columns, frameon=False, borderaxespad=0.0, fontsize="small", **options)
+              ncols=_columns(widths, 1.05 * width_pt(ax)), frameon=False, borderaxespad=0.0, fontsize="small",
+              **options)
 
 
 def spread(positions: Sequence[float] | FloatArray, least: float, low: float, high: float) -> FloatArray:
@@ -90,3 +185,13 @@ def spread(positions: Sequence[float] | FloatArray, least: float, low: float, hi
     level = np.concatenate([np.full(count, value) for value, count in blocks])
     top = high - shift[-1]
     return np.asarray((np.clip(level, low, top) if top > low else level) + shift)
+
+
+def plain_log(axis: Any, *, narrow: bool) -> None:
+    """Plain numbers on a logarithmic axis; on a narrow one between the decades too."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+    plain = FuncFormatter(lambda value, _: f"{value:g}")
+    axis.set_major_formatter(plain)
+    if narrow:
+        axis.set_minor_locator(LogLocator(subs=(2.0, 3.0, 5.0, 7.0)))
+    axis.set_minor_formatter(plain if narrow else NullFormatter())

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .canvas import COLOURS, below, new_axes
+from .._validation import FloatArray
+from .canvas import COLOURS, below, fit_across, new_axes, offer, text_width_pt
 
 if TYPE_CHECKING:
     from ..results import DamageResult
@@ -16,6 +17,8 @@ __all__ = ["plot_damage"]
 
 #: The axis shows at least this much: on a finer scale nothing would look like something.
 LEAST_PERCENT = 10.0
+#: Smallest visible losses above this do not lengthen the axis, or small bars would vanish.
+MOST_VISIBLE = 25.0
 
 
 def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
@@ -33,8 +36,9 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     Returns
     -------
     matplotlib.axes.Axes
-        One bar an element. The ticks across are ``result.detectable``: damage below would come out as none. A
-        hatched background marks elements whose damage no value could show.
+        One bar an element. The ticks across are ``result.detectable``: damage below would come out as none; a
+        triangle at the upper edge gives those that lie above the axis. A hatched background marks elements
+        whose damage no value could show.
 
     Raises
     ------
@@ -52,24 +56,15 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     'Stiffness loss (%)'
     """
     severity = 100.0 * np.asarray(result.x)
-    label = result.problem.model.element_label
-    names = [", ".join(label(term) for term in p.terms) for p in result.problem.parameters]
+    names = element_names(result)
     ax = new_axes(ax, (max(6.0, 0.32 * len(names) + 1.5), 4.4))
-    x = np.arange(len(names))
+    upright = not fit_across(ax, names)
+    x = np.arange(len(names), dtype=np.float64)
     ax.bar(x, severity, width=0.62, color=COLOURS["blue"], edgecolor="black", linewidth=0.6, label="found")
     visible = 100.0 * np.array([result.detectable[e] for e in result.elements])
     known = 100.0 * np.array([(truth or {}).get(e, np.nan) for e in result.elements])
-    shown = np.concatenate([severity, known, np.minimum(visible, 25.0)])
-    crowded = len(names) > 12
-    room = 1.28 if crowded else 1.14  # for the numbers over the bars
-    ax.set_ylim(0.0, max(LEAST_PERCENT, room * np.nanmax(shown[np.isfinite(shown)], initial=0.0)))
-
-    seen = np.isfinite(visible)
-    ax.hlines(visible[seen], x[seen] - 0.42, x[seen] + 0.42, color=COLOURS["vermillion"], lw=1.4,
-              ls=(0, (3, 1.5)), label="smallest damage that would be seen")
-    for number, i in enumerate(x[~seen]):
-        ax.axvspan(i - 0.5, i + 0.5, facecolor="none", edgecolor="#BFBFBF", hatch="...", lw=0.0, zorder=0,
-                   label="no damage could be seen" if number == 0 else None)
+    percent_axis(ax, np.concatenate([severity, known, np.minimum(visible, MOST_VISIBLE)]), upright)
+    _smallest_seen(ax, x, visible)
     if truth is not None:
         ax.plot(x, known, ls="", marker="D", ms=8, mfc="none", mec="black", mew=1.3, label="truth", zorder=4,
                 clip_on=False)
@@ -78,14 +73,64 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
             # A diamond or a tick close above the bar would strike the number out: it goes above them.
             reach = value + 0.12 * ax.get_ylim()[1]
             over = max(m for m in (value, known[i], visible[i]) if value <= m <= reach)
-            ax.annotate(f"{value:.1f} %", (i, over), xytext=(0, 7), textcoords="offset points", ha="center",
-                        va="bottom", fontsize="small", rotation=90 if crowded else 0)
+            diamond = abs(over - known[i]) < 0.05 * ax.get_ylim()[1]
+            ax.annotate(f"{value:.1f} %", (i, over), xytext=(0, 8 if diamond else 3), ha="center",
+                        va="bottom", textcoords="offset points", fontsize="small",
+                        rotation=90 if upright else 0)
     if not severity.any():
         ax.set_title("no damage found", fontsize="medium")
-    ax.set_xticks(x, names, rotation=90 if crowded else 0)
-    ax.tick_params(axis="x", pad=7)  # clear of diamonds at 0
-    ax.set_xlim(-0.6, len(names) - 0.4)
-    ax.set_xlabel("Candidate element (no bar: exactly 0)")
-    ax.set_ylabel("Stiffness loss (%)")
-    below(ax, 3, drop_pt=44.0 + (5.5 * max(map(len, names)) if crowded else 0.0), first=("found", "truth"))
+    element_axis(ax, names, upright, first=("found", "truth"))
+    shown = {} if truth is None else {"truth_percent": known}
+    offer(ax, bars={"element": result.elements, "name": names, "loss_percent": severity, **shown,
+                    "smallest_seen_percent": visible})
     return ax
+
+
+def _smallest_seen(ax: Any, x: FloatArray, visible: FloatArray) -> None:
+    """Ticks across at the smallest losses seen; what lies above the axis, or nowhere, is said so."""
+    top = ax.get_ylim()[1]
+    look = {"color": COLOURS["vermillion"], "zorder": 3}
+    on = visible <= 0.98 * top
+    above = np.isfinite(visible) & ~on
+    # The white edge keeps a tick apart from the bar behind it, in grey as well.
+    ax.hlines(visible[on], x[on] - 0.42, x[on] + 0.42, color="white", lw=3.0, zorder=2.9)
+    ax.hlines(visible[on], x[on] - 0.42, x[on] + 0.42, lw=1.5, ls=(0, (3, 1)), clip_on=False,
+              label="smallest damage that would be seen", **look)
+    if above.any():
+        ax.plot(x[above], np.full(int(above.sum()), 0.975), ls="", marker="^", ms=5.5, mew=0.0,
+                transform=ax.get_xaxis_transform(), label="seen only from this loss on, in %", **look)
+        for at, value in zip(x[above], visible[above], strict=True):
+            ax.annotate(f"{value:.0f}", (at, 0.975), xycoords=ax.get_xaxis_transform(), xytext=(0, -5),
+                        textcoords="offset points", ha="center", va="top", fontsize="x-small")
+    for number, i in enumerate(x[~np.isfinite(visible)]):
+        ax.axvspan(i - 0.5, i + 0.5, facecolor="none", edgecolor="#BFBFBF", hatch="...", lw=0.0, zorder=0,
+                   label="no damage could be seen" if number == 0 else None)
+
+
+def element_names(result: DamageResult) -> list[str]:
+    """What the candidate elements are called."""
+    label = result.problem.model.element_label
+    return [", ".join(label(term) for term in p.terms) for p in result.problem.parameters]
+
+
+def percent_axis(ax: Any, shown: FloatArray, upright: bool) -> None:
+    """Scale of the losses, with room for the numbers over the bars; there is none above 100 %."""
+    room = 1.36 if upright else 1.16
+    top = max(LEAST_PERCENT, room * np.nanmax(shown[np.isfinite(shown)], initial=0.0))
+    ax.set_ylim(0.0, top)
+    if top > 100.0:
+        ax.set_yticks(range(0, 101, 20))
+    ax.set_ylabel("Stiffness loss (%)")
+    ax.grid(axis="y", alpha=0.25)
+    ax.set_axisbelow(True)
+
+
+def element_axis(ax: Any, names: list[str], upright: bool, first: tuple[str, ...]) -> None:
+    """Names of the elements across, and the legend below them."""
+    ax.set_xticks(range(len(names)), names, rotation=90 if upright else 0)
+    ax.tick_params(axis="x", pad=7)  # clear of diamonds at 0
+    spare = max(0.6, 0.5 * (4 - len(names)))  # one or two bars are bars, not blocks
+    ax.set_xlim(-spare, len(names) - 1 + spare)
+    ax.set_xlabel("Candidate element (no bar: exactly 0)")
+    length = text_width_pt(max(names, key=len), 10.0)
+    below(ax, drop_pt=34.0 + length if upright else 44.0, first=first)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._validation import reject
-from .canvas import COLOURS, below, new_axes
-from .damage import LEAST_PERCENT
+from .canvas import COLOURS, fit_across, new_axes, offer
+from .damage import element_axis, element_names, percent_axis
 
 if TYPE_CHECKING:
     from ..results import DamageResult
@@ -69,31 +69,29 @@ def plot_damages(results: Mapping[str, DamageResult], ax: Any = None,
     first, *others = results.values()
     if any(other.elements != first.elements for other in others):
         reject("results", "different candidate elements", "the same in all")
-    label = first.problem.model.element_label
-    names = [", ".join(label(term) for term in p.terms) for p in first.problem.parameters]
+    names = element_names(first)
     ax = new_axes(ax, (max(7.0, 0.4 * len(names) + 1.5), 4.4))
     x = np.arange(len(names))
     width = 0.8 / len(results)
-    crowded = len(names) > 12
-    for k, (name, result) in enumerate(results.items()):
-        at, percent = x + (k - 0.5 * (len(results) - 1)) * width, 100.0 * np.asarray(result.x)
+    upright = not fit_across(ax, names)
+    known = 100.0 * np.array([(truth or {}).get(e, np.nan) for e in first.elements])
+    losses = {name: 100.0 * np.asarray(result.x) for name, result in results.items()}
+    percent_axis(ax, np.concatenate([known, *losses.values()]), upright)
+    # Under bars as narrow as this numbers stand upright.
+    narrow = len(names) * len(results) > 24
+    for k, (name, percent) in enumerate(losses.items()):
+        at = x + (k - 0.5 * (len(results) - 1)) * width
         ax.bar(at, percent, width=0.92 * width, label=name, linewidth=0.8, **LOOKS[k])
         for where, value in zip(at, percent, strict=True):
             if value > 0.0:
                 # A number beside its bar's middle: the diamond of the truth stands between the bars.
                 ax.annotate(f"{value:.1f}", (where, value), xytext=(0, 4), textcoords="offset points",
-                            ha="center", va="bottom", fontsize="x-small", rotation=90 if crowded else 0)
-    known = 100.0 * np.array([(truth or {}).get(e, np.nan) for e in first.elements])
+                            ha="center", va="bottom", fontsize="x-small", rotation=90 if narrow else 0)
     if truth is not None:
         ax.plot(x, known, ls="", marker="D", ms=7, mfc="none", mec="black", mew=1.3, label="truth", zorder=4,
                 clip_on=False)
-    shown = np.concatenate([known, *(100.0 * np.asarray(result.x) for result in results.values())])
-    ax.set_ylim(0.0, max(LEAST_PERCENT, 1.18 * np.nanmax(shown, initial=0.0)))
-    ax.set_xticks(x, names, rotation=90 if crowded else 0)
-    ax.tick_params(axis="x", pad=7)  # clear of diamonds at 0
-    ax.set_xlim(-0.6, len(names) - 0.4)
-    ax.set_xlabel("Candidate element (no bar: exactly 0)")
-    ax.set_ylabel("Stiffness loss (%)")
-    below(ax, 3, drop_pt=44.0 + (5.5 * max(map(len, names)) if crowded else 0.0),
-          first=tuple(results))
+    element_axis(ax, names, upright, first=tuple(results))
+    columns = {f"{name}_percent": percent for name, percent in losses.items()}
+    shown = {} if truth is None else {"truth_percent": known}
+    offer(ax, bars={"element": first.elements, "name": names, **columns, **shown})
     return ax

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._validation import FloatArray
-from .canvas import COLOURS, below, new_axes
-from .stabilization import mark_values, pole_table
+from .canvas import COLOURS, below, new_axes, offer, plain_log
+from .stabilization import diagram_tables, mark_values, pole_table
 
 if TYPE_CHECKING:
     from ..stabilization_diagram import StabilizationDiagram
@@ -86,11 +86,11 @@ def plot_damping_clusters(diagram: StabilizationDiagram, ax: Any = None, *,
     ax.set_yscale("log")
     top = max(float(percent.max(initial=0.0)), 1.0)
     ax.set_ylim(LEAST_PERCENT, HEADROOM * top)
-    # Percent in plain numbers.
-    ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    plain_log(ax.yaxis, narrow=False)
     ax.set_xlim(*diagram.band_hz)
     ax.set_xlabel("Frequency (Hz)")
     ax.set_ylabel("Damping ratio (%)")
     ax.grid(axis="y", alpha=0.25)
-    below(ax, 4)
+    below(ax)
+    offer(ax, **diagram_tables(diagram, dropped, added))
     return ax

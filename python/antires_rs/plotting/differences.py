@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .canvas import COLOURS, below, new_axes
+from .canvas import COLOURS, below, new_axes, offer, text_width_pt, width_pt
 
 if TYPE_CHECKING:
     from .._validation import FloatArray
@@ -18,6 +18,13 @@ __all__ = ["plot_differences"]
 MOST_LABELS = 64
 #: Space between two responses, in widths of an antiresonance.
 GAP = 0.8
+#: A picture has room for so many at least: a single bar is a bar, not a block.
+LEAST_WIDTH = 8.0
+#: Vermillion, pale.
+PALE = "#F2B48A"
+#: What is offered, as far as the table has it.
+COLUMNS = ("excitation", "dof", "mode", "measured_hz", "before_hz", "before_percent", "before_mac",
+           "after_hz", "after_percent", "after_mac")
 
 
 def plot_differences(table: FrequencyTable | ModalTable, ax: Any = None,
@@ -59,27 +66,39 @@ def plot_differences(table: FrequencyTable | ModalTable, ax: Any = None,
     count = table.measured_hz.size
     starts, named, across = (_modes if hasattr(table, "before_mac") else _responses)(table)
     x = np.arange(count) + GAP * (np.cumsum(starts) - 1)
-    # Before is hatched and after is solid: told apart in grey too.
-    _bars(ax, x - 0.2, table.before_percent, names[0], facecolor="white", hatch="/////",
-          edgecolor=COLOURS["vermillion"], linewidth=0.8)
-    _bars(ax, x + 0.2, table.after_percent, names[1], facecolor=COLOURS["blue"],
-          edgecolor=COLOURS["blue"], linewidth=0.8)
-    ax.axhline(0.0, color="black", lw=0.8)
     labelled = count <= MOST_LABELS
-    ax.set_xticks(x, [f"{f:.1f}" for f in table.measured_hz] if labelled else [""] * count, rotation=90,
-                  fontsize="x-small")
+    # Before is hatched, or pale where bars are thin, and after is dark: told apart in grey too.
+    colour, dark = COLOURS["vermillion"], COLOURS["blue"]
+    before = ({"facecolor": "white", "hatch": "/////", "edgecolor": colour} if labelled else
+              {"facecolor": PALE, "edgecolor": PALE})
+    leading = (_bars(ax, x - 0.2, table.before_percent, names[0], colour, **before),
+               _bars(ax, x + 0.2, table.after_percent, names[1], dark, facecolor=dark, edgecolor=dark))
+    ax.axhline(0.0, color="black", lw=0.8)
+    ax.set_xticks(x if labelled else [], [f"{f:.1f}" for f in table.measured_hz] if labelled else [],
+                  rotation=90, fontsize="x-small")
+    ax.grid(axis="y", alpha=0.25)
+    ax.set_axisbelow(True)
     firsts = np.flatnonzero(starts)
     for first in firsts[1:]:
         ax.axvline(x[first] - 0.5 - GAP / 2, color="#BFBFBF", lw=0.7)
+    most = max(x[-1] - x[0] + 1.0 + GAP, LEAST_WIDTH) if count else 1.0
+    free = -np.inf
     for first, end, name in named:
+        # A name that would run into the one before it is left out.
+        half = 0.5 * most * (text_width_pt(name) + 2.0) / width_pt(ax)
+        if x[first:end].mean() - half < free:
+            continue
+        free = x[first:end].mean() + half
         ax.annotate(name, (x[first:end].mean(), 1.0), xytext=(0, 4), xycoords=ax.get_xaxis_transform(),
                     textcoords="offset points", ha="center", va="bottom", fontsize="small")
     if count:
-        ax.set_xlim(x[0] - 0.5 - GAP / 2, x[-1] + 0.5 + GAP / 2)
-    ax.set_xlabel(across)
+        middle = 0.5 * (x[0] + x[-1])
+        ax.set_xlim(middle - most / 2, middle + most / 2)
+    ax.set_xlabel(across if labelled else across.replace(" (Hz)", "s, ascending"))
     ax.set_ylabel("Difference to the measurement (%)")
     ax.margins(y=0.08)
-    below(ax, 2, drop_pt=56.0 if labelled else 40.0)
+    below(ax, drop_pt=56.0 if labelled else 32.0, first=leading)
+    offer(ax, bars={name: getattr(table, name) for name in COLUMNS if hasattr(table, name)})
     return ax
 
 
@@ -113,11 +132,14 @@ def _modes(table: Any) -> tuple[Any, list[tuple[int, int, str]], str]:
     return starts, named, "Measured resonance (Hz); above: MAC before and after"
 
 
-def _bars(ax: Any, x: FloatArray, percent: FloatArray, name: str, **look: Any) -> None:
+def _bars(ax: Any, x: FloatArray, percent: FloatArray, name: str, colour: str, **look: Any) -> str:
+    """Draw them, and crosses where there is no partner; returns the label of the bars."""
     found = np.isfinite(percent)
     largest = f"largest {np.abs(percent[found]).max():.2f} %" if found.any() else "no partner at all"
-    ax.bar(x[found], percent[found], width=0.4, label=f"{name}, {largest}", **look)
+    label = f"{name}, {largest}"
+    ax.bar(x[found], percent[found], width=0.4, linewidth=0.8, label=label, **look)
     if not found.all():
         lost = int(np.count_nonzero(~found))
         ax.plot(x[~found], np.zeros(lost), ls="", marker="x", ms=6, mew=1.6, clip_on=False,
-                color=look["edgecolor"], label=f"{name}: no partner ({lost})", zorder=5)
+                color=colour, label=f"{name}: no partner ({lost})", zorder=5)
+    return label

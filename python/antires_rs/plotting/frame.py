@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import FloatArray, integer, real_array, reject
-from .canvas import COLOURS, GREY, LINES, below, new_axes
+from .._validation import FloatArray
+from .canvas import COLOURS, below, new_axes, offer
+from .chain import coil
 from .numbers import beside, points_per_unit
+from .values import coloured, value_by_element
 
 if TYPE_CHECKING:
     from ..frame import FrameModel
@@ -25,8 +27,9 @@ MOST_NUMBERS = 120
 ARROW, MARGIN = 26.0, 0.08
 #: Colours of sections; vermillion and black are those of the arrows.
 SHADES = [COLOURS[name] for name in ("blue", "orange", "sky", "purple", "green")]
-#: From nothing, which is to be quiet, to much; lightness falls evenly, so that it reads in grey as well.
-SCALE = ("#DADADA", "#A9BFD6", "#5F8DBD", "#1F5A94", "#0B2C57", "#050B16")
+#: Dashes of sections, in the same turn, closer than those of curves: a section may be short.
+DASHES: tuple[Any, ...] = ("-", (0, (4, 1)), (0, (2, 1)), (0, (4, 1, 1, 1)), (0, (1, 1)),
+                           (0, (6, 1, 1, 1, 1, 1)))
 ROTATIONS = ("theta", "rx", "ry", "rz")
 
 
@@ -74,7 +77,7 @@ def plot_frame(model: FrameModel, values: Any = None, ax: Any = None, *, sensors
     >>> ax.get_xlabel()
     'x (m)'
     """
-    given = _values(model, values)
+    given = value_by_element(values, len(model.elements))
     ax = new_axes(ax, (9.0, 4.6))
     space = model.nodes_m.shape[1] == 3
     points = model.nodes_m @ ISOMETRIC.T if space else model.nodes_m
@@ -82,7 +85,7 @@ def plot_frame(model: FrameModel, values: Any = None, ax: Any = None, *, sensors
     if given is None:
         _by_section(ax, model, ends)
     else:
-        _by_value(ax, ends, given, label)
+        coloured(ax, list(ends), given, label)
     _carried(ax, model, points)
     names = model._frame.dof_names()
     arrows = [_arrow(ax, points, names[model._dof("sensors", dof)], COLOURS["vermillion"], 0.7, space)
@@ -101,54 +104,34 @@ def plot_frame(model: FrameModel, values: Any = None, ax: Any = None, *, sensors
     ax.set_xlabel("isometric view (m)" if space else "x (m)")
     ax.set_ylabel("" if space else "y (m)")
     if ax.get_legend_handles_labels()[1]:
-        below(ax, 4, drop_pt=44.0)
+        below(ax, drop_pt=44.0, handlelength=3.0)
+    offer(ax, elements={"element": np.arange(len(ends)), "start_node": model.elements[:, 0],
+                        "end_node": model.elements[:, 1],
+                        "section": [str(name) for name in model.element_sections],
+                        **({} if given is None else {"value": given})})
     return ax
 
 
-def _values(model: FrameModel, values: Any) -> FloatArray | None:
-    """A value for each beam, NaN where there is none."""
-    if values is None:
-        return None
-    n = len(model.elements)
-    if isinstance(values, Mapping):
-        given = np.full(n, np.nan)
-        for element, value in values.items():
-            given[integer("values", element, low=0, high=n - 1)] = value
-        return given
-    wanted = f"a mapping from element to value, or an array ({n},)"
-    array = real_array("values", values, ndim=1, wanted=wanted)
-    if array.size != n:
-        reject("values", f"{array.size} values", wanted)
-    return array
-
-
 def _by_section(ax: Any, model: FrameModel, ends: FloatArray) -> None:
-    of = model.element_sections
-    for i, name in enumerate(model.sections):
-        chosen = [e for e, section in enumerate(of) if section == name]
-        for number, element in enumerate(chosen):
-            ax.plot(*ends[element].T, color=SHADES[i % len(SHADES)], lw=3.0, zorder=2,
-                    ls=LINES[i // len(SHADES) % len(LINES)], solid_capstyle="round",
-                    label=model.section_label(i) if number == 0 and len(model.sections) > 1 else None)
+    of = np.array([model.section_index(name) for name in model.element_sections])
+    several = len(model.sections) > 1
+    for i in range(len(model.sections)):
+        path = _path(ends[of == i]).T
+        # Dashes tell sections apart without colour; what is pale underneath keeps the frame in one piece.
+        ax.plot(*path, color="#D5D5D5", lw=3.2, zorder=1.9, solid_capstyle="round")
+        ax.plot(*path, color=SHADES[i % len(SHADES)], lw=3.2, zorder=2, ls=DASHES[i % len(DASHES)],
+                solid_capstyle="round", dash_capstyle="butt",
+                label=model.section_label(i) if several else None)
 
 
-def _by_value(ax: Any, ends: FloatArray, values: FloatArray, label: str) -> None:
-    from matplotlib.collections import LineCollection
-    from matplotlib.colors import LinearSegmentedColormap
-    known = np.isfinite(values)
-    ax.add_collection(LineCollection(list(ends[~known]), colors=GREY, linewidths=1.2, zorder=2))
-    # The largest last, so that it lies on top where elements meet.
-    order = np.flatnonzero(known)[np.argsort(values[known], kind="stable")]
-    coloured = LineCollection(list(ends[order]), cmap=LinearSegmentedColormap.from_list("loss", SCALE),
-                              linewidths=5.0, zorder=2)
-    coloured.set_array(values[order])
-    if known.any():
-        low, high = min(0.0, float(values[known].min())), max(0.0, float(values[known].max()))
-        coloured.set_clim(low, high if high > low else low + 1.0)
-    ax.add_collection(coloured)
-    ax.autoscale_view()
-    if known.any():
-        ax.figure.colorbar(coloured, ax=ax, label=label, shrink=0.8)
+def _path(ends: FloatArray) -> FloatArray:
+    """Elements (n, 2, 2) one after the other, (m, 2), with a gap where one does not go on."""
+    points: list[FloatArray] = []
+    for start, end in ends:
+        if not points or np.any(points[-1] != start):
+            points += [np.full(2, np.nan), start]
+        points.append(end)
+    return np.array(points[1:]).reshape(-1, 2)
 
 
 def _carried(ax: Any, model: FrameModel, points: FloatArray) -> None:
@@ -169,7 +152,7 @@ def _carried(ax: Any, model: FrameModel, points: FloatArray) -> None:
     _marked(ax, points, [m.node for m in model.point_masses], "o", 9.0, "point mass")
     _marked(ax, points, [s.node for s in model.ground_springs], "v", 6.5, "spring to ground")
     for i, spring in enumerate(model.node_springs):
-        ax.plot(*_coil(points[spring.node], points[spring.other]).T, color="black", lw=1.0, marker="D",
+        ax.plot(*coil(points[spring.node], points[spring.other], 0.03).T, color="black", lw=1.0, marker="D",
                 ms=3.5, markevery=[0, -1], zorder=2.5, label="node spring" if i == 0 else None)
 
 
@@ -180,23 +163,16 @@ def _marked(ax: Any, points: FloatArray, nodes: list[int], marker: str, size: fl
                 zorder=3, label=name)
 
 
-def _coil(a: FloatArray, b: FloatArray) -> FloatArray:
-    """A spring as it is drawn, (n, 2): straight ends and a zigzag."""
-    share = np.array([0.0, 0.25, *np.linspace(0.29, 0.71, 8), 0.75, 1.0])
-    off = 0.03 * np.array([0.0, 0.0, *np.tile([1.0, -1.0], 4), 0.0, 0.0])
-    across = np.array([a[1] - b[1], b[0] - a[0]])
-    return np.asarray(a + share[:, None] * (b - a) + off[:, None] * across)
-
-
 def _numbered(ax: Any, points: FloatArray, ends: FloatArray, arrows: list[FloatArray]) -> None:
     """Numbers from 1 beside the elements, out of the way of arrows."""
+    size = 7.5 if len(ends) <= 30 else 6.5
     scale = points_per_unit(ax, points, MARGIN)
     lines = np.array(arrows).reshape(-1, 2, 2)
     lines[:, 0] *= scale
     lines[:, 1] += lines[:, 0]
     for i, (at, middle) in enumerate(zip(beside(scale * ends, lines), ends.mean(axis=1), strict=True)):
         ax.annotate(str(i + 1), middle, xytext=tuple(at - scale * middle), textcoords="offset points",
-                    ha="center", va="center", fontsize=6.5, zorder=4)
+                    ha="center", va="center", fontsize=size, zorder=4)
 
 
 def _seen(direction: str, space: bool) -> FloatArray:

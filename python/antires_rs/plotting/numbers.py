@@ -11,7 +11,7 @@ from .._validation import FloatArray
 __all__ = ["beside", "points_per_unit"]
 
 #: Distances from the element that are tried, the room that a number needs to be clear of things, in points.
-AWAY, ROOM = (7.0, 11.0), 7.0
+AWAY, ROOM = (7.0, 11.0, 15.0), 7.0
 #: Shares of the element's length at which a number may stand.
 ALONG = (0.5, 0.3, 0.7)
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import frequency_band, reject
+from .._validation import reject
 from ..signals import FrequencyResponse
-from .canvas import COLOURS, GREY, LINES, below, new_axes
+from .canvas import COLOURS, GREY, LINES, band_shown, below, new_axes, offer
 
 if TYPE_CHECKING:
     from ..data_check import DataCheck
@@ -58,9 +58,7 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *,
                else type(resp).__name__, "a FrequencyResponse with coherence",
                "Estimate it from a record with several averages.")
     ax = new_axes(ax, (9.0, 4.0))
-    ends = float(resp.freq_hz[0]), float(resp.freq_hz[-1])
-    low, high = ends if band_hz is None else frequency_band(
-        "band_hz", band_hz, low_hz=ends[0], high_hz=ends[1])
+    low, high = band_shown(resp.freq_hz, band_hz)
     rows = [p for p, dof in enumerate(resp.dofs) if dof != resp.reference]
     curves = resp.coherence[rows]
     if len(rows) <= FEW:
@@ -77,12 +75,16 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *,
         ax.axhline(1.0 / resp.n_averages, color=COLOURS["black"], lw=0.9, ls=":",
                    label=f"noise alone, {resp.n_averages:.0f} averages")
     ax.set_xlim(low, high)
-    ax.set_ylim(0.0, 1.03)
+    ax.set_ylim(0.0, 1.04)
     ax.set_xlabel("Frequency (Hz)")
     to = "the force" if resp.reference is None else f"dof {resp.reference}"
     ax.set_ylabel(f"Coherence with {to} (-)")
     ax.grid(alpha=0.25)
-    below(ax, 4)
+    below(ax)
+    shown = (resp.freq_hz >= low) & (resp.freq_hz <= high)
+    offer(ax, coherence={"freq_hz": resp.freq_hz[shown],
+                         **{str(resp.dofs[row]): curve[shown]
+                            for row, curve in zip(rows, curves, strict=True)}})
     return ax
 
 
@@ -128,9 +130,13 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     ax = new_axes(ax, (9.0, 4.5))
     level = 10.0 * np.log10(np.maximum(values, 1e-14 * values.max()))
     for i in range(values.shape[1] - 1, 1, -1):
-        ax.plot(check.freq_hz, level[:, i], lw=0.5, color="#C4C4C4", label="the others" if i == 2 else None)
+        # Rank deficient by construction: rounding, which would only stretch the axis.
+        seen = np.where(values[:, i] > 1e-12 * values.max(), level[:, i], np.nan)
+        ax.plot(check.freq_hz, seen, lw=0.5, color="#C4C4C4", label="the others" if i == 2 else None)
+    table = {"freq_hz": check.freq_hz, **{f"level_{i + 1}_db": level[:, i] for i in range(level.shape[1])}}
     if check.second_expected is not None:
         expected = 10.0 * np.log10(np.maximum(check.second_expected, 1e-14 * values.max()))
+        table["expected_2_db"] = expected
         ax.plot(check.freq_hz, expected, lw=1.1, ls=":", color=COLOURS["black"], zorder=3.0,
                 label="second expected under one force")
     if values.shape[1] > 1:
@@ -142,5 +148,6 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     ax.grid(alpha=0.25, color=GREY)
     found = check.named("one_force")
     ax.set_title(f"more than one force ({found[0].severity})" if found else "", fontsize="medium")
-    below(ax, 4, first=("first", "second", "second expected under one force", "the others"))
+    below(ax, first=("first", "second", "second expected under one force", "the others"))
+    offer(ax, singular_values=table)
     return ax

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._validation import FloatArray
-from .canvas import COLOURS, below, new_axes, spread
+from .canvas import COLOURS, below, new_axes, offer, spread
 
 if TYPE_CHECKING:
     from ..stabilization_diagram import StabilizationDiagram
@@ -83,8 +83,25 @@ def plot_stabilization(diagram: StabilizationDiagram, ax: Any = None, *,
     ax.set_ylim(int(diagram.orders[0]) - 1, int(diagram.orders[-1]) + 1)
     ax.set_xlabel("Frequency (Hz)")
     ax.set_ylabel("Model order (-)")
-    below(ax, 4, markerscale=1.6)
+    ax.yaxis.get_major_locator().set_params(integer=True)
+    below(ax, markerscale=1.6)
+    offer(ax, **diagram_tables(diagram, dropped, added),
+          curve={"freq_hz": diagram.background_freq_hz, "magnitude": diagram.background})
     return ax
+
+
+def diagram_tables(diagram: StabilizationDiagram, dropped: Sequence[float] | FloatArray,
+                   added: Sequence[float] | FloatArray) -> dict[str, dict[str, Any]]:
+    """The poles and the values of a diagram, as pictures of it offer them."""
+    order, freq, damping, stable = pole_table(diagram)
+    found, by_hand = diagram.accepted, np.asarray(added, dtype=np.float64)
+    unknown = np.full(by_hand.size, np.nan)
+    gone = np.isin(found.freq_hz, np.asarray(dropped, dtype=np.float64))
+    return {"poles": {"order": order, "freq_hz": freq, "damping_ratio": damping, "stable": stable},
+            "values": {"freq_hz": np.r_[found.freq_hz, by_hand],
+                       "damping_ratio": np.r_[found.damping_ratio, unknown],
+                       "std_hz": np.r_[found.std_hz, unknown],
+                       "how": [*np.where(gone, "dropped", found.how), *["added"] * by_hand.size]}}
 
 
 def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, FloatArray, Any]:

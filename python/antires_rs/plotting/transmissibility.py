@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import FloatArray, frequency_band, reject
+from .._validation import FloatArray, reject
 from ..signals import FrequencyResponse
 from ..spectra import transmissibility_sum
-from .canvas import COLOURS, below, new_axes
+from .canvas import COLOURS, band_shown, below, new_axes, offer
 
 if TYPE_CHECKING:
     from ..models import StructuralModel
@@ -80,26 +80,34 @@ def plot_transmissibility(measured: FrequencyResponse, before: StructuralModel,
                "The reference over itself is one everywhere.")
     ax = new_axes(ax, (9.0, 4.5))
     freq = measured.freq_hz
-    low, high = (float(freq[0]), float(freq[-1])) if band_hz is None else frequency_band(
-        "band_hz", band_hz, low_hz=float(freq[0]), high_hz=float(freq[-1]))
+    low, high = band_shown(freq, band_hz)
     # A free structure moves without bound at 0 Hz.
     keep = (freq >= low) & (freq <= high) & (freq > 0.0)
     shown = FrequencyResponse(freq[keep], measured.values[:, keep], measured.dofs, "transmissibility",
                               measured.reference)
-    ax.plot(shown.freq_hz, _decibel(shown, dof), color="#C4C4C4", lw=4.0, label="measured")
-    models = [("model" if after is None else f"model {names[0]}", before, "--", "vermillion"),
-              (f"model {names[1]}", after, "-", "blue")]
-    for name, model, dashes, colour in models:
+    level = _decibel(shown, dof)
+    table = {"freq_hz": shown.freq_hz, "measured_db": level}
+    ax.plot(shown.freq_hz, level, color="#BDBDBD", lw=3.6, solid_joinstyle="round", label="measured")
+    models = [("model" if after is None else f"model {names[0]}", before, "--", "vermillion", "before_db"),
+              (f"model {names[1]}", after, "-", "blue", "after_db")]
+    for name, model, dashes, colour, column in models:
         if model is not None:
             level = _decibel(_of_model(model, shown, excitation, damping_ratio), dof)
+            table[column] = level
             ax.plot(shown.freq_hz, level, ls=dashes, lw=1.2, color=COLOURS[colour], label=name)
     ax.set_xlim(low, high)
     ax.set_xlabel("Frequency (Hz)")
-    what = "Sum of T" if dof is None else f"|T| of dof {dof}"
-    ax.set_ylabel(f"{what} over dof {measured.reference} (dB re 1)")
+    what = "Sum of T" if dof is None else f"|T| of {_named(before, dof)}"
+    ax.set_ylabel(f"{what} over {_named(before, measured.reference)} (dB re 1)")
     ax.grid(alpha=0.25)
-    below(ax, 3)
+    below(ax)
+    offer(ax, transmissibility=table)
     return ax
+
+
+def _named(model: StructuralModel, dof: Any) -> str:
+    """A dof as the tables name it."""
+    return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
 
 
 def _of_model(model: StructuralModel, like: FrequencyResponse, excitation: int,

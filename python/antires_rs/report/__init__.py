@@ -7,12 +7,11 @@ and printed.
 from __future__ import annotations
 
 import os
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
-from platform import python_version
+from platform import platform, python_version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,23 +20,28 @@ from .._core import __version__
 from .._files import write_atomically
 from .._validation import reject
 from ..exceptions import MissingDependencyError
-from ..plotting import plot_convergence, plot_damage, plot_differences, plot_transmissibility
-from ..plotting.canvas import picture
 from ..results import DamageResult, UpdateResult
-from ..tables import ModalTable
+from ..signals import FrequencyResponse, Recording
+from .facts import Facts, dof_name, named_diagrams, of_model, of_search, of_set, of_signal
+from .figures import diagram_figures, figures_of, largest, states
+from .rows import damage_rows, frequency_rows, parameter_rows
 
 if TYPE_CHECKING:
-    from ..signals import FrequencyResponse
     from ..stabilization_diagram import StabilizationDiagram
 
 __all__ = ["write_report"]
 
+#: What one measured set may be described by.
+Measurement = Recording | FrequencyResponse | Mapping[str, str | Sequence[str]]
+
 
 def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: str | None = None,
+                 measurement: Measurement | Sequence[Measurement] | None = None,
                  diagrams: Mapping[Any, StabilizationDiagram] | None = None,
                  response: FrequencyResponse | None = None, truth: Mapping[int, float] | None = None,
-                 origin: Mapping[str, str | Sequence[str]] | None = None) -> Path:
-    """Write a result with its tables, pictures and caveats into one HTML file.
+                 origin: Mapping[str, str | Sequence[str]] | None = None,
+                 warnings: Sequence[str] | None = None) -> Path:
+    """Write a result with its tables, pictures and caveats into one HTML file below 3 MB.
 
     Parameters
     ----------
@@ -46,6 +50,9 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
         Replaced if it exists, in one step: a reader never sees half a report.
     title : str, optional
         Heading; what was done by default.
+    measurement : Recording, FrequencyResponse or mapping of str to str, or a sequence of these, optional
+        What was measured, one for each measured set: the signal itself, or facts by name. What a set knows of
+        its own identification is shown in any case.
     diagrams : mapping of dof to StabilizationDiagram, optional
         Evidence of the identification, by response dof or by any name. Default: those that the measured sets
         carry.
@@ -56,6 +63,8 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
         True stiffness loss by element, for a virtual test; shown beside what was found.
     origin : mapping of str to str or sequence of str, optional
         What repeats the run, such as its command and the checksums of its files; shown beside the seed.
+    warnings : sequence of str, optional
+        What was warned of in the run. Default: what the data checks of the measured sets say.
 
     Returns
     -------
@@ -68,6 +77,11 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
         The folder does not exist, or something that is not a result.
     MissingDependencyError
         jinja2 or matplotlib is not installed.
+
+    Notes
+    -----
+    The file asks nothing of any network and needs no script. Where all stabilization diagrams together would
+    make it larger, the last are left out, and it says how many.
 
     Examples
     --------
@@ -90,34 +104,28 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
     if not Path(path).parent.is_dir():  # known before any picture is drawn
         reject("path", str(path), "a file in a folder that exists")
     damage = result if isinstance(result, DamageResult) else None
-    modal = result.problem.objective == "modal"
+    problem = result.problem
+    modal = problem.objective == "modal"
     if modal and response is not None:
         reject("response", "transmissibilities with measured modes", "None",
                "A ModalSet does not tell where the force was, which the model's transmissibilities need.")
-    if diagrams is not None:
-        shown = list(diagrams.items())
-    elif modal:
-        shown = [(None, each.diagram) for each in result.problem.measured if each.diagram is not None]
-    else:
-        shown = [(dof, d) for each in result.problem.measured for dof, d in each.diagrams.items()]
+    measured = _measured(result, measurement)
+    shown, left_out = diagram_figures(_diagrams(result) if diagrams is None else diagrams, modal)
+    if warnings is None:
+        warnings = [said for each in problem.measured
+                    for said in getattr(getattr(each, "data_check", None), "warnings", ())]
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True,
                               lstrip_blocks=True)
     template = files(__package__).joinpath("template.html").read_text(encoding="utf-8")
     html = environment.from_string(template).render(
         title=title or ("Damage assessment" if damage else "Model updating")
         + (" with resonances and mode shapes" if modal else " with antiresonances"),
-        answer=_answer_damage(damage) if damage else _answer_update(result),
-        result=result, damage=damage is not None,
-        modal=modal, measured=_measured(result),
-        largest=[_largest(result.table.largest_before_percent), _largest(result.table.largest_after_percent)],
-        parameters=_damage_rows(damage, truth) if damage else _parameter_rows(result),
-        known=truth is not None, rows=_frequency_rows(result), figures=_figures(result, response, truth),
-        diagrams=[(dof, _data_uri(picture(lambda ax, d=d: d.plot(ax=ax), (9.0, 5.0), dpi=110)))
-                  for dof, d in shown],
-        origin={name: [lines] if isinstance(lines, str) else list(lines)
-                for name, lines in (origin or {}).items()},
-        islands=result.history.cost.shape[1], versions=_versions(),
-        date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"))
+        answer=_answer_damage(damage) if damage else _answer_update(result), lead=_lead(result),
+        result=result, damage=damage is not None, modal=modal, states=states(result),
+        parameters=damage_rows(damage, truth) if damage else parameter_rows(result),
+        known=truth is not None, rows=frequency_rows(result), figures=figures_of(result, response, truth),
+        measured=measured, diagrams=shown, left_out=left_out, warnings=list(warnings),
+        model=of_model(problem.model), run=of_search(result) | _lines(origin or {}) | _versions())
     return write_atomically(path, html.encode("utf-8"))
 
 
@@ -130,100 +138,60 @@ def _answer_damage(result: DamageResult) -> str:
 
 def _answer_update(result: UpdateResult) -> str:
     what = "resonance" if result.problem.objective == "modal" else "antiresonance"
-    return (f"Largest {what} difference: {_largest(result.table.largest_before_percent)} before, "
-            f"{_largest(result.table.largest_after_percent)} after.")
+    return (f"Largest {what} difference: {largest(result.table.largest_before_percent)} before, "
+            f"{largest(result.table.largest_after_percent)} after.")
 
 
-def _measured(result: UpdateResult) -> str:
-    """What was measured, and where."""
-    sets, count = result.problem.measured, result.problem.measured_hz.size
-    if result.problem.objective == "modal":
-        dofs = ", ".join(f"{len(each.dofs)} dofs" for each in sets)
-        return f"{count} measured resonances with shapes at {dofs}"
-    forces = ", ".join(str(each.excitation) for each in sets)
-    return f"{count} measured antiresonances, force at dof {forces}"
-
-
-def _largest(percent: float) -> str:
-    return f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all"
-
-
-def _parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
-    on_bound = set(result.at_bound)
-    return [{"name": name, "value": f"{value:.4f}", "change": f"{100 * (value - nominal):+.2f}",
-             "bounds": f"{low:g} to {high:g}", "on_bound": name in on_bound}
-            for name, value, nominal, (low, high) in zip(
-                result.problem.names, result.x, result.problem.nominal, result.problem.bounds, strict=True)]
-
-
-def _damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list[dict[str, Any]]:
-    def percent(value: float | None) -> str:
-        if value is None:
-            return ""
-        return "none" if not np.isfinite(value) else "0" if value == 0.0 else f"{100 * value:.1f}"
-    label = result.problem.model.element_label
-    return [{"name": label(e), "value": percent(result.severity[e]), "visible": percent(result.detectable[e]),
-             "truth": percent((truth or {}).get(e)), "bounds": f"{100 * low:g} to {100 * high:g}",
-             "damaged": result.severity[e] > 0.0}
-            for e, (low, high) in zip(result.elements, result.problem.bounds, strict=True)]
-
-
-def _frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
-    table = result.table
-
-    def number(value: float, form: str) -> str:
-        return format(value, form) if np.isfinite(value) else "no partner"
-    rows: list[dict[str, Any]] = [
-        {"group": False, "measured": f"{measured:.3f}", "before": number(before, ".3f"),
-         "before_percent": number(db, "+.2f"), "after": number(after, ".3f"),
-         "after_percent": number(da, "+.2f")}
-        for measured, before, db, after, da in zip(
-            table.measured_hz, table.before_hz, table.before_percent, table.after_hz, table.after_percent,
-            strict=True)]
-    if isinstance(table, ModalTable):
-        columns = zip(table.mode, table.before_mac, table.after_mac, strict=True)
-        for row, (mode, before, after) in zip(rows, columns, strict=True):
-            row.update(mode=mode, group=mode == table.mode[0], before_mac=number(before, ".3f"),
-                       after_mac=number(after, ".3f"))
-        return rows
-    last = None
-    for row, dof, force in zip(rows, table.dof, table.excitation, strict=True):
-        row.update(group=(dof, force) != last, dof=dof, force=force)
-        last = (dof, force)
-    return rows
-
-
-def _figures(result: UpdateResult, response: FrequencyResponse | None,
-             truth: Mapping[int, float] | None) -> list[tuple[str, str]]:
-    """Caption and data URI of each picture, the most telling first."""
+def _lead(result: UpdateResult) -> str:
+    """What was measured, what was unknown, and for damage what was reached."""
     problem = result.problem
-    figures = []
-    if isinstance(result, DamageResult):
-        width = max(7.0, 0.32 * len(result.x) + 1.5)
-        figures.append(("Stiffness loss by element, and the smallest that would have been seen.",
-                        picture(lambda ax: plot_damage(result, ax=ax, truth=truth), (width, 4.4))))
-    names = (("without damage", "with the damage found") if isinstance(result, DamageResult)
-             else ("before updating", "after updating"))
-    what = "resonance" if problem.objective == "modal" else "antiresonance"
-    figures.append((f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
-                    picture(lambda ax: plot_differences(result.table, ax=ax, names=names), (9.5, 4.6))))
-    if response is not None:
-        figures.append((f"Transmissibilities over dof {response.reference}, summed; the peaks are the "
-                        "antiresonances of that dof. Their height in the models follows from an assumed "
-                        "damping of 1 %.",
-                        picture(lambda ax: plot_transmissibility(
-                            response, problem.model, result.model, dof=None,
-                            excitation=problem.measured[0].excitation, ax=ax, names=names), (9.0, 4.4))))
-    figures.append(("The search: best objective of each island.",
-                    picture(lambda ax: plot_convergence(result, ax=ax), (9.0, 4.2))))
-    return [(caption, _data_uri(png)) for caption, png in figures]
+    sets, count = problem.measured, problem.measured_hz.size
+    if problem.objective == "modal":
+        what, dofs = "resonance", ", ".join(f"{len(each.dofs)} dofs" for each in sets)
+        given = f"{count} measured resonances with shapes at {dofs}"
+    else:
+        what, names = "antiresonance", [dof_name(problem.model, each.excitation) for each in sets]
+        kind = names[0].split()[0]  # "dof" or "node", once
+        forces = ", ".join(name.removeprefix(f"{kind} ") for name in names)
+        given = f"{count} measured antiresonances, force at {kind} {forces}"
+    if not isinstance(result, DamageResult):
+        return f"{given}; {len(result.x)} parameters."
+    before, after = (largest(p) for p in (result.table.largest_before_percent,
+                                          result.table.largest_after_percent))
+    return (f"{given}; {len(result.x)} candidate elements. Largest {what} difference {before} without "
+            f"damage, {after} with the damage found.")
 
 
-def _data_uri(png: bytes) -> str:
-    return "data:image/png;base64," + b64encode(png).decode("ascii")
+def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
+    """Facts about each measured set; what was given leads."""
+    sets = result.problem.measured
+    given = [] if measurement is None else [measurement] if isinstance(
+        measurement, Recording | FrequencyResponse | Mapping) else list(measurement)
+    if given and len(given) != len(sets):
+        reject("measurement", f"{len(given)} of them", f"{len(sets)}, one for each measured set")
+    for one in given:
+        if not isinstance(one, Recording | FrequencyResponse | Mapping):
+            reject("measurement", type(one).__name__, "a Recording, a FrequencyResponse or facts by name")
+    told = [_lines(one) if isinstance(one, Mapping) else of_signal(one) for one in given]
+    return [(told[i] if told else {}) | of_set(each, result.problem.model) for i, each in enumerate(sets)]
 
 
-def _versions() -> dict[str, str]:
+def _diagrams(result: UpdateResult) -> dict[Any, StabilizationDiagram]:
+    """Those that the measured sets carry, by the name of the response."""
+    problem = result.problem
+    sets = problem.measured
+    if problem.objective == "modal":
+        return {i: each.diagram for i, each in enumerate(sets) if each.diagram is not None}
+    return named_diagrams([each.diagrams for each in sets], [each.excitation for each in sets], problem.model)
+
+
+def _lines(facts: Mapping[str, str | Sequence[str]]) -> Facts:
+    return {name: [value] if isinstance(value, str) else list(value) for name, value in facts.items()}
+
+
+def _versions() -> Facts:
     import scipy
-    return {"antires_rs": __version__, "numpy": np.__version__, "scipy": scipy.__version__,
-            "python": python_version()}
+    made = {"antires_rs": __version__, "numpy": np.__version__, "scipy": scipy.__version__,
+            "python": python_version(), "system": platform()}
+    return {"Report made with": [", ".join(f"{name} {version}" for name, version in made.items()),
+                                 datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")]}

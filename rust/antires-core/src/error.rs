@@ -32,10 +32,6 @@ pub enum Error {
         /// How it failed.
         detail: String,
     },
-
-    /// An objective function broke its contract.
-    #[error("the objective function failed: {0}")]
-    Objective(String),
 }
 
 impl Error {
@@ -91,7 +87,10 @@ mod tests {
 
     #[test]
     fn a_remedy_leaves_other_errors_alone() {
-        let error = Error::Objective("three costs for four candidates".into());
+        let error = Error::Numerical {
+            what: "the eigenproblem".into(),
+            detail: "no convergence".into(),
+        };
         assert_eq!(error.clone().remedy("Count again."), error);
     }
 }

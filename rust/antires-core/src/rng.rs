@@ -6,13 +6,12 @@
 //! number is the cipher's nonce. Streams of one key never overlap, and a stream's position is one
 //! number, so a generator can be stored and taken up again: see [`RngState`].
 //!
-//! The conversions to floats and indices are written here, so that they too stay the same:
+//! The conversions to floats are written here, so that they too stay the same:
 //!
 //! | draw | formula |
 //! |---|---|
 //! | [`Rng::unit`] | `(u64 >> 11) * 2^-53`, in `[0, 1)` |
 //! | [`Rng::uniform`] | `lo + (hi - lo) * unit`, never above `hi` |
-//! | [`Rng::index`] | high word of `u64 * n`, biased remainders rejected (Lemire, ACM TOMACS 29 (2019) 3) |
 //! | [`Rng::coin`] | `unit < p` |
 
 use rand_chacha::ChaCha8Rng;
@@ -81,24 +80,6 @@ impl Rng {
     #[inline]
     pub fn uniform(&mut self, lo: f64, hi: f64) -> f64 {
         (lo + (hi - lo) * self.unit()).min(hi)
-    }
-
-    /// An index in `0..n`, each equally likely.
-    ///
-    /// # Panics
-    /// If `n` is zero: there is no such index.
-    #[inline]
-    pub fn index(&mut self, n: usize) -> usize {
-        assert!(n > 0, "an index needs a non-empty range");
-        let n = n as u64;
-        // 2^64 mod n low words are surplus: without rejecting them some indices would come more often.
-        let surplus = n.wrapping_neg() % n;
-        loop {
-            let product = u128::from(self.bits()) * u128::from(n);
-            if product as u64 >= surplus {
-                return (product >> 64) as usize;
-            }
-        }
     }
 
     /// True with probability `p`: never for 0, always for 1.
@@ -184,23 +165,6 @@ mod tests {
         let mean = sum / f64::from(n);
         assert!((mean - 0.5).abs() < 4.0 * (1.0_f64 / 12.0).sqrt() / f64::from(n).sqrt());
         assert_eq!(rng.uniform(2.5, 2.5), 2.5);
-    }
-
-    #[test]
-    fn indices_are_equally_likely() {
-        let mut rng = Rng::new(5, 0);
-        let mut counts = [0_u32; 7];
-        let n = 70_000;
-        for _ in 0..n {
-            counts[rng.index(7)] += 1;
-        }
-        // Chi-square with 6 degrees of freedom: 22.5 has probability 0.001.
-        let expected = f64::from(n) / 7.0;
-        let chi2: f64 = counts
-            .iter()
-            .map(|&c| (f64::from(c) - expected).powi(2) / expected)
-            .sum();
-        assert!(chi2 < 22.5, "chi-square {chi2}, counts {counts:?}");
     }
 
     #[test]

@@ -23,7 +23,6 @@ pub fn to_python(error: Error) -> PyErr {
     match error {
         Error::InvalidInput { .. } => InvalidInputError::new_err(message),
         Error::Numerical { .. } => NumericalError::new_err(message),
-        Error::Objective(_) => ObjectiveError::new_err(message),
         _ => InternalError::new_err(message),
     }
 }

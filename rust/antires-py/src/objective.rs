@@ -5,10 +5,7 @@ use std::ops::ControlFlow;
 use antires_core::error::Error;
 use antires_core::modal::mac::Shape;
 use antires_core::modal::modes::hertz;
-use antires_core::optimize::{
-    Candidates, Failure, Objective as _, ObjectiveEvaluator, evaluate_many,
-    minimize as minimize_core,
-};
+use antires_core::optimize::{Candidates, Objective as _, ObjectiveEvaluator, evaluate_many};
 use antires_core::update::misfit::Misfit;
 use antires_core::update::modal_objective::{MeasuredMode, ModalObjective};
 use antires_core::update::objective::{AntiresonanceObjective, Target};
@@ -230,15 +227,8 @@ impl Objective {
         )?
         .kept_in(checkpoint)?;
         let outcome = guarded(py, || {
-            search.run(|bounds, guesses, options, seed, hooks| {
-                with!(&self.core, o => {
-                    let mut evaluator = ObjectiveEvaluator::new(o, threads).map_err(to_python)?;
-                    minimize_core(&mut evaluator, bounds, guesses, options, seed, hooks)
-                })
-                .map_err(|failure| match failure {
-                    Failure::Input(error) => to_python(error),
-                    Failure::Evaluation(never) => match never {},
-                })
+            with!(&self.core, o => {
+                search.run(&mut ObjectiveEvaluator::new(o, threads).map_err(to_python)?)
             })
         })?;
         outcome_to_python(py, &outcome)

@@ -155,16 +155,10 @@ impl Search {
         Ok(self)
     }
 
-    /// Calls `search` with the hooks in place; raises what a callback raised.
-    pub fn run(
+    /// Searches with the hooks in place; raises what a callback raised.
+    pub fn run<E: Evaluator<Fault: Into<PyErr>>>(
         &mut self,
-        search: impl FnOnce(
-            &Bounds,
-            &[Vec<f64>],
-            &IslandOptions,
-            u64,
-            &mut Hooks<'_>,
-        ) -> PyResult<Outcome>,
+        evaluator: &mut E,
     ) -> PyResult<Outcome> {
         let on_progress = self.on_progress.as_ref();
         let watch = std::cell::RefCell::new(&mut self.watch);
@@ -191,7 +185,8 @@ impl Search {
             }
         });
         hooks.keep = keep.as_mut().map(|keep| keep as &mut Keep<'_>);
-        let outcome = search(
+        let outcome = minimize_core(
+            evaluator,
             &self.bounds,
             &self.guesses,
             &self.options,
@@ -201,7 +196,10 @@ impl Search {
         if let Some(checkpoint) = &mut self.checkpoint {
             checkpoint.store()?;
         }
-        let outcome = outcome?;
+        let outcome = outcome.map_err(|failure| match failure {
+            Failure::Input(error) => to_python(error),
+            Failure::Evaluation(fault) => fault.into(),
+        })?;
         match self.watch.raised.take() {
             Some(error) => Err(error),
             None => Ok(outcome),
@@ -298,17 +296,7 @@ pub fn minimize<'py>(
         max_seconds,
         on_progress,
     )?;
-    let outcome = guarded(py, || {
-        let mut evaluator = PythonEvaluator { function };
-        search.run(|bounds, guesses, options, seed, hooks| {
-            minimize_core(&mut evaluator, bounds, guesses, options, seed, hooks).map_err(
-                |failure| match failure {
-                    Failure::Input(error) => to_python(error),
-                    Failure::Evaluation(error) => error,
-                },
-            )
-        })
-    })?;
+    let outcome = guarded(py, || search.run(&mut PythonEvaluator { function }))?;
     outcome_to_python(py, &outcome)
 }
 

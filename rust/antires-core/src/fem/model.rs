@@ -88,29 +88,6 @@ impl Model {
         self.frame.as_ref()
     }
 
-    /// Positions (i, j), i >= j, that K or M can fill at any parameter values, by column and row.
-    #[must_use]
-    pub fn sparsity(&self) -> Vec<(u32, u32)> {
-        let mut positions: Vec<(u32, u32)> = self
-            .stiffness_terms
-            .iter()
-            .chain(&self.mass_terms)
-            .flat_map(|term| term.entries().iter().map(|&(i, j, _)| (i, j)))
-            .filter(|(i, j)| i >= j)
-            .collect();
-        let n = self.n_dof();
-        for j in 0..n {
-            for i in j..n {
-                if self.stiffness[(i, j)] != 0.0 || self.mass[(i, j)] != 0.0 {
-                    positions.push((i as u32, j as u32));
-                }
-            }
-        }
-        positions.sort_unstable_by_key(|&(i, j)| (j, i));
-        positions.dedup();
-        positions
-    }
-
     /// Number of degrees of freedom.
     #[must_use]
     pub fn n_dof(&self) -> usize {

@@ -28,7 +28,6 @@ pub const POLL_INTERVAL: Duration = Duration::from_millis(20);
 pub struct Workers {
     /// None: everything runs on the calling thread.
     pool: Option<rayon::ThreadPool>,
-    threads: usize,
 }
 
 impl Workers {
@@ -54,12 +53,7 @@ impl Workers {
                     })?,
             ),
         };
-        Ok(Self { pool, threads })
-    }
-
-    /// The number of threads that compute.
-    pub fn threads(&self) -> usize {
-        self.threads
+        Ok(Self { pool })
     }
 
     /// Computes `task(i, workspace)` for every `i < n` and delivers `(i, result)`, in no particular
@@ -153,6 +147,24 @@ impl<'a, O: Objective> ObjectiveEvaluator<'a, O> {
             workspaces,
         })
     }
+
+    /// What `question` finds of every candidate, each in its place.
+    fn each<T: Send>(
+        &mut self,
+        question: impl Fn(&O, &[f64], &mut O::Workspace) -> T + Sync,
+        candidates: Candidates<'_>,
+        answers: &mut [T],
+        poll: &mut dyn FnMut() -> Option<Interrupt>,
+    ) -> ControlFlow<Interrupt> {
+        let objective = self.objective;
+        self.workers.run(
+            &mut self.workspaces,
+            candidates.len(),
+            &|i, workspace| question(objective, candidates.row(i), workspace),
+            poll,
+            |i, answer| answers[i] = answer,
+        )
+    }
 }
 
 impl<O: Objective> Evaluator for ObjectiveEvaluator<'_, O> {
@@ -168,14 +180,7 @@ impl<O: Objective> Evaluator for ObjectiveEvaluator<'_, O> {
         costs: &mut [f64],
         poll: &mut dyn FnMut() -> Option<Interrupt>,
     ) -> std::result::Result<ControlFlow<Interrupt>, Infallible> {
-        let objective = self.objective;
-        Ok(self.workers.run(
-            &mut self.workspaces,
-            candidates.len(),
-            &|i, workspace| objective.cost(candidates.row(i), workspace),
-            poll,
-            |i, cost| costs[i] = cost,
-        ))
+        Ok(self.each(O::cost, candidates, costs, poll))
     }
 
     fn composition(&self) -> Option<Composition> {
@@ -188,14 +193,7 @@ impl<O: Objective> Evaluator for ObjectiveEvaluator<'_, O> {
         found: &mut [Option<Linearization>],
         poll: &mut dyn FnMut() -> Option<Interrupt>,
     ) -> std::result::Result<ControlFlow<Interrupt>, Infallible> {
-        let objective = self.objective;
-        Ok(self.workers.run(
-            &mut self.workspaces,
-            candidates.len(),
-            &|i, workspace| objective.linearize(candidates.row(i), workspace),
-            poll,
-            |i, linearization| found[i] = linearization,
-        ))
+        Ok(self.each(O::linearize, candidates, found, poll))
     }
 }
 

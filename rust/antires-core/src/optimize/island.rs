@@ -276,6 +276,14 @@ mod tests {
         }
     }
 
+    /// An island with its second generation proposed.
+    fn proposed(habitat: &Habitat<'_>) -> Island {
+        let mut island = Island::new(0, habitat, 3);
+        renew(&mut island, habitat.options);
+        island.propose(habitat, &as_is);
+        island
+    }
+
     #[test]
     fn every_cost_belongs_to_its_genes_and_the_best_is_never_lost() {
         let bounds = Bounds::uniform(6, 0.0, 1.0).unwrap();
@@ -314,10 +322,7 @@ mod tests {
             mutation_probability: 0.0,
             ..IslandOptions::default()
         };
-        let habitat = habitat(&bounds, &options);
-        let mut island = Island::new(0, &habitat, 3);
-        renew(&mut island, &options);
-        island.propose(&habitat, &as_is);
+        let island = proposed(&habitat(&bounds, &options));
         assert!(island.pending().is_empty());
     }
 
@@ -329,10 +334,7 @@ mod tests {
             mutation_probability: 0.0,
             ..IslandOptions::default()
         };
-        let habitat = habitat(&bounds, &options);
-        let mut island = Island::new(0, &habitat, 3);
-        renew(&mut island, &options);
-        island.propose(&habitat, &as_is);
+        let island = proposed(&habitat(&bounds, &options));
         assert!(!island.pending().is_empty());
         for &i in island.pending() {
             // A step beyond the better parent, whose copy comes next; the cost is linear.

@@ -32,11 +32,6 @@ impl Population {
         self.costs.is_empty()
     }
 
-    /// The number of genes of each individual, `n`.
-    pub fn n_genes(&self) -> usize {
-        self.n_genes
-    }
-
     /// All genes, individual after individual.
     pub fn genes(&self) -> &[f64] {
         &self.genes

@@ -163,12 +163,6 @@ impl AntiresonanceObjective {
         }
         Ok(())
     }
-
-    /// Number of measured antiresonances.
-    #[must_use]
-    pub fn n_measured(&self) -> usize {
-        self.targets.iter().map(|t| t.freq_hz.len()).sum()
-    }
 }
 
 impl Objective for AntiresonanceObjective {

@@ -72,12 +72,6 @@ impl Unknowns {
         self.parameters.is_empty()
     }
 
-    /// The parameters in the order of x.
-    #[must_use]
-    pub fn parameters(&self) -> &[Parameter] {
-        &self.parameters
-    }
-
     /// Number of degrees of freedom of the model.
     #[must_use]
     pub fn n_dof(&self) -> usize {

@@ -1,5 +1,7 @@
-//! Objectives and checks that the optimizer's tests share.
+//! Objectives and checks that the tests of optimizer and updating share.
 #![allow(dead_code, missing_docs, clippy::missing_panics_doc)]
+
+pub mod chain8;
 
 use std::f64::consts::TAU;
 

@@ -149,21 +149,3 @@ fn a_plane_frame_is_the_space_frame_held_in_its_plane() {
         assert!((a - b).norm_max() < 1e-14 * a.norm_max());
     }
 }
-
-#[test]
-fn the_sparsity_covers_both_matrices_and_lists_the_lower_triangle_once() {
-    let model = model(tree(Dimension::Plane));
-    let positions = model.sparsity();
-    assert!(
-        positions
-            .windows(2)
-            .all(|p| (p[0].1, p[0].0) < (p[1].1, p[1].0))
-    );
-    for j in 0..model.n_dof() {
-        for i in j..model.n_dof() {
-            let filled = model.stiffness()[(i, j)] != 0.0 || model.mass()[(i, j)] != 0.0;
-            assert!(!filled || positions.contains(&(i as u32, j as u32)));
-        }
-    }
-    assert!(positions.len() < model.n_dof().pow(2) / 3);
-}

@@ -1,0 +1,43 @@
+"""From arguments to an exit code: the command is run, its errors and warnings are one line each."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+from ..exceptions import AntiresError, AntiresWarning, InvalidInputError, UnsuitableDataError
+from .parser import parser
+
+__all__ = ["run"]
+
+
+def run(argv: Sequence[str] | None) -> int:
+    """Carry out a command; everything but Ctrl-C becomes an exit code here."""
+    args = parser().parse_args(argv)
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", AntiresWarning)
+        warnings.showwarning = _warn
+        try:
+            code: int = args.run(args)
+            sys.stdout.flush()
+            return code
+        except BrokenPipeError:
+            # The reader (head, less) has gone. Python would complain again when it flushes at exit.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 1
+        except (AntiresError, OSError) as exc:
+            print(f"antires: error: {exc}", file=sys.stderr)
+            wrong = isinstance(exc, InvalidInputError) and not isinstance(exc, UnsuitableDataError)
+            return 2 if wrong else 1
+
+
+def _warn(message: Warning | str, category: type[Warning], filename: str, lineno: int, file: Any = None,
+          line: str | None = None) -> None:
+    """One line for a warning of ours; others as Python has them."""
+    if issubclass(category, AntiresWarning):
+        print(f"antires: warning: {message}", file=sys.stderr)
+    else:
+        print(warnings.formatwarning(message, category, filename, lineno, line), end="", file=sys.stderr)

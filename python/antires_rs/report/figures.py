@@ -1,0 +1,166 @@
+"""The pictures of a report: drawn, made small, with the sentence that stands under and in place of each."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..antiresonance_set import AntiresonanceSet
+from ..frame import FrameModel
+from ..models import MassSpringChain
+from ..plotting import (
+    plot_chain,
+    plot_convergence,
+    plot_damage,
+    plot_differences,
+    plot_frame,
+    plot_transmissibility,
+)
+from ..plotting.canvas import picture
+from ..results import DamageResult
+from .facts import dof_name
+
+if TYPE_CHECKING:
+    from ..results import UpdateResult
+    from ..signals import FrequencyResponse
+    from ..stabilization_diagram import StabilizationDiagram
+
+__all__ = ["Figure", "diagram_figures", "figures_of", "largest", "model_picture", "states"]
+
+#: Colours kept: lines and their soft edges need no more, and a third of the bytes is left.
+COLOURS_KEPT = 128
+#: Diagrams beyond so many bytes are left out, so that a report stays below 3 MB.
+MOST_BYTES = 2_200_000
+
+Draw = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One picture: what is under it, what it says to who cannot see it, and itself."""
+
+    caption: str
+    alt: str
+    uri: str
+
+
+def figures_of(result: UpdateResult, response: FrequencyResponse | None,
+               truth: Mapping[int, float] | None) -> dict[str, Figure]:
+    """All pictures but the diagrams, by name."""
+    problem, names = result.problem, states(result)
+    what = "resonance" if problem.objective == "modal" else "antiresonance"
+    figures = {}
+    if isinstance(result, DamageResult):
+        width = max(7.0, 0.32 * len(result.x) + 1.5)
+        figures["damage"] = _figure(
+            partial(plot_damage, result, truth=truth), (width, 4.4),
+            "Stiffness loss by element, and the smallest that would have been seen.",
+            "Bar chart: " + (", ".join(f"{problem.model.element_label(e)} {100 * result.severity[e]:.1f} %"
+                                       for e in result.damaged) or "no damage in any element"))
+    drawn = model_picture(result)
+    if drawn is not None:
+        figures["model"] = _figure(*drawn)
+    table = result.table
+    figures["differences"] = _figure(
+        lambda ax: plot_differences(table, ax=ax, names=names), (9.5, 4.6),
+        f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
+        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
+        f"{largest(table.largest_before_percent)} {names[0]} and {largest(table.largest_after_percent)} "
+        f"{names[1]}")
+    if response is not None:
+        over = dof_name(problem.model, response.reference)
+        figures["response"] = _figure(
+            lambda ax: plot_transmissibility(response, problem.model, result.model, dof=None,
+                                             excitation=problem.measured[0].excitation, ax=ax, names=names),
+            (9.0, 4.4),
+            f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
+            "height in the models follows from an assumed damping of 1 %.",
+            f"Curves by frequency of the transmissibilities over {over}: measured, and of the model "
+            f"{names[0]} and {names[1]}")
+    history = result.history
+    figures["convergence"] = _figure(
+        partial(plot_convergence, result), (9.0, 4.2), "The search: best objective of each island.",
+        f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, from "
+        f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}")
+    return figures
+
+
+def diagram_figures(diagrams: Mapping[Any, StabilizationDiagram], modal: bool,
+                    room: int = MOST_BYTES) -> tuple[list[Figure], int]:
+    """Stabilization diagrams by dof or name, as many as there is room for, and how many were left out."""
+    figures: list[Figure] = []
+    for dof, diagram in diagrams.items():
+        of = "all responses" if modal or dof is None else f"dof {dof}" if isinstance(dof, int) else str(dof)
+        found = ", ".join(f"{f:.2f}" for f in diagram.identified)
+        one = _figure(
+            diagram.plot, (9.0, 5.0),
+            f"Stabilization diagram of {of}: poles of rational fits of rising order; those that stay are "
+            f"{'the resonances' if modal else 'its antiresonances'}.",
+            f"Stabilization diagram of {of}, {diagram.band_hz[0]:g} to {diagram.band_hz[1]:g} Hz: "
+            + (f"accepted at {found} Hz" if found else "no value accepted"))
+        room -= len(one.uri)
+        if room < 0:
+            break
+        figures.append(one)
+    return figures, len(diagrams) - len(figures)
+
+
+def model_picture(result: UpdateResult) -> tuple[Draw, tuple[float, float], str, str] | None:
+    """How to draw the model, its size, caption and alternative; None for matrices, which have no shape."""
+    problem, model = result.problem, result.problem.model
+    first = problem.measured[0]
+    at: dict[str, Any] = {}
+    if isinstance(first, AntiresonanceSet):
+        at = {"sensors": list(first), "excitation": first.excitation}
+    loss = None
+    said = "sensors as arrows, the force as a heavier one"
+    caption = f"The model; {said}." if at else "The model."
+    if isinstance(result, DamageResult):
+        loss = {e: 100.0 * beta for e, beta in result.severity.items()}
+        at |= {"label": "Stiffness loss (%)"}
+        caption = "The model with the stiffness losses found" + (f"; {said}." if "sensors" in at else ".")
+    if isinstance(model, MassSpringChain):
+        return (partial(_drawn, plot_chain, model, loss, at), (9.0, 2.9), caption,
+                f"Drawing of a chain of {model.n_dof} masses")
+    if isinstance(model, FrameModel):
+        beams = None if loss is None else {e: v for e, v in loss.items() if e < len(model.elements)}
+        points = np.ptp(model.nodes_m, axis=0)
+        height = 6.5 if points[1:].max() > 0.6 * points[0] else 4.6
+        return (partial(_drawn, plot_frame, model, beams, at), (9.0, height), caption,
+                f"Drawing of a frame of {len(model.elements)} elements")
+    return None
+
+
+def _drawn(plot: Any, model: Any, loss: Any, at: dict[str, Any], ax: Any) -> Any:
+    return plot(model, loss, ax, **at)
+
+
+def states(result: UpdateResult) -> tuple[str, str]:
+    """What the model is called before and after."""
+    return (("without damage", "with the damage found") if isinstance(result, DamageResult)
+            else ("before updating", "after updating"))
+
+
+def largest(percent: float) -> str:
+    """The largest difference in words."""
+    return f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all"
+
+
+def _figure(draw: Draw, size_in: tuple[float, float], caption: str, alt: str) -> Figure:
+    png = _small(picture(lambda ax: draw(ax=ax), size_in, dpi=130))
+    return Figure(caption, alt, "data:image/png;base64," + b64encode(png).decode("ascii"))
+
+
+def _small(png: bytes) -> bytes:
+    """The same picture in few colours."""
+    from PIL import Image  # matplotlib writes PNG with it, so it is there
+    few = Image.open(BytesIO(png)).convert("RGB").quantize(COLOURS_KEPT, dither=Image.Dither.NONE)
+    file = BytesIO()
+    few.save(file, "PNG", optimize=True)
+    return file.getvalue()

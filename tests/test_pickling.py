@@ -1,0 +1,220 @@
+"""Models, problems, results and data through pickle and deepcopy: the same bits, and as unchangeable."""
+
+import copy
+import multiprocessing
+import pickle
+from functools import partial
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.stabilization_diagram import StabilizationDiagram
+
+COPIES = {"pickle": lambda value: pickle.loads(pickle.dumps(value)), "deepcopy": copy.deepcopy}
+QUICK = ar.IslandGA(islands=2, population=12, max_evaluations=300)
+
+
+@pytest.fixture(params=COPIES, scope="module")
+def copied(request):
+    return COPIES[request.param]
+
+
+def chain():
+    return ar.MassSpringChain([0.6, 0.4, 0.5, 0.4], [5.1e4, 5.3e4, 4.9e4], ground_last_n_per_m=1e3)
+
+
+def matrices():
+    spring = np.array([[1.0, -1.0, 0.0], [-1.0, 1.3, -0.1], [0.0, -0.1, 0.7]]) * 1e4
+    return ar.MatrixModel(spring, np.diag([0.3, 0.2, 0.1]), stiffness_terms=[spring, np.eye(3)],
+                          mass_terms=[np.diag([0.1, 0.0, 0.0])])
+
+
+def frame(columns=2):
+    nodes = [(0.3 * i, 0.05 * (i % 2), 0.02 * i)[:columns] for i in range(6)]
+    beams = [(i, i + 1, "ab"[i % 2]) for i in range(5)]
+    direction = {2: "v", 3: "w"}[columns]
+    return ar.FrameModel(nodes, beams, {"a": ar.Tube(0.038, 0.0015, 2.1e11, 7850.0),
+                                        "b": ar.Rectangle(0.02, 0.01, 2.1e11, 7850.0)},
+                         point_masses=[ar.PointMass(3, 0.4, 1e-3)],
+                         ground_springs=[ar.GroundSpring(5, "u", 4e3)],
+                         node_springs=[ar.NodeSpring(1, 4, 2e3)], fixed=[0, (5, direction)],
+                         orientation=None if columns == 2 else (0.0, 0.3, 1.0))
+
+
+def zeros_of(model):
+    force = model.n_dof - 1
+    dofs = range(model.n_dof - 1)
+    found = dict(zip(dofs, model.antiresonances(list(dofs), force, f_max_hz=300.0), strict=True))
+    return ar.AntiresonanceSet(force, {dof: freq for dof, freq in found.items() if freq.size})
+
+
+MODELS = {
+    "chain": chain, "matrices": matrices, "frame": frame, "space frame": partial(frame, 3),
+    "updated chain": lambda: problem(chain()).model_at([0.9, 1.07]),
+    "updated matrices": lambda: problem(matrices()).model_at([0.9, 1.07]),
+    "updated frame": lambda: frame_problem().model_at([0.0011, 4.4e3]),
+    "turned frame": lambda: bent_problem().model_at([3.0]),
+    # Updated, and then looked at for damage.
+    "updated twice": lambda: problem(problem(chain()).model_at([0.9, 1.07])).model_at([1.02, 0.97])}
+
+
+def problem(model, measured=None, **options):
+    return ar.UpdatingProblem(model, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)),
+                              zeros_of(model) if measured is None else measured, **options)
+
+
+def frame_problem():
+    parameters = [ar.thickness("a", bounds=(0.001, 0.002)), *ar.support_stiffness([0], bounds=(3e3, 5e3))]
+    return ar.UpdatingProblem(frame(), parameters, zeros_of(frame()), misfit="squared")
+
+
+def bent_problem():
+    nodes = [(0.0, 0.0), (0.3, 0.0), (0.6, 0.1), (0.9, 0.1)]
+    model = ar.FrameModel(nodes, [(i, i + 1) for i in range(3)], ar.Tube(0.038, 0.0015, 2.1e11, 7850.0),
+                          fixed=[0])
+    return ar.UpdatingProblem(model, ar.angle([2], 2, bounds_deg=(-5.0, 5.0)), zeros_of(model))
+
+
+PROBLEMS = {
+    "chain": lambda: problem(chain(), weights=np.linspace(0.5, 1.0, zeros_size(chain()))),
+    "frame": frame_problem, "angle": bent_problem,
+    "modes": lambda: problem(matrices(), matrices().modes(2), misfit="largest"),
+    "damage": lambda: ar.UpdatingProblem(chain(), ar.stiffness_reduction([0, 2]), zeros_of(chain()),
+                                         penalty=(0.05, 0.02)),
+    "several forces": lambda: problem(chain(), [zeros_of(chain()), ar.AntiresonanceSet(0, {1: [40.0]})])}
+
+
+def zeros_size(model):
+    return sum(map(len, zeros_of(model).values()))
+
+
+def same_bits(one, other):
+    one, other = (value.toarray() if hasattr(value, "toarray") else value for value in (one, other))
+    return np.asarray(one).tobytes() == np.asarray(other).tobytes() and np.shape(one) == np.shape(other)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_a_model_has_the_same_bits(name, copied):
+    model = MODELS[name]()
+    again = copied(model)
+    assert type(again) is type(model)
+    assert repr(again) == repr(model)
+    assert same_bits(again.stiffness(), model.stiffness())
+    assert same_bits(again.mass(), model.mass())
+    dofs = list(range(model.n_dof))
+    for one, other in zip(again.antiresonances(dofs, 1), model.antiresonances(dofs, 1), strict=True):
+        assert same_bits(one, other)
+    assert same_bits(again.frf(0, 1, [10.0, 20.0], damping_ratio=0.01),
+                     model.frf(0, 1, [10.0, 20.0], damping_ratio=0.01))
+    assert [again.element_label(e) for e in again.default_elements] == [
+        model.element_label(e) for e in model.default_elements]
+    if isinstance(model, ar.FrameModel):
+        assert again.sections == model.sections
+        assert again.node_springs == model.node_springs
+    # A copy of a copy, which is to be updated further.
+    assert problem(copied(again), zeros_of(model)).cost([0.9, 1.1]) == problem(model).cost([0.9, 1.1])
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_a_problem_has_the_same_bits(name, copied):
+    given = PROBLEMS[name]()
+    again = copied(given)
+    low, high = given.bounds.T
+    points = low + np.random.default_rng(0).uniform(size=(5, low.size)) * (high - low)
+    assert same_bits(again.evaluate_many(points), given.evaluate_many(points))
+    assert same_bits(again.residuals(points[0]), given.residuals(points[0]))
+    assert (again.names, again.misfit, again.penalty, again.parameters, again.objective) == (
+        given.names, given.misfit, given.penalty, given.parameters, given.objective)
+    assert same_bits(again.bounds, given.bounds)
+    assert again.cost(points[1]) == given.cost(points[1])
+    assert same_bits(again.model_at(points[2]).stiffness(), given.model_at(points[2]).stiffness())
+    found, wanted = (ar.update(p, optimizer=QUICK, rng=1) for p in (again, given))
+    assert same_bits(found.x, wanted.x)
+
+
+def test_results_with_all_that_was_computed_of_them(copied):
+    updated = ar.update(PROBLEMS["chain"](), optimizer=QUICK, rng=0)
+    damage = ar.assess_damage(updated.model, zeros_of(chain()), optimizer=QUICK, rng=0)
+    for result in (updated, damage):
+        fresh = copied(result)  # before anything was computed of it, and after
+        text = result.summary()
+        for again in (fresh, copied(result)):
+            assert type(again) is type(result)
+            assert again.summary() == text
+            assert again.fun == again.problem.cost(again.x) == result.fun
+            assert again.seed == result.seed
+            assert same_bits(again.model.stiffness(), result.model.stiffness())
+            assert same_bits(again.search.populations, result.search.populations)
+            assert same_bits(again.history.cost, result.history.cost)
+            assert again.search.options == result.search.options
+    assert copied(damage).severity == damage.severity
+
+
+def test_searches(copied):
+    ga = copied(QUICK)
+    assert ga.options == QUICK.options
+    found = ga.minimize(lambda x: float(np.sum((x - 0.3) ** 2)), [(-1, 1)] * 2, rng=0)
+    again = copied(found)
+    assert (again.status, again.message, again.fun) == (found.status, found.message, found.fun)
+    assert same_bits(again.x, found.x)
+
+
+@pytest.fixture(scope="module")
+def measured():
+    """A record, what was computed of it, and the arrays of each that nobody may change."""
+    record = ar.cases.chain8().experiment(0, noise=0.01, duration_s=64.0, rng=1)
+    response = ar.frf(record, nperseg=4096)
+    zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), second_opinion="aaa")
+    edited = zeros.drop(0, zeros[0][0], reason="hum").add(1, 77.0)
+    modes = ar.identify_modes(response, band_hz=(3, 130))
+    return {"recording": (record, lambda r: [r.responses, r.force]),
+            "response": (response, lambda r: [r.freq_hz, r.values, r.coherence, r.std]),
+            "zeros": (zeros, lambda z: [z[3], z.damping_ratio[3], z.std_hz[3], z.scores[3]["rows"]]),
+            "edited zeros": (edited, lambda z: [z[0], z.damping_ratio[1], z.original()[0]]),
+            "zeros by hand": (ar.AntiresonanceSet("tip", {"tip": [3.0], "root": []}),
+                              lambda z: [z["tip"], z["root"]]),
+            "modes": (modes, lambda m: [m.freq_hz, m.shapes, m.damping_ratio]),
+            "diagram": (zeros.diagrams[2], lambda d: [d.orders, d.freq_hz[3], d.background,
+                                                      d.accepted.freq_hz]),
+            "check": (zeros.data_check, lambda c: [c.freq_hz, c.eigenvalues]),
+            "opinion": (zeros.second_opinion, lambda o: [o.freq_hz[1], o.confirmed[1]])}
+
+
+@pytest.mark.parametrize("name", ["recording", "response", "zeros", "edited zeros", "zeros by hand", "modes",
+                                  "diagram", "check", "opinion"])
+def test_data_stay_as_they_are(measured, name, copied):
+    value, arrays = measured[name]
+    again = copied(value)
+    assert repr(again) == repr(value)
+    for one, other in zip(arrays(again), arrays(value), strict=True):
+        assert same_bits(one, other)
+        assert one is not other
+        assert one.dtype == other.dtype
+        with pytest.raises(ValueError, match="read-only"):
+            one[...] = 0
+    if isinstance(value, ar.AntiresonanceSet):
+        assert again == value
+        assert again.original() == value.original()
+        assert again.edits == value.edits
+        assert again.to_json() == value.to_json()
+        assert all(isinstance(d, StabilizationDiagram) for d in again.diagrams.values())
+
+
+def test_errors_and_warnings(copied):
+    for kind in (*map(partial(getattr, ar), ("InvalidInputError", "UnsuitableDataError", "NumericalError")),
+                 ar.ObjectiveError, ar.InternalError, ar.MissingDependencyError, ar.AntiresWarning):
+        again = copied(kind("x: got 1; wanted 2."))
+        assert type(again) is kind
+        assert str(again) == "x: got 1; wanted 2."
+
+
+def test_two_processes_share_a_problem():
+    given = PROBLEMS["chain"]()
+    points = np.random.default_rng(1).uniform(0.8, 1.2, (6, 2))
+    with multiprocessing.get_context("spawn").Pool(2) as pool:
+        costs = pool.map(given.cost, points)
+        models = pool.map(given.model_at, points[:2])
+    assert same_bits(costs, given.evaluate_many(points))
+    for model, x in zip(models, points, strict=False):
+        assert same_bits(model.stiffness(), given.model_at(x).stiffness())
