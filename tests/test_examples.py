@@ -61,4 +61,4 @@ def test_from_file_to_report(tmp_path, capsys):
     out, err = capsys.readouterr()
     assert "stiffness loss of spring 5" in out
     assert err == ""
-    assert len(list((report.parent / "pictures").glob("*.png"))) == 12
+    assert len(list((report.parent / "pictures").glob("*.png"))) == 13
