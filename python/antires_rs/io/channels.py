@@ -14,7 +14,7 @@ from ..signals import Recording
 from ._common import unsuitable, warn
 from .units import Unit, named_unit, parse_unit
 
-__all__ = ["Channel", "Dofs", "in_si", "recording_of", "renamed"]
+__all__ = ["Channel", "Dofs", "in_si", "recording_of", "renamed", "unit_or_warning"]
 
 #: How a user names dofs: in the order of the channels, by the channel's own name, or by a function of it.
 Dofs = Iterable[Any] | Mapping[Any, Any] | Callable[[Any], Any] | None
@@ -109,10 +109,17 @@ def _unit(path: Path, channel: Channel) -> Unit:
 
 
 def _warn_unknown(path: Path, responses: Sequence[Channel]) -> None:
-    odd = sorted({c.unit for c in responses if parse_unit(c.unit) is None})
-    if odd:
-        warn(f"path: {str(path)!r} has responses in {', '.join(map(repr, odd))}, which is no unit known "
+    for odd in sorted({c.unit for c in responses if parse_unit(c.unit) is None}):
+        unit_or_warning(path, odd)
+
+
+def unit_or_warning(path: Path, text: str) -> Unit:
+    """The unit of that name; one that is not known leaves values as they are, with a warning."""
+    unit = parse_unit(text)
+    if unit is None:
+        warn(f"path: {str(path)!r} has responses in {text!r}, which is no unit known "
              "here; values are as they are in the file. Name it by unit= if they should be converted.")
+    return unit or Unit()
 
 
 def _force(forces: list[Channel], force: Any) -> Channel | None:
