@@ -1,9 +1,12 @@
 """Columns of text of other programs: delimiters, decimal signs, names, units, roles, gaps, cuts."""
 
+import warnings
+
 import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.jobs.reading import read_signal
 from io_signals import recording
 
 TIME = np.arange(50) / 200.0
@@ -223,3 +226,15 @@ def test_quotes_around_names_and_numbers(tmp_path):
     record = ar.read_csv(file)
     assert (record.fs_hz, record.dofs) == (2.0, ("tip, left",))
     assert record.responses[0] == pytest.approx([9.80665, 19.6133, 29.41995], rel=1e-15)
+
+
+def test_channels_that_are_left_out_need_not_fit_the_rest(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("time [s],tip [g],laser [mm]\n0,1,20\n0.5,2,20\n1,3,20\n")
+    with pytest.raises(ar.UnsuitableDataError, match="several kinds.* Leave out those of other kinds by dofs="):
+        ar.read_csv(file)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert ar.read_csv(file, dofs={"tip": 4, "laser": None}).dofs == (4,)
+        # As a job and the command line say it.
+        assert read_signal(file, "csv", {"dofs": {"tip": 4, "laser": False}}).dofs == (4,)

@@ -36,7 +36,8 @@ def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: f
     path : path-like
         Separated by commas, semicolons, tabs or spaces; lines beginning with # or % are comments. The last of
         a few lines of text before the numbers names the columns, ``tip [g]``; a line of units may follow it.
-        Time may be in ms, us or min too, frequency in kHz. Complex columns are ``1.5-0.2j`` (or i), or pairs ``re(tip)``, ``im(tip)``.
+        Time may be in ms, us or min too, frequency in kHz. Complex columns are ``1.5-0.2j`` (or i), or pairs
+        ``re(tip)``, ``im(tip)``.
     first : {"time", "freq", "channel"}, optional
         What the first column is. By default its name tells, and complex columns lie over frequency.
     fs_hz : float, optional

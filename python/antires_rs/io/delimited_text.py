@@ -99,7 +99,7 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         body = [line.rstrip()[:-1] for line in body[:-1]] + [body[-1].rstrip()[:-1] if whole else body[-1]]
         ended, trailing = ended and whole, not whole
     between = delimiter if delimiter is not None else _delimiter(body)
-    point = decimal if decimal is not None else ("," if between != "," and _decimal_commas(body, between) else ".")
+    point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
         unsuitable(file, "without a row of numbers", "columns of numbers",
@@ -188,7 +188,7 @@ def _decimal_commas(body: list[str], between: str | None) -> bool:
     """Whether the numbers have commas and no points; every row is asked, as some programs print 1 for 1,0."""
     def any_with(sign: str) -> bool:
         return any(sign in line and _numeric(line, between, ",") for line in body)
-    return any_with(",") and not any_with(".")
+    return between != "," and any_with(",") and not any_with(".")
 
 
 def _split(line: str, between: str | None) -> list[str]:
