@@ -294,7 +294,7 @@ def test_what_cannot_be_a_response_is_refused(tmp_path):
     frf = dataset(LINES[0], kind=4, reference=(1, 3), step=0.25, per="N")
     receptance = dataset(LINES[1], kind=4, node=2, reference=(1, 3), step=0.25, unit="mm", per="N")
     path = written(tmp_path / "a.uff", frf, receptance)
-    with pytest.raises(ar.UnsuitableDataError, match="several kinds, 1.Z acceleration, 2.Z displacement; wan"):
+    with pytest.raises(ar.UnsuitableDataError, match="several kinds, 1.Z acceleration, 2.Z displacement"):
         ar.read_uff(path)
     assert ar.read_uff(path, dofs={(1, "+Z"): 0, (2, "+Z"): None}).dofs == (0,)
     path = written(tmp_path / "b.uff", dataset(NOISE[0, :100], kind=4, reference=(1, 3), step=0.25, per="N"))
