@@ -133,7 +133,7 @@ def test_version_73(tmp_path):
 
 def test_pickles_are_refused(tmp_path):
     np.savez(tmp_path / "a.npz", acc=np.array([{"a": 1}], dtype=object), allow_pickle=True)
-    with pytest.raises(ar.UnsuitableDataError, match="objects, which only pickle reads"):
+    with pytest.raises(ar.UnsuitableDataError, match="only pickle reads; .* Save arrays of numbers"):
         ar.read_npz(tmp_path / "a.npz")
     np.save(tmp_path / "b.npy", A)
     with pytest.raises(ar.UnsuitableDataError, match="no archive.*use numpy.load"):
@@ -204,3 +204,41 @@ def test_without_h5py(tmp_path, monkeypatch):
     for call in (lambda: ar.read_hdf5(path), lambda: ar.write_hdf5(path, recording())):
         with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[hdf5\]"'):
             call()
+
+
+@every_bag
+def test_what_contradicts_itself_is_refused(tmp_path, save, read):
+    path = save(tmp_path / "a", t=TIME[:N // 2], acc=A)
+    with pytest.raises(ar.UnsuitableDataError, match="300 samples of 'acc' over 150 instants of 't'"):
+        read(path)
+    assert read(path, fs_hz=250.0).n_samples == N
+    path = save(tmp_path / "b", t=1000 * TIME, Fs=250.0, acc=A)     # in ms
+    with pytest.raises(ar.UnsuitableDataError, match="Fs of 250 Hz and a 't' of 0.25 Hz, if it is in s"):
+        read(path)
+
+
+@every_bag
+def test_what_is_left_out_is_told(tmp_path, save, read):
+    with pytest.warns(ar.AntiresWarning, match=r"shorter than the 300 samples of the longest, root \(299\)"):
+        assert read(save(tmp_path / "a", t=TIME, acc=A, root=B[:-1], settings=np.ones(9))).dofs == ("acc",)
+    path = save(tmp_path / "b", t=TIME, acc=A, all_runs=np.ones((2, 3, N)))
+    with pytest.warns(ar.AntiresWarning, match="of three and more axes, all_runs, which are not read"):
+        assert read(path).dofs == ("acc",)
+    assert read(path, responses="acc").dofs == ("acc",)
+
+
+@every_bag
+def test_magnitude_and_phase_beside_an_frf_are_no_responses(tmp_path, save, read):
+    path = save(tmp_path / "a", freq=TIME, H=H, magnitude=np.abs(H), phase=np.angle(H))
+    assert read(path).dofs == ("H",)
+    with pytest.raises(ar.UnsuitableDataError, match="whose magnitude is real"):
+        read(path, responses=["H", "magnitude"])
+
+
+def test_texts_of_matlab_7_3_are_no_channels(tmp_path):
+    path = hdf5(tmp_path / "a.mat", t=TIME, acc=A, note=np.arange(N, dtype=np.uint16), none=np.array([0, 0]))
+    with h5py.File(path, "a") as file:
+        file["note"].attrs["MATLAB_class"] = np.bytes_("char")
+        file["none"].attrs["MATLAB_empty"] = np.uint8(1)
+    assert ar.read_mat(path).dofs == ("acc",)
+    assert set(ar.io.mat_arrays(path)) == {"t", "acc"}

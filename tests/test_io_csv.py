@@ -1,9 +1,12 @@
 """Columns of text of other programs: delimiters, decimal signs, names, units, roles, gaps, cuts."""
 
+import warnings
+
 import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.jobs.reading import read_signal
 from io_signals import recording
 
 TIME = np.arange(50) / 200.0
@@ -178,3 +181,60 @@ def test_units_that_are_written(tmp_path):
 def test_labels_with_delimiters(tmp_path):
     made = recording(dofs=('a,"b', "c\nd", "#e"))
     assert ar.read_csv(ar.write_csv(tmp_path / "a.csv", made)).dofs == made.dofs
+
+
+@pytest.mark.parametrize(("head", "fs_hz"), [("time [ms],tip [g]", 2000.0), ("t (msec),tip [g]", 2000.0),
+                                             ("time [us],tip [g]", 2e6), ("time,tip\nms,g", 2000.0)])
+def test_time_in_other_units_than_seconds(tmp_path, head, fs_hz):
+    file = tmp_path / "run.csv"
+    file.write_text(head + "\n0.0,1\n0.5,2\n1.0,3\n1.5,2\n")
+    record = ar.read_csv(file)
+    assert record.fs_hz == fs_hz
+    assert record.responses[0, 0] == 9.80665
+
+
+def test_frequencies_in_khz(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("freq [kHz],tip\n0.1,1+1j\n0.2,2+1j\n0.3,3-1j\n")
+    assert ar.read_csv(file).freq_hz == pytest.approx([100.0, 200.0, 300.0], rel=1e-15)
+
+
+def test_a_unit_that_is_not_known_is_warned_of_over_frequency_too(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("freq,tip [furlong]\n1,1+1j\n2,2+1j\n3,3-1j\n")
+    with pytest.warns(ar.AntiresWarning, match="'furlong', which is no unit known here"):
+        assert ar.read_csv(file).values[0, 0] == 1 + 1j
+
+
+def test_decimal_commas_that_only_the_first_rows_have(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("time;tip\n0;0,5\n1;0,25\n" + "".join(f"{i};0\n" for i in range(2, 12)))
+    assert ar.read_csv(file).responses[0].tolist() == [0.5, 0.25] + [0.0] * 10
+
+
+@pytest.mark.parametrize("bad", ["0.0,1.#QNAN", "0.0,---", "0.0,"])
+def test_a_first_row_that_is_damaged_is_not_taken_for_names(tmp_path, bad):
+    file = tmp_path / "run.csv"
+    file.write_text(f"time,tip\n{bad}\n0.1,2\n0.2,3\n0.3,4\n")
+    with pytest.raises(ar.UnsuitableDataError, match="not numeric throughout"):
+        ar.read_csv(file, first="time")
+
+
+def test_quotes_around_names_and_numbers(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text('"time [s]","tip, left [g]"\n"0","1.0"\n"0.5","2.0"\n"1","3"\n')
+    record = ar.read_csv(file)
+    assert (record.fs_hz, record.dofs) == (2.0, ("tip, left",))
+    assert record.responses[0] == pytest.approx([9.80665, 19.6133, 29.41995], rel=1e-15)
+
+
+def test_channels_that_are_left_out_need_not_fit_the_rest(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("time [s],tip [g],laser [mm]\n0,1,20\n0.5,2,20\n1,3,20\n")
+    with pytest.raises(ar.UnsuitableDataError, match="several kinds.* Leave out those of other kinds"):
+        ar.read_csv(file)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert ar.read_csv(file, dofs={"tip": 4, "laser": None}).dofs == (4,)
+        # As a job and the command line say it.
+        assert read_signal(file, "csv", {"dofs": {"tip": 4, "laser": False}}).dofs == (4,)

@@ -68,6 +68,7 @@ def test_units_roles_and_time():
     ([channel(name=3)], r"channels\[0\]\['name'\]: got 3"),
     ([channel(unit_str=3)], r"channels\[0\]\['unit_str'\]: got 3"),
     ([channel(fs=..., time=np.arange(9.0))], r"channels\[0\]\['time'\]: got 9 instants; wanted 100"),
+    ([channel(fs=1000, time=np.arange(100) / 125)], r"\['fs'\]: got 1000 Hz beside a 'time' of 125 Hz"),
     ([channel(), channel(name="b", data=DATA[:50])], r"channels of \[50, 100\] samples"),
     ([channel(start_timestamp="a"), channel(name="b", start_timestamp="b")], "2 different start_timestamp"),
 ])

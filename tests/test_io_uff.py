@@ -280,3 +280,31 @@ def test_data_that_look_like_a_marker(tmp_path):
     path = ar.write_uff(tmp_path / "a.uff", ar.Recording(rows, 100.0))
     with pytest.raises(ar.UnsuitableDataError, match="whose dataset 1 has 100 points of the 400"):
         ar.read_uff(path)
+
+
+def test_time_and_frequency_in_the_unit_of_their_label(tmp_path):
+    path = written(tmp_path / "a.uff", dataset(NOISE[0], step=0.5) | {"abscissa_axis_units_lab": "ms"})
+    assert ar.read_uff(path).fs_hz == 2000.0
+    frf = dataset(LINES[0], kind=4, reference=(1, 3), step=0.25, x=0.25 * np.arange(100))
+    path = written(tmp_path / "b.uff", frf | {"abscissa_axis_units_lab": "kHz"})
+    np.testing.assert_allclose(ar.read_uff(path).freq_hz, 250.0 * np.arange(100), rtol=1e-14)
+
+
+def test_what_cannot_be_a_response_is_refused(tmp_path):
+    frf = dataset(LINES[0], kind=4, reference=(1, 3), step=0.25, per="N")
+    receptance = dataset(LINES[1], kind=4, node=2, reference=(1, 3), step=0.25, unit="mm", per="N")
+    path = written(tmp_path / "a.uff", frf, receptance)
+    with pytest.raises(ar.UnsuitableDataError, match="several kinds, 1.Z acceleration, 2.Z displacement"):
+        ar.read_uff(path)
+    assert ar.read_uff(path, dofs={(1, "+Z"): 0, (2, "+Z"): None}).dofs == (0,)
+    path = written(tmp_path / "b.uff", dataset(NOISE[0, :100], kind=4, reference=(1, 3), step=0.25, per="N"))
+    with pytest.raises(ar.UnsuitableDataError, match="whose frf of 1.Z is real; .* lost the phase"):
+        ar.read_uff(path)
+
+
+@pytest.mark.parametrize("kind", [1, 4])
+def test_a_step_of_zero_is_refused(tmp_path, kind):
+    path = written(tmp_path / "a.uff", dataset(LINES[0] if kind == 4 else NOISE[0], kind=kind, step=0.0,
+                                               binary=0, reference=(1, 3)))
+    with pytest.raises(ar.UnsuitableDataError, match="dataset 1 has a step of 0; wanted a positive step"):
+        ar.read_uff(path)

@@ -115,7 +115,7 @@ def test_ctrl_c_hands_back_the_best_so_far_and_a_checkpoint(tmp_path, capsys):
 
 def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, capsys):
     write_measured(tmp_path)
-    (tmp_path / "job.toml").write_text(DAMAGE)
+    (tmp_path / "job.toml").write_text(DAMAGE.replace("seed = 1", "seed = 1\ncheckpoint = false"))
     complete = run.assess_damage
 
     def interrupted(*args, **options):
@@ -130,7 +130,12 @@ def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, cap
     monkeypatch.setattr(results, "smallest_visible", slow)
     monkeypatch.setattr(results, "identifiability", slow)
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 130
-    out = capsys.readouterr().out
+    captured = capsys.readouterr()
+    out = captured.out
+    assert "without a checkpoint" in captured.err
+    # Nothing says that it has finished.
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2
+    assert "was interrupted and kept no checkpoint" in capsys.readouterr().err
     assert "spring 5   55.00 %" in out
     assert "the best so far" in out
     summary = json.loads((tmp_path / "job_results" / "summary.json").read_text())

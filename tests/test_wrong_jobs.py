@@ -31,6 +31,10 @@ WRONG = {
     "no TOML: text without quotes": (DAMAGE.replace('"chain"', "chain"), 5),
     "no TOML: a key twice": (DAMAGE.replace("seed = 1", "seed = 1\nseed = 2"), 13),
     "no TOML: a list that does not end": (DAMAGE.replace("56.7e3]", "56.7e3"), 9),
+    "no TOML: [data] twice": (DAMAGE.replace("[model]", '[data]\nfile = "b.json"\n[model]'), 4),
+    "a key of records beside antiresonances": (DAMAGE.replace("[model]", "excitation = 3\n[model]"), 4),
+    "a force at a channel that is left out": (RECORD.replace("excitation = 0", 'excitation = "tip"').replace(
+        "band_hz", "dofs = { tip = false, mid = 1, root = 2 }\nband_hz"), 3),
     "an unknown section": (DAMAGE.replace("[search]", "[serach]"), 11),
     "a key outside its section": ("seed = 3\n" + DAMAGE, 1),
     "an unknown key, near a known one": (DAMAGE.replace("seed", "sead"), 12),

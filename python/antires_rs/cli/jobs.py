@@ -71,6 +71,10 @@ def resume(args: argparse.Namespace) -> int:
     """Go on with a job."""
     job = read_job(_job_of(args.target))
     folder = RunFolder.of(job)
+    if folder.state == "interrupted" and not folder.unfinished:
+        reject("JOB", f"{str(args.target)!r}, whose search was interrupted and kept no checkpoint",
+               "a search that is kept on disk", f"Begin anew with 'antires {job.task} {_shown(job.path)}', "
+               "and checkpoint = true under [search].")
     if not folder.unfinished and folder.state not in (None, "searching") and folder.result.is_file():
         from ..results import UpdateResult
         done = UpdateResult.load(folder.result)

@@ -90,7 +90,9 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
         say(f"reading {args.file.name}")
         signal = read_signal(args.file, kind, options, _as_option)
         say(f"identifying the antiresonances of {len(signal.dofs)} responses")
-        force = options.get("dofs", {}).get(args.excitation, args.excitation)
+        # A channel that is left out still names the place of the force, which need not be recorded.
+        named = options.get("dofs", {}).get(args.excitation, False)
+        force = args.excitation if named is False else named
         return identify_antiresonances(signal, excitation=force, band_hz=args.band, **chosen)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .._validation import choice, finite_scalar, reject, shape_of
 from ..signals import FrequencyResponse
-from ._common import Signal, rate_of, unsuitable
+from ._common import Signal, rate_of, unsuitable, warn
 from .channels import Channel, Dofs, in_si, recording_of, renamed
 from .units import named_unit
 
@@ -38,6 +38,10 @@ def signal_of_arrays(path: Path, arrays: Mapping[str, NDArray[Any]], *, response
     list of what the file holds.
     """
     numeric = {name: _vectors(value) for name, value in arrays.items() if _usable(value)}
+    cubes = [name for name, value in arrays.items() if value.dtype.kind in "iufc" and value.ndim > 2]
+    if cubes and responses is None:
+        warn(f"path: {str(path)!r} has arrays of three and more axes, {', '.join(cubes)}, which are not "
+             "read. Slice them to (n_channels, n_samples) if they are responses.")
     if not numeric:
         unsuitable(path, f"with no numeric array ({_listed(arrays)})", "arrays of numbers")
     freq = _role(path, "freq", freq, numeric, _FREQ)
@@ -59,6 +63,11 @@ def signal_of_arrays(path: Path, arrays: Mapping[str, NDArray[Any]], *, response
         taken |= set(found)
     rows = _chosen(path, numeric, responses, taken | ({pushed} if pushed else set()))
     channels = [Channel(name, values) for name, values in rows]
+    instants = None if time is None or fs_hz is not None else numeric[time].shape[1]
+    for c in channels:
+        if instants not in (None, c.values.size):
+            unsuitable(path, f"with {c.values.size} samples of {c.name!r} over {instants} instants of "
+                       f"{time!r}", "as many", "Name the time= that belongs to them, or give fs_hz=.")
     if pushed is not None:
         channels.append(Channel(pushed, numeric[pushed][0], "N", "force"))
     return recording_of(path, channels, rate, dofs=dofs, unit=unit,
@@ -71,9 +80,12 @@ def _response(path: Path, numeric: dict[str, NDArray[Any]], freq: str, responses
     choice("kind", kind, ("frf", "transmissibility"))
     lines = numeric[freq][0].real
     seen = [n for n in numeric if _last(n) in _COHERENCE]
-    rows = _chosen(path, numeric, responses, {freq, *seen})
-    if not any(np.iscomplexobj(values) for _, values in rows):
-        unsuitable(path, f"whose {rows[0][0]} is real", "complex FRFs or transmissibilities",
+    complex_ones = {name: values for name, values in numeric.items() if np.iscomplexobj(values)}
+    rows = _chosen(path, complex_ones if responses is None and complex_ones else numeric, responses,
+                   {freq, *seen})
+    real = next((name for name, values in rows if not np.iscomplexobj(values)), None)
+    if real is not None:
+        unsuitable(path, f"whose {real} is real", "complex FRFs or transmissibilities",
                    "Magnitudes alone have lost the phase; combine magnitude and phase first.")
     for name, values in rows:
         if values.size != lines.size:
@@ -95,9 +107,14 @@ def _response(path: Path, numeric: dict[str, NDArray[Any]], freq: str, responses
 def _rate(path: Path, numeric: dict[str, NDArray[Any]], time: str | None, fs_hz: float | None) -> float:
     if fs_hz is not None:
         return finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
-    if time is not None:
-        return rate_of(path, numeric[time][0].real)
     rates = [n for n in numeric if _last(n) in _RATE and numeric[n].size == 1]
+    if time is not None:
+        rate = rate_of(path, numeric[time][0].real)
+        stated = float(numeric[rates[0]][0, 0].real) if len(rates) == 1 else rate
+        if abs(stated - rate) > 1e-3 * rate:
+            unsuitable(path, f"with {rates[0]} of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s",
+                       "one rate", "Give the true one by fs_hz=.")
+        return rate
     if len(rates) != 1:
         unsuitable(path, f"without a sampling rate or a time ({_listed(numeric)})", "one of them",
                    "Name time= or give fs_hz=; for responses over frequency name freq=.")
@@ -124,6 +141,12 @@ def _chosen(path: Path, numeric: dict[str, NDArray[Any]], responses: Any, taken:
     if responses is None:
         longest = max((v.shape[1] for n, v in numeric.items() if n not in taken), default=0)
         names = [n for n, v in numeric.items() if n not in taken and v.shape[1] == longest and longest > 1]
+        # Tables of settings are short; what is nearly as long is a channel that was cut.
+        short = [f"{n} ({v.shape[1]})" for n, v in numeric.items()
+                 if n not in taken and longest > v.shape[1] > longest // 2]
+        if short:
+            warn(f"path: {str(path)!r} has arrays shorter than the {longest} samples of the longest, "
+                 f"{', '.join(short)}, which are left out. Name the responses= to choose.")
     else:
         asked: Sequence[Any] = [responses] if shape_of(responses) == () else list(responses)
         names = []

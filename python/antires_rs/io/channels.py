@@ -14,7 +14,7 @@ from ..signals import Recording
 from ._common import unsuitable, warn
 from .units import Unit, named_unit, parse_unit
 
-__all__ = ["Channel", "Dofs", "in_si", "recording_of", "renamed"]
+__all__ = ["Channel", "Dofs", "in_si", "recording_of", "renamed", "unit_or_warning"]
 
 #: How a user names dofs: in the order of the channels, by the channel's own name, or by a function of it.
 Dofs = Iterable[Any] | Mapping[Any, Any] | Callable[[Any], Any] | None
@@ -48,9 +48,6 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, *, dofs:
     A channel is a force where the file says so, by role or unit. ``force`` is "auto" (the only one there is),
     None (left out) or the name of a channel.
     """
-    lengths = {c.values.size for c in channels}
-    if len(lengths) > 1:
-        unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length")
     # The unit that a user names is that of the responses.
     units = {id(c): _unit(path, c) for c in channels}
     forces = [c for c in channels if c.role == "force" or units[id(c)].quantity == "force"]
@@ -60,21 +57,26 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, *, dofs:
     if not responses:
         unsuitable(path, f"with {len(forces)} force and no response", "at least one response channel")
     chosen = _force(forces, force)
-    if unit is not None:
-        units |= {id(c): named_unit("unit", unit) for c in responses}
-    else:
-        _warn_unknown(path, responses)
-    kinds = {units[id(c)].quantity for c in responses}
-    if len(kinds) > 1:
-        unsuitable(path, "with responses of several kinds, " + ", ".join(
-            f"{c.name!r} in {c.unit or 'no unit'}" for c in responses), "accelerations, velocities or "
-            "displacements alone", "Read the channels of one kind, or name the unit= of all.")
     labels = renamed("dofs", [c.name for c in responses], dofs)
-    kept = [i for i, label in enumerate(labels) if label is not None]
+    # What is left out need not fit the rest.
+    kept = [(label, c) for label, c in zip(labels, responses, strict=True) if label is not None]
     if not kept:
         reject("dofs", "None for every channel", "at least one channel to keep")
-    return Recording(np.stack([in_si(responses[i].values, units[id(responses[i])]) for i in kept]), fs_hz,
-                     [labels[i] for i in kept],
+    used = [c for _, c in kept]
+    lengths = {c.values.size for c in (*used, *([] if chosen is None else [chosen]))}
+    if len(lengths) > 1:
+        unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length",
+                   "Leave out those of other lengths by dofs=.")
+    if unit is not None:
+        units |= {id(c): named_unit("unit", unit) for c in used}
+    else:
+        _warn_unknown(path, used)
+    if len({units[id(c)].quantity for c in used}) > 1:
+        unsuitable(path, "with responses of several kinds, " + ", ".join(
+            f"{c.name!r} in {c.unit or 'no unit'}" for c in used), "accelerations, velocities or "
+            "displacements alone", "Leave out those of other kinds by dofs=, or name the unit= of all.")
+    return Recording(np.stack([in_si(c.values, units[id(c)]) for c in used]), fs_hz,
+                     [label for label, _ in kept],
                      None if chosen is None else in_si(chosen.values, units[id(chosen)]))
 
 
@@ -109,10 +111,17 @@ def _unit(path: Path, channel: Channel) -> Unit:
 
 
 def _warn_unknown(path: Path, responses: Sequence[Channel]) -> None:
-    odd = sorted({c.unit for c in responses if parse_unit(c.unit) is None})
-    if odd:
-        warn(f"path: {str(path)!r} has responses in {', '.join(map(repr, odd))}, which is no unit known "
+    for odd in sorted({c.unit for c in responses if parse_unit(c.unit) is None}):
+        unit_or_warning(path, odd)
+
+
+def unit_or_warning(path: Path, text: str) -> Unit:
+    """The unit of that name; one that is not known leaves values as they are, with a warning."""
+    unit = parse_unit(text)
+    if unit is None:
+        warn(f"path: {str(path)!r} has responses in {text!r}, which is no unit known "
              "here; values are as they are in the file. Name it by unit= if they should be converted.")
+    return unit or Unit()
 
 
 def _force(forces: list[Channel], force: Any) -> Channel | None:

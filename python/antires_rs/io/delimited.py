@@ -16,9 +16,9 @@ from .._validation import choice, finite_scalar
 from ..exceptions import AntiresError
 from ..signals import FrequencyResponse
 from ._common import Signal, existing_file, missing_part, rate_of, unsuitable
-from .channels import Channel, Dofs, in_si, recording_of, renamed
+from .channels import Channel, Dofs, in_si, recording_of, renamed, unit_or_warning
 from .delimited_text import Table, table_of
-from .units import named_unit, parse_unit
+from .units import abscissa_factor, named_unit
 
 __all__ = ["read_csv"]
 
@@ -36,7 +36,8 @@ def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: f
     path : path-like
         Separated by commas, semicolons, tabs or spaces; lines beginning with # or % are comments. The last of
         a few lines of text before the numbers names the columns, ``tip [g]``; a line of units may follow it.
-        Complex columns are ``1.5-0.2j`` (or i), or pairs ``re(tip)``, ``im(tip)``.
+        Time may be in ms, us or min too, frequency in kHz. Complex columns are ``1.5-0.2j`` (or i), or pairs
+        ``re(tip)``, ``im(tip)``.
     first : {"time", "freq", "channel"}, optional
         What the first column is. By default its name tells, and complex columns lie over frequency.
     fs_hz : float, optional
@@ -136,7 +137,8 @@ def _foreign(file: Path, table: Table, first: str | None, fs_hz: float | None, d
     names, units, columns = table.complex_columns()
     if first is None:
         said = names[0].lower() if table.names else ""
-        seconds, hertz = units[0].lower() == "s", units[0].lower() == "hz"
+        hertz = units[0].lower() in ("hz", "khz")
+        seconds = not hertz and (units[0].lower() == "s" or abscissa_factor(units[0]) != 1.0)
         first = ("time" if said in _TIME or seconds else "freq" if said in _FREQ or hertz
                  else "freq" if any(np.iscomplexobj(c) for c in columns)
                  else "channel" if table.names and fs_hz is not None else None)
@@ -152,7 +154,7 @@ def _foreign(file: Path, table: Table, first: str | None, fs_hz: float | None, d
     if any(np.iscomplexobj(c) for c in columns):
         unsuitable(file, "with complex columns over time", "real ones", "Pass first='freq'.")
     if first == "time" and fs_hz is None:
-        rate = rate_of(file, columns[0], digits=table.digits)
+        rate = rate_of(file, columns[0] * abscissa_factor(units[0]), digits=table.digits)
     else:
         rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
     channels = [Channel(name, values, its, "force" if str(name).lower() == "force" else "")
@@ -166,12 +168,12 @@ def _response(file: Path, columns: list[Any], labels: list[Any], units: list[str
     if not all(np.iscomplexobj(c) for c in columns[1:]):
         unsuitable(file, "with real columns over frequency", "complex ones, or pairs re(x), im(x)",
                    "Magnitudes alone have lost the phase.")
-    lines = columns[0].real
+    lines = columns[0].real * abscissa_factor(units[0])
     named = renamed("dofs", labels[1:], dofs)
     kept = [i for i, label in enumerate(named) if label is not None]
     rows = []
     for i in kept:
-        own = named_unit("unit", unit) if unit is not None else parse_unit(units[i + 1])
-        rows.append(columns[i + 1] if own is None else in_si(columns[i + 1], own))
+        own = named_unit("unit", unit) if unit is not None else unit_or_warning(file, units[i + 1])
+        rows.append(in_si(columns[i + 1], own))
     return FrequencyResponse(lines, np.stack(rows), [named[i] for i in kept],
                              "frf" if kind == "frf" else "transmissibility", reference)

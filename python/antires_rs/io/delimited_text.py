@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 from dataclasses import dataclass, field
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._common import unsuitable, warn
-from .units import parse_unit
+from .units import abscissa_factor, parse_unit
 
 __all__ = ["MARK", "Table", "table_of"]
 
@@ -98,13 +99,18 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         body = [line.rstrip()[:-1] for line in body[:-1]] + [body[-1].rstrip()[:-1] if whole else body[-1]]
         ended, trailing = ended and whole, not whole
     between = delimiter if delimiter is not None else _delimiter(body)
-    point = decimal if decimal is not None else ("," if between != "," and _decimal_commas(body) else ".")
+    point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
         unsuitable(file, "without a row of numbers", "columns of numbers",
                    "Name the delimiter= and decimal=.")
     rows = body[start:]
     width = len(_split(rows[0], between))
+    for line in body[:start]:
+        parts = _split(line, between)
+        if len(parts) == width > 1 and _numeric(parts[0], None, point):  # a row, not names
+            unsuitable(file, f"whose row {line.strip()[:60]!r} is not numeric throughout", "numbers in every "
+                       "column", "Mend or remove that row.")
     _names(table, body[:start] or _commented_names(lines, between, width), between)
     if not ended:
         # A number that lost its last digits still is one, so that only a line end proves the row whole.
@@ -121,13 +127,14 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
 
 def _fill(file: Path, table: Table, rows: list[str], between: str | None, point: str, width: int) -> None:
     if table.names and len(table.names) != width:
-        unsuitable(file, f"with {len(table.names)} names over {width} columns", "a name for each column")
+        unsuitable(file, f"with {len(table.names)} names over {width} columns", "a name for each column",
+                   "Put names that hold the delimiter in double quotes.")
     for i, row in enumerate(rows):
         got = len(_split(row, between))
         if got != width:
             unsuitable(file, f"whose row {i + 1} has {got} columns", f"{width}, as the first row",
                        "It was cut or damaged.")
-    plain = "\n".join(rows)
+    plain = "\n".join(between.join(_split(row, between)) if between and '"' in row else row for row in rows)
     if point == ",":
         plain = plain.replace(",", ".")
     is_complex = bool(re.search(r"[0-9.][ij]\b", plain[:2000]))
@@ -177,13 +184,17 @@ def _delimiter(body: list[str]) -> str | None:
     return "," if "," in sample else None
 
 
-def _decimal_commas(body: list[str]) -> bool:
-    sample = "".join(body[-5:])
-    return "," in sample and "." not in sample
+def _decimal_commas(body: list[str], between: str | None) -> bool:
+    """Whether the numbers have commas and no points; every row is asked, as some programs print 1 for 1,0."""
+    def any_with(sign: str) -> bool:
+        return any(sign in line and _numeric(line, between, ",") for line in body)
+    return between != "," and any_with(",") and not any_with(".")
 
 
 def _split(line: str, between: str | None) -> list[str]:
-    return line.split(between) if between is not None else line.split()
+    if between is None:
+        return line.split()
+    return next(csv.reader([line], delimiter=between)) if '"' in line else line.split(between)
 
 
 def _numeric(line: str, between: str | None, point: str) -> bool:
@@ -206,7 +217,8 @@ def _names(table: Table, head: list[str], between: str | None) -> None:
     bracketed = [_UNIT.match(part) for part in names]
     # A line of units under the names: every part is one, in brackets or not.
     if second and len(second) == len(names) and all(
-            parse_unit(part) is not None or _bare(part).lower() in ("s", "hz") for part in names):
+            parse_unit(part) is not None or _bare(part).lower() in ("s", "hz") or abscissa_factor(part) != 1.0
+            for part in names):
         table.names, table.units = second, [_bare(part) for part in names]
         return
     table.names = [m[1] if m and m[1] and not _PAIR.match(part) else part

@@ -119,7 +119,9 @@ def datasets_of(file: Path, reader: str) -> tuple[str | None, dict[str, NDArray[
     arrays: dict[str, NDArray[Any]] = {}
 
     def keep(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and not name.startswith("#"):
+        # MATLAB stores texts as numbers, and the shape of what is empty.
+        text = "MATLAB_empty" in item.attrs or item.attrs.get("MATLAB_class") in (b"char", "char")
+        if isinstance(item, h5py.Dataset) and not name.startswith("#") and not text:
             arrays[name] = _values(item)
 
     try:

@@ -130,6 +130,8 @@ def read_archive(file: Path) -> dict[str, NDArray[Any]]:
         raise
     except (zipfile.BadZipFile, zlib.error, ValueError, KeyError, OSError, EOFError, NotImplementedError,
             MemoryError) as exc:
-        reason = "objects, which only pickle reads" if "pickle" in str(exc) and zipfile.is_zipfile(file) \
-            else str(exc) or type(exc).__name__
-        unsuitable(file, f"which cannot be read ({reason})", wanted, "It was cut or damaged: copy it again.")
+        if "pickle" in str(exc) and zipfile.is_zipfile(file):
+            unsuitable(file, "which holds objects, which only pickle reads", wanted,
+                       "A pickle can run any code. Save arrays of numbers alone.")
+        unsuitable(file, f"which cannot be read ({str(exc) or type(exc).__name__})", wanted,
+                   "It was cut or damaged: copy it again.")

@@ -147,11 +147,18 @@ def _check_keys(i: int, row: Any) -> None:
 
 
 def _rate(i: int, row: Mapping[str, Any], size: int) -> float:
-    if row.get("fs") is not None:
-        return finite_scalar(f"channels[{i}]['fs']", row["fs"], low=0.0, low_open=True, unit="Hz")
+    fs = row.get("fs")
+    if fs is not None:
+        fs = finite_scalar(f"channels[{i}]['fs']", fs, low=0.0, low_open=True, unit="Hz")
+        if row.get("time") is None:
+            return fs
     if row.get("time") is None:
         reject(f"channels[{i}]", "neither 'fs' nor 'time'", "one of them")
     time = real_array(f"channels[{i}]['time']", row["time"], ndim=1, wanted=f"a real array ({size},) in s")
     if time.size != size:
         reject(f"channels[{i}]['time']", f"{time.size} instants", f"{size}, as the data")
-    return rate_of(Path(f"SEP-005 channels[{i}]"), time)
+    rate = rate_of(Path(f"SEP-005 channels[{i}]"), time)
+    if fs is not None and abs(rate / fs - 1.0) > 1e-3:
+        reject(f"channels[{i}]['fs']", f"{fs:g} Hz beside a 'time' of {rate:g} Hz", "one rate",
+               "Correct one of them, or leave it out.")
+    return rate if fs is None else fs

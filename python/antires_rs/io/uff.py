@@ -175,8 +175,6 @@ def _rate(file: Path, f: Function) -> float:
         return float(f.own["rate_hz"])
     if not f.even:
         return rate_of(file, f.x, digits=5e-6)
-    if not f.step > 0.0:
-        unsuitable(file, f"with a step of {f.step:g} s at {label_of(f.response)}", "a positive step")
     half = half_digit(f.step)
     return simplest_rate(1.0 / (f.step + half), 1.0 / (f.step - half))
 

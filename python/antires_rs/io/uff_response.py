@@ -44,6 +44,12 @@ def response_of(file: Path, functions: list[Function], kind: str, named: Named, 
         if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:
             unsuitable(file, f"with other frequencies at {label_of(f.response)} than at "
                        f"{label_of(wanted[0].response)}", "one frequency axis for all")
+    for f in wanted:
+        if not np.iscomplexobj(f.values):
+            unsuitable(file, f"whose {f.what} of {label_of(f.response)} is real", "complex functions",
+                       "Magnitudes alone have lost the phase; export real and imaginary part.")
+    if unit is None:
+        _check_kinds(file, [f for f in wanted if named(f.response)[0] is not None])
     rows = {f.response: _values(file, f, unit) for f in wanted}
     coherence = _coherence(file, rows, beside)
     if kind == "transmissibility" and point not in rows:
@@ -113,6 +119,16 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
         factor = f.scale * above.factor / (1.0 if above.per else below.factor)
     values = f.values.astype(np.complex128)
     return values if factor == 1.0 else values * factor
+
+
+def _check_kinds(file: Path, wanted: list[Function]) -> None:
+    """Refuse receptances beside accelerances: their quotients are no transmissibilities."""
+    kinds = {f.response: (parse_unit(f.unit) or Unit()).quantity for f in wanted}
+    if len(set(kinds.values())) > 1:
+        unsuitable(file, "with responses of several kinds, " + ", ".join(
+            f"{label_of(point)} {kind or 'in no known unit'}" for point, kind in kinds.items()),
+            "accelerations, velocities or displacements alone",
+            "Leave out those of other kinds by dofs=, or name the unit= of all.")
 
 
 def _coherence(file: Path, rows: dict[Point, Any], beside: list[Function]) -> dict[Point, FloatArray] | None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ._common import missing_package, missing_part, unsuitable
 from .uff_names import Point, label_of
 from .uff_scan import Dataset, scan
+from .units import abscissa_factor
 
 __all__ = ["FUNCTIONS", "MARK", "Function", "functions_of"]
 
@@ -132,6 +133,8 @@ def _through_pyuff(pyuff: Any, file: Path, source: Path, whole: list[Dataset]) -
         if not (np.isfinite(got).all() and np.isfinite(made["x"]).all()):
             unsuitable(file, f"whose dataset {i + 1} has values that are not finite", WANTED)
         functions.append(_function(made, got, factors))
+        if functions[-1].even and not functions[-1].step > 0.0:
+            unsuitable(file, f"whose dataset {i + 1} has a step of {functions[-1].step:g}", "a positive step")
     return functions
 
 
@@ -156,7 +159,9 @@ def _function(made: dict[str, Any], values: NDArray[Any], factors: tuple[float, 
     even = int(made["abscissa_spacing"]) == 1
     step = float(made["abscissa_inc"]) if even else 0.0
     own = _own(made, step)
-    x = np.asarray(made["x"], dtype=np.float64)
+    # The format has s and Hz; some programs label what they wrote in ms.
+    into_si = abscissa_factor(made["abscissa_axis_units_lab"].strip())
+    x, step = into_si * np.asarray(made["x"], dtype=np.float64), into_si * step
     if "start" in own:
         x = own["start"] + own["step"] * np.arange(values.size)
     above, below = int(made["ordinate_spec_data_type"]), int(made["orddenom_spec_data_type"])

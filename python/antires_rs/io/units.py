@@ -11,7 +11,7 @@ from typing import Any
 
 from .._validation import reject
 
-__all__ = ["STANDARD_GRAVITY", "Unit", "named_unit", "parse_unit"]
+__all__ = ["STANDARD_GRAVITY", "Unit", "abscissa_factor", "named_unit", "parse_unit"]
 
 #: m/s2 in one g, by definition (3rd CGPM, 1901).
 STANDARD_GRAVITY = 9.80665
@@ -25,6 +25,8 @@ _SI = {
     "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": INCH, "ft": 12.0 * INCH},
     "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": POUND_FORCE, "kgf": STANDARD_GRAVITY},
 }
+#: Names of other units than s and Hz of time and frequency, in small letters.
+_ABSCISSA = {"ms": 1e-3, "msec": 1e-3, "us": 1e-6, "usec": 1e-6, "min": 60.0, "khz": 1e3}
 _NONE = {"", "1", "-", "none", "unknown", "[]"}
 
 
@@ -69,6 +71,11 @@ def named_unit(name: str, value: Any) -> Unit:
         known = ", ".join(repr(u) for units in _SI.values() for u in list(units)[:4])
         reject(name, repr(value), f"a unit such as {known}, or a quotient such as 'g/N'")
     return unit
+
+
+def abscissa_factor(text: str) -> float:
+    """Factor of a time or frequency into s or Hz; 1 for names that are not known."""
+    return _ABSCISSA.get(_plain(text).lower(), 1.0)
 
 
 def _plain(text: str) -> str:

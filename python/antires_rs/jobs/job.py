@@ -63,9 +63,13 @@ class Job:
         number = int(where[1]) if where and where[1] else max(1, len(lines))
         line = lines[number - 1].strip() if number <= len(lines) else ""
         reason = said[:where.start()].strip() if where else said
+        twice = re.match(r"Cannot declare \('(\w+)',\) twice", reason)
+        several = twice is not None and twice[1] in SECTIONS and SECTIONS[twice[1]].several != "no"
+        remedy = (f"Where there are several, each is headed [[{twice[1]}]]." if twice and several else
+                  "Text stands in quotes, lists in [ ], and each key once.")
         raise InvalidInputError(
             f"{self._name}, line {number}: got {line!r}, which is no TOML ({reason}); wanted lines such as "
-            "key = value under a [section]. Text stands in quotes, lists in [ ], and each key once.")
+            f"key = value under a [section]. {remedy}")
 
     def _unknown_sections(self, raw: Mapping[str, Any]) -> None:
         for name in raw:

@@ -88,9 +88,10 @@ DATA = Section("data", "What was measured. One [[data]] for each position of the
     Key("file", "text", "The measurement: a file .uff, .unv, .mat, .h5, .csv, .tsv, .txt or .npz, or the "
         ".json of 'antires identify'. Relative to this job file.", required=True),
     Key("format", "text", "One of uff, mat, hdf5, csv, npz, antiresonances. By default the ending tells."),
-    Key("excitation", "dof", "Dof of the model at which the one force acts, or the name of its channel."),
+    Key("excitation", "dof", "Dof of the model at which the one force acts, or the name of its channel.",
+        of=SIGNALS),
     Key("band_hz", "pair", "Lowest and highest frequency in Hz: from above the rigid-body modes to beyond "
-        "the highest antiresonance wanted."),
+        "the highest antiresonance wanted.", of=SIGNALS),
     Key("dofs", "dofs", "Dof of the model for each channel: a list in their order, or name = dof; false "
         'leaves a channel out. Dofs count from 0; those of frames may be named as in "3 v".'),
     Key("unit", "text", 'Unit of the responses, where the file does not tell: "m/s2", "g", "g/N".',

@@ -83,6 +83,9 @@ def _one(job: Job, place: Keys, table: dict[str, Any], model: StructuralModel | 
     say(f"identifying the antiresonances of {len(signal.dofs)} responses")
     force = table["excitation"]
     if isinstance(names, dict) and force in names:
+        if names[force] is False:
+            job.reject((*place, "excitation"), f"{shown(force)}, which dofs leaves out", "a dof of the model",
+                       "Write the dof at which the force acts; its channel may still be left out.")
         force = names[force]  # the name of a channel stands for its dof
     force = _checked(job, (*place, "excitation"), find((*place, "excitation"), force), model)
     chosen = dict(job.section("identification"))

@@ -54,8 +54,13 @@ def read_signal(file: Path, kind: str, options: dict[str, Any],
         options.get("dofs"), dict) else [_plain(dof) for dof in options.get("dofs", [])]
     # Universal files name points, whose sign may have to be turned: that is the reader's.
     by_point = kind == "uff" and isinstance(dofs, dict) and all(map(_is_point, dofs))
+    left_out = {name for name, dof in dofs.items() if dof is None} if isinstance(dofs, dict) else set()
+    if by_point:
+        chosen["dofs"] = dofs
+    elif left_out:  # before the reader finds that they do not fit the rest
+        chosen["dofs"] = lambda name: None if str(name) in left_out else name
     try:
-        signal = _READERS[kind](file, **chosen, **({"dofs": dofs} if by_point else {}))
+        signal = _READERS[kind](file, **chosen)
     except InvalidInputError as exc:  # which speaks to one who calls from Python
         said = re.sub(r"Map a \w+ to None to leave it out;?", _LEAVE_OUT, str(exc))
         said = _PASSED.sub(lambda found: spell(found[1], found[2]), said)
@@ -67,8 +72,8 @@ def _named(signal: Signal, dofs: dict[Any, Any] | list[Any]) -> Signal:
     """The channels that have a dof, under its name."""
     names = [str(name) for name in signal.dofs] if isinstance(dofs, dict) else list(signal.dofs)
     if isinstance(dofs, dict):
-        for name in dofs:
-            if name not in names:
+        for name, dof in dofs.items():
+            if name not in names and dof is not None:
                 reject("dofs", f"{name!r}, which is no channel", f"names out of {names}",
                        "Correct or remove it.")
         for name in names:
