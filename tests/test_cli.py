@@ -31,7 +31,8 @@ def test_version_and_help_leave_with_0(capsys):
 
 @pytest.mark.parametrize("arguments", [
     [], ["fly"], ["demo", "--seed", "-1"], ["demo", "--seed", "1.5"], ["demo", "--noise", "nan"],
-    ["demo", "--noise", "2"], ["demo", "--workers", "0"], ["demo", "--fast"]])
+    ["demo", "--noise", "2"],
+    ["identify", "a.csv", "--excitation", "-1"], ["demo", "--workers", "0"], ["demo", "--fast"]])
 def test_wrong_usage_leaves_with_2_and_explains(capsys, arguments):
     with pytest.raises(SystemExit) as caught:
         cli.main(arguments)

@@ -181,6 +181,14 @@ def test_a_time_limit_leaves_a_search_to_go_on_with(tmp_path, whole, capsys):
     assert bytes_of(results / "result.npz") == whole
 
 
+def test_out_of_time_without_a_checkpoint_is_not_called_finished(tmp_path, capsys):
+    fill(tmp_path, LONG.replace("seed = 3", "seed = 3\nmax_seconds = 0.1\ncheckpoint = false"))
+    assert cli.main(["update", str(tmp_path / "job.toml")]) == 0
+    capsys.readouterr()
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2
+    assert "ran out of time and kept no checkpoint" in capsys.readouterr().err
+
+
 def test_changed_data_are_not_taken_for_those_of_the_search(tmp_path, capsys):
     results = fill(tmp_path, LONG.replace("seed = 3", "seed = 3\nmax_seconds = 0.1"))
     assert cli.main(["update", str(tmp_path / "job.toml")]) == 0

@@ -68,6 +68,8 @@ WRONG = {
     "an unknown option of the identification": (RECORD.replace("band_hz",
                                                                "dofs = [0, 1, 2]\nband_hz").replace(
         "[model]", '[identification]\nestimator = "rank2"\n\n[model]'), 8),
+    "options of an identification that is done": (DAMAGE.replace(
+        "[model]", "[identification]\nmax_order = 30\n[model]"), 4),
     "an unknown kind of model": (DAMAGE.replace('"chain"', '"chian"'), 5),
     "a key of another model": (DAMAGE.replace("[damage]", "nodes_m = [[0, 0], [1, 0]]\n[damage]"), 9),
     "a chain without springs": (re.sub(r"springs.*\n", "", DAMAGE), 4),

@@ -71,13 +71,16 @@ def resume(args: argparse.Namespace) -> int:
     """Go on with a job."""
     job = read_job(_job_of(args.target))
     folder = RunFolder.of(job)
-    if folder.state == "interrupted" and not folder.unfinished:
-        reject("JOB", f"{str(args.target)!r}, whose search was interrupted and kept no checkpoint",
-               "a search that is kept on disk", f"Begin anew with 'antires {job.task} {_shown(job.path)}', "
-               "and checkpoint = true under [search].")
     if not folder.unfinished and folder.state not in (None, "searching") and folder.result.is_file():
+        from ..jobs.run import out_of_time
         from ..results import UpdateResult
         done = UpdateResult.load(folder.result)
+        interrupted = folder.state == "interrupted"
+        if interrupted or out_of_time(done):
+            how = "was interrupted" if interrupted else "ran out of time"
+            reject("JOB", f"{str(args.target)!r}, whose search {how} and kept no checkpoint",
+                   "a search that is kept on disk", f"Begin anew with 'antires {job.task} "
+                   f"{_shown(job.path)}', and checkpoint = true under [search].")
         print(f"antires: this search has finished ({done.status}); nothing is left to do", file=sys.stderr)
         if job.section("output").get("report", True) and not folder.report.exists():
             print(f"antires: for its report: antires report {_shown(folder.folder)}", file=sys.stderr)

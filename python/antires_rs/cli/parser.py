@@ -213,6 +213,8 @@ def _number(kind: Callable[[str], Any], low: float, high: float = float("inf")) 
 
 
 def _dof(text: str) -> int | str:
+    if re.fullmatch(r"-\d+", text):
+        raise argparse.ArgumentTypeError(f"got {text}; wanted a dof of at least 0, or a name")
     return int(text) if re.fullmatch(r"\d+", text) else text
 
 

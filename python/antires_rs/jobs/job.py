@@ -189,7 +189,7 @@ class Job:
             said = str(exc)[found.end():]
             if not has_remedy(said):
                 key = _key_at(at)
-                said += f" What belongs here: {key.explanation if key else SECTIONS[str(at[0])].help}"
+                said += f" What belongs here: {key.help if key else SECTIONS[str(at[0])].help}"
             raise type(exc)(f"{self.where((*at, *indices, *attribute))}: {said}") from exc
 
 

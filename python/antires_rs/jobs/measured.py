@@ -54,8 +54,12 @@ def measured_of(job: Job, model: StructuralModel | None, say: Callable[[str], An
         Receives a line before each stage.
     """
     find: Finder = (lambda place, name: name) if model is None else dof_finder(job, model)
-    return [_one(job, place, table, model, find, say)
-            for place, table in zip(job.data_places, job.data, strict=True)]
+    measured = [_one(job, place, table, model, find, say)
+                for place, table in zip(job.data_places, job.data, strict=True)]
+    if job.section("identification") and all(each.signal is None for each in measured):
+        job.reject(("identification",), "options beside files that hold antiresonances already",
+                   "a measurement to be identified", "Remove the section, or name the measurement.")
+    return measured
 
 
 def _one(job: Job, place: Keys, table: dict[str, Any], model: StructuralModel | None, find: Finder,

@@ -29,7 +29,7 @@ from .model import model_of, term_files
 from .summary import summary_of
 from .unknowns import elements_of, parameters_of, search_of
 
-__all__ = ["Outcome", "run"]
+__all__ = ["Outcome", "out_of_time", "run"]
 
 Say = Callable[[str], Any]
 
@@ -138,7 +138,7 @@ def _carried_out(job: Job, said: list[str], resume: bool, fresh: bool, workers: 
         return outcome
     from .drawing import draw
     outcome.notes = draw(job, result, folder, evidence, say)
-    if not _out_of_time(result):
+    if not out_of_time(result):
         folder.forget_search()  # last: as long as it waits, resume makes up for whatever is missing
     return outcome
 
@@ -224,6 +224,6 @@ def _relative(file: Path, folder: Path) -> str:
         return file.absolute().as_posix()
 
 
-def _out_of_time(result: UpdateResult) -> bool:
-    """Whether max_seconds ended the search, so that it can go on."""
+def out_of_time(result: UpdateResult) -> bool:
+    """Whether max_seconds ended the search, so that it could go on."""
     return result.status == "callback" or (result.status == "budget" and "time" in result.message)
