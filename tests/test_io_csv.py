@@ -178,3 +178,11 @@ def test_units_that_are_written(tmp_path):
 def test_labels_with_delimiters(tmp_path):
     made = recording(dofs=('a,"b', "c\nd", "#e"))
     assert ar.read_csv(ar.write_csv(tmp_path / "a.csv", made)).dofs == made.dofs
+
+
+def test_a_rate_that_the_column_of_time_denies_is_named(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("time [s],tip [g]\n" + "".join(f"{i / 512:.9f},{i % 7}\n" for i in range(64)))
+    with pytest.warns(ar.AntiresWarning, match="has instants at 512 Hz; read at 256 Hz, as fs_hz= says"):
+        assert ar.read_csv(file, fs_hz=256.0).fs_hz == 256.0
+    assert ar.read_csv(file, fs_hz=512.0).fs_hz == 512.0
