@@ -63,9 +63,10 @@ class Job:
         number = int(where[1]) if where and where[1] else max(1, len(lines))
         line = lines[number - 1].strip() if number <= len(lines) else ""
         reason = said[:where.start()].strip() if where else said
+        path = r" A path is written with / or in single quotes: 'C:\tests\a.uff'." if "\\" in line else ""
         raise InvalidInputError(
             f"{self._name}, line {number}: got {line!r}, which is no TOML ({reason}); wanted lines such as "
-            "key = value under a [section]. Text stands in quotes, lists in [ ], and each key once.")
+            f"key = value under a [section]. Text stands in quotes, lists in [ ], and each key once.{path}")
 
     def _unknown_sections(self, raw: Mapping[str, Any]) -> None:
         for name in raw:
