@@ -192,6 +192,30 @@ def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
     assert json.loads(capsys.readouterr().out)["antiresonances"][7]["freq_hz"] == []
 
 
+def test_a_force_that_is_no_channel_is_mentioned(tmp_path, monkeypatch, capsys):
+    """A slip of the pen changes no antiresonance, but the place of the force is tested no more."""
+    monkeypatch.chdir(tmp_path)
+    record = ar.cases.chain8().experiment(noise=0.01, duration_s=60.0, rng=1)
+    ar.write_csv("test.csv", ar.Recording(record.responses[:3], record.fs_hz,
+                                          ["Floor 1", "Floor 2", "Floor 3"]))
+    call = ["identify", "test.csv", "--band", "3", "60", "--excitation"]
+    assert cli.main([*call, "Flor 1"]) == 0
+    assert ("--excitation: 'Flor 1' is none of the channels 'Floor 1', 'Floor 2', 'Floor 3', so that the "
+            "place of the force cannot be tested. Did you mean 'Floor 1'?") in capsys.readouterr().err
+    assert cli.main([*call, "Floor 1"]) == 0
+    assert "none of the channels" not in capsys.readouterr().err
+
+
+def test_what_the_system_refuses_is_named_as_the_user_did(tmp_path, monkeypatch, capsys):
+    def refused(*_):
+        raise PermissionError(13, "Permission denied", str(tmp_path / ".job.toml.4711.tmp"))
+    monkeypatch.setattr("antires_rs.cli.jobs.write_atomically", refused)
+    assert cli.main(["init", str(tmp_path / "job.toml")]) == 1
+    said = capsys.readouterr().err
+    assert f"{str(tmp_path / 'job.toml')!r}: got 'Permission denied' from the system; wanted a place" in said
+    assert "4711" not in said
+
+
 def test_warnings_take_one_line(tmp_path, capsys):
     noise = np.random.default_rng(0).standard_normal((3, 4096))
     noise[1] = 0.0

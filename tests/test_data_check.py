@@ -6,6 +6,7 @@ import pytest
 
 from antires_rs.data_check import DataCheck, Finding, check_data
 from antires_rs.data_check.one_force import noise_ratio
+from antires_rs.data_check.resolution import of_segments
 from antires_rs.exceptions import InvalidInputError
 from antires_rs.noise_level import noise_power
 from antires_rs.signals import Recording
@@ -218,6 +219,13 @@ def test_a_late_channel_is_named_with_its_delay(good, delay_samples):
     assert result.findings[0].value * FS == pytest.approx(delay_samples, abs=0.1)
 
 
+@pytest.mark.parametrize("band", [(30, 40), (50, 60), (40, 60)])
+def test_an_antiresonance_in_a_narrow_band_is_no_delay(good, band):
+    """Its turn, continued from there to 0 Hz, looked like tens of samples or like another quantity."""
+    result = check_data(Recording(good[0], FS), excitation=0, band_hz=band)
+    assert not result.named("time_shift") + result.named("quadrature")
+
+
 def test_a_velocity_among_accelerations_is_named(good):
     def integral(f):
         return (f > 1) / (2j * np.pi * np.maximum(f, 1))
@@ -266,6 +274,14 @@ def test_too_short_records_are_named(duration_s, severity):
     result = check(record(seed=59, duration_s=duration_s))
     assert [f.severity for f in result.named("record_length")] == [severity] * (severity is not None)
     assert result.ok == (severity is None)
+
+
+@pytest.mark.parametrize("duration_s", [100.0, 82.0, 50.0])
+def test_no_one_is_told_to_record_less(duration_s):
+    """Segments are powers of two, so that a record may be too short which is long enough by the count."""
+    [short] = of_segments(0.244, 0.125, duration_s, longer=False, chosen=True, known=True)
+    assert short.advice == ("Record 82 s, better 660 s." if duration_s < 81.0
+                            else "Record for longer, at best 660 s.")
 
 
 # ---- hits -------------------------------------------------------------------------------------------------

@@ -238,3 +238,14 @@ def test_channels_that_are_left_out_need_not_fit_the_rest(tmp_path):
         assert ar.read_csv(file, dofs={"tip": 4, "laser": None}).dofs == (4,)
         # As a job and the command line say it.
         assert read_signal(file, "csv", {"dofs": {"tip": 4, "laser": False}}).dofs == (4,)
+
+
+def test_a_rate_that_the_column_of_time_denies_is_named(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("time [s],tip [g]\n" + "".join(f"{i / 512:.9f},{i % 7}\n" for i in range(64)))
+    with pytest.warns(ar.AntiresWarning, match="has instants at 512 Hz; read at 256 Hz, as fs_hz= says"):
+        assert ar.read_csv(file, fs_hz=256.0).fs_hz == 256.0
+    assert ar.read_csv(file, fs_hz=512.0).fs_hz == 512.0
+    # In milliseconds it is the same time.
+    file.write_text("time [ms],tip [g]\n" + "".join(f"{1e3 * i / 512:.6f},{i % 7}\n" for i in range(64)))
+    assert ar.read_csv(file, fs_hz=512.0).fs_hz == 512.0

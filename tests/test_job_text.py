@@ -138,3 +138,10 @@ def test_every_format_has_a_reader_and_its_endings():
     assert format_of("record.xyz") is None
     assert format_of("record.xyz", "csv") == "csv"
     assert format_of("record.csv", "cvs") is None
+
+
+def test_a_path_with_backslashes_is_told_how_to_be_written(tmp_path):
+    job = tmp_path / "job.toml"
+    job.write_text('[data]\nfile = "C:\\Users\\test.uff"\n')
+    with pytest.raises(ar.InvalidInputError, match="A path is written with / or in single quotes"):
+        read_job(job)

@@ -346,3 +346,16 @@ def test_what_nothing_tells_has_no_standard_deviation():
     assert np.isinf(ar.update(ar.UpdatingProblem(chain, kinds, zeros), rng=0).std).all()
     damage = ar.assess_damage(chain, zeros, rng=0)
     assert np.isnan(damage.std).all()
+
+
+def test_of_two_unknown_combinations_the_scale_is_one():
+    """A chain on the ground, force at its end, whose mass is no parameter."""
+    chain = ar.MassSpringChain([1.0] * 4, [500.0] * 3, ground_first_n_per_m=500.0)
+    measured = ar.AntiresonanceSet(3, dict(enumerate(chain.antiresonances(range(4), 3))))
+    every = (ar.stiffness_factor(range(4), bounds=(0.9, 1.1)) + ar.mass_factor(range(3), bounds=(0.9, 1.1)))
+    result = ar.update(ar.UpdatingProblem(chain, every, measured), rng=0)
+    assert result.identifiability.rank == 5
+    assert result.notes == ["2 combinations of all parameters that are seen cannot be told: no measured "
+                            "antiresonance moves with them, a common scale among them (5 of 7 combinations "
+                            "are)."]
+    assert result.summary().count("not determined") == 7

@@ -145,7 +145,8 @@ def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> t
     slack = 1e-9 * max(high_hz, 1.0)
     if not (np.isfinite(low) and np.isfinite(high)) or low >= high \
             or low < low_hz - slack or high > high_hz + slack:
-        reject(name, (low, high), wanted, "Narrow the band to the data.")
+        reject(name, (low, high), wanted, "The lower one comes first." if low >= high
+               else "Narrow the band to the data.")
     return low, high
 
 

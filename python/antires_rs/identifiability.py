@@ -81,8 +81,11 @@ class Identifiability:
             names = "all parameters that are seen" if everyone else ", ".join(
                 name for name, t in zip(self.names, taking_part, strict=True) if t)
             combinations = "One combination" if mixed == 1 else f"{mixed} combinations"
-            why = (f"a common scale moves no {self.noun}, only ratios are known" if self.scale_unseen
-                   else f"no measured {self.noun} moves with them")
+            why = f"no measured {self.noun} moves with them"
+            if self.scale_unseen and mixed == 1:
+                why = f"a common scale moves no {self.noun}, only ratios are known"
+            elif self.scale_unseen:
+                why += ", a common scale among them"
             notes.append(f"{combinations} of {names} cannot be told: {why} "
                          f"({self.rank} of {len(self.names)} combinations are).")
         if np.any(self.weak):

@@ -128,9 +128,11 @@ class UpdateResult:
 
     def _values(self) -> list[str]:
         width = max(len(name) for name in self.problem.names)
-        return [f"{name:<{width}}  {value:#12.6g} \u00b1 {std:<8.2g} [{low:g}, {high:g}]"
-                for name, value, std, (low, high) in zip(self.problem.names, self.x, self.std,
-                                                         self.problem.bounds, strict=True)]
+        spreads = ["not determined" if np.isinf(std) else f"\u00b1 {std:<8.2g}" for std in self.std]
+        wide = max(map(len, spreads))
+        return [f"{name:<{width}}  {value:#12.6g} {spread:<{wide}} [{low:g}, {high:g}]"
+                for name, value, spread, (low, high) in zip(self.problem.names, self.x, spreads,
+                                                            self.problem.bounds, strict=True)]
 
     def plot(self, ax: Any = None) -> Any:
         """Differences of the frequencies before and after updating; see :mod:`antires_rs.plotting`."""

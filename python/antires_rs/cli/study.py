@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import warnings
 from pathlib import Path
 from typing import Any
 
 from .._validation import reject
 from ..antiresonance_set import AntiresonanceSet
+from ..exceptions import AntiresWarning
 from ..jobs.keys import DATA, FORMATS, format_of
 from .terminal import arguments, existing, print_json, say
 
@@ -93,7 +95,18 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
         # A channel that is left out still names the place of the force, which need not be recorded.
         named = options.get("dofs", {}).get(args.excitation, False)
         force = args.excitation if named is False else named
+        if force not in signal.dofs and args.excitation not in options.get("dofs", {}):
+            _warn_unmeasured(force, signal.dofs)
         return identify_antiresonances(signal, excitation=force, band_hz=args.band, **chosen)
+
+
+def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
+    """The antiresonances do not depend on the name, so that a slip of the pen would pass in silence."""
+    from ..jobs.job import nearest
+    hint = nearest(str(force), map(str, dofs))
+    warnings.warn(f"--excitation: {force!r} is none of the channels {', '.join(map(repr, dofs))}, so that "
+                  f"the place of the force cannot be tested.{' ' * bool(hint)}{hint}", AntiresWarning,
+                  stacklevel=2)
 
 
 def _as_option(name: str, value: str | None) -> str:

@@ -36,6 +36,9 @@ AGREEMENT = 0.7
 # on the ends of a chain; identification itself bears any delay that is short beside a segment.
 SHIFT_DEG = 60.0
 QUADRATURE_DEG = 40.0
+# Phase (degrees) from one end of the lines to the other below which no delay is fitted. In a narrow band an
+# antiresonance turns the phase as far, and the line through it would be extended from there down to 0 Hz.
+TURN_DEG = 60.0
 # Candidate delays are at most this part of the time that the spacing of the lines resolves.
 SPAN = 0.25
 # Zero padding of the transform that scans the delays.
@@ -102,6 +105,8 @@ def _fit(seen: Evidence, votes: ComplexArray, p: int, others: list[int]) -> _Fit
     freq = seen.freq_hz[heard]
     z = total[heard] / np.abs(total[heard])
     delay = _delay(freq, z)
+    if 360.0 * abs(delay) * float(freq[-1] - freq[0]) < TURN_DEG:
+        delay = 0.0
     mean = np.mean(z * np.exp(4j * np.pi * freq * delay))
     if np.abs(mean) < AGREEMENT:
         return None

@@ -59,13 +59,15 @@ def of_segments(bandwidth_hz: float | None, spacing_hz: float, duration_s: float
         return [Finding(RESOLUTION, severity, (), lines, ENOUGH, "The resolution is too coarse: " + seen,
                         f"Use longer segments, of {rounded(wanted_s)} s{leave_it}.")]
     constants = np.pi * bandwidth_hz * duration_s
-    # With as few lines as are needed; more are better.
+    # With as few lines as are needed; more are better. Segments are powers of two, which may fall short of a
+    # record that is long enough by this count.
     least_s = SEGMENTS * wanted_s * ENOUGH / BANDWIDTHS
     return [Finding(LENGTH, severity, (), lines, ENOUGH,
                     f"The record of {duration_s:.3g} s is too short: {seen} It holds {constants:.0f} time "
                     "constants of these resonances.",
-                    f"Record {'' if known else 'at least '}{rounded(least_s)} s, better "
-                    f"{rounded(SEGMENTS * wanted_s)} s.")]
+                    (f"Record {'' if known else 'at least '}{rounded(least_s)} s, better "
+                     if least_s > duration_s else "Record for longer, at best ")
+                    + f"{rounded(SEGMENTS * wanted_s)} s.")]
 
 
 def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool) -> Said:

@@ -7,15 +7,16 @@ a file that was cut between two rows is noticed too. Others are read with or wit
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .._validation import choice, finite_scalar
-from ..exceptions import AntiresError
+from ..exceptions import AntiresError, UnsuitableDataError
 from ..signals import FrequencyResponse
-from ._common import Signal, existing_file, missing_part, rate_of, unsuitable
+from ._common import Signal, existing_file, missing_part, rate_of, unsuitable, warn
 from .channels import Channel, Dofs, in_si, recording_of, renamed, unit_or_warning
 from .delimited_text import Table, table_of
 from .units import abscissa_factor, named_unit
@@ -23,6 +24,8 @@ from .units import abscissa_factor, named_unit
 __all__ = ["read_csv"]
 
 _TIME, _FREQ = ("time", "t", "s", "time_s", "seconds"), ("freq", "f", "hz", "frequency", "freq_hz")
+# Instants with few digits may differ so much from the rate that they were sampled at.
+_SAME_RATE = 1e-3
 
 
 def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: float | None = None,
@@ -41,7 +44,7 @@ def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: f
     first : {"time", "freq", "channel"}, optional
         What the first column is. By default its name tells, and complex columns lie over frequency.
     fs_hz : float, optional
-        Sampling rate, where there is no column of time.
+        Sampling rate, where there is no column of time; in place of the column's where there is one.
     dofs : sequence, mapping or callable, optional
         Dof of each response: in order, by the column's name, or a function of it; None leaves one out.
         Default: the names, or 0, 1, ... without names.
@@ -73,7 +76,8 @@ def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: f
     Warns
     -----
     AntiresWarning
-        The last line has no end, so that its last number may be cut; a unit that is not known.
+        The last line has no end, so that its last number may be cut; a unit that is not known; a
+        column of time that says another rate than ``fs_hz``.
 
     Notes
     -----
@@ -153,13 +157,25 @@ def _foreign(file: Path, table: Table, first: str | None, fs_hz: float | None, d
         return _response(file, columns, labels, units, dofs, unit, kind, reference)
     if any(np.iscomplexobj(c) for c in columns):
         unsuitable(file, "with complex columns over time", "real ones", "Pass first='freq'.")
-    if first == "time" and fs_hz is None:
-        rate = rate_of(file, columns[0] * abscissa_factor(units[0]), digits=table.digits)
+    instants = columns[0] * abscissa_factor(units[0]) if first == "time" else None
+    if instants is not None and fs_hz is None:
+        rate = rate_of(file, instants, digits=table.digits)
     else:
         rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
+        if instants is not None:
+            _warn_other_rate(file, instants, rate, table.digits)
     channels = [Channel(name, values, its, "force" if str(name).lower() == "force" else "")
                 for name, values, its in zip(labels[skip:], columns[skip:], units[skip:], strict=True)]
     return recording_of(file, channels, rate, dofs=dofs, force=force, unit=unit)
+
+
+def _warn_other_rate(file: Path, times: Any, rate: float, digits: float) -> None:
+    """A rate that the caller gives and the column of time denies moves every frequency."""
+    with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
+        own = rate_of(file, times, digits=digits)
+        if abs(own - rate) > _SAME_RATE * rate:
+            warn(f"path: {str(file)!r} has instants at {own:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
+                 "Leave fs_hz= out if the file is right.")
 
 
 def _response(file: Path, columns: list[Any], labels: list[Any], units: list[str], dofs: Dofs,

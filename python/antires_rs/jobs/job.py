@@ -67,6 +67,7 @@ class Job:
         several = twice is not None and twice[1] in SECTIONS and SECTIONS[twice[1]].several != "no"
         remedy = (f"Where there are several, each is headed [[{twice[1]}]]." if twice and several else
                   "Text stands in quotes, lists in [ ], and each key once.")
+        remedy += r" A path is written with / or in single quotes: 'C:\tests\a.uff'." if "\\" in line else ""
         raise InvalidInputError(
             f"{self._name}, line {number}: got {line!r}, which is no TOML ({reason}); wanted lines such as "
             f"key = value under a [section]. {remedy}")

@@ -148,9 +148,10 @@ MODEL = Section("model", "The model. Masses, springs, nodes, elements and dofs c
     Key("masses_kg", "numbers", "Masses in kg, from the first to the last.", of=(CHAIN,)),
     Key("springs_n_per_m", "numbers", "Stiffness in N/m of the springs between neighbours, one fewer than "
         "masses.", of=(CHAIN,)),
-    Key("ground_first_n_per_m", "number", "Spring from the first mass to ground; 0 is a free end.", "0",
-        of=(CHAIN,)),
-    Key("ground_last_n_per_m", "number", "Spring from the last mass to ground.", "0", of=(CHAIN,)),
+    Key("ground_first_n_per_m", "number", "Spring from the first mass to ground; 0 is a free end. With n "
+        'masses it is element n - 1, which "all" leaves out.', "0", of=(CHAIN,)),
+    Key("ground_last_n_per_m", "number", "Spring from the last mass to ground: element n, left out likewise.",
+        "0", of=(CHAIN,)),
     Key("nodes_m", "list", "Coordinates of the nodes in m, [x, y] or [x, y, z].", of=(FRAME,)),
     Key("elements", "list", '[node, node, "section"] of each beam.', of=(FRAME,)),
     Key("sections", "table", 'Name = { shape = "tube", outer_diameter_m, thickness_m, youngs_modulus_pa, '
@@ -179,8 +180,9 @@ LUMPED, SUPPORT = ("point_mass", "inertia"), ("support_stiffness",)
 
 PARAMETERS = Section("parameters", "What may change in the model: one [[parameters]] for each kind and "
                      "its bounds.", (
-    Key("kind", "text", "stiffness_factor, mass_factor, stiffness_reduction; for frames also "
-        "youngs_modulus, density, thickness, diameter, point_mass, inertia, support_stiffness, angle.",
+    Key("kind", "text", "stiffness_factor, stiffness_reduction (of elements), mass_factor (of terms); for "
+        "frames also youngs_modulus, density, thickness, diameter (of sections), point_mass, inertia (of "
+        "masses), support_stiffness (of springs), angle (of elements about a pivot).",
         required=True),
     Key("bounds", "pair", "Lower and upper bound: a factor, or a value in SI (degrees for an angle).",
         required=True),
