@@ -44,3 +44,17 @@ def test_updating_from_a_record_brings_28_antiresonances_into_place():
     assert result.table.measured_hz.size == 28
     assert result.table.largest_before_percent > 2.0
     assert result.table.largest_after_percent <= UPDATED_PERCENT
+
+
+def test_damage_where_no_candidate_is_comes_with_a_doubt():
+    """A shear frame that has lost 30 % of its lowest storey, the spring to ground."""
+    def frame(lowest):
+        return ar.MassSpringChain([5.2] * 5 + [4.4], [52.5e3, 52.5e3, 50e3, 50e3, 48e3],
+                                  ground_first_n_per_m=lowest)
+    zeros = ar.AntiresonanceSet(5, dict(enumerate(frame(0.7 * 55e3).antiresonances(range(6), 5))))
+    blamed = ar.assess_damage(frame(55e3), zeros, rng=0)
+    assert any(note.startswith("No candidates: first ground spring.") for note in blamed.notes)
+    assert any(note.startswith("Hardly explained: the largest difference is ") for note in blamed.notes)
+    found = ar.assess_damage(frame(55e3), zeros, elements=range(6), rng=0)
+    assert found.damaged == [5]
+    assert not any(note.startswith(("No candidates", "Hardly explained")) for note in found.notes)

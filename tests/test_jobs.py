@@ -274,6 +274,8 @@ max_order = 30
 dofs = [3, 4]"""))
     assert {row["dof"] for row in summary["antiresonances"]} == {3, 4}
     assert 4 in summary["damaged"]
+    about = json.loads((tmp_path / "job_results" / "run.json").read_text())["measurement"][0]
+    assert about["Dofs"] == [f"{name} = {dof}" for dof, name in enumerate(names)]
 
 
 def test_without_matplotlib_the_numbers_are_there_and_it_says_what_is_missing(tmp_path, monkeypatch, capsys):

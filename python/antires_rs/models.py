@@ -73,6 +73,12 @@ class MassSpringChain(StructuralModel):
         """The springs between the masses; ground springs only on request."""
         return list(range(self.n_dof - 1))
 
+    @property
+    def _springs(self) -> list[int]:
+        """Without those to ground that are not there: a free end is a spring of zero."""
+        to_ground = enumerate(self._made[2:], start=self.n_dof - 1)
+        return self.default_elements + [term for term, stiffness in to_ground if stiffness != 0.0]
+
     def stiffness(self) -> FloatArray:
         """Stiffness matrix, (n, n), N/m."""
         return self._core.stiffness()

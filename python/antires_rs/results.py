@@ -24,6 +24,11 @@ __all__ = ["DamageResult", "FrequencyTable", "ModalTable", "UpdateResult"]
 
 #: What ends this close to a bound, as a share of the bounds' distance, is on it: a polish leaves some 1e-12.
 _ON_BOUND = 1e-6
+#: A largest difference that stays above half of what it was is not explained, unless it is that of an
+#: identified value: below 1 % in all simulated records of the README's tables.
+_EXPLAINED, _NOISE_PERCENT = 0.5, 1.0
+#: Elements that a note calls by name.
+_NAMED = 4
 
 
 class UpdateResult:
@@ -107,6 +112,11 @@ class UpdateResult:
         if alone:
             notes.append(f"{alone} of {self.table.after_hz.size} measured {self.problem.noun}s have no "
                          "partner: the updated model has none there up to 1.5 times the highest measured.")
+        before, after = self.table.largest_before_percent, self.table.largest_after_percent
+        if after > max(_EXPLAINED * before, _NOISE_PERCENT):
+            notes.append(f"Hardly explained: the largest difference is {after:.2f} %, after {before:.2f} % "
+                         "before. What is wrong may have no parameter, or a dof may be another one; doubt "
+                         "the values found.")
         if self.at_bound:
             notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
         return notes + self.identifiability.notes
@@ -242,6 +252,11 @@ class DamageResult(UpdateResult):
             span = " to ".join(dict.fromkeys(f"{100 * beta:.0f} % ({label(e)})" for e, beta in ends))
             notes.append(f"Smallest damage that would be seen: {span}. An element with less than its own "
                          "limit counts as undamaged: gamma1 and gamma2 outweigh what its damage explains.")
+        left_out = [label(e) for e in self.problem.model._springs if e not in self.severity]
+        if left_out:
+            named = ", ".join(left_out[:_NAMED]) + (f" and {len(left_out) - _NAMED} more" if len(
+                left_out) > _NAMED else "")
+            notes.append(f"No candidates: {named}. Damage there would be blamed on others.")
         if hidden:
             notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
         if self.problem.penalty is not None and self.problem.penalty.snap > 0:

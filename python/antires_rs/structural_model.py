@@ -73,6 +73,11 @@ class StructuralModel(AroundCore["CoreModel"]):
         """Stiffness terms that :func:`assess_damage` looks at unless told otherwise."""
         return list(range(self._core.n_stiffness_terms))
 
+    @property
+    def _springs(self) -> list[int]:
+        """Stiffness terms that have a stiffness."""
+        return list(range(self._core.n_stiffness_terms))
+
     def modes(self, n_modes: int | None = None, f_max_hz: float | None = None) -> ModalSet:
         """Undamped resonances and mass-normalised shapes.
 

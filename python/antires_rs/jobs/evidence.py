@@ -89,6 +89,9 @@ def measurement_of(job: Job, measured: list[Measured]) -> list[dict[str, list[st
     facts = []
     for table, each in zip(job.data, measured, strict=True):
         own = {"File": [each.file.name]}
+        if isinstance(table.get("dofs"), dict):
+            own["Dofs"] = [f"{name} = {'left out' if dof is False else dof}"
+                           for name, dof in table["dofs"].items()]
         if each.signal is not None:
             own |= of_signal(each.signal)
             own["Unit"] = [f"{table['unit']} in the file, here SI" if table.get("unit") else

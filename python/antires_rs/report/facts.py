@@ -146,6 +146,7 @@ def of_model(model: StructuralModel) -> Facts:
                             _count(len(model.node_springs), "spring between nodes", "springs between nodes")]
         held = sorted({node for node, _ in model.fixed})
         facts["Fixed nodes"] = [_names(held) if held else "none"]
+    facts["Numbers"] = ["of dofs and nodes from 0, of masses, springs and elements from 1"]
     return facts
 
 
