@@ -18,6 +18,7 @@ from ..signals import FrequencyResponse
 from ._common import Signal, existing_file, missing_part, rate_of, unsuitable
 from .channels import Channel, Dofs, in_si, recording_of, renamed, unit_or_warning
 from .delimited_text import Table, table_of
+from .own import own_signal
 from .units import abscissa_factor, named_unit
 
 __all__ = ["read_csv"]
@@ -26,10 +27,12 @@ _TIME, _FREQ = ("time", "t", "s", "time_s", "seconds"), ("freq", "f", "hz", "fre
 
 
 def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: float | None = None,
-             dofs: Dofs = None, force: Any = "auto", unit: str | None = None, kind: str = "frf",
+             dofs: Dofs = None, force: Any = "auto", unit: str | None = None, kind: str | None = None,
              reference: Any = None, delimiter: str | None = None, decimal: str | None = None,
              partial: bool = False) -> Signal:
     """Read columns of text: one of our files as it was, any other by the names of its columns.
+
+    Options for a file of ours: as in :func:`read_npz`.
 
     Parameters
     ----------
@@ -50,7 +53,7 @@ def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: f
     unit : str, optional
         Unit of the responses, in place of the file's: ``'m/s2'``, ``'g'``, ``'g/N'`` and the like.
     kind, reference
-        Of complex columns: as in :class:`FrequencyResponse`.
+        Of complex columns: as in :class:`FrequencyResponse`; "frf" by default.
     delimiter, decimal : str, optional
         Between columns, and the decimal sign ("." or ","). By default what the numbers show.
     partial : bool
@@ -105,8 +108,10 @@ def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: f
     if len(table.values) < 2:
         unsuitable(file, f"with {len(table.values)} rows of numbers", "at least two")
     if "kind" in table.header:
-        return _own(file, table)
-    return _foreign(file, table, first, fs_hz, dofs, force, unit, kind, reference)
+        return own_signal(file, _own(file, table), first=first, fs_hz=fs_hz, dofs=dofs, force=force,
+                          unit=unit, kind=kind, reference=reference)
+    return _foreign(file, table, first, fs_hz, dofs, force, unit,
+                    "frf" if kind is None else kind, reference)
 
 
 def _own(file: Path, table: Table) -> Signal:

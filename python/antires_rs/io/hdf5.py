@@ -15,6 +15,7 @@ from ._common import Signal, existing_file, missing_package, signal_given, unsui
 from ._packing import FORMAT, pack, unpack
 from .arrays import signal_of_arrays
 from .channels import Dofs
+from .own import own_signal
 
 __all__ = ["datasets_of", "read_hdf5", "write_hdf5"]
 
@@ -24,14 +25,14 @@ TEXT = "antires_rs"
 
 def read_hdf5(path: str | os.PathLike[str], *, responses: Any = None, time: str | None = None,
               freq: str | None = None, force: Any = "auto", fs_hz: float | None = None, dofs: Dofs = None,
-              unit: str | None = None, kind: str = "frf", reference: Any = None) -> Signal:
+              unit: str | None = None, kind: str | None = None, reference: Any = None) -> Signal:
     """Read an HDF5 file: one of ours as it was, any other by the names of its datasets.
 
     Parameters
     ----------
     path : path-like
     responses, time, freq, force, fs_hz, dofs, unit, kind, reference
-        For files of other programs, as in :func:`read_npz`; datasets in groups are named ``group/name``.
+        As in :func:`read_npz`; datasets in groups are named ``group/name``.
 
     Returns
     -------
@@ -58,9 +59,11 @@ def read_hdf5(path: str | os.PathLike[str], *, responses: Any = None, time: str 
     file = existing_file(path)
     text, arrays = datasets_of(file, "read_hdf5")
     if text is not None:
-        return unpack(file, text, arrays)
+        return own_signal(file, unpack(file, text, arrays), responses=responses, time=time, freq=freq,
+                          force=force, fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
     return signal_of_arrays(file, arrays, responses=responses, time=time, freq=freq, force=force,
-                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
+                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind="frf" if kind is None else kind,
+                            reference=reference)
 
 
 def write_hdf5(path: str | os.PathLike[str], signal: Signal) -> Path:
