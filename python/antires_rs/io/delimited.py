@@ -19,7 +19,7 @@ from ._common import Signal, existing_file, missing_part, rate_of, unsuitable
 from .channels import Channel, Dofs, in_si, recording_of, renamed, unit_or_warning
 from .delimited_text import Table, table_of
 from .own import own_signal
-from .units import abscissa_factor, named_unit
+from .units import abscissa_factor, is_frequency, named_unit
 
 __all__ = ["read_csv"]
 
@@ -142,7 +142,7 @@ def _foreign(file: Path, table: Table, first: str | None, fs_hz: float | None, d
     names, units, columns = table.complex_columns()
     if first is None:
         said = names[0].lower() if table.names else ""
-        hertz = units[0].lower() in ("hz", "khz")
+        hertz = is_frequency(units[0])
         seconds = not hertz and (units[0].lower() == "s" or abscissa_factor(units[0]) != 1.0)
         first = ("time" if said in _TIME or seconds else "freq" if said in _FREQ or hertz
                  else "freq" if any(np.iscomplexobj(c) for c in columns)

@@ -124,15 +124,18 @@ def write_archive(path: str | os.PathLike[str], text: str, arrays: dict[str, NDA
     return write_atomically(path, buffer.getvalue())
 
 
-def read_archive(file: Path) -> dict[str, NDArray[Any]]:
-    """Every array of an archive; the checksums of zip are compared."""
+def read_archive(file: Path, wanted: str = "a whole NumPy archive (.npz) of plain arrays",
+                 remedy: str = "It was cut, or is a single array: use numpy.load.",
+                 ) -> dict[str, NDArray[Any]]:
+    """Every array of an archive; the checksums of zip are compared.
+
+    ``wanted`` and ``remedy`` are said of a file that is no archive.
+    """
     import zipfile
     import zlib
-    wanted = "a whole NumPy archive (.npz) of plain arrays"
     try:
         if not zipfile.is_zipfile(file):
-            unsuitable(file, "which is no archive", wanted,
-                       "It was cut, or is a single array: use numpy.load.")
+            unsuitable(file, "which is no archive", wanted, remedy)
         with np.load(file, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
     except AntiresError:
