@@ -19,6 +19,8 @@ from .own import own_signal
 
 __all__ = ["datasets_of", "read_hdf5", "write_hdf5"]
 
+#: Cells in cells deeper than this are no record of a test.
+DEEPEST = 8
 #: Attribute of the root that holds the JSON text.
 TEXT = "antires_rs"
 
@@ -122,10 +124,8 @@ def datasets_of(file: Path, reader: str) -> tuple[str | None, dict[str, NDArray[
     arrays: dict[str, NDArray[Any]] = {}
 
     def keep(name: str, item: Any) -> None:
-        # MATLAB stores texts as numbers, and the shape of what is empty.
-        text = "MATLAB_empty" in item.attrs or item.attrs.get("MATLAB_class") in (b"char", "char")
-        if isinstance(item, h5py.Dataset) and not name.startswith("#") and not text:
-            arrays[name] = _values(item)
+        if isinstance(item, h5py.Dataset) and not name.startswith("#"):
+            _keep(arrays, name, item)
 
     try:
         with h5py.File(file, "r") as opened:
@@ -135,6 +135,35 @@ def datasets_of(file: Path, reader: str) -> tuple[str | None, dict[str, NDArray[
         unsuitable(file, f"which cannot be read ({str(exc).splitlines()[0]})", "a whole HDF5 file",
                    "It was cut or damaged: copy it again.")
     return (None if text is None else str(text)), arrays
+
+
+def _keep(arrays: dict[str, NDArray[Any]], name: str, item: Any, above: tuple[Any, ...] = ()) -> None:
+    """A dataset by its name; what MATLAB's cells and struct arrays refer to, by names as in version 5."""
+    made = _matlab_class(item)
+    if "MATLAB_empty" in item.attrs or made == "char":
+        return  # MATLAB stores texts as numbers, and the shape of what is empty
+    struct = made != "cell" and item.dtype.kind == "O" and _matlab_class(item.parent) == "struct"
+    if made != "cell" and not struct:
+        arrays[name] = _values(item)
+        return
+    parent, _, field = name.rpartition("/")
+    for i, reference in enumerate(item[()].ravel()):
+        target = item.file[reference] if reference else item
+        if target in (item, *above) or len(above) >= DEEPEST:
+            continue  # nothing, or a damaged file that refers to itself
+        each = f"{parent}[{i}]/{field}" if struct else f"{name}[{i}]"
+        found = {each: target}
+        if not hasattr(target, "dtype"):  # a group: a struct, in which others may lie
+            found = {}
+            target.visititems(lambda n, part, at=each, into=found: into.update({f"{at}/{n}": part}))
+        for label, part in found.items():
+            if hasattr(part, "dtype"):
+                _keep(arrays, label, part, (*above, item))
+
+
+def _matlab_class(item: Any) -> str:
+    made = item.attrs.get("MATLAB_class", b"")
+    return made.decode() if isinstance(made, bytes) else str(made)
 
 
 def _values(item: Any) -> NDArray[Any]:
