@@ -1,9 +1,10 @@
 """Files of every format cut at random bytes: how many cuts are noticed.
 
-For each format 300 cuts at random bytes, and as many on boundaries between records (all, where there are
-fewer). An error is the rule; "warned" is a result with a warning, "whole" a result equal to that of the whole
-file (a last line end was lost); "silent" is what must not be, except on a boundary of a format that does not
-state its size. Formats with ``partial=True`` are read that way too. A crash of the process ends the table.
+For each format 300 cuts at distinct random places inside records, and as many on boundaries between records
+(all, where there are fewer). An error is the rule; "warned" is a result with a warning, "whole" a result
+equal to that of the whole file (a last line end was lost); "silent" is what must not be, except on a
+boundary of a format that does not state its size. Formats with ``partial=True`` are read that way too. A
+crash of the process ends the table.
 
 Run: ``python benchmarks/truncated_files.py [--cuts 300] [--seed 0] [NAME ...]``; half a minute.
 """

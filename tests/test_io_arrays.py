@@ -131,6 +131,59 @@ def test_version_73(tmp_path):
     np.testing.assert_array_equal(ar.io.mat_arrays(path)["H"], [H])
 
 
+def cells_73(path):
+    """Cells and struct arrays as MATLAB 7.3 has them: references to datasets and groups in #refs#."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        hidden = file.create_group("#refs#")
+
+        def put(group, name, value, made="double"):
+            group.create_dataset(name, data=value).attrs["MATLAB_class"] = np.bytes_(made)
+            return group[name].ref
+
+        def references(group, name, targets, made=None):
+            table = group.create_dataset(name, data=np.array([targets], dtype=object), dtype=h5py.ref_dtype)
+            if made:
+                table.attrs["MATLAB_class"] = np.bytes_(made)
+            return table.ref
+
+        def struct(group, name):
+            group.create_group(name).attrs["MATLAB_class"] = np.bytes_("struct")
+            return group[name]
+
+        a, b = put(hidden, "a", A[:, None]), put(hidden, "b", B[:, None])
+        t = put(hidden, "t", TIME[:, None])
+        word = put(hidden, "w", np.array([[104]], dtype=np.uint16), "char")
+        runs = struct(file, "runs")
+        references(runs, "t", [t, t])
+        references(runs, "a", [a, b])
+        inner = struct(hidden, "s")
+        put(inner, "x", A[:, None])
+        references(inner, "deep", [b], "cell")
+        both = references(hidden, "c", [a, word], "cell")
+        references(file, "channels", [a, b, inner.ref, both, h5py.Reference()], "cell")
+        ring = references(hidden, "ring", [a], "cell")
+        hidden["ring"][0, 0] = ring
+        references(file, "endless", [ring], "cell")
+    return path
+
+
+def test_cells_and_struct_arrays_of_version_73(tmp_path):
+    path = cells_73(tmp_path / "a.mat")
+    arrays = ar.io.mat_arrays(path)
+    expected = {"runs[0].t": TIME, "runs[1].t": TIME, "runs[0].a": A, "runs[1].a": B, "channels[0]": A,
+                "channels[1]": B, "channels[2].x": A, "channels[2].deep[0]": B, "channels[3][0]": A}
+    assert set(arrays) == set(expected)
+    for name, values in expected.items():
+        np.testing.assert_array_equal(arrays[name], [values])
+    # The same names as of the same variables in version 5.
+    old = ar.io.mat_arrays(mat(tmp_path / "b.mat", channels=np.array(
+        [A, B, {"x": A, "deep": np.array([B, None], dtype=object)[:1]}, np.array([A, "h"], dtype=object)],
+        dtype=object), runs=np.array([(TIME, A), (TIME, B)], dtype=[("t", "O"), ("a", "O")])))
+    assert set(old) == set(expected)
+    rec = ar.read_mat(path, time="runs[1].t", responses=["runs[1].a", "channels[0]"])
+    np.testing.assert_array_equal(rec.responses, [B, A])
+
+
 def test_pickles_are_refused(tmp_path):
     np.savez(tmp_path / "a.npz", acc=np.array([{"a": 1}], dtype=object), allow_pickle=True)
     with pytest.raises(ar.UnsuitableDataError, match="only pickle reads; .* Save arrays of numbers"):

@@ -199,6 +199,12 @@ def test_frequencies_in_khz(tmp_path):
     assert ar.read_csv(file).freq_hz == pytest.approx([100.0, 200.0, 300.0], rel=1e-15)
 
 
+@pytest.mark.parametrize("head", ["omega [rad/s]", "f (rad/sec)"])
+def test_frequencies_in_radians(tmp_path, head):
+    (tmp_path / "a.csv").write_text(f"{head},tip\n0,1+1j\n3.141592653589793,2-1j\n6.283185307179586,3+0j\n")
+    np.testing.assert_allclose(ar.read_csv(tmp_path / "a.csv").freq_hz, [0.0, 0.5, 1.0], rtol=1e-15)
+
+
 def test_a_unit_that_is_not_known_is_warned_of_over_frequency_too(tmp_path):
     file = tmp_path / "run.csv"
     file.write_text("freq,tip [furlong]\n1,1+1j\n2,2+1j\n3,3-1j\n")

@@ -1,10 +1,12 @@
 """Universal files: names, units, roles and kinds, in files of ours and of pyuff."""
 
+import re
+
 import numpy as np
 import pytest
 
 import antires_rs as ar
-from io_signals import recording, response
+from io_signals import differences, recording, response
 
 pyuff = pytest.importorskip("pyuff")
 
@@ -308,3 +310,46 @@ def test_a_step_of_zero_is_refused(tmp_path, kind):
                                                binary=0, reference=(1, 3)))
     with pytest.raises(ar.UnsuitableDataError, match="dataset 1 has a step of 0; wanted a positive step"):
         ar.read_uff(path)
+
+
+@pytest.mark.parametrize("step", [0.1, 0.25, 1 / 3, 1.0])
+@pytest.mark.parametrize("label", ["rad/s", "RAD/SEC"])
+def test_frequencies_in_radians(tmp_path, step, label):
+    """Read as Hz they would be 6.28 times too high."""
+    frf = dataset(LINES[0], kind=4, reference=(1, 3), step=2 * np.pi * step, per="N")
+    path = written(tmp_path / "a.uff", frf | {"abscissa_axis_units_lab": label})
+    # The simplest step in Hz behind six digits in rad/s.
+    np.testing.assert_allclose(ar.read_uff(path).freq_hz, np.arange(100) * step, rtol=1e-12)
+    uneven = dataset(LINES[0], kind=4, reference=(1, 3), even=0, binary=0, per="N",
+                     x=2 * np.pi * step * np.arange(100)**1.5)
+    path = written(tmp_path / "b.uff", uneven | {"abscissa_axis_units_lab": label})
+    np.testing.assert_allclose(ar.read_uff(path).freq_hz, step * np.arange(100)**1.5, rtol=1e-5)
+
+
+@pytest.mark.parametrize(("response_way", "reference"), [
+    (3, (0, 0)), (3, (1, -3)), (-3, (1, 3)), (-3, (1, -3))])
+def test_coherences_of_other_points_are_named(tmp_path, response_way, reference):
+    frfs = [dataset(LINES[i], kind=4, node=i + 1, reference=(1, 3), step=0.5) for i in range(2)]
+    beside = [dataset(np.full(100, 0.9), kind=6, node=i + 1, direction=response_way, reference=reference,
+                      step=0.5) for i in range(2)]
+    way = "[+]" if response_way > 0 else "-"
+    with pytest.warns(ar.AntiresWarning, match=f"coherences of other points than its functions, 1{way}Z / "
+                      f".*, 2{way}Z / .*; they are left out. Wanted .* the reference 1[+]Z") as told:
+        assert ar.read_uff(written(tmp_path / "a.uff", *frfs, *beside)).coherence is None
+    assert sum(issubclass(w.category, ar.AntiresWarning) for w in told) == 1
+
+
+@pytest.mark.parametrize("letter", ["D", "d"])
+def test_exponents_of_fortran(tmp_path, letter):
+    for i, made in enumerate((recording(), response(even=False))):
+        path = ar.write_uff(tmp_path / f"{i}.uff", made, binary=False)
+        expected, text = ar.read_uff(path), path.read_bytes()
+        exponent = re.compile(rb"(?<=[0-9])[eE](?=[+-][0-9])")
+        path.write_bytes(b"".join(line if b"{" in line else exponent.sub(letter.encode(), line)
+                                  for line in text.splitlines(keepends=True)))
+        assert path.read_bytes() != text
+        assert set(differences(expected, ar.read_uff(path)).values()) == {0.0}
+    path, whole = tmp_path / "0.uff", ar.read_uff(tmp_path / "0.uff")
+    path.write_bytes(path.read_bytes()[:-400])
+    with pytest.warns(ar.AntiresWarning, match="is incomplete.*3 of 4 functions are whole"):
+        np.testing.assert_array_equal(ar.read_uff(path, partial=True).responses, whole.responses)

@@ -61,6 +61,7 @@ WRONG = {
     "a checkpoint that is not there": ("JOB", ["resume", "results/search.ckpt"]),
     "no result": ("RESULT", ["report", "folder"]),
     "a report of something else": ("RESULT", ["report", "record.npz"]),
+    "a report of a report": ("RESULT", ["report", "report.html"]),
     "a report that is no HTML": ("--out", ["report", "result.npz", "--out", "report.pdf"]),
     "an argument too many": ("more.npz", ["report", "result.npz", "more.npz"]),
 }
@@ -77,6 +78,7 @@ def messages(tmp_path_factory):
     (folder / "update.toml").write_text(UPDATE)
     (folder / "record.xyz").write_text("1 2 3")
     (folder / "cut.npz").write_bytes((folder / "record.npz").read_bytes()[:5000])
+    (folder / "report.html").write_text("<html>")
     case = ar.cases.chain8()
     ar.assess_damage(case.model, case.exact(1), rng=0).save(folder / "result.npz")
     before = sorted(folder.rglob("*"))

@@ -19,6 +19,9 @@ from io_signals import differences, recording, response
 
 DAMPED = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 400.0])
 SET = ar.AntiresonanceSet(0, {0: [1.7, 5.3], 1: [2.5], 2: []}, std_hz={0: [0.01, 0.02]})
+# Files of more than a few hundred bytes, so that 300 cuts find 300 places.
+LONG = ar.MassSpringChain([1.0] * 40, [500.0] * 39)
+MANY = ar.AntiresonanceSet(0, {dof: [1.7 + dof, 5.3 + dof] for dof in range(20)}, std_hz={0: [0.01, 0.02]})
 
 
 @dataclass
@@ -93,7 +96,7 @@ def foreign_npz(path):
 
 def market(path):
     buffer = io.BytesIO()
-    mmwrite(buffer, DAMPED.stiffness(), symmetry="symmetric")
+    mmwrite(buffer, LONG.stiffness(), symmetry="symmetric")
     path.write_bytes(buffer.getvalue())
 
 
@@ -117,11 +120,11 @@ FORMATS = {
     "HDF5, other": Format(foreign_hdf5, ar.read_hdf5),
     "npz, ours": Format(lambda p: ar.write_npz(p, recording(n=100)), ar.read_npz),
     "npz, other": Format(foreign_npz, ar.read_npz),
-    "Matrix Market": Format(market, lambda p: ar.read_matrices(p, np.eye(3)), line_ends, ending=".mtx"),
+    "Matrix Market": Format(market, lambda p: ar.read_matrices(p, np.eye(40)), line_ends, ending=".mtx"),
     "matrices, npz": Format(lambda p: ar.write_matrices(p, ar.MatrixModel(DAMPED.stiffness(), np.eye(3))),
                             ar.read_matrices),
     "result, npz": Format(result, ar.UpdateResult.load, ending=".npz"),
-    "AntiresonanceSet": Format(SET.save, ar.AntiresonanceSet.load, ending=".json"),
+    "AntiresonanceSet": Format(MANY.save, ar.AntiresonanceSet.load, ending=".json"),
 }
 
 
@@ -152,19 +155,26 @@ def outcome(form, path, whole, **options):
     return "whole" if equal(got, whole) else "silence"
 
 
+def places(form, data, count, seed=0):
+    """Where to cut: distinct random places inside records, and distinct ones on boundaries."""
+    rng = np.random.default_rng(seed)
+    ends = [] if form.ends is None else [e for e in form.ends(data) if e < len(data)]
+    within = np.setdiff1d(np.arange(1, len(data)), ends)
+    inside = rng.choice(within, min(within.size, count), replace=False)
+    on = rng.choice(ends, min(len(ends), count), replace=False) if ends else []
+    return [int(i) for i in inside], [int(i) for i in on]
+
+
 def cut_at(name, folder, count, seed=0):
-    """(class, outcome, outcome with partial=True or None) of cuts at random bytes, then on boundaries."""
-    form, rng = FORMATS[name], np.random.default_rng(seed)
+    """(class, outcome, outcome with partial=True or None) of cuts inside records, then on boundaries."""
+    form = FORMATS[name]
     path = folder / f"whole{form.ending}"
     form.write(path)
     data, whole = path.read_bytes(), form.read(path)
-    ends = [] if form.ends is None else [e for e in form.ends(data) if e < len(data)]
-    inside = rng.integers(1, len(data), count)
-    on = rng.choice(ends, min(len(ends), count), replace=False) if ends else []
-    for position in (*inside, *on):
+    inside, on = places(form, data, count, seed)
+    for where, position in [("inside", i) for i in inside] + [("boundary", i) for i in on]:
         cut = folder / f"cut{form.ending}"
         cut.write_bytes(data[:position])
-        where = "boundary" if position in ends else "inside"
         yield (where, outcome(form, cut, whole),
                outcome(form, cut, whole, partial=True) if form.partial else None)
 

@@ -54,10 +54,14 @@ def write_store(path: str | os.PathLike[str], data: dict[str, Any], store: Store
 
 
 def read_store(path: str | os.PathLike[str], form: str, version: int, wanted: str,
+               remedy: str = "It was cut, or is another file: copy it again, or name the right one.",
                ) -> tuple[Path, dict[str, Any]]:
-    """The text with its arrays in place, after all hashes were compared."""
+    """The text with its arrays in place, after all hashes were compared.
+
+    ``wanted`` and ``remedy`` are said of a file that is no archive.
+    """
     file = existing_file(path)
-    arrays = read_archive(file)
+    arrays = read_archive(file, wanted, remedy)
     if TEXT not in arrays or "text_sha256" not in arrays:
         unsuitable(file, "an archive of another kind", wanted)
     text = bytes(arrays[TEXT])

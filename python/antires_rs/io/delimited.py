@@ -19,7 +19,8 @@ from ..signals import FrequencyResponse
 from ._common import Signal, existing_file, missing_part, rate_of, unsuitable, warn
 from .channels import Channel, Dofs, in_si, recording_of, renamed, unit_or_warning
 from .delimited_text import Table, table_of
-from .units import abscissa_factor, named_unit
+from .own import own_signal
+from .units import abscissa_factor, is_frequency, named_unit
 
 __all__ = ["read_csv"]
 
@@ -29,10 +30,12 @@ _SAME_RATE = 1e-3
 
 
 def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: float | None = None,
-             dofs: Dofs = None, force: Any = "auto", unit: str | None = None, kind: str = "frf",
+             dofs: Dofs = None, force: Any = "auto", unit: str | None = None, kind: str | None = None,
              reference: Any = None, delimiter: str | None = None, decimal: str | None = None,
              partial: bool = False) -> Signal:
     """Read columns of text: one of our files as it was, any other by the names of its columns.
+
+    Options for a file of ours: as in :func:`read_npz`.
 
     Parameters
     ----------
@@ -53,7 +56,7 @@ def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: f
     unit : str, optional
         Unit of the responses, in place of the file's: ``'m/s2'``, ``'g'``, ``'g/N'`` and the like.
     kind, reference
-        Of complex columns: as in :class:`FrequencyResponse`.
+        Of complex columns: as in :class:`FrequencyResponse`; "frf" by default.
     delimiter, decimal : str, optional
         Between columns, and the decimal sign ("." or ","). By default what the numbers show.
     partial : bool
@@ -109,8 +112,10 @@ def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: f
     if len(table.values) < 2:
         unsuitable(file, f"with {len(table.values)} rows of numbers", "at least two")
     if "kind" in table.header:
-        return _own(file, table)
-    return _foreign(file, table, first, fs_hz, dofs, force, unit, kind, reference)
+        return own_signal(file, _own(file, table), first=first, fs_hz=fs_hz, dofs=dofs, force=force,
+                          unit=unit, kind=kind, reference=reference)
+    return _foreign(file, table, first, fs_hz, dofs, force, unit,
+                    "frf" if kind is None else kind, reference)
 
 
 def _own(file: Path, table: Table) -> Signal:
@@ -141,7 +146,7 @@ def _foreign(file: Path, table: Table, first: str | None, fs_hz: float | None, d
     names, units, columns = table.complex_columns()
     if first is None:
         said = names[0].lower() if table.names else ""
-        hertz = units[0].lower() in ("hz", "khz")
+        hertz = is_frequency(units[0])
         seconds = not hertz and (units[0].lower() == "s" or abscissa_factor(units[0]) != 1.0)
         first = ("time" if said in _TIME or seconds else "freq" if said in _FREQ or hertz
                  else "freq" if any(np.iscomplexobj(c) for c in columns)

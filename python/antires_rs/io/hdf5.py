@@ -15,23 +15,26 @@ from ._common import Signal, existing_file, missing_package, signal_given, unsui
 from ._packing import FORMAT, pack, unpack
 from .arrays import signal_of_arrays
 from .channels import Dofs
+from .own import own_signal
 
 __all__ = ["datasets_of", "read_hdf5", "write_hdf5"]
 
+#: Cells in cells deeper than this are no record of a test.
+DEEPEST = 8
 #: Attribute of the root that holds the JSON text.
 TEXT = "antires_rs"
 
 
 def read_hdf5(path: str | os.PathLike[str], *, responses: Any = None, time: str | None = None,
               freq: str | None = None, force: Any = "auto", fs_hz: float | None = None, dofs: Dofs = None,
-              unit: str | None = None, kind: str = "frf", reference: Any = None) -> Signal:
+              unit: str | None = None, kind: str | None = None, reference: Any = None) -> Signal:
     """Read an HDF5 file: one of ours as it was, any other by the names of its datasets.
 
     Parameters
     ----------
     path : path-like
     responses, time, freq, force, fs_hz, dofs, unit, kind, reference
-        For files of other programs, as in :func:`read_npz`; datasets in groups are named ``group/name``.
+        As in :func:`read_npz`; datasets in groups are named ``group/name``.
 
     Returns
     -------
@@ -58,9 +61,11 @@ def read_hdf5(path: str | os.PathLike[str], *, responses: Any = None, time: str 
     file = existing_file(path)
     text, arrays = datasets_of(file, "read_hdf5")
     if text is not None:
-        return unpack(file, text, arrays)
+        return own_signal(file, unpack(file, text, arrays), responses=responses, time=time, freq=freq,
+                          force=force, fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
     return signal_of_arrays(file, arrays, responses=responses, time=time, freq=freq, force=force,
-                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
+                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind="frf" if kind is None else kind,
+                            reference=reference)
 
 
 def write_hdf5(path: str | os.PathLike[str], signal: Signal) -> Path:
@@ -119,10 +124,8 @@ def datasets_of(file: Path, reader: str) -> tuple[str | None, dict[str, NDArray[
     arrays: dict[str, NDArray[Any]] = {}
 
     def keep(name: str, item: Any) -> None:
-        # MATLAB stores texts as numbers, and the shape of what is empty.
-        text = "MATLAB_empty" in item.attrs or item.attrs.get("MATLAB_class") in (b"char", "char")
-        if isinstance(item, h5py.Dataset) and not name.startswith("#") and not text:
-            arrays[name] = _values(item)
+        if isinstance(item, h5py.Dataset) and not name.startswith("#"):
+            _keep(arrays, name, item)
 
     try:
         with h5py.File(file, "r") as opened:
@@ -132,6 +135,35 @@ def datasets_of(file: Path, reader: str) -> tuple[str | None, dict[str, NDArray[
         unsuitable(file, f"which cannot be read ({str(exc).splitlines()[0]})", "a whole HDF5 file",
                    "It was cut or damaged: copy it again.")
     return (None if text is None else str(text)), arrays
+
+
+def _keep(arrays: dict[str, NDArray[Any]], name: str, item: Any, above: tuple[Any, ...] = ()) -> None:
+    """A dataset by its name; what MATLAB's cells and struct arrays refer to, by names as in version 5."""
+    made = _matlab_class(item)
+    if "MATLAB_empty" in item.attrs or made == "char":
+        return  # MATLAB stores texts as numbers, and the shape of what is empty
+    struct = made != "cell" and item.dtype.kind == "O" and _matlab_class(item.parent) == "struct"
+    if made != "cell" and not struct:
+        arrays[name] = _values(item)
+        return
+    parent, _, field = name.rpartition("/")
+    for i, reference in enumerate(item[()].ravel()):
+        target = item.file[reference] if reference else item
+        if target in (item, *above) or len(above) >= DEEPEST:
+            continue  # nothing, or a damaged file that refers to itself
+        each = f"{parent}[{i}]/{field}" if struct else f"{name}[{i}]"
+        found = {each: target}
+        if not hasattr(target, "dtype"):  # a group: a struct, in which others may lie
+            found = {}
+            target.visititems(lambda n, part, at=each, into=found: into.update({f"{at}/{n}": part}))
+        for label, part in found.items():
+            if hasattr(part, "dtype"):
+                _keep(arrays, label, part, (*above, item))
+
+
+def _matlab_class(item: Any) -> str:
+    made = item.attrs.get("MATLAB_class", b"")
+    return made.decode() if isinstance(made, bytes) else str(made)
 
 
 def _values(item: Any) -> NDArray[Any]:

@@ -20,6 +20,7 @@ from .arrays import signal_of_arrays
 from .channels import Dofs
 from .hdf5 import datasets_of
 from .npz import read_archive
+from .own import own_signal
 
 __all__ = ["mat_arrays", "read_mat", "write_mat"]
 
@@ -30,8 +31,8 @@ WANTED = "a whole MAT file, version 5 or 7.3"
 
 def read_mat(path: str | os.PathLike[str], *, responses: Any = None, time: str | None = None,
              freq: str | None = None, force: Any = "auto", fs_hz: float | None = None, dofs: Dofs = None,
-             unit: str | None = None, kind: str = "frf", reference: Any = None, time_limit_s: float = 60.0,
-             memory_limit_gb: float = 8.0) -> Signal:
+             unit: str | None = None, kind: str | None = None, reference: Any = None,
+             time_limit_s: float = 60.0, memory_limit_gb: float = 8.0) -> Signal:
     """Read a MATLAB file: one of ours as it was, any other by the names of its variables.
 
     Parameters
@@ -39,7 +40,7 @@ def read_mat(path: str | os.PathLike[str], *, responses: Any = None, time: str |
     path : path-like
         Version 5 (7 and 6 of MATLAB's ``save``) or 7.3, which needs h5py.
     responses, time, freq, force, fs_hz, dofs, unit, kind, reference
-        For files of other programs, as in :func:`read_npz`; fields of structs are named ``struct.field``, and
+        As in :func:`read_npz`; fields of structs are named ``struct.field``, and
         ``struct[0].field`` where there are several. See :func:`antires_rs.io.mat_arrays` for what a file
         holds.
     time_limit_s, memory_limit_gb : float
@@ -71,9 +72,11 @@ def read_mat(path: str | os.PathLike[str], *, responses: Any = None, time: str |
     if text is not None:
         # MATLAB has no vectors: a row stands for one.
         shapes = {n: a.ravel() if n in ("force", "freq_hz") else a for n, a in arrays.items()}
-        return unpack(file, text, shapes)
+        return own_signal(file, unpack(file, text, shapes), responses=responses, time=time, freq=freq,
+                          force=force, fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
     return signal_of_arrays(file, arrays, responses=responses, time=time, freq=freq, force=force,
-                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
+                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind="frf" if kind is None else kind,
+                            reference=reference)
 
 
 def mat_arrays(path: str | os.PathLike[str], *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0,

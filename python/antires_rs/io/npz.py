@@ -16,6 +16,7 @@ from ._common import Signal, existing_file, signal_given, unsuitable
 from ._packing import pack, unpack
 from .arrays import signal_of_arrays
 from .channels import Dofs
+from .own import own_signal
 
 __all__ = ["read_archive", "read_npz", "write_archive", "write_npz"]
 
@@ -25,8 +26,11 @@ TEXT = "antires_rs"
 
 def read_npz(path: str | os.PathLike[str], *, responses: Any = None, time: str | None = None,
              freq: str | None = None, force: Any = "auto", fs_hz: float | None = None, dofs: Dofs = None,
-             unit: str | None = None, kind: str = "frf", reference: Any = None) -> Signal:
+             unit: str | None = None, kind: str | None = None, reference: Any = None) -> Signal:
     """Read a NumPy archive: one of ours as it was, any other by the names of its arrays.
+
+    A file of ours states everything itself: ``dofs=`` renames its channels or leaves some out, ``force=None``
+    drops its force, and any other option that does not agree with it is refused.
 
     Parameters
     ----------
@@ -47,7 +51,7 @@ def read_npz(path: str | os.PathLike[str], *, responses: Any = None, time: str |
         Unit of the responses, which are converted to SI: ``'m/s2'``, ``'g'``, ``'g/N'`` and the like. SI by
         default.
     kind, reference
-        Of responses over frequency: as in :class:`FrequencyResponse`.
+        Of responses over frequency: as in :class:`FrequencyResponse`; "frf" by default.
 
     Returns
     -------
@@ -58,6 +62,8 @@ def read_npz(path: str | os.PathLike[str], *, responses: Any = None, time: str |
     UnsuitableDataError
         A damaged or cut file (the archive's directory is its end, and every member has a checksum), objects
         that would need pickle, or arrays whose role is not clear.
+    InvalidInputError
+        Options that do not fit the file.
     FileNotFoundError
         There is none.
 
@@ -72,9 +78,12 @@ def read_npz(path: str | os.PathLike[str], *, responses: Any = None, time: str |
     file = existing_file(path)
     arrays = read_archive(file)
     if TEXT in arrays:
-        return unpack(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays)
+        signal = unpack(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays)
+        return own_signal(file, signal, responses=responses, time=time, freq=freq, force=force,
+                          fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
     return signal_of_arrays(file, arrays, responses=responses, time=time, freq=freq, force=force,
-                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
+                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind="frf" if kind is None else kind,
+                            reference=reference)
 
 
 def write_npz(path: str | os.PathLike[str], signal: Signal) -> Path:
@@ -115,15 +124,18 @@ def write_archive(path: str | os.PathLike[str], text: str, arrays: dict[str, NDA
     return write_atomically(path, buffer.getvalue())
 
 
-def read_archive(file: Path) -> dict[str, NDArray[Any]]:
-    """Every array of an archive; the checksums of zip are compared."""
+def read_archive(file: Path, wanted: str = "a whole NumPy archive (.npz) of plain arrays",
+                 remedy: str = "It was cut, or is a single array: use numpy.load.",
+                 ) -> dict[str, NDArray[Any]]:
+    """Every array of an archive; the checksums of zip are compared.
+
+    ``wanted`` and ``remedy`` are said of a file that is no archive.
+    """
     import zipfile
     import zlib
-    wanted = "a whole NumPy archive (.npz) of plain arrays"
     try:
         if not zipfile.is_zipfile(file):
-            unsuitable(file, "which is no archive", wanted,
-                       "It was cut, or is a single array: use numpy.load.")
+            unsuitable(file, "which is no archive", wanted, remedy)
         with np.load(file, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
     except AntiresError:

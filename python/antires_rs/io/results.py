@@ -52,7 +52,8 @@ def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
 def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateResult) -> Any:
     """Read what :func:`save_result` wrote; see :meth:`UpdateResult.load`."""
     wanted = f"a file written by {kind.__name__}.save, version {VERSION} or older"
-    file, data = read_store(path, FORMAT, VERSION, wanted)
+    file, data = read_store(path, FORMAT, VERSION, wanted,
+                            "It was cut, or is another file: name the result.npz of a run.")
     try:
         made = _CLASSES[data["class"]]
         if not issubclass(made, kind):

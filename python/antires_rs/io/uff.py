@@ -175,7 +175,7 @@ def _rate(file: Path, f: Function) -> float:
         return float(f.own["rate_hz"])
     if not f.even:
         return rate_of(file, f.x, digits=5e-6)
-    half = half_digit(f.step)
+    half = half_digit(f.step, f.x_unit)
     return simplest_rate(1.0 / (f.step + half), 1.0 / (f.step - half))
 
 

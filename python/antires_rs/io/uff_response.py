@@ -28,12 +28,12 @@ def response_of(file: Path, functions: list[Function], kind: str, named: Named, 
     names = ("auto spectrum", "cross spectrum") if kind == "spectra" else (kind,)
     wanted = [f for f in functions if f.what in names]
     point = _reference(file, [f for f in wanted if kind != "spectra" or f.response != f.reference], reference)
-    beside = [f for f in functions if f.what == "coherence" and f.reference == point]
     if kind == "spectra":
         wanted, is_force = _over_auto(file, wanted, point, unit)
         kind = "frf" if is_force else "transmissibility"
     else:
         wanted = [f for f in wanted if f.reference == point]
+    beside = _beside(file, functions, point, {f.response for f in wanted})
     twice = [f.response for f in wanted]
     if len(set(twice)) != len(twice):
         again = next(p for p in twice if twice.count(p) > 1)
@@ -79,16 +79,22 @@ def frequencies(f: Function) -> FloatArray:
     """Frequencies without the rounding of first line and step to six digits, as far as it can be undone."""
     if not f.even or "start" in f.own or f.x.size < 2:
         return f.x
-    half = half_digit(f.step)
+    half = half_digit(f.step, f.x_unit)
     step = 1.0 / simplest_rate(1.0 / (f.step + half), 1.0 / (f.step - half))  # 0.333333 is 1/3
     first = step * round(float(f.x[0]) / step)
-    start = first if abs(first - f.x[0]) <= half_digit(float(f.x[0])) else float(f.x[0])
+    start = first if abs(first - f.x[0]) <= half_digit(float(f.x[0]), f.x_unit) else float(f.x[0])
     return np.asarray(start + step * np.arange(f.x.size), dtype=np.float64)
 
 
-def half_digit(value: float) -> float:
-    """Half a unit in the sixth digit, the rounding of the format's E13.5, and a little more."""
-    return 0.0 if value == 0.0 else 0.50001 * 10.0**(float(np.floor(np.log10(abs(value)))) - 5.0)
+def half_digit(value: float, unit: float = 1.0) -> float:
+    """Half a unit in the sixth digit, the rounding of the format's E13.5, and a little more.
+
+    ``unit`` is that in which the file has the value.
+    """
+    if value == 0.0:
+        return 0.0
+    digit: float = 10.0**(float(np.floor(np.log10(abs(value / unit)))) - 5.0)
+    return unit * 0.50001 * digit
 
 
 def _reference(file: Path, functions: list[Function], given: Any) -> Point:
@@ -129,6 +135,21 @@ def _check_kinds(file: Path, wanted: list[Function]) -> None:
             f"{label_of(point)} {kind or 'in no known unit'}" for point, kind in kinds.items()),
             "accelerations, velocities or displacements alone",
             "Leave out those of other kinds by dofs=, or name the unit= of all.")
+
+
+def _beside(file: Path, functions: list[Function], point: Point, responses: set[Point]) -> list[Function]:
+    """Coherences with the reference; a warning names those that may have been meant to be."""
+    coherences = [f for f in functions if f.what == "coherence"]
+    own = {f.reference for f in functions if f.what in ("frf", "transmissibility", "cross spectrum")}
+    near = {(0, 0), (point[0], -point[1])} - own  # those with a reference of other functions belong to them
+    turned = {(node, -way) for node, way in responses} - responses
+    odd = [f for f in coherences if f.response in responses | turned and f.reference in near
+           or f.response in turned and f.reference == point]
+    if odd:
+        warn(f"path: {str(file)!r} has coherences of other points than its functions, "
+             f"{', '.join(f'{label_of(f.response)} / {label_of(f.reference)}' for f in odd)}; they are left "
+             f"out. Wanted are the directions of the functions and the reference {label_of(point)}.")
+    return [f for f in coherences if f.reference == point]
 
 
 def _coherence(file: Path, rows: dict[Point, Any], beside: list[Function]) -> dict[Point, FloatArray] | None:

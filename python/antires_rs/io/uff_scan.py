@@ -9,13 +9,17 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-__all__ = ["Dataset", "scan"]
+__all__ = ["Dataset", "plain_exponents", "scan"]
 
 #: A line of its own: ``-1`` in the first six columns and nothing else.
 _MARKER = re.compile(rb"(?:\A|(?<=[\r\n])) {4}-1[ ]*(?=[\r\n]|\Z)")
 _HEADER_LINES = 11
 #: By ordinate type: numbers per point, width in text, bytes in binary form.
 _FORMS = {2: (1, 13, 4), 4: (1, 20, 8), 5: (2, 13, 4), 6: (2, 20, 8)}
+
+
+#: The exponent of a Fortran double, 1.5D+03.
+_FORTRAN = re.compile(rb"(?<=[0-9.])[Dd](?=[+-]?[0-9])")
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,18 @@ def scan(data: bytes) -> list[Dataset]:
         if tail.strip(b"\r\x1a\x00"):
             found.append(Dataset(0, position, len(data), problem="it is cut in its first line"))
     return found
+
+
+def plain_exponents(data: bytes, dataset: Dataset) -> bytes:
+    """The bytes of a dataset; in a 58 of text, Fortran's 1.5D+03 as 1.5E+03, which has the same width."""
+    part = data[dataset.start:dataset.stop]
+    lines = part.splitlines(keepends=True)
+    if dataset.number != 58 or len(lines) < 3 or lines[1][6:7].lower() == b"b":
+        return part
+    # After marker and type: five lines of text, points, the abscissa, four axes with labels, numbers.
+    numbers = 2 + _HEADER_LINES
+    return b"".join(_FORTRAN.sub(b"E", line) if i == 8 or i >= numbers else line
+                    for i, line in enumerate(lines))
 
 
 def _dataset(data: bytes, start: int, after: int) -> Dataset:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ._common import missing_package, missing_part, unsuitable
 from .uff_names import Point, label_of
-from .uff_scan import Dataset, scan
+from .uff_scan import Dataset, plain_exponents, scan
 from .units import abscissa_factor
 
 __all__ = ["FUNCTIONS", "MARK", "Function", "functions_of"]
@@ -47,6 +47,8 @@ class Function:
     role : {"force", ""}
     scale : float
         Into SI by the units of dataset 164, for functions without a unit of their own.
+    x_unit : float
+        Unit of the abscissa in the file, in s or Hz.
     own : dict
         What our writer adds: dof, exact rate or abscissa, averages.
     """
@@ -62,6 +64,7 @@ class Function:
     even: bool
     step: float
     scale: float = 1.0
+    x_unit: float = 1.0
     own: dict[str, Any] = field(default_factory=dict)
 
     def __str__(self) -> str:
@@ -99,13 +102,15 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
 
 def _read(pyuff: Any, file: Path, data: bytes, datasets: list[Dataset], whole: list[Dataset],
           ) -> list[Function]:
-    if len(whole) == len(datasets):
+    parts = [plain_exponents(data, d) for d in whole]
+    if len(whole) == len(datasets) and all(
+            part == data[d.start:d.stop] for part, d in zip(parts, whole, strict=True)):
         return _through_pyuff(pyuff, file, file, whole)
     import tempfile
     with tempfile.TemporaryDirectory(prefix="antires_uff_") as folder:
         # pyuff pairs markers by their order, so that a damaged set would shift all that follow.
         only = Path(folder) / "whole.uff"
-        only.write_bytes(b"\n".join(data[d.start:d.stop] for d in whole) + b"\n")
+        only.write_bytes(b"\n".join(parts) + b"\n")
         return _through_pyuff(pyuff, file, only, whole)
 
 
@@ -171,7 +176,7 @@ def _function(made: dict[str, Any], values: NDArray[Any], factors: tuple[float, 
         unit, per = _SI.get(above, ""), _SI.get(below, "")
     return Function(what, (int(made["rsp_node"]), int(made["rsp_dir"])),
                     (int(made["ref_node"]), int(made["ref_dir"])), x, values, unit, per,
-                    "force" if above in FORCES else "", even, step, scale, own)
+                    "force" if above in FORCES else "", even, step, scale, into_si, own)
 
 
 def _own(made: dict[str, Any], step: float) -> dict[str, Any]:

@@ -6,12 +6,13 @@ the same unit. An FRF has a quotient, such as ``g/N`` or ``m/s2/N``.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 from .._validation import reject
 
-__all__ = ["STANDARD_GRAVITY", "Unit", "abscissa_factor", "named_unit", "parse_unit"]
+__all__ = ["STANDARD_GRAVITY", "Unit", "abscissa_factor", "is_frequency", "named_unit", "parse_unit"]
 
 #: m/s2 in one g, by definition (3rd CGPM, 1901).
 STANDARD_GRAVITY = 9.80665
@@ -26,7 +27,8 @@ _SI = {
     "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": POUND_FORCE, "kgf": STANDARD_GRAVITY},
 }
 #: Names of other units than s and Hz of time and frequency, in small letters.
-_ABSCISSA = {"ms": 1e-3, "msec": 1e-3, "us": 1e-6, "usec": 1e-6, "min": 60.0, "khz": 1e3}
+_ABSCISSA = {"ms": 1e-3, "msec": 1e-3, "us": 1e-6, "usec": 1e-6, "min": 60.0, "khz": 1e3,
+             **dict.fromkeys(("rad/s", "rad/sec"), 0.5 / math.pi)}
 _NONE = {"", "1", "-", "none", "unknown", "[]"}
 
 
@@ -76,6 +78,11 @@ def named_unit(name: str, value: Any) -> Unit:
 def abscissa_factor(text: str) -> float:
     """Factor of a time or frequency into s or Hz; 1 for names that are not known."""
     return _ABSCISSA.get(_plain(text).lower(), 1.0)
+
+
+def is_frequency(text: str) -> bool:
+    """Whether the name is that of a unit of frequency."""
+    return _plain(text).lower() in ("hz", "khz", "rad/s", "rad/sec")
 
 
 def _plain(text: str) -> str:

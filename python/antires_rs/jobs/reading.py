@@ -10,14 +10,13 @@ from typing import Any
 from .. import io
 from .._validation import reject
 from ..exceptions import InvalidInputError
+from ..io._common import Signal
 from ..io.channels import renamed
+from ..io.own import relabelled
 from ..io.uff_names import as_point
-from ..signals import FrequencyResponse, Recording
 from .keys import DATA
 
 __all__ = ["Signal", "read_signal", "relabelled"]
-
-Signal = Recording | FrequencyResponse
 
 _READERS: dict[str, Callable[..., Signal]] = {
     "uff": io.read_uff, "mat": io.read_mat, "hdf5": io.read_hdf5, "csv": io.read_csv, "npz": io.read_npz}
@@ -84,19 +83,6 @@ def _named(signal: Signal, dofs: dict[Any, Any] | list[Any]) -> Signal:
     if not kept:
         reject("dofs", "no channel that is kept", "at least one", "Give one of them a dof.")
     return relabelled(signal, kept, [labels[i] for i in kept])
-
-
-def relabelled(signal: Signal, rows: list[int], dofs: list[Any]) -> Signal:
-    """Some channels of a signal under other names."""
-    if isinstance(signal, Recording):
-        return Recording(signal.responses[rows], signal.fs_hz, dofs, signal.force)
-    old = [signal.dofs[i] for i in rows]
-    if signal.reference is not None and signal.reference not in old:
-        reject("dofs", f"no dof for the reference, {signal.reference!r}", "one for it", "Keep that channel.")
-    reference = None if signal.reference is None else dofs[old.index(signal.reference)]
-    coherence, std = (None if a is None else a[rows] for a in (signal.coherence, signal.std))
-    return FrequencyResponse(signal.freq_hz, signal.values[rows], dofs, signal.kind, reference, coherence,
-                             signal.n_averages, std)
 
 
 def _plain(dof: Any) -> Any:
