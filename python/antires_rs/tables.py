@@ -8,7 +8,13 @@ import numpy as np
 
 from ._validation import FloatArray
 
-__all__ = ["FrequencyTable", "ModalTable"]
+__all__ = ["FrequencyTable", "ModalTable", "signed"]
+
+
+def signed(percent: float) -> str:
+    """A difference with its sign; what rounds to nothing has none."""
+    said = f"{percent:+.2f}"
+    return said[1:] if said in ("+0.00", "-0.00") else said
 
 
 class _Differences:
@@ -81,8 +87,8 @@ class FrequencyTable(_Differences):
                  f"{'(i, k)':>{width}}         Hz          Hz       %          Hz       %"]
         rows = zip(pairs, self.measured_hz, self.before_hz, self.before_percent,
                    self.after_hz, self.after_percent, strict=True)
-        lines += [f"{pair:>{width}} {measured:10.3f}  {before:10.3f} {db:+7.2f}  {after:10.3f} {da:+7.2f}"
-                  for pair, measured, before, db, after, da in rows]
+        lines += [f"{pair:>{width}} {measured:10.3f}  {before:10.3f} {signed(db):>7}  {after:10.3f} "
+                  f"{signed(da):>7}" for pair, measured, before, db, after, da in rows]
         return "\n".join([*lines, self._closing])
 
 
@@ -109,7 +115,7 @@ class ModalTable(_Differences):
     mode   measured      before                      after
                  Hz          Hz       %    MAC          Hz       %    MAC
        0      1.600       1.801  +12.53  0.999       1.831  +14.41  1.000
-       1      6.000       5.449   -9.19  0.999       6.000   -0.00  0.997
+       1      6.000       5.449   -9.19  0.999       6.000    0.00  0.997
     largest difference: 12.53 % before, 14.41 % after
     """
 
@@ -125,8 +131,8 @@ class ModalTable(_Differences):
                  "             Hz          Hz       %    MAC          Hz       %    MAC"]
         rows = zip(self.mode, self.measured_hz, self.before_hz, self.before_percent, self.before_mac,
                    self.after_hz, self.after_percent, self.after_mac, strict=True)
-        lines += [f"{r:4d} {measured:10.3f}  {before:10.3f} {db:+7.2f} {mb:6.3f}  {after:10.3f} {da:+7.2f} "
-                  f"{ma:6.3f}" for r, measured, before, db, mb, after, da, ma in rows]
+        lines += [f"{r:4d} {measured:10.3f}  {before:10.3f} {signed(db):>7} {mb:6.3f}  {after:10.3f} "
+                  f"{signed(da):>7} {ma:6.3f}" for r, measured, before, db, mb, after, da, ma in rows]
         return "\n".join([*lines, self._closing])
 
 

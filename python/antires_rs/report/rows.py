@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..results import DamageResult, UpdateResult
-from ..tables import ModalTable
+from ..tables import ModalTable, signed
 
 __all__ = ["damage_rows", "frequency_rows", "parameter_rows"]
 
@@ -45,12 +45,13 @@ def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
     table: Any = result.table
 
     def number(value: float, form: str) -> str:
-        said = format(value, form) if np.isfinite(value) else "no partner"
-        return said[1:] if said in ("+0.00", "-0.00") else said
+        if not np.isfinite(value):
+            return "no partner"
+        return format(value, form) if form else signed(value)
     rows: list[dict[str, Any]] = [
         {"group": False, "measured": f"{measured:.3f}", "before": number(before, ".3f"),
-         "before_percent": number(db, "+.2f"), "after": number(after, ".3f"),
-         "after_percent": number(da, "+.2f")}
+         "before_percent": number(db, ""), "after": number(after, ".3f"),
+         "after_percent": number(da, "")}
         for measured, before, db, after, da in zip(
             table.measured_hz, table.before_hz, table.before_percent, table.after_hz, table.after_percent,
             strict=True)]
