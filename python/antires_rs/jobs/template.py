@@ -60,7 +60,7 @@ def template(task: str = "damage", model: str = CHAIN, *, name: str = "job.toml"
     """
     lines = [f"# {_HEAD[task].format(name=name)}", "#",
              "# Lines that begin with # are explanations, or keys with their defaults: remove the # to",
-             "# change one.",
+             "# change one. Force, band and model that stand here are examples: put your own in their place.",
              "# Paths are relative to this file. Masses, springs, nodes, elements and dofs count from 0.", ""]
     filled = {"file": _quoted(data), "excitation": "0", "band_hz": "[3.0, 130.0]"}
     if dofs:
