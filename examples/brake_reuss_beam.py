@@ -15,11 +15,9 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-import numpy as np
-
 from antires_rs.antiresonance_set import AntiresonanceSet
 from antires_rs.identification import identify_antiresonances
-from antires_rs.signals import Recording
+from antires_rs.io import read_mat
 
 
 def data_file() -> Path:
@@ -28,23 +26,13 @@ def data_file() -> Path:
     return Path(os.environ.get("ANTIRES_DATA", beside)) / "brake_reuss_beam" / "HammerImpact.mat"
 
 
-def read(path: Path) -> Recording:
-    """The three accelerometers, m/s^2 at 12.8 kHz."""
-    from scipy.io import loadmat
-    data = loadmat(path)["HIdata"][0, 0]
-    time_s = data["time"].ravel()
-    names = ["acc1", "acc2", "acc3"]
-    fs_hz = (time_s.size - 1) / (time_s[-1] - time_s[0])
-    return Recording(np.array([data[name].ravel() for name in names]), round(float(fs_hz), 6), dofs=names)
-
-
 def main() -> AntiresonanceSet | None:
     """From time histories to antiresonances; None where the data are absent."""
     path = data_file()
     if not path.is_file():
         print(f"The record {path} is not here. Set ANTIRES_DATA to the folder that holds brake_reuss_beam/.")
         return None
-    record = read(path)
+    record = read_mat(path)  # three accelerometers, m/s^2 at 12.8 kHz
     print(record)
     # The hit is recognised from the energy profile; the impact point has no channel, so it gets a name.
     found = identify_antiresonances(record, excitation="hammer", band_hz=(60.0, 1200.0))

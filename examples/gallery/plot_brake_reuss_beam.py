@@ -14,19 +14,13 @@ import os
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-import numpy as np
-from scipy.io import loadmat
 
 import antires_rs as ar
 
 path = Path(os.environ.get("ANTIRES_DATA", "../shared/data")) / "brake_reuss_beam" / "HammerImpact.mat"
 
 if path.is_file():
-    data = loadmat(path)["HIdata"][0, 0]
-    time_s = data["time"].ravel()
-    names = ["acc1", "acc2", "acc3"]
-    record = ar.Recording(np.array([data[name].ravel() for name in names]),
-                          float((time_s.size - 1) / (time_s[-1] - time_s[0])), dofs=names)
+    record = ar.read_mat(path)
     print(record)
 
     # The place of the hit has no channel, so it gets a name of its own.
@@ -36,7 +30,7 @@ if path.is_file():
     # Published for acc2: 78.9, 326.2, 568.0 and 776.0 Hz. The one near 1,158 Hz nobody has confirmed.
     fig, ax = plt.subplots(figsize=(10, 5), layout="constrained")
     found.plot("acc2", ax=ax)
-    for name in names:
+    for name in record.dofs:
         print(name, *found.scores[name]["how"])
 else:
     print("The record is not here: set ANTIRES_DATA to the folder that holds brake_reuss_beam/.")

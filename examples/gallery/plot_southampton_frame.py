@@ -11,6 +11,7 @@ The data are not part of this repository: ``ANTIRES_DATA`` names the folder that
 """
 
 import os
+import warnings
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -23,8 +24,9 @@ folder = Path(os.environ.get("ANTIRES_DATA", "../shared/data")) / "southampton_3
 
 def column(path, floor):
     """Antiresonances under a force at ``floor``; the columns of the file are f, H_1k, H_2k, H_3k."""
-    table = np.loadtxt(path, delimiter=";", dtype=complex)[1:]
-    response = ar.FrequencyResponse(table[:, 0].real, table[:, 1:].T, dofs=[0, 1, 2])
+    with warnings.catch_warnings():  # one of the files has no line end after its last row, which is whole
+        warnings.simplefilter("ignore", ar.AntiresWarning)
+        response = ar.read_csv(path)
     found = ar.identify_antiresonances(response, excitation=floor, band_hz=(5.0, 32.0))
     return response, found
 
