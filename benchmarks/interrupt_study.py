@@ -16,27 +16,13 @@ import time
 from pathlib import Path
 
 import numpy as np
+from chain8_job import MEASURED, UPDATING
 
 import antires_rs as ar
 from antires_rs.checkpoint import Checkpoint
 
-#: The updating of the eight-mass chain, 15 parameters, which no rule of its own would end.
-JOB = """\
-[data]
-file = "measured.json"
-[model]
-kind = "chain"
-masses_kg = [0.5593, 0.4194, 0.4194, 0.4194, 0.4194, 0.4194, 0.4194, 0.4194]
-springs_n_per_m = [56.7e3, 56.7e3, 56.7e3, 56.7e3, 56.7e3, 56.7e3, 56.7e3]
-[[parameters]]
-kind = "mass_factor"
-terms = "all"
-bounds = [0.9, 1.1]
-[[parameters]]
-kind = "stiffness_factor"
-elements = "all"
-bounds = [0.9, 1.1]
-[search]
+#: A search that no rule of its own would end.
+JOB = MEASURED + UPDATING + """\
 patience = 1_000_000_000
 max_evaluations = 1_000_000_000_000
 """

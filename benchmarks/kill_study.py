@@ -27,6 +27,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from chain8_job import MEASURED, UPDATING
 
 #: At 0 every generation is written, at 2, the default, the search here is written once, at its end.
 INTERVALS_S = (0.0, 0.02, 0.2, 2.0)
@@ -43,25 +44,7 @@ file = "record.npz"
 excitation = 0
 band_hz = [3.0, 130.0]
 """
-DRAWN = """\
-[data]
-file = "measured.json"
-"""
-JOB = """\
-[model]
-kind = "chain"
-masses_kg = [0.5593, 0.4194, 0.4194, 0.4194, 0.4194, 0.4194, 0.4194, 0.4194]
-springs_n_per_m = [56.7e3, 56.7e3, 56.7e3, 56.7e3, 56.7e3, 56.7e3, 56.7e3]
-[[parameters]]
-kind = "mass_factor"
-terms = "all"
-bounds = [0.9, 1.1]
-[[parameters]]
-kind = "stiffness_factor"
-elements = "all"
-bounds = [0.9, 1.1]
-[search]
-""" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in SEARCH.items())
+JOB = UPDATING + "".join(f"{key} = {json.dumps(value)}\n" for key, value in SEARCH.items())
 
 
 def child(log: str, every_s: str, *command: str) -> int:
@@ -256,7 +239,7 @@ def main(runs: int = 100, seed: int = 0) -> int:
 
     def drawn(folder: Path) -> None:
         ar.cases.chain8(perturbation=0.08, rng=1).exact(0).save(folder / "measured.json")
-        (folder / "job.toml").write_text(DRAWN + JOB, encoding="utf-8")
+        (folder / "job.toml").write_text(MEASURED + JOB, encoding="utf-8")
 
     commands = ("update", "job.toml"), ("resume", "job.toml")
     kinds = (Kind("record", *commands, read, 1), Kind("drawn", *commands, drawn, 1),
