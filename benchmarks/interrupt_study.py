@@ -19,7 +19,7 @@ import numpy as np
 from chain8_job import MEASURED, UPDATING
 
 import antires_rs as ar
-from antires_rs.checkpoint import Checkpoint
+from antires_rs.optimize.checkpoint import Checkpoint
 
 #: A search that no rule of its own would end.
 JOB = MEASURED + UPDATING + """\

@@ -51,7 +51,7 @@ def child(log: str, every_s: str, *command: str) -> int:
     """One process: an ``antires`` command, or without one the script; its phases go to the file ``log``."""
     import antires_rs as ar
     from antires_rs import cli
-    from antires_rs.checkpoint import Checkpoint
+    from antires_rs.optimize.checkpoint import Checkpoint
     from antires_rs.jobs import drawing, run
     from antires_rs.jobs.files import RunFolder
     phases = os.open(log, os.O_WRONLY | os.O_APPEND)

@@ -18,8 +18,8 @@ from pathlib import Path
 
 import antires_rs as ar
 from antires_rs import cli, report
-from antires_rs._files import write_atomically
-from antires_rs.checkpoint import Checkpoint
+from antires_rs.support.files import write_atomically
+from antires_rs.optimize.checkpoint import Checkpoint
 from antires_rs.jobs import drawing
 from job_files import UPDATE, write_measured
 

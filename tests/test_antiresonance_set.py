@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from antires_rs._columns import table
-from antires_rs.antiresonance_set import AntiresonanceSet, Edit
+from antires_rs.measured.columns import table
+from antires_rs.measured.antiresonance_set import AntiresonanceSet, Edit
 from antires_rs.exceptions import InvalidInputError, MissingDependencyError
 
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.checkpoint import Checkpoint, fingerprint
+from antires_rs.optimize.checkpoint import Checkpoint
+from antires_rs.updating.fingerprint import fingerprint
 
 #: Some two hundred generations with migrations, about a second.
 SEARCH = {"max_evaluations": 30_000, "patience": 5, "improvement_tolerance": 0.02, "polish": False}
@@ -68,11 +69,11 @@ def test_a_polished_damage_search_goes_on_to_the_same_bytes(tmp_path):
 KILLED = """
 import sys, antires_rs as ar
 sys.path.insert(0, sys.argv[1])
-import antires_rs.checkpoint, test_checkpoint as t
-write = antires_rs.checkpoint.Checkpoint.__init__
+import antires_rs.optimize.checkpoint, test_checkpoint as t
+write = antires_rs.optimize.checkpoint.Checkpoint.__init__
 def often(self, path, every_s=0.0):
     write(self, path, every_s)
-antires_rs.checkpoint.Checkpoint.__init__ = often
+antires_rs.optimize.checkpoint.Checkpoint.__init__ = often
 print("begun", flush=True)
 ar.update(t.problem(), optimizer=ar.IslandGA(**t.SEARCH), rng=3, workers=1, checkpoint=sys.argv[2])
 """

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs import cli, demo
+from antires_rs import cli
+from antires_rs.cli import demo
 from job_files import DAMAGE, write_measured
 
 FILES = {"stabilization.png", "transmissibility.png", "differences.png", "damage.png", "convergence.png",

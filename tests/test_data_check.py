@@ -8,9 +8,9 @@ from antires_rs.data_check import DataCheck, Finding, check_data
 from antires_rs.data_check.one_force import noise_ratio
 from antires_rs.data_check.resolution import of_segments
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.noise_level import noise_power
-from antires_rs.signals import Recording
-from antires_rs.spectra import cross_spectra
+from antires_rs.signals.noise import noise_power
+from antires_rs.signals.recording import Recording
+from antires_rs.signals.spectra import cross_spectra
 from virtual_records import chain8_matrices, hit_record, random_record
 
 STIFFNESS, MASS = chain8_matrices()

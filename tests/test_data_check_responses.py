@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from antires_rs.data_check import check_data
-from antires_rs.signals import FrequencyResponse, Recording
+from antires_rs.signals.frequency_response import FrequencyResponse
+from antires_rs.signals.recording import Recording
 from measured_data import BRAKE_REUSS, FLOORS, needs_brake_reuss, needs_southampton, southampton
 from virtual_records import accelerance, chain8_matrices
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from antires_rs.exceptions import AntiresWarning, InvalidInputError
-from antires_rs.first_guess import guessed_poles, guessed_weights
-from antires_rs.formulations import FORMULATIONS, sweep_of, warn_of_formulation
-from antires_rs.power_fit import PowerFit, PowerSweep, real_basis, real_roots
-from antires_rs.response_lines import Lines, lines_of_recording
-from antires_rs.rule import Rule
-from antires_rs.signals import Recording
-from antires_rs.stabilization_diagram import diagram
+from antires_rs.rational.first_guess import guessed_poles, guessed_weights
+from antires_rs.identification.formulations import FORMULATIONS, sweep_of, warn_of_formulation
+from antires_rs.identification.power import PowerFit, PowerSweep, real_basis, real_roots
+from antires_rs.identification.response_lines import Lines, lines_of_recording
+from antires_rs.order_sweep.rule import Rule
+from antires_rs.signals.recording import Recording
+from antires_rs.order_sweep.diagram import diagram
 from virtual_records import accelerance, chain8_matrices, random_record, true_antiresonances
 
 STIFFNESS, MASS = chain8_matrices()

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.identification import identify_antiresonances
-from antires_rs.signals import FrequencyResponse, Recording
-from antires_rs.spectra import frf, transmissibility
+from antires_rs.identification.identify import identify_antiresonances
+from antires_rs.signals.frequency_response import FrequencyResponse
+from antires_rs.signals.recording import Recording
+from antires_rs.signals.transfer_functions import frf, transmissibility
 from measured_data import FLOORS, needs_southampton, southampton
 from virtual_records import accelerance, chain8_matrices, random_record, true_antiresonances
 

@@ -10,7 +10,8 @@ import time
 import pytest
 
 import antires_rs as ar
-from antires_rs import cli, results
+from antires_rs import cli
+from antires_rs.updating import results
 from antires_rs.jobs import run
 from job_files import DAMAGE, UPDATE, write_measured
 from tolerances import INTERRUPT_S
@@ -32,11 +33,11 @@ sys.exit(main(sys.argv[1:]))
 """
 #: Every generation is written, so that a kill finds a checkpoint, and may fall into its writing.
 OFTEN = """
-import antires_rs.checkpoint
-write = antires_rs.checkpoint.Checkpoint.__init__
+import antires_rs.optimize.checkpoint
+write = antires_rs.optimize.checkpoint.Checkpoint.__init__
 def often(self, path, every_s=0.0):
     write(self, path, every_s)
-antires_rs.checkpoint.Checkpoint.__init__ = often
+antires_rs.optimize.checkpoint.Checkpoint.__init__ = often
 """
 
 

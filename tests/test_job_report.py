@@ -10,7 +10,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs import cli
-from antires_rs.accepted import Accepted
+from antires_rs.order_sweep.accepted import Accepted
 from antires_rs.jobs.evidence import Evidence, heard
 from antires_rs.report import figures
 from job_files import DAMAGE, write_measured

@@ -7,11 +7,12 @@ import scipy.linalg
 from antires_rs.cases import exhaust
 from antires_rs.cases.exhaust.experiment import TestedStructure
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.half_spectra import half_spectra
-from antires_rs.modal_identification import identify_modes
-from antires_rs.modal_set import ModalSet
-from antires_rs.residues import residues
-from antires_rs.signals import FrequencyResponse, Recording
+from antires_rs.signals.half_spectra import half_spectra
+from antires_rs.identification.modes import identify_modes
+from antires_rs.measured.modal_set import ModalSet
+from antires_rs.rational.residues import residues
+from antires_rs.signals.frequency_response import FrequencyResponse
+from antires_rs.signals.recording import Recording
 from measured_data import FLOORS, needs_southampton, southampton
 from virtual_records import accelerance, chain8_matrices, hit_record, random_record
 

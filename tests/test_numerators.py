@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from antires_rs.identification import identify_antiresonances
-from antires_rs.likelihood import likeliest
-from antires_rs.noise_level import noise_power
-from antires_rs.numerators import NumeratorFit, shared
-from antires_rs.rankone import channel_noise
-from antires_rs.response_lines import Lines
-from antires_rs.signals import Recording
-from antires_rs.uncertainty import Influence, standard_deviations
+from antires_rs.identification.identify import identify_antiresonances
+from antires_rs.identification.likelihood import likeliest
+from antires_rs.signals.noise import noise_power
+from antires_rs.identification.numerators import NumeratorFit, shared
+from antires_rs.signals.rankone import channel_noise
+from antires_rs.identification.response_lines import Lines
+from antires_rs.signals.recording import Recording
+from antires_rs.identification.uncertainty import Influence, standard_deviations
 from virtual_records import accelerance, chain8_matrices, chain_matrices, random_record, true_antiresonances
 
 STIFFNESS, MASS = chain_matrices([1.0, 0.8, 1.2, 0.9], [4e4, 3e4, 5e4])

@@ -227,7 +227,7 @@ def test_agreement_in_genes_alone_does_not_end_in_a_flat_valley():
 
 
 def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
-    from antires_rs import _progress
+    from antires_rs.support import progress as _progress
     monkeypatch.setattr(_progress, "FIRST_S", 0.0)
     ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0, progress=True)
     shown = capsys.readouterr()
@@ -240,7 +240,7 @@ def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
 
 
 def test_progress_tells_how_long_the_budget_lasts():
-    from antires_rs import _progress
+    from antires_rs.support import progress as _progress
     state = {"nfev": 3000, "fun": 0.5, "nit": 7, "islands": [(0.5, "searching"), (0.6, "waiting")]}
     line = _progress._line(state, 5000, 10.0, 1000)  # 2000 of them before, by the run it goes on from
     assert "3,000 of at most 5,000 evaluations" in line

@@ -3,8 +3,8 @@
 import pytest
 
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.presets import DEFAULTS, PRESETS, rule_options
-from antires_rs.rule import Rule
+from antires_rs.order_sweep.presets import DEFAULTS, PRESETS, rule_options
+from antires_rs.order_sweep.rule import Rule
 
 
 def test_without_a_preset_the_defaults_hold():

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs import _progress
+from antires_rs.support import progress as _progress
 
 CASE = ar.cases.chain8()
 
@@ -81,12 +81,12 @@ def test_antiresonances_of_many_dofs_come_from_the_background_unchanged(at_once,
     chain = ar.MassSpringChain(np.ones(240), np.full(239, 1e4))
     calls = []
     work = _progress.interruptible
-    monkeypatch.setattr("antires_rs.structural_model.interruptible",
+    monkeypatch.setattr("antires_rs.models.structural_model.interruptible",
                         lambda *a: calls.append(a[1]) or work(*a))
     many = chain.antiresonances([0, 120], 0)
     assert calls == ["antiresonances of 2 responses"]
     assert "antiresonances of 2 responses   0 s" in capsys.readouterr().err
-    monkeypatch.setattr("antires_rs.structural_model.MANY_DOFS", 10**6)
+    monkeypatch.setattr("antires_rs.models.structural_model.MANY_DOFS", 10**6)
     np.testing.assert_array_equal(np.concatenate(many), np.concatenate(chain.antiresonances([0, 120], 0)))
     assert len(calls) == 1
 

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.forsythe import forsythe_basis, roots
-from antires_rs.rational import fit_rational
+from antires_rs.rational.forsythe import forsythe_basis, roots
+from antires_rs.rational.fit import fit_rational
 
 
 def partial_fractions(freq, poles_hz, damping, residues):

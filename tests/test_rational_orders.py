@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from antires_rs.rational import fit_rational
+from antires_rs.rational.fit import fit_rational
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
 from rational_orders import FAMILIES, draw, fit_errors, sweep_counts

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from antires_rs.scores import grades, local_misfit, prominence_db
+from antires_rs.order_sweep.scores import grades, local_misfit, prominence_db
 
 FREQ = np.linspace(1.0, 20.0, 4000)
 

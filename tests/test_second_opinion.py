@@ -5,9 +5,9 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.second_opinion import DOMINANCE, METHODS, second_opinion
-from antires_rs.set_valued_aaa import set_valued_aaa
-from antires_rs.vector_fitting import vector_fitting
+from antires_rs.identification.cross_check import DOMINANCE, METHODS, second_opinion
+from antires_rs.rational.aaa import set_valued_aaa
+from antires_rs.rational.vector_fitting import vector_fitting
 
 CHAIN = ar.MassSpringChain(np.ones(4), [500.0, 450.0, 520.0])
 BAND = (0.5, 9.0)
@@ -137,7 +137,7 @@ def test_what_all_channels_share_is_no_candidate():
 
 
 def test_a_set_with_its_opinion_says_so_in_the_table(record, truth):
-    from antires_rs._columns import table
+    from antires_rs.measured.columns import table
     found = ar.AntiresonanceSet(0, {dof: np.append(f, 3.0) for dof, f in truth.items()})
     found.second_opinion = second_opinion(record, found, band_hz=BAND)
     edited = found.add(3, 5.0)

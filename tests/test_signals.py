@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.signals import FrequencyResponse, Recording
+from antires_rs.signals.frequency_response import FrequencyResponse
+from antires_rs.signals.recording import Recording
 
 DATA = np.arange(20.0).reshape(2, 10)
 FREQ = np.array([1.0, 2.0, 3.0])

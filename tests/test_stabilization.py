@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.stabilization_diagram import stabilization
+from antires_rs.order_sweep.diagram import stabilization
 
 FREQ = np.linspace(2.0, 60.0, 1200)
 POLES = np.array([9.0, 21.0, 22.0, 47.0])

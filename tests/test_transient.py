@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.identification import identify_antiresonances
-from antires_rs.signals import Recording
-from antires_rs.spectra import frf, transmissibility
-from antires_rs.transient import find_events, is_transient, transient_spectra
+from antires_rs.identification.identify import identify_antiresonances
+from antires_rs.signals.recording import Recording
+from antires_rs.signals.transfer_functions import frf, transmissibility
+from antires_rs.signals.transient import find_events, is_transient, transient_spectra
 from virtual_records import accelerance, chain8_matrices, hit_record, random_record, true_antiresonances
 
 STIFFNESS, MASS = chain8_matrices()

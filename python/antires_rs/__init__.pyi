@@ -6,7 +6,6 @@ from . import io as io
 from . import plotting as plotting
 from . import report as report
 from ._core import __version__
-from .antiresonance_set import AntiresonanceSet
 from .data_check import DataCheck, Finding, check_data
 from .exceptions import (
     AntiresError,
@@ -18,19 +17,8 @@ from .exceptions import (
     ObjectiveError,
     UnsuitableDataError,
 )
-from .frame import FrameModel
-from .frame_parameters import (
-    angle,
-    density,
-    diameter,
-    inertia,
-    point_mass,
-    support_stiffness,
-    thickness,
-    youngs_modulus,
-)
-from .frame_parts import GroundSpring, NodeSpring, PointMass
-from .identification import identify_antiresonances
+from .identification.identify import identify_antiresonances
+from .identification.modes import identify_modes
 from .io import (
     from_sep005,
     read_csv,
@@ -47,19 +35,35 @@ from .io import (
     write_npz,
     write_uff,
 )
-from .modal_identification import identify_modes
-from .modal_set import ModalSet
-from .models import MassSpringChain, MatrixModel
-from .optimizer import History, IslandGA, OptimizeResult
-from .parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
-from .rational import RationalFit, fit_rational
-from .results import DamageResult, UpdateResult
-from .sections import Rectangle, Section, Tube
-from .signals import FrequencyResponse, Recording
-from .spectra import frf, transmissibility, transmissibility_sum
-from .stabilization_diagram import StabilizationDiagram, stabilization
-from .tables import FrequencyTable, ModalTable
-from .updating import DamagePenalty, UpdatingProblem, assess_damage, update
+from .measured.antiresonance_set import AntiresonanceSet
+from .measured.modal_set import ModalSet
+from .models.chain import MassSpringChain
+from .models.frame import FrameModel
+from .models.frame_parameters import (
+    angle,
+    density,
+    diameter,
+    inertia,
+    point_mass,
+    support_stiffness,
+    thickness,
+    youngs_modulus,
+)
+from .models.frame_parts import GroundSpring, NodeSpring, PointMass
+from .models.matrix_model import MatrixModel
+from .models.parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
+from .models.sections import Rectangle, Section, Tube
+from .optimize.island_ga import History, IslandGA, OptimizeResult
+from .order_sweep.diagram import StabilizationDiagram, stabilization
+from .rational.fit import RationalFit, fit_rational
+from .signals.frequency_response import FrequencyResponse
+from .signals.recording import Recording
+from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
+from .updating.damage import assess_damage
+from .updating.problem import DamagePenalty, UpdatingProblem
+from .updating.results import DamageResult, UpdateResult
+from .updating.search import update
+from .updating.tables import FrequencyTable, ModalTable
 
 __all__ = [
     "AntiresError",

@@ -6,7 +6,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from .checkpoint import Checkpoint
+from .optimize.checkpoint import Checkpoint
 
 _Floats = NDArray[np.float64]
 _Term = tuple[NDArray[np.uint32], NDArray[np.uint32], _Floats]

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import FloatArray, finite_scalar, integer, random_generator
-from ..antiresonance_set import AntiresonanceSet
-from ..modal_set import ModalSet
-from ..models import MassSpringChain
-from ..parameters import mass_factor, stiffness_factor, stiffness_reduction
-from ..signals import Recording
-from ..updating import DamagePenalty, UpdatingProblem
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
+from ..models.chain import MassSpringChain
+from ..models.parameters import mass_factor, stiffness_factor, stiffness_reduction
+from ..signals.recording import Recording
+from ..support.validation import FloatArray, finite_scalar, integer, random_generator
+from ..updating.problem import DamagePenalty, UpdatingProblem
 
 __all__ = ["Chain8", "chain8"]
 

@@ -8,11 +8,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from .._files import write_atomically
-from .._validation import reject
 from ..jobs import Job, read_job, template
 from ..jobs.files import RunFolder
 from ..jobs.keys import FORMATS, format_of
+from ..support.files import write_atomically
+from ..support.validation import reject
 from .terminal import arguments, existing, print_json, say
 
 __all__ = ["init", "resume", "search"]
@@ -47,8 +47,8 @@ def _channels(file: Path) -> dict[str, object] | None:
         reject("--data", repr(str(file)), "a file that ends in " + ", ".join(e for ends in FORMATS.values()
                                                                              for e in ends),
                "Convert it first, or write the job without --data and name its format there.")
-    from ..antiresonance_set import AntiresonanceSet
     from ..jobs.reading import read_signal
+    from ..measured.antiresonance_set import AntiresonanceSet
     with arguments({"path": "--data"}, "Write the job without --data, and fill in [data] by hand."):
         names = list(AntiresonanceSet.load(file)) if kind == "antiresonances" else list(
             read_signal(file, kind, {}).dofs)
@@ -73,7 +73,7 @@ def resume(args: argparse.Namespace) -> int:
     folder = RunFolder.of(job)
     if not folder.unfinished and folder.state not in (None, "searching") and folder.result.is_file():
         from ..jobs.run import out_of_time
-        from ..results import UpdateResult
+        from ..updating.results import UpdateResult
         done = UpdateResult.load(folder.result)
         interrupted = folder.state == "interrupted"
         if interrupted or out_of_time(done):

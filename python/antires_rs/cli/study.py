@@ -7,10 +7,10 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from .._validation import reject
-from ..antiresonance_set import AntiresonanceSet
 from ..exceptions import AntiresWarning
 from ..jobs.keys import DATA, FORMATS, format_of
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..support.validation import reject
 from .terminal import arguments, existing, print_json, say
 
 __all__ = ["demo", "identify", "report"]
@@ -27,7 +27,7 @@ _SEE = "See 'antires identify --help'."
 
 def demo(args: argparse.Namespace) -> int:
     """The whole study of the eight-mass chain."""
-    from .. import demo as story
+    from . import demo as story
     return story.command(args.out, seed=args.seed, noise=args.noise, workers=args.workers, as_json=args.json,
                          say=say)
 
@@ -82,7 +82,7 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
             wanted = {"band": "--band LOW HIGH, in Hz",
                       "excitation": "--excitation DOF, where the force acts"}[name]
             reject(f"--{name}", "nothing", wanted, _SEE)
-    from ..identification import identify_antiresonances
+    from ..identification.identify import identify_antiresonances
     from ..jobs.reading import read_signal
     options = {name: getattr(args, name) for name in _READING if getattr(args, name) is not None}
     if args.dofs:
@@ -118,9 +118,9 @@ def _as_option(name: str, value: str | None) -> str:
 
 
 def _diagrams(found: AntiresonanceSet, folder: Path, prefix: str) -> None:
-    from .._files import write_atomically
     from ..jobs.files import picture_name
     from ..plotting.canvas import picture
+    from ..support.files import write_atomically
     folder.mkdir(parents=True, exist_ok=True)
     for dof, diagram in found.diagrams.items():
         name = f"dof {dof}" if isinstance(dof, int) else str(dof)
@@ -144,7 +144,7 @@ def report(args: argparse.Namespace) -> int:
     from ..jobs.drawing import drawings, evidence_in, pictures
     from ..jobs.drawing import report as write
     from ..jobs.files import RunFolder
-    from ..results import UpdateResult
+    from ..updating.results import UpdateResult
     file: Path = args.result / "result.npz" if args.result.is_dir() else args.result
     existing("RESULT", file, "'antires update' and 'antires damage' write result.npz into their folder.")
     out: Path = args.out or file.with_name("report.html")

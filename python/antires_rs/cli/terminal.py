@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from .._validation import reject
 from ..exceptions import InvalidInputError
+from ..support.validation import reject
 
 __all__ = ["arguments", "existing", "print_json", "say"]
 

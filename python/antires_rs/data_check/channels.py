@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import FloatArray
+from ..support.validation import FloatArray
 from .evidence import Evidence
 from .findings import Finding, NotTested, Said
 

@@ -7,9 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from .._progress import patient
-from .._validation import choice, reject
-from ..signals import FrequencyResponse, Recording, band_of, frozen
+from ..signals.band import band_of
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
+from ..support.pickling import frozen
+from ..support.progress import patient
+from ..support.validation import choice, reject
 from . import channels, force_location, one_force, phase, resolution
 from .evidence import Evidence
 from .findings import SEVERITIES, DataCheck, Finding, NotTested, Said

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import ComplexArray, FloatArray
-from ..noise_level import noise_power
-from ..spectra import CrossSpectra
+from ..signals.noise import noise_power
+from ..signals.spectra import CrossSpectra
+from ..support.validation import ComplexArray, FloatArray
 
 # A line's power spreads at least as the Hann window lets it, whatever window is said to be used.
 HANN_SPREAD = (1.0, 0.25)

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from .._pickling import ReadOnly
-from .._validation import FloatArray
+from ..support.pickling import ReadOnly
+from ..support.validation import FloatArray
 
 __all__ = ["DataCheck", "Finding"]
 

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import ComplexArray, FloatArray
+from ..support.validation import ComplexArray, FloatArray
 from .evidence import Evidence
 from .findings import Finding, NotTested, Said
 

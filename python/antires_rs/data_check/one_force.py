@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._validation import FloatArray
+from ..support.validation import FloatArray
 from .evidence import Evidence
 from .findings import Finding, NotTested, Said, Severity, rounded
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._validation import ComplexArray, FloatArray
+from ..support.validation import ComplexArray, FloatArray
 from .evidence import Evidence
 from .findings import Finding, NotTested, Said
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import ComplexArray, FloatArray
 from ..exceptions import InvalidInputError, UnsuitableDataError
-from ..segment_length import LEAST_SAMPLES, SEGMENTS, _power_of_two, choose_nperseg
-from ..signals import Recording
-from ..spectra import CrossSpectra, cross_spectra, window_values
-from ..transient import is_transient, transient_spectra
+from ..signals.recording import Recording
+from ..signals.segment_length import LEAST_SAMPLES, SEGMENTS, _power_of_two, choose_nperseg
+from ..signals.spectra import CrossSpectra, cross_spectra, window_values
+from ..signals.transient import is_transient, transient_spectra
+from ..support.validation import ComplexArray, FloatArray
 from . import channels, force_location, one_force, phase, resolution
 from .evidence import Evidence, of_spectra
 from .findings import Finding, NotTested, Said

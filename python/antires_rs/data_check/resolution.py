@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._validation import FloatArray
-from ..segment_length import BANDWIDTHS, NARROWEST, SEGMENTS, _half_power_widths
+from ..signals.segment_length import BANDWIDTHS, NARROWEST, SEGMENTS, _half_power_widths
+from ..support.validation import FloatArray
 from .findings import Finding, NotTested, Said, Severity, rounded
 
 RESOLUTION, LENGTH, AVERAGES = "resolution", "record_length", "averages"

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import ComplexArray
-from ..signals import FrequencyResponse
+from ..signals.frequency_response import FrequencyResponse
+from ..support.validation import ComplexArray
 from . import channels, force_location, one_force, phase, resolution
 from .evidence import Evidence, of_curves
 from .findings import Finding, NotTested, Said

@@ -10,9 +10,10 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from .._validation import reject
 from ..exceptions import AntiresWarning, MissingDependencyError, UnsuitableDataError
-from ..signals import FrequencyResponse, Recording
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
+from ..support.validation import reject
 
 __all__ = ["Signal", "existing_file", "missing_package", "missing_part", "rate_of", "signal_given",
            "simplest_rate", "unsuitable", "warn"]

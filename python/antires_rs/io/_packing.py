@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._validation import reject
-from ..signals import FrequencyResponse, Recording
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
+from ..support.validation import reject
 from ._common import Signal, unsuitable
 
 __all__ = ["FORMAT", "check_dofs", "pack", "unpack"]

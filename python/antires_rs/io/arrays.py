@@ -10,8 +10,8 @@ from typing import Any, Literal, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from .._validation import choice, finite_scalar, reject, shape_of
-from ..signals import FrequencyResponse
+from ..signals.frequency_response import FrequencyResponse
+from ..support.validation import choice, finite_scalar, reject, shape_of
 from ._common import Signal, rate_of, unsuitable, warn
 from .channels import Channel, Dofs, in_si, recording_of, renamed
 from .units import named_unit

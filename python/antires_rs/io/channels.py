@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import FloatArray, reject, shape_of
-from ..signals import Recording
+from ..signals.recording import Recording
+from ..support.validation import FloatArray, reject, shape_of
 from ._common import unsuitable, warn
 from .units import Unit, named_unit, parse_unit
 

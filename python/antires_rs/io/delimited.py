@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import choice, finite_scalar
 from ..exceptions import AntiresError, UnsuitableDataError
-from ..signals import FrequencyResponse
+from ..signals.frequency_response import FrequencyResponse
+from ..support.validation import choice, finite_scalar
 from ._common import Signal, existing_file, missing_part, rate_of, unsuitable, warn
 from .channels import Channel, Dofs, in_si, recording_of, renamed, unit_or_warning
 from .delimited_text import Table, table_of

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from .._files import write_atomically
-from .._validation import choice, reject
-from ..signals import Recording
+from ..signals.recording import Recording
+from ..support.files import write_atomically
+from ..support.validation import choice, reject
 from ._common import Signal, signal_given
 from ._packing import check_dofs
 from .delimited_text import MARK, VERSION

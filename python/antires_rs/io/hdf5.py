@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._files import write_atomically
+from ..support.files import write_atomically
 from ._common import Signal, existing_file, missing_package, signal_given, unsuitable
 from ._packing import FORMAT, pack, unpack
 from .arrays import signal_of_arrays

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import reject
-from ..models import MatrixModel
+from ..models.matrix_model import MatrixModel
+from ..support.validation import reject
 from ._common import existing_file, unsuitable
 from ._store import Store, read_store, square, write_store
 from .npz import read_archive

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._files import write_atomically
 from ..exceptions import AntiresError
+from ..support.files import write_atomically
 from ._common import Signal, existing_file, signal_given, unsuitable
 from ._packing import pack, unpack
 from .arrays import signal_of_arrays

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import finite_scalar, reject
-from ..signals import FrequencyResponse, Recording
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
+from ..support.validation import finite_scalar, reject
 from ._common import Signal
 from .channels import Dofs, renamed
 from .units import named_unit

@@ -10,15 +10,17 @@ import json
 from dataclasses import asdict
 from typing import Any
 
-from .._validation import reject
-from ..antiresonance_set import AntiresonanceSet
-from ..frame import FrameModel
-from ..frame_parts import GroundSpring, NodeSpring, PointMass
-from ..modal_set import ModalSet
-from ..models import MassSpringChain, MatrixModel, StructuralModel
-from ..parameters import Parameter
-from ..sections import Rectangle, Section, Tube
-from ..updating import DamagePenalty, UpdatingProblem
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
+from ..models.chain import MassSpringChain
+from ..models.frame import FrameModel
+from ..models.frame_parts import GroundSpring, NodeSpring, PointMass
+from ..models.matrix_model import MatrixModel
+from ..models.parameters import Parameter
+from ..models.sections import Rectangle, Section, Tube
+from ..models.structural_model import StructuralModel
+from ..support.validation import reject
+from ..updating.problem import DamagePenalty, UpdatingProblem
 from ._store import Store, square
 
 __all__ = ["describe_problem", "made_problem"]

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from .._core import __version__
-from .._validation import reject
-from ..optimizer import History, OptimizeResult
-from ..results import DamageResult, UpdateResult
+from ..optimize.island_ga import History, OptimizeResult
+from ..support.validation import reject
+from ..updating.results import DamageResult, UpdateResult
 from ._common import unsuitable, warn
 from ._store import Store, read_store, write_store
 from .problems import describe_problem, made_problem

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import finite_scalar, real_array, reject
-from ..signals import Recording
+from ..signals.recording import Recording
+from ..support.validation import finite_scalar, real_array, reject
 from ._common import rate_of
 from .channels import Channel, Dofs, recording_of
 from .units import named_unit

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._columns import table
-from ..signals import FrequencyResponse, Recording
+from ..measured.columns import table
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
 from ._common import missing_package
 
 if TYPE_CHECKING:
-    from ..antiresonance_set import AntiresonanceSet
+    from ..measured.antiresonance_set import AntiresonanceSet
 
 __all__ = ["to_dataframe", "to_xarray"]
 

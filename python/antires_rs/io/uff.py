@@ -11,8 +11,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from .._validation import choice
-from ..signals import Recording
+from ..signals.recording import Recording
+from ..support.validation import choice
 from ._common import Signal, existing_file, rate_of, simplest_rate, unsuitable
 from .channels import Channel, recording_of
 from .uff_names import Point, as_point, dof_of, label_of

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from .._validation import reject
+from ..support.validation import reject
 
 __all__ = ["CODES", "DIRECTIONS", "Point", "as_point", "dof_of", "label_of", "points_of"]
 

@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .._validation import FloatArray
-from ..signals import FrequencyResponse
+from ..signals.frequency_response import FrequencyResponse
+from ..support.validation import FloatArray
 from ._common import simplest_rate, unsuitable, warn
 from .uff_names import Point, as_point, label_of
 from .uff_sets import Function

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._files import write_atomically
-from .._validation import reject
-from ..estimators import std_of_coherence
-from ..signals import FrequencyResponse, Recording
+from ..signals.estimators import std_of_coherence
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
+from ..support.files import write_atomically
+from ..support.validation import reject
 from ._common import Signal, signal_given, warn
 from ._packing import check_dofs
 from .uff_names import Point, as_point, label_of, points_of

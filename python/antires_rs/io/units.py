@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from .._validation import reject
+from ..support.validation import reject
 
 __all__ = ["STANDARD_GRAVITY", "Unit", "abscissa_factor", "is_frequency", "named_unit", "parse_unit"]
 

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from .._files import write_atomically
 from ..exceptions import AntiresWarning, MissingDependencyError, UnsuitableDataError
 from ..report.facts import named_diagrams
 from ..report.figures import Drawings, drawings_of
-from ..results import UpdateResult
+from ..support.files import write_atomically
+from ..updating.results import UpdateResult
 from .evidence import Evidence
 from .files import RunFolder, picture_name
 from .job import Job

@@ -15,12 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from ..accepted import Accepted
 from ..exceptions import UnsuitableDataError
 from ..io._store import Store, read_store, write_store
+from ..order_sweep.accepted import Accepted
+from ..order_sweep.diagram import StabilizationDiagram
 from ..report.facts import of_evidence, of_identification, of_signal
-from ..signals import FrequencyResponse, Recording
-from ..stabilization_diagram import StabilizationDiagram
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
 from .job import Job
 from .measured import Measured
 
@@ -142,8 +143,8 @@ def _response(job: Job, measured: list[Measured]) -> FrequencyResponse | None:
     dof = next((dof for dof, values in first.found.items() if values.size), None)
     if not isinstance(first.signal, Recording) or dof is None or first.signal.n_channels < 2:
         return None
-    from ..segment_length import choose_nperseg
-    from ..spectra import transmissibility
+    from ..signals.segment_length import choose_nperseg
+    from ..signals.transfer_functions import transmissibility
     try:
         length = job.section("identification").get("nperseg") or choose_nperseg(
             first.signal, job.data[0]["band_hz"])

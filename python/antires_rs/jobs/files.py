@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from .._files import write_atomically
+from ..support.files import write_atomically
 from .job import Job
 
 __all__ = ["RunFolder", "picture_name", "sha256_of"]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..antiresonance_set import AntiresonanceSet
-from ..identification import identify_antiresonances
-from ..models import StructuralModel
+from ..identification.identify import identify_antiresonances
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..models.structural_model import StructuralModel
 from .job import Job
 from .keys import FORMATS, IDENTIFICATION, format_of
 from .lines import Path as Keys

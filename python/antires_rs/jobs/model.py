@@ -8,10 +8,11 @@ from dataclasses import MISSING, fields
 from typing import Any
 
 from .. import io
-from ..frame import FrameModel
-from ..models import MassSpringChain, StructuralModel
-from ..results import UpdateResult
-from ..sections import Rectangle, Section, Tube
+from ..models.chain import MassSpringChain
+from ..models.frame import FrameModel
+from ..models.sections import Rectangle, Section, Tube
+from ..models.structural_model import StructuralModel
+from ..updating.results import UpdateResult
 from .job import Job, nearest
 from .keys import CHAIN, FRAME, MATRICES, RESULT
 from .lines import Path as Keys

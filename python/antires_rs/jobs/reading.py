@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from .. import io
-from .._validation import reject
 from ..exceptions import InvalidInputError
 from ..io._common import Signal
 from ..io.channels import renamed
 from ..io.own import relabelled
 from ..io.uff_names import as_point
+from ..support.validation import reject
 from .keys import DATA
 
 __all__ = ["Signal", "read_signal", "relabelled"]

@@ -14,12 +14,14 @@ from typing import Any
 import numpy as np
 
 from .._core import __version__
-from ..antiresonance_set import AntiresonanceSet
 from ..exceptions import UnsuitableDataError
-from ..models import StructuralModel
-from ..parameters import stiffness_reduction
-from ..results import UpdateResult
-from ..updating import DamagePenalty, UpdatingProblem, assess_damage, update
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..models.parameters import stiffness_reduction
+from ..models.structural_model import StructuralModel
+from ..updating.damage import assess_damage
+from ..updating.problem import DamagePenalty, UpdatingProblem
+from ..updating.results import UpdateResult
+from ..updating.search import update
 from .evidence import evidence_of, heard, measurement_of
 from .files import RunFolder, sha256_of
 from .job import Job

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..results import DamageResult, UpdateResult
-from ..tables import FrequencyTable
+from ..updating.results import DamageResult, UpdateResult
+from ..updating.tables import FrequencyTable
 from .job import Job
 from .measured import Measured
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from .. import frame_parameters as frames
-from .. import parameters as terms
-from ..frame import FrameModel
-from ..models import StructuralModel
-from ..optimizer import IslandGA, seed_of, thread_count
-from ..parameters import Parameter
+from ..models import frame_parameters as frames
+from ..models import parameters as terms
+from ..models.frame import FrameModel
+from ..models.parameters import Parameter
+from ..models.structural_model import StructuralModel
+from ..optimize.island_ga import IslandGA, seed_of, thread_count
 from .job import Job, nearest
 from .keys import ELEMENTS, LUMPED, SECTIONED, SUPPORT
 from .lines import Path as Keys

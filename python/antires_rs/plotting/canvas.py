@@ -11,8 +11,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from .._validation import FloatArray, frequency_band, reject
 from ..exceptions import MissingDependencyError
+from ..support.validation import FloatArray, frequency_band, reject
 
 __all__ = ["COLOURS", "GREY", "LINES", "band_shown", "below", "data_of", "fit_across", "new_axes", "offer",
            "picture", "plain_log", "spread", "text_width_pt", "width_pt"]

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import FloatArray
+from ..support.validation import FloatArray
 from .canvas import COLOURS, below, fit_across, new_axes, offer, width_pt
 from .values import coloured, value_by_element
 
 if TYPE_CHECKING:
-    from ..models import MassSpringChain
+    from ..models.chain import MassSpringChain
 
 __all__ = ["coil", "plot_chain"]
 

@@ -9,8 +9,8 @@ import numpy as np
 from .canvas import COLOURS, LINES, below, new_axes, offer, plain_log
 
 if TYPE_CHECKING:
-    from ..optimizer import OptimizeResult
-    from ..results import UpdateResult
+    from ..optimize.island_ga import OptimizeResult
+    from ..updating.results import UpdateResult
 
 __all__ = ["plot_convergence"]
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import FloatArray
+from ..support.validation import FloatArray
 from .canvas import COLOURS, below, fit_across, new_axes, offer, text_width_pt
 
 if TYPE_CHECKING:
-    from ..results import DamageResult
+    from ..updating.results import DamageResult
 
 __all__ = ["plot_damage"]
 

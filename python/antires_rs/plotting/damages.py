@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import reject
+from ..support.validation import reject
 from .canvas import COLOURS, fit_across, new_axes, offer
 from .damage import element_axis, element_names, percent_axis
 
 if TYPE_CHECKING:
-    from ..results import DamageResult
+    from ..updating.results import DamageResult
 
 __all__ = ["plot_damages"]
 

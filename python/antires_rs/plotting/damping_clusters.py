@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import FloatArray
+from ..support.validation import FloatArray
 from .canvas import COLOURS, below, new_axes, offer, plain_log
 from .stabilization import diagram_tables, mark_values, pole_table
 
 if TYPE_CHECKING:
-    from ..stabilization_diagram import StabilizationDiagram
+    from ..order_sweep.diagram import StabilizationDiagram
 
 __all__ = ["plot_damping_clusters"]
 

@@ -9,8 +9,8 @@ import numpy as np
 from .canvas import COLOURS, below, new_axes, offer, text_width_pt, width_pt
 
 if TYPE_CHECKING:
-    from .._validation import FloatArray
-    from ..tables import FrequencyTable, ModalTable
+    from ..support.validation import FloatArray
+    from ..updating.tables import FrequencyTable, ModalTable
 
 __all__ = ["plot_differences"]
 

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import FloatArray
+from ..support.validation import FloatArray
 from .canvas import COLOURS, below, new_axes, offer
 from .chain import coil
 from .numbers import beside, points_per_unit
 from .values import coloured, value_by_element
 
 if TYPE_CHECKING:
-    from ..frame import FrameModel
+    from ..models.frame import FrameModel
 
 __all__ = ["plot_frame"]
 

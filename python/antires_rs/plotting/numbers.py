@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import FloatArray
+from ..support.validation import FloatArray
 
 __all__ = ["beside", "points_per_unit"]
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import reject
-from ..signals import FrequencyResponse
+from ..signals.frequency_response import FrequencyResponse
+from ..support.validation import reject
 from .canvas import COLOURS, GREY, LINES, band_shown, below, new_axes, offer
 
 if TYPE_CHECKING:

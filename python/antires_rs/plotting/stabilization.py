@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import FloatArray
+from ..support.validation import FloatArray
 from .canvas import COLOURS, below, new_axes, offer, spread
 
 if TYPE_CHECKING:
-    from ..stabilization_diagram import StabilizationDiagram
+    from ..order_sweep.diagram import StabilizationDiagram
 
 __all__ = ["mark_values", "plot_stabilization", "pole_table"]
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._validation import FloatArray, reject
-from ..signals import FrequencyResponse
-from ..spectra import transmissibility_sum
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.transfer_functions import transmissibility_sum
+from ..support.validation import FloatArray, reject
 from .canvas import COLOURS, band_shown, below, new_axes, offer
 
 if TYPE_CHECKING:
-    from ..models import StructuralModel
+    from ..models.structural_model import StructuralModel
 
 __all__ = ["plot_transmissibility"]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .._validation import FloatArray, integer, real_array, reject
+from ..support.validation import FloatArray, integer, real_array, reject
 from .canvas import GREY
 
 __all__ = ["coloured", "value_by_element"]

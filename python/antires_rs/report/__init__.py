@@ -17,17 +17,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._core import __version__
-from .._files import write_atomically
-from .._validation import reject
 from ..exceptions import MissingDependencyError
-from ..results import DamageResult, UpdateResult
-from ..signals import FrequencyResponse, Recording
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
+from ..support.files import write_atomically
+from ..support.validation import reject
+from ..updating.results import DamageResult, UpdateResult
 from .facts import Facts, dof_name, of_model, of_search, of_set, of_signal
 from .figures import Drawings, drawings_of, fitting, largest, states
 from .rows import damage_rows, frequency_rows, parameter_rows
 
 if TYPE_CHECKING:
-    from ..stabilization_diagram import StabilizationDiagram
+    from ..order_sweep.diagram import StabilizationDiagram
 
 __all__ = ["write_report"]
 

@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..antiresonance_set import AntiresonanceSet
-from ..frame import FrameModel
-from ..models import MassSpringChain, StructuralModel
-from ..presets import rule_options
-from ..signals import FrequencyResponse, Recording
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..models.chain import MassSpringChain
+from ..models.frame import FrameModel
+from ..models.structural_model import StructuralModel
+from ..order_sweep.presets import rule_options
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
 
 if TYPE_CHECKING:
-    from ..modal_set import ModalSet
-    from ..results import UpdateResult
+    from ..measured.modal_set import ModalSet
+    from ..updating.results import UpdateResult
 
 __all__ = ["Facts", "dof_name", "named_diagrams", "of_evidence", "of_identification", "of_model",
            "of_search", "of_set", "of_signal"]
@@ -62,7 +64,7 @@ def of_signal(signal: Recording | FrequencyResponse) -> Facts:
 def of_identification(signal: Recording | FrequencyResponse, found: AntiresonanceSet, band_hz: Any,
                       options: Mapping[str, Any]) -> Facts:
     """Every choice of an identification, defaults among them; ``options`` are those that were given."""
-    from ..identification import identify_antiresonances
+    from ..identification.identify import identify_antiresonances
     known = inspect.signature(identify_antiresonances).parameters
     used = {name: given.default for name, given in known.items() if given.default is not given.empty}
     used |= options

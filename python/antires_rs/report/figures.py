@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..antiresonance_set import AntiresonanceSet
-from ..frame import FrameModel
-from ..models import MassSpringChain
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..models.chain import MassSpringChain
+from ..models.frame import FrameModel
 from ..plotting import (
     plot_chain,
     plot_convergence,
@@ -23,13 +23,13 @@ from ..plotting import (
     plot_transmissibility,
 )
 from ..plotting.canvas import picture
-from ..results import DamageResult
+from ..updating.results import DamageResult
 from .facts import dof_name, named_diagrams
 
 if TYPE_CHECKING:
-    from ..results import UpdateResult
-    from ..signals import FrequencyResponse
-    from ..stabilization_diagram import StabilizationDiagram
+    from ..order_sweep.diagram import StabilizationDiagram
+    from ..signals.frequency_response import FrequencyResponse
+    from ..updating.results import UpdateResult
 
 __all__ = ["Drawings", "Figure", "drawings_of", "fitting", "largest", "states"]
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..results import DamageResult, UpdateResult
-from ..tables import ModalTable, signed
+from ..updating.results import DamageResult, UpdateResult
+from ..updating.tables import ModalTable, signed
 
 __all__ = ["damage_rows", "frequency_rows", "parameter_rows"]
 

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from ..._progress import patient
-from ..._validation import FloatArray, finite_scalar, integer
-from ...antiresonance_set import AntiresonanceSet
-from ...frame_parameters import angle, point_mass, thickness, youngs_modulus
-from ...models import StructuralModel
-from ...parameters import Parameter, stiffness_reduction
-from ...signals import Recording
-from ...simulation import simulate
-from ...updating import DamagePenalty, UpdatingProblem
+from ...measured.antiresonance_set import AntiresonanceSet
+from ...models.frame_parameters import angle, point_mass, thickness, youngs_modulus
+from ...models.parameters import Parameter, stiffness_reduction
+from ...models.simulation import simulate
+from ...models.structural_model import StructuralModel
+from ...signals.recording import Recording
+from ...support.progress import patient
+from ...support.validation import FloatArray, finite_scalar, integer
+from ...updating.problem import DamagePenalty, UpdatingProblem
 from . import experiment, geometry
 from .truth import true_antiresonances, truth
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..._validation import finite_scalar
+from ...support.validation import finite_scalar
 
 __all__ = ["bending_factor", "crack_compliance"]
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from ..._validation import ComplexArray, FloatArray
-from ...frame import FrameModel
-from ...frame_parts import GroundSpring, PointMass
-from ...sections import Section, Tube
+from ...models.frame import FrameModel
+from ...models.frame_parts import GroundSpring, PointMass
+from ...models.sections import Section, Tube
+from ...support.validation import ComplexArray, FloatArray
 from . import geometry
 from .crack import crack_compliance
 

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..._validation import FloatArray
-from ...frame import FrameModel
-from ...frame_parts import GroundSpring, PointMass
-from ...sections import Tube
+from ...models.frame import FrameModel
+from ...models.frame_parts import GroundSpring, PointMass
+from ...models.sections import Tube
+from ...support.validation import FloatArray
 
 DIAMETER_M = 0.038
 #: Runs of pipe: section, corner nodes are where the previous run ends, (x, y) of its end in m, beams.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..._validation import FloatArray
+from ...support.validation import FloatArray
 from . import experiment
 
 __all__ = ["true_antiresonances", "truth"]

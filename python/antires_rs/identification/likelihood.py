@@ -1,0 +1,107 @@
+"""The likeliest numerators: weights and order found together.
+
+Beyond the true order the numerators share a factor that the data do not determine, and the solution of least
+misfit loses its accuracy; below it, the fit is wrong. So the order is the one of least
+
+    BIC = (n_data - n_free) log Q(m) + n_free(m) log(n_data)
+
+with n_data the number of independent real data and n_free = (n - 1)(m + 1) (the common factor is not
+counted); the level of the noise need not be known. The weights of each turn come from the turn before: of the
+lowest order that fits nearly as well as the best, and once that stands, of the best order. Q itself does not
+depend on the weights, so that the best of all turns can be kept.
+
+Reference: G. Schwarz, Ann. Stat. 6 (1978) 461-464.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..support.validation import ComplexArray, FloatArray
+from .numerators import NumeratorFit
+
+# Orders settle in two or three turns of the weights; the others may find better ones.
+TURNS = 6
+# The weights are those of the lowest order whose misfit is within this factor of the least: a superfluous
+# common factor of the numerators would distort them.
+KNEE = 2.0
+# The first turn looks at every second order, the next ones this far from the knee.
+BELOW, ABOVE = 4, 16
+# So many lines tell the weights and the order as well as all of them.
+ENOUGH_LINES = 1200
+# A line at which all numerators nearly vanish must not get all the weight there is.
+LEAST_SIZE = 1e-12
+LEAST_ORDER = 2
+
+
+@dataclass(frozen=True)
+class Likeliest:
+    """Numerators of least misfit.
+
+    ``fit`` holds the weights (and all orders up to its highest), ``coefficients`` are (order + 1, n),
+    ``misfit`` is their Rayleigh quotient, the smallest eigenvalue but for rounding.
+    """
+
+    fit: NumeratorFit
+    order: int
+    coefficients: FloatArray
+    misfit: float
+
+
+def likeliest(freq_hz: FloatArray, covariance: ComplexArray, cap: float, independent: float,
+              max_order: int) -> Likeliest:
+    """Turn weights and order until they stand.
+
+    ``cap`` bounds the signal-to-noise power a line may count with; ``independent`` is the number of
+    independent lines over the number of lines.
+    """
+    n = covariance.shape[1]
+    largest = np.asarray(np.linalg.eigvalsh(covariance)[:, -1], dtype=np.float64)
+    capped = 1.0 / (1.0 + largest / cap)
+    # Weights and order are found on a part of the lines; the last fit has all.
+    step = max(1, freq_hz.size // ENOUGH_LINES)
+    some = slice(step // 2, None, step)
+    data = 2.0 * (n - 1) * len(freq_hz[some]) * min(1.0, independent * step)
+    orders = np.arange(LEAST_ORDER, max_order + 1, 2)
+    size = np.ones(freq_hz.size)
+    best: tuple[float, int, FloatArray] = (np.inf, 0, size)
+    last = (-1, -1)
+    for _ in range(TURNS):
+        fit = NumeratorFit(freq_hz[some], covariance[some], largest[some], (capped / size)[some], max_order)
+        solutions = [fit.likeliest(int(m))[0] for m in orders]
+        q = _misfits(fit, solutions, covariance[some], largest[some], capped[some])
+        free = (n - 1.0) * (orders + 1.0)
+        # Q does not depend on the weights of the turn, so that turns can be compared; it need not fall.
+        criterion = np.maximum(data - free, 1.0) * np.log(q) + free * np.log(data)
+        pick = int(np.argmin(criterion))
+        if criterion[pick] < best[0]:
+            best = (float(criterion[pick]), int(orders[pick]), size)
+        # The knee first, since superfluous factors distort the weights; when it stands, the order itself.
+        first = int(np.argmax(q <= KNEE * q.min()))
+        source = first if (int(orders[first]), int(orders[pick])) != last else pick
+        last = (int(orders[first]), int(orders[pick]))
+        middle = int(orders[source])
+        at = fit.basis.at(np.asarray(1j * freq_hz / fit.scale_hz, dtype=np.complex128), middle)
+        size = np.sum(np.abs(at @ solutions[source])**2, axis=1)
+        size = np.maximum(size, LEAST_SIZE * size.max())
+        orders = np.arange(max(middle - BELOW, LEAST_ORDER), min(middle + ABOVE, max_order) + 1)
+    _, order, size = best
+    fit = NumeratorFit(freq_hz, covariance, largest, capped / size, max_order)
+    return Likeliest(fit, order, *fit.likeliest(order))
+
+
+def _misfits(fit: NumeratorFit, solutions: list[FloatArray], covariance: ComplexArray, largest: FloatArray,
+             capped: FloatArray) -> FloatArray:
+    """Q of every solution."""
+    terms = fit.max_order + 1
+    stack = np.zeros((terms, fit.n, len(solutions)))
+    for i, c in enumerate(solutions):
+        stack[:c.shape[0], :, i] = c
+    turned = (1j ** np.arange(terms))[:, None] * stack.reshape(terms, -1)
+    values = (fit.basis.p @ turned).reshape(largest.size, fit.n, -1)
+    seen = np.sum(values.conj() * (covariance @ values), axis=1).real
+    total = np.sum(np.abs(values)**2, axis=1)
+    share = seen / np.maximum(total, 1e-300)
+    return np.asarray(np.maximum(capped @ (largest[:, None] - share), 1e-300))

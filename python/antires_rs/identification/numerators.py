@@ -1,0 +1,168 @@
+r"""All numerators at once: the responses to one force as one vector of polynomials.
+
+Under one force at k the responses at a line are x = a N(s): a vector of polynomials N_p, the numerators of
+H_pk, times a factor a that holds the force and the common denominator. With covariances C of the responses,
+scaled to unit noise in every channel, the likelihood of N (the factors a being free) falls with
+
+    Q(N) = sum_f [ lam_f - N' C_f N / (N' N) ],      lam_f = largest eigenvalue of C_f
+
+so only the *direction* of N counts: the resonances, the force and its spectrum have dropped out. By
+Lagrange's identity Q is the sum of the misfits of all transmissibilities T_pq at once. A joint fit over one
+reference knows N_p only where that reference is strong; here every pair contributes, which lifts the
+lowest antiresonances of a response, 20 to 30 dB under its noise, out of it.
+
+With the weights 1 / N'N taken from the turn before, Q is a quadratic form c' A c in the coefficients. On
+Forsythe's polynomials for the same weights the noise adds a multiple of the identity to A, hence
+
+- "likeliest": the eigenvector of the smallest eigenvalue; without bias, for the true order;
+- "low": all of the lowest coefficient that there can be. Superfluous roots, common to all N_p, go
+  to the right half plane, so this one serves the sweep over orders.
+
+A is ordered by degree: one Cholesky factor serves every order. The zeros of N_j are the antiresonances of j;
+roots common to all N_p cancel in every transmissibility.
+
+References: Lagrange's identity and projectors as in M. Viberg and B. Ottersten, IEEE Trans. Signal Process.
+39 (1991) 1110-1121 (subspace fitting); C. K. Sanathanan and J. Koerner, IEEE Trans. Autom. Control 8 (1963)
+56-58 (reweighting); Forsythe's basis as in :mod:`~antires_rs.rational.forsythe`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..rational.dominance import dominance
+from ..rational.forsythe import Basis, forsythe_basis, roots
+from ..support.validation import ComplexArray, FloatArray
+
+# Relative to the mean diagonal: exact data make A singular, and rounding must not make it indefinite.
+RIDGE = 1e-13
+# Inverse iterations; eigenvalues 2 and 1 lie far apart at the true order, and beyond it any will do.
+TURNS = 4
+# Roots of all rows this close, relative to abs(s), are one common factor.
+SHARED = 0.003
+
+
+class NumeratorFit:
+    """The quadratic form of the weighted direction misfit, factored once for all orders up to ``max_order``.
+
+    Parameters are the lines' frequencies (n_freq,), covariances (n_freq, n, n), their largest eigenvalues,
+    and the weights of the turn, all checked by the caller.
+    """
+
+    def __init__(self, freq_hz: FloatArray, covariance: ComplexArray, largest: FloatArray,
+                 weights: FloatArray, max_order: int) -> None:
+        self.scale_hz = float(freq_hz[-1])
+        self.n = covariance.shape[1]
+        self.max_order = max_order
+        self.weights = weights / weights.sum()
+        self.basis: Basis = forsythe_basis(freq_hz / self.scale_hz, self.weights, max_order)
+        self.form = self._form(covariance, largest)
+        size = self.form.shape[0]
+        ridge = RIDGE * float(np.trace(self.form)) / size
+        # A direction without any misfit at all is left to the ridge.
+        self._root = np.linalg.cholesky(self.form + max(ridge, 1e-300) * np.eye(size))
+        from scipy.linalg import solve_triangular  # slow to import
+        self._solve = solve_triangular
+        self._first = solve_triangular(self._root, np.eye(size)[:, :self.n], lower=True)
+
+    def _form(self, covariance: ComplexArray, largest: FloatArray) -> FloatArray:
+        """A of Q = c' A c, ordered by degree, then by channel."""
+        p, n, terms = self.basis.p, self.n, self.max_order + 1
+        even, odd = np.ascontiguousarray(p[:, 0::2]), np.ascontiguousarray(p[:, 1::2])
+        form = np.empty((terms, n, terms, n))
+        step = np.arange(terms)
+        # Re(i^m z): the real part for even m, the imaginary one for odd m, with these signs.
+        sign = np.array([1.0, -1.0, -1.0, 1.0])[(step[None, :] - step[:, None]) % 4]
+        part = np.zeros((terms, terms))
+        for a in range(n):
+            for b in range(a, n):
+                z = -covariance[:, a, b] if a != b else largest - covariance[:, a, a].real
+                z = self.weights * z
+                part[0::2, 0::2] = even.T @ (z.real[:, None] * even)
+                part[1::2, 1::2] = odd.T @ (z.real[:, None] * odd)
+                part[0::2, 1::2] = even.T @ (z.imag[:, None] * odd)
+                part[1::2, 0::2] = part[0::2, 1::2].T
+                form[:, a, :, b] = part * sign
+                form[:, b, :, a] = form[:, a, :, b].T
+        return form.reshape(terms * n, terms * n)
+
+    def low(self, order: int) -> FloatArray:
+        """Coefficients (order + 1, n) with the largest lowest coefficient for a given misfit."""
+        size = (order + 1) * self.n
+        first = self._first[:size]
+        best = np.linalg.eigh(first.T @ first)[1][:, -1]
+        c = self._solve(self._root[:size, :size], first @ best, lower=True, trans="T", check_finite=False)
+        return np.asarray(c / np.linalg.norm(c)).reshape(order + 1, self.n)
+
+    def likeliest(self, order: int) -> tuple[FloatArray, float]:
+        """Coefficients (order + 1, n) of least misfit for their norm, and that misfit."""
+        size = (order + 1) * self.n
+        root = self._root[:size, :size]
+        c = self._first[:size].sum(axis=1)
+        for _ in range(TURNS):
+            c = self._solve(root, c, lower=True, check_finite=False)
+            c = self._solve(root, c, lower=True, trans="T", check_finite=False)
+            c = c / np.linalg.norm(c)
+        return c.reshape(order + 1, self.n), float(c @ self.form[:size, :size] @ c)
+
+    def values(self, c: FloatArray) -> ComplexArray:
+        """N at the lines, (n_freq, n); ``c`` may hold several solutions side by side."""
+        terms = c.shape[0]
+        turned = (1j ** np.arange(terms))[:, None] * c
+        return np.asarray(self.basis.p[:, :terms] @ turned, dtype=np.complex128)
+
+    def zeros(self, c: FloatArray, row: int) -> ComplexArray:
+        """Roots of one numerator in rad/s."""
+        return roots(c[:, row], self.basis.b[:c.shape[0]]) * (2 * np.pi * self.scale_hz)
+
+    def slopes(self, c: FloatArray, row: int, s: ComplexArray) -> ComplexArray:
+        """Derivatives of simple roots (rad/s) of one numerator by its coefficients, (n_roots, order + 1)."""
+        order = c.shape[0] - 1
+        u = s / (2 * np.pi * self.scale_hz)
+        step = 1e-6 * np.abs(u)  # central difference: an error of 1e-12 of what needs three digits
+        change = (self.basis.at(u + step, order) - self.basis.at(u - step, order)) @ c[:, row] / (2 * step)
+        return np.asarray(-self.basis.at(u, order) / change[:, None] * (2 * np.pi * self.scale_hz))
+
+    def dominances(self, c: FloatArray, row: int, s: ComplexArray, others: Sequence[int]) -> FloatArray:
+        """Share of each root's own peak in the quotients of ``others`` over ``row`` at its frequency."""
+        above = np.ascontiguousarray(c[:, list(others)].T)
+        return dominance((self.basis, above), (self.basis, c[:, row]), s / (2 * np.pi * self.scale_hz))
+
+
+class NumeratorSweep:
+    """Zeros of one response's numerator, order by order: what the stabilization diagram asks for."""
+
+    def __init__(self, fit: NumeratorFit, row: int, others: Sequence[int], solutions: dict[int, FloatArray]
+                 ) -> None:
+        self.fit, self.row, self.others = fit, row, tuple(others)
+        self._solutions = solutions  # shared by the rows of one fit
+        self._roots: dict[int, ComplexArray] = {}
+        #: Sweeps of the other rows, if roots that all rows share are to count as superfluous.
+        self.companions: list[NumeratorSweep] = []
+
+    def _solution(self, order: int) -> FloatArray:
+        if order not in self._solutions:
+            self._solutions[order] = self.fit.low(order)
+        return self._solutions[order]
+
+    def roots(self, order: int, norm: bool = False) -> ComplexArray:
+        """All roots in rad/s. There is one solution an order; ``norm`` asks for the same."""
+        if order not in self._roots:
+            self._roots[order] = self.fit.zeros(self._solution(order), self.row)
+        return self._roots[order]
+
+    def dominances(self, order: int, s: ComplexArray) -> FloatArray:
+        """Share of each root's own peak in the curves at its frequency; none if all rows have the root."""
+        share = self.fit.dominances(self._solution(order), self.row, s, self.others)
+        return np.where(shared(s, [other.roots(order) for other in self.companions]), 0.0, share)
+
+
+def shared(s: ComplexArray, others: Sequence[ComplexArray], within: float = SHARED) -> NDArray[np.bool_]:
+    """Whether all of two or more other rows have a root near each of ``s``: a common factor."""
+    if len(others) < 2:
+        return np.zeros(s.size, dtype=bool)
+    near = [np.abs(r[None, :] - s[:, None]).min(axis=1, initial=np.inf) <= within * np.abs(s) for r in others]
+    return np.asarray(np.all(near, axis=0))

@@ -1,0 +1,194 @@
+"""Which zeros of the fitted numerators are antiresonances.
+
+Two solutions see the same data. The likeliest numerators, at the one order that the data support, have the
+least scatter, no bias, and tell the standard deviation of every zero: their zeros are the candidates and
+give the values. The sweep over orders, whose values are biased near the noise, shows what stays. A
+candidate is
+
+- in the band and lightly damped, and known to half the frequency tolerance (one standard deviation),
+- not a factor that all numerators share, and not half of a pair of one modulus and two dampings, which is one
+  zero that is complex even without damping.
+
+It is accepted at once, unless there is a doubt: if it is hardly damped or right of the axis it must own its
+curve and be far from every root that all rows share; if it is near such a root, or owns less than half of its
+curve, most higher orders must have it too. Values without a chain in the diagram are marked "persistent".
+
+The limits were set on simulated structures (chains, random stiffness, a plane frame; seeds 100-119), never on
+the records that the published tables are made from.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..order_sweep.accepted import Accepted, Value
+from ..order_sweep.diagram import StabilizationDiagram, diagram
+from ..order_sweep.rule import Rule
+from ..order_sweep.windows import Window
+from ..support.progress import step
+from ..support.validation import ComplexArray, FloatArray
+from .likelihood import Likeliest, likeliest
+from .numerators import NumeratorSweep, shared
+from .response_lines import SNR_CAP, Lines
+from .uncertainty import Influence, standard_deviations
+
+# A chain and a zero of the likeliest fit this close belong together: the chain may be biased by so much.
+SAME = 0.05
+# Largest standard deviation in frequency tolerances.
+KNOWN = 0.5
+# Damped less than this, or right of the axis, are few physical zeros (two that nearly coincide part so), and
+# many roots glued to the noise of single lines: such a zero must own this much of its curve.
+LEAST_DAMPING, MOST_NEGATIVE = 5e-4, 0.01
+RIGHT_DOMINANCE = 0.9
+# Two zeros of one modulus, whose frequencies differ by less than this share of the difference of their
+# damping ratios, are the halves of one that is complex without damping; at least so far apart in damping.
+PAIR, PAIR_DAMPING = 0.5, 0.004
+# Roots up to this damping, and with this share of the curve, may be the other half of such a pair.
+WIDEST, OTHER_HALF = 0.15, 0.02
+# Doubtful are zeros this near to a root that all rows share, or that own less than this share of their curve;
+# they need a root of the same frequency and damping in this share of the higher orders.
+NEARLY_SHARED = 0.05
+WEAK = 0.5
+PRESENCE = 0.75
+SAME_DAMPING = 0.002
+
+
+class Zero(NamedTuple):
+    """A zero of the likeliest fit that may be physical."""
+
+    s: complex
+    dominance: float
+    std_hz: float
+
+    @property
+    def freq_hz(self) -> float:
+        """abs(s) / 2 pi."""
+        return float(abs(self.s) / (2 * np.pi))
+
+
+def select(lines: Lines, n_responses: int, window: Window, orders: range, rule: Rule,
+           keep_common: bool) -> list[StabilizationDiagram]:
+    """One diagram for each of the first ``n_responses`` rows of ``lines``."""
+    rule = replace(rule, both_sides=True)
+    best = likeliest(lines.freq_hz, lines.covariance(), SNR_CAP, lines.independent, orders[-1])
+    influence = Influence(best.fit, best.coefficients, best.misfit)
+    # The force, if it is there, has the poles for zeros: only where there is no second response may it say
+    # what a zero owns, since a zero beside a resonance owns little of the quotient with the force.
+    rows = range(n_responses if n_responses > 1 else lines.vectors.shape[0])
+    roots = [best.fit.zeros(best.coefficients, row) for row in rows]
+    solutions: dict[int, FloatArray] = {}
+    sweeps = [NumeratorSweep(best.fit, row, [k for k in rows if k != row], solutions) for row in rows]
+    numerators = best.fit.values(best.coefficients).T
+    diagrams = []
+    for row in range(n_responses):
+        step(f"response {row + 1} of {n_responses}")
+        sweep = sweeps[row]
+        others = [] if keep_common else [roots[k] for k in sweep.others]
+        sweep.companions = [] if keep_common else [sweeps[k] for k in sweep.others]
+        quotients = lines.quotients(row)[0]
+        background = np.abs(quotients.sum(axis=0))
+        one = diagram(sweep, orders, window.report_hz, rule, lines.freq_hz, background,
+                      lines.added_decay_per_s)
+        own = roots[row][~shared(roots[row], others)]
+        zeros = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
+        higher = sum(m > best.order for m in orders)
+        values = []
+        for zero in zeros:
+            seen = _seen(zero, sweep, best.order, orders, rule)
+            if _credible(zero, len(seen), higher, others, rule, lines.added_decay_per_s):
+                value = _value(zero, seen, _chain_of(zero, zeros, one.accepted), lines.added_decay_per_s)
+                if rule.persistent or value.how == "chain":
+                    values.append(value)
+        fitted = np.delete(numerators, row, axis=0) / numerators[row]
+        accepted = Accepted.of(values).scored(lines.freq_hz, background, quotients, fitted)
+        diagrams.append(replace(one, accepted=accepted))
+    return diagrams
+
+
+def _candidates(best: Likeliest, influence: Influence, sweep: NumeratorSweep, s: ComplexArray,
+                lines: Lines, report_hz: tuple[float, float], rule: Rule) -> list[Zero]:
+    """Zeros in the band, lightly damped, well known, and not half of a complex pair."""
+    size = np.abs(s)
+    damping = -(s.real + lines.added_decay_per_s) / size
+    s = s[(s.imag > 0) & (size >= 2 * np.pi * 0.98 * report_hz[0]) & (size <= 2 * np.pi * 1.02 * report_hz[1])
+          & (np.abs(damping) <= WIDEST)]
+    if not s.size:
+        return []
+    share = best.fit.dominances(best.coefficients, sweep.row, s, sweep.others)
+    least = min(OTHER_HALF, rule.min_dominance)
+    s, share = s[share >= least], share[share >= least]
+    std = standard_deviations(influence, sweep.row, s, lines)
+    known = std <= KNOWN * rule.freq_tol * np.abs(s) / (2 * np.pi)
+    s, share, std = s[known], share[known], std[known]
+    size = np.abs(s)
+    freq, damping = size / (2 * np.pi), -(s.real + lines.added_decay_per_s) / size
+    keep = ((freq >= report_hz[0]) & (freq <= report_hz[1]) & (damping >= -MOST_NEGATIVE)
+            & (damping <= rule.max_damping) & (share >= rule.min_dominance)
+            & ~_paired(freq, damping, std / freq))
+    return [Zero(complex(z), float(d), float(e))
+            for z, d, e in zip(s[keep], share[keep], std[keep], strict=True)]
+
+
+def _paired(freq: FloatArray, damping: FloatArray, std: FloatArray) -> Any:
+    """Which zeros have another of the same modulus and clearly another damping."""
+    apart = np.abs(damping[:, None] - damping)
+    least = PAIR_DAMPING + 3.0 * (std[:, None] + std)
+    return ((apart > least) & (np.abs(freq[:, None] / freq - 1.0) <= PAIR * apart)).any(axis=1)
+
+
+def _of(s: complex, added: float) -> tuple[float, float]:
+    """Frequency and damping ratio without the decay of an exponential window."""
+    moved = s + added
+    return float(abs(moved) / (2 * np.pi)), float(-moved.real / abs(moved))
+
+
+def _credible(zero: Zero, seen: int, higher: int, others: list[ComplexArray], rule: Rule,
+              added: float) -> bool:
+    """Whether a zero may be accepted: at once, or because the higher orders have it too."""
+    # With fewer than two others nothing can be told of what all rows share: the higher orders decide.
+    unknown = len(others) < 2
+    near = not unknown and bool(shared(np.array([zero.s]), others, NEARLY_SHARED)[0])
+    stays = seen > rule.min_rows and seen >= PRESENCE * higher
+    if _of(zero.s, added)[1] < LEAST_DAMPING:
+        return not near and zero.dominance >= RIGHT_DOMINANCE and (stays or not unknown)
+    return stays or not (near or unknown or zero.dominance < WEAK)
+
+
+def _seen(zero: Zero, sweep: NumeratorSweep, order: int, orders: range, rule: Rule) -> list[float]:
+    """Moduli of the roots of higher orders that agree with a zero in frequency and damping."""
+    size, damping = abs(zero.s), -zero.s.real / abs(zero.s)
+    seen = []
+    for m in orders:
+        if m <= order:
+            continue
+        s = sweep.roots(m)
+        s = s[s.imag > 0]
+        own = np.abs(s)
+        s = s[(np.abs(own / size - 1.0) <= rule.freq_tol)
+              & (np.abs(-s.real / own - damping) <= rule.damping_tol * abs(damping) + SAME_DAMPING)]
+        if s.size:
+            seen.append(float(np.abs(s[np.argmin(np.abs(s - zero.s))])))
+    return seen
+
+
+def _chain_of(zero: Zero, zeros: list[Zero], chains: Accepted) -> Value | None:
+    """The chain nearest to a zero, if no other zero is nearer to it."""
+    if not len(chains):
+        return None
+    distance = np.abs(chains.freq_hz / zero.freq_hz - 1.0)
+    i = int(np.argmin(distance))
+    nearest = min(abs(chains.freq_hz[i] / other.freq_hz - 1.0) for other in zeros)
+    return chains.values()[i] if distance[i] <= min(SAME, nearest) else None
+
+
+def _value(zero: Zero, seen: list[float], chain: Value | None, added: float) -> Value:
+    """The value, with the scores of its chain if it has one."""
+    freq, damping = _of(zero.s, added)
+    if chain is not None:
+        return chain._replace(freq_hz=freq, damping_ratio=damping, dominance=zero.dominance,
+                              std_hz=zero.std_hz)
+    spread = float(np.std(seen) / abs(zero.s)) if seen else float("nan")
+    return Value(freq, damping, len(seen), spread, zero.dominance, "persistent", zero.std_hz)

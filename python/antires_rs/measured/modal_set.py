@@ -1,0 +1,160 @@
+"""Resonances and mode shapes, measured or computed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from ..support.pickling import ReadOnly, frozen
+from ..support.validation import FloatArray, dof_labels, real_array, reject
+
+__all__ = ["ModalSet"]
+
+
+class ModalSet(ReadOnly):
+    """Resonant frequencies with their mode shapes.
+
+    Parameters
+    ----------
+    freq_hz : array_like, (n_modes,)
+        Resonant frequencies in Hz, ascending; may be empty.
+    shapes : array_like, (n_modes, n_dofs)
+        One mode a row, real or complex, at as many or as few dofs as are known.
+    dofs : iterable of int or str, optional
+        Name of each column.
+    damping_ratio : array_like, (n_modes,), optional
+        Modal damping ratios.
+    diagram : StabilizationDiagram, optional
+        The evidence, where the modes were identified.
+
+    Attributes
+    ----------
+    freq_hz, shapes, dofs, damping_ratio, diagram
+        As given, arrays read-only.
+
+    Raises
+    ------
+    InvalidInputError
+        Shapes and frequencies that do not fit, or frequencies not ascending.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> modes = ar.ModalSet([1.0, 2.0], [[1.0, 1.0], [1.0, -1.0]])
+    >>> modes
+    ModalSet(2 modes x 2 dofs, 1 to 2 Hz)
+    >>> modes.mac(modes).tolist()
+    [[1.0, 0.0], [0.0, 1.0]]
+    """
+
+    def __init__(self, freq_hz: Any, shapes: Any, dofs: Iterable[Any] | None = None,
+                 damping_ratio: Any = None, *, diagram: Any = None) -> None:
+        wanted = "an array (n_modes,) in Hz"
+        self.freq_hz: FloatArray = frozen(_maybe_empty("freq_hz", freq_hz, wanted))
+        if np.any(np.diff(self.freq_hz) < 0):
+            reject("freq_hz", "frequencies out of order", "ascending frequencies")
+        array = np.asarray(shapes)
+        if array.ndim != 2 or array.shape[0] != self.freq_hz.size or not array.shape[1]:
+            reject("shapes", f"an array of shape {array.shape}",
+                   f"({self.freq_hz.size}, n_dofs), one mode a row")
+        if array.dtype.kind not in "biufc":
+            reject("shapes", f"an array of dtype {array.dtype}", "real or complex numbers")
+        if not np.all(np.isfinite(array)):
+            reject("shapes", "NaN or infinite values", "finite shapes")
+        self.shapes = frozen(array)
+        self.dofs = dof_labels("dofs", dofs, array.shape[1])
+        self.damping_ratio: FloatArray | None = None
+        if damping_ratio is not None:
+            damping = _maybe_empty("damping_ratio", damping_ratio, "an array (n_modes,)")
+            if damping.shape != self.freq_hz.shape:
+                reject("damping_ratio", f"{damping.size} values", f"{self.freq_hz.size}, one a mode")
+            self.damping_ratio = frozen(damping)
+        self.diagram = diagram
+
+    def mac(self, other: ModalSet) -> FloatArray:
+        """Modal assurance criterion between two sets of shapes, over the dofs that both have.
+
+        Parameters
+        ----------
+        other : ModalSet
+
+        Returns
+        -------
+        (len(self), len(other))
+            ``abs(phi^H psi)^2 / (phi^H phi psi^H psi)``: one for the same shape up to a complex factor, 0 for
+            orthogonal ones.
+
+        Raises
+        ------
+        InvalidInputError
+            No dof in common, or a shape that vanishes at all of them.
+
+        Notes
+        -----
+        R. J. Allemang, D. L. Brown, Proc. IMAC 1 (1982) 110-116. With a single common dof it is one by
+        construction.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> measured = ar.ModalSet([1.0], [[2.0j, -2.0j]], dofs=["b", "a"])
+        >>> computed = ar.ModalSet([1.0, 2.0], [[1.0, 1.0, 1.0], [-1.0, 1.0, 0.0]], dofs=["a", "b", "c"])
+        >>> measured.mac(computed).round(12).tolist()
+        [[0.0, 1.0]]
+        """
+        if not isinstance(other, ModalSet):
+            reject("other", type(other).__name__, "a ModalSet")
+        common = [dof for dof in self.dofs if dof in other.dofs]
+        if not common:
+            reject("other", f"dofs {other.dofs}", f"some of {self.dofs}")
+        a = self.shapes[:, [self.dofs.index(dof) for dof in common]]
+        b = other.shapes[:, [other.dofs.index(dof) for dof in common]]
+        norms = [np.sum(np.abs(x)**2, axis=1) for x in (a, b)]
+        for name, norm in zip(("self", "other"), norms, strict=True):
+            if not norm.all():
+                still = int(np.flatnonzero(norm == 0.0)[0])
+                reject("other", f"mode {still} of {name} without motion at the common dofs {tuple(common)}",
+                       "shapes that do not vanish there")
+        product = np.abs(a.conj() @ b.T)**2
+        return np.asarray(product / (norms[0][:, None] * norms[1]), dtype=np.float64)
+
+    def to_real(self) -> ModalSet:
+        """Real shapes: each turned by the phase that leaves the least imaginary part, which is dropped.
+
+        Returns
+        -------
+        ModalSet
+            The component of largest magnitude is positive; the size is kept.
+
+        Notes
+        -----
+        The angle is half that of ``sum(phi**2)``. Sensible for lightly and proportionally damped structures,
+        whose shapes are real up to a factor.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> ar.ModalSet([1.0], [[3.0j, -1.0j]]).to_real().shapes.round(12).tolist()
+        [[3.0, -1.0]]
+        """
+        turn = 0.5 * np.angle(np.sum(np.asarray(self.shapes, dtype=np.complex128)**2, axis=1))
+        real = (self.shapes * np.exp(-1j * turn)[:, None]).real
+        largest = np.take_along_axis(real, np.argmax(np.abs(real), axis=1)[:, None], axis=1)
+        return ModalSet(self.freq_hz, np.where(largest < 0.0, -real, real), self.dofs, self.damping_ratio,
+                        diagram=self.diagram)
+
+    def __len__(self) -> int:
+        return int(self.freq_hz.size)
+
+    def __repr__(self) -> str:
+        band = f", {self.freq_hz[0]:.4g} to {self.freq_hz[-1]:.4g} Hz" if len(self) else ""
+        return f"ModalSet({len(self)} modes x {len(self.dofs)} dofs{band})"
+
+
+def _maybe_empty(name: str, value: Any, wanted: str) -> FloatArray:
+    """A real 1-D array that may have no element."""
+    if isinstance(value, list | tuple | np.ndarray) and np.shape(value) == (0,):
+        return np.empty(0)
+    return real_array(name, value, ndim=1, wanted=wanted)

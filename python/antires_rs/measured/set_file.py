@@ -1,0 +1,115 @@
+"""An AntiresonanceSet as JSON.
+
+Version 1 holds excitation and, by dof, freq_hz, damping_ratio and std_hz. Version 2 adds the scores, the
+edits made by hand, and the values as they were before the first of them. What is not known is null.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from ..exceptions import InvalidInputError
+from ..support.validation import reject
+from .edits import Edit
+
+FORMAT = "antires_rs.AntiresonanceSet"
+VERSION = 2
+TABLES = ("freq_hz", "damping_ratio", "std_hz")
+ACTIONS = ("drop", "add")
+
+
+def to_json(excitation: Any, tables: tuple[Mapping[Any, Any], ...], scores: Mapping[Any, Mapping[str, Any]],
+            edits: tuple[Edit, ...], before: tuple[tuple[Mapping[Any, Any], ...], Mapping[Any, Any]] | None,
+            ) -> str:
+    """The file's text; ``before`` holds tables and scores before the first edit."""
+    data: dict[str, Any] = {"format": FORMAT, "version": VERSION, "excitation": excitation,
+                            "dofs": _rows(tables, scores)}
+    if edits and before is not None:
+        data["edits"] = [asdict(edit) for edit in edits]
+        data["before_edits"] = _rows(*before)
+    return json.dumps(data, indent=1, allow_nan=False) + "\n"
+
+
+def from_json(text: str, path: str) -> dict[str, Any]:
+    """excitation, tables and scores, edits, and tables and scores before them (None without edits)."""
+    wanted = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
+    try:
+        data = json.loads(text)
+    except ValueError as exc:
+        raise InvalidInputError(f"path: got {path!r}, which is not JSON ({exc}); wanted {wanted}.") from exc
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        reject("path", f"{path!r} without the mark {FORMAT!r}", wanted)
+    if not isinstance(data.get("version"), int) or data["version"] > VERSION:
+        reject("path", f"{path!r} of version {data.get('version')!r}", wanted, "Update antires_rs.")
+    try:
+        edits = tuple(_edit(row) for row in data.get("edits", ()))
+        return {"excitation": data["excitation"], "now": _read(data["dofs"]), "edits": edits,
+                "before": _read(data["before_edits"]) if edits else None}
+    except (KeyError, TypeError, ValueError, AttributeError) as exc:
+        raise damaged(path, exc) from exc
+
+
+def damaged(path: str, exc: Exception) -> InvalidInputError:
+    """The error of a file whose contents cannot be."""
+    return InvalidInputError(f"path: got {path!r}, which is damaged ({exc}); wanted a file written by "
+                             f"AntiresonanceSet.save, version {VERSION} or older.")
+
+
+def _rows(tables: tuple[Mapping[Any, Any], ...], scores: Mapping[Any, Mapping[str, Any]],
+          ) -> list[dict[str, Any]]:
+    rows = []
+    for dof in tables[0]:
+        row: dict[str, Any] = {"dof": dof}
+        row |= {name: [_plain(v) for v in table[dof].tolist()]
+                for name, table in zip(TABLES, tables, strict=True) if dof in table}
+        if scores.get(dof):
+            row["scores"] = {name: [_plain(v) for v in column.tolist()]
+                             for name, column in scores[dof].items()}
+        rows.append(row)
+    return rows
+
+
+def _read(rows: Any) -> dict[str, dict[Any, Any]]:
+    """Keyword arguments of AntiresonanceSet."""
+    out: dict[str, dict[Any, Any]] = {name: {} for name in (*TABLES, "scores")}
+    for row in rows:
+        dof = row["dof"]
+        if dof in out["freq_hz"]:
+            raise ValueError(f"dof {dof!r} more than once")
+        out["freq_hz"][dof] = row["freq_hz"]
+        for name in TABLES[1:]:
+            if name in row:
+                out[name][dof] = [np.nan if v is None else v for v in row[name]]
+        if "scores" in row:
+            out["scores"][dof] = {name: _column(values) for name, values in row["scores"].items()}
+    return out
+
+
+def _edit(row: dict[str, Any]) -> Edit:
+    edit = Edit(**row)
+    if edit.action not in ACTIONS or not isinstance(edit.reason, str) or not isinstance(edit.scores, dict):
+        raise ValueError(f"edit {row!r}")
+    if not isinstance(edit.freq_hz, int | float) or not edit.freq_hz > 0.0:
+        raise ValueError(f"edit of {edit.freq_hz!r} Hz")
+    return edit
+
+
+def _column(values: list[Any]) -> Any:
+    """Text, truth, whole numbers or floats; null is NaN."""
+    if values and all(isinstance(v, str) for v in values):
+        return np.array(values)
+    if values and all(isinstance(v, bool) for v in values):
+        return np.array(values)
+    if values and all(isinstance(v, int) for v in values):
+        return np.array(values, dtype=np.int64)
+    return np.array([np.nan if v is None else v for v in values], dtype=np.float64)
+
+
+def _plain(value: Any) -> Any:
+    """NaN becomes null."""
+    return None if isinstance(value, float) and np.isnan(value) else value

@@ -1,0 +1,89 @@
+"""A chain of masses and springs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import _core
+from ..support.validation import finite_scalar, real_array
+from .structural_model import StructuralModel
+
+if TYPE_CHECKING:
+    from .._core import Model as CoreModel
+    from ..support.validation import FloatArray
+
+__all__ = ["MassSpringChain"]
+
+
+class MassSpringChain(StructuralModel):
+    """Masses in a row, joined by springs, optionally with a spring to ground at either end.
+
+    Parameters
+    ----------
+    masses_kg : array_like, (n,)
+        Positive masses.
+    springs_n_per_m : array_like, (n - 1,)
+        Positive stiffnesses of the springs between neighbours.
+    ground_first_n_per_m, ground_last_n_per_m : float
+        Springs from the first and the last mass to ground; 0 leaves that end free.
+
+    Raises
+    ------
+    InvalidInputError
+        A mass or spring that is not positive, or counts that do not fit.
+
+    Notes
+    -----
+    Elements 0 to n - 2 are the springs between the masses; the ground springs are elements n - 1 and n.
+    Matrices are dense ``ndarray``. The eight-mass chain of Meruane, J. Sound Vib. 332 (2013) 807-820, is
+    :func:`antires_rs.cases.chain8`.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> ar.MassSpringChain([1.0, 2.0], [500.0]).stiffness()
+    array([[ 500., -500.],
+           [-500.,  500.]])
+    """
+
+    def __init__(self, masses_kg: Any, springs_n_per_m: Any, *, ground_first_n_per_m: float = 0.0,
+                 ground_last_n_per_m: float = 0.0) -> None:
+        masses = real_array("masses_kg", masses_kg, ndim=1, wanted="an array (n,) of masses in kg")
+        springs = np.zeros(0) if np.size(springs_n_per_m) == 0 else real_array(
+            "springs_n_per_m", springs_n_per_m, ndim=1, wanted="an array (n - 1,) of stiffnesses in N/m")
+        self._made = (masses, springs, finite_scalar("ground_first_n_per_m", ground_first_n_per_m),
+                      finite_scalar("ground_last_n_per_m", ground_last_n_per_m))
+        self._core = self._nominal_core()
+
+    def _nominal_core(self) -> CoreModel:
+        return _core.Model.chain(*self._made)
+
+    def element_label(self, element: int) -> str:
+        """``spring 1`` to ``spring n-1`` between the masses, then the two ground springs."""
+        between = self.n_dof - 1
+        return f"spring {element + 1}" if element < between else (
+            "first ground spring" if element == between else "last ground spring")
+
+    @property
+    def default_elements(self) -> list[int]:
+        """The springs between the masses; ground springs only on request."""
+        return list(range(self.n_dof - 1))
+
+    @property
+    def _springs(self) -> list[int]:
+        """Without those to ground that are not there: a free end is a spring of zero."""
+        to_ground = enumerate(self._made[2:], start=self.n_dof - 1)
+        return self.default_elements + [term for term, stiffness in to_ground if stiffness != 0.0]
+
+    def stiffness(self) -> FloatArray:
+        """Stiffness matrix, (n, n), N/m."""
+        return self._core.stiffness()
+
+    def mass(self) -> FloatArray:
+        """Mass matrix, (n, n), kg."""
+        return self._core.mass()
+
+    def __repr__(self) -> str:
+        return f"MassSpringChain({self.n_dof} masses)"

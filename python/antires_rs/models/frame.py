@@ -1,0 +1,301 @@
+"""Frames of beams in the plane or in space, with lumped masses, springs and supports."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..exceptions import AntiresWarning
+from ..support.validation import FloatArray, integer, real_array, reject
+from .frame_parts import (
+    GroundSpring,
+    NodeSpring,
+    PointMass,
+    core_ground_springs,
+    core_masses,
+    core_node_springs,
+    fixed_dofs,
+    iterable,
+    scaled_node_springs,
+    text,
+)
+from .matrices import as_sparse
+from .sections import Rectangle, Section, Tube, section_of
+from .structural_model import StructuralModel
+
+if TYPE_CHECKING:
+    from .._core import Frame as CoreFrame
+    from .._core import Model as CoreModel
+
+__all__ = ["FrameModel"]
+
+AnySection = Tube | Rectangle | Section
+
+
+class FrameModel(StructuralModel):
+    """Euler-Bernoulli beams with consistent mass, in the plane (u, v, theta) or in space (six dofs a node).
+
+    Parameters
+    ----------
+    nodes_m : array_like, (n_nodes, 2) or (n_nodes, 3)
+        Coordinates; two columns make a plane frame.
+    elements : sequence of (int, int) or (int, int, section)
+        Nodes of each beam, and its section by name or index.
+    sections : Tube, Rectangle or Section, or a sequence or mapping of them
+        One for all beams; one each, in the order of the beams; or those that ``elements`` refer to.
+    point_masses : sequence of PointMass
+    ground_springs : sequence of GroundSpring
+    node_springs : sequence of NodeSpring
+    fixed : sequence of int or (int, str) or (int, sequence of str)
+        Nodes with all dofs fixed, or single dofs. Fixed dofs are left out of the matrices.
+    orientation : array_like, (3,) or (n_elements, 3), optional
+        In space: reference direction, across the element, in which the height of its section points.
+        Default: z, or x for elements along z.
+
+    Raises
+    ------
+    InvalidInputError
+        An element listed twice or without length, a node that nothing holds, a part that cannot be.
+
+    Warns
+    -----
+    AntiresWarning
+        The frame is in several parts that neither beams nor springs join.
+
+    Notes
+    -----
+    Free dofs are numbered node by node; see :meth:`dof`. Elements are the beams, then the springs to ground,
+    then those between nodes; mass terms are the beams, then the point masses. Beams: Przemieniecki, Theory
+    of Matrix Structural Analysis (1968), with St. Venant torsion and without rotary inertia.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> rod = ar.Tube(0.02, 0.01, 2.1e11, 7850.0)
+    >>> nodes = [(0.1 * i, 0.0) for i in range(11)]
+    >>> beam = ar.FrameModel(nodes, [(i, i + 1) for i in range(10)], rod, fixed=[0])
+    >>> beam.modes(1).freq_hz.round(3)   # 3.516 / (2 pi L**2) sqrt(EI / rho A)
+    array([14.472])
+    >>> tip = beam.dof(10, "v")
+    >>> beam.antiresonances(tip, tip, f_max_hz=300.0).round(1)
+    array([ 63.5, 205.7])
+    """
+
+    def __init__(self, nodes_m: Any, elements: Iterable[Any],
+                 sections: AnySection | Sequence[AnySection] | Mapping[str, AnySection], *,
+                 point_masses: Iterable[Any] = (), ground_springs: Iterable[Any] = (),
+                 node_springs: Iterable[Any] = (), fixed: Iterable[Any] = (),
+                 orientation: Any = None) -> None:
+        wanted = "an array (n_nodes, 2) or (n_nodes, 3) of coordinates in m"
+        nodes = real_array("nodes_m", nodes_m, ndim=2, wanted=wanted)
+        if nodes.shape[1] not in (2, 3):
+            reject("nodes_m", f"an array of shape {nodes.shape}", wanted)
+        pairs = "pairs of nodes (first, second), or triples with a section"
+        rows = [tuple(iterable(f"elements[{i}]", row, pairs))
+                for i, row in enumerate(iterable("elements", elements, pairs))]
+        if not rows:
+            reject("elements", "none", "at least one pair of nodes")
+        self._names, listed, chosen = _sections(sections, rows)
+        ends = [[integer(f"elements[{i}]", node, low=0) for node in row[:2]] for i, row in enumerate(rows)]
+        self._beams = tuple((a, b, section) for (a, b), section in zip(ends, chosen, strict=True))
+        in_space = nodes.shape[1] == 3
+        self._fixed = tuple(fixed_dofs(fixed, in_space))
+        self._made = (nodes, listed, _orientation(orientation, len(rows), in_space),
+                      core_masses(point_masses), core_ground_springs(ground_springs),
+                      core_node_springs(node_springs))
+        self._core = self._nominal_core()
+        parts = np.array(self._frame.parts())
+        if parts.max() > 0:
+            alone = [int(node) for node in np.flatnonzero(parts != parts[0])]
+            warnings.warn(f"the frame is in {parts.max() + 1} parts that nothing joins; apart from node 0 "
+                          f"are nodes {alone}. A response in one part to a force in another is zero.",
+                          AntiresWarning, stacklevel=2)
+
+    def _nominal_core(self) -> CoreModel:
+        nodes, listed, orientation, masses, to_ground, between = self._made
+        sections = [s._parts(f"sections[{name!r}]" if isinstance(name, str) else f"sections[{name}]",
+                             nodes.shape[1] == 3) for name, s in zip(self._names, listed, strict=True)]
+        return _core.Model.from_frame(_core.Frame(nodes, list(self._beams), orientation, sections, masses,
+                                                  to_ground, between, list(self._fixed)))
+
+    @property
+    def _frame(self) -> CoreFrame:
+        frame = self._core.frame()
+        assert frame is not None  # every core of this class comes from one
+        return frame
+
+    @property
+    def nodes_m(self) -> FloatArray:
+        """Coordinates of the nodes, (n_nodes, 2) or (n_nodes, 3)."""
+        return self._frame.nodes_m()
+
+    @property
+    def elements(self) -> NDArray[np.intp]:
+        """Nodes of each beam, (n_elements, 2)."""
+        return np.array([beam[:2] for beam in self._beams], dtype=np.intp)
+
+    @property
+    def sections(self) -> dict[str | int, AnySection]:
+        """Sections by name, or by index where they have none, with the values of this state."""
+        return dict(zip(self._names, map(section_of, self._frame.sections()), strict=True))
+
+    @property
+    def element_sections(self) -> list[str | int]:
+        """Name (or index) of each beam's section."""
+        return [self._names[section] for _, _, section in self._beams]
+
+    @property
+    def point_masses(self) -> list[PointMass]:
+        """Lumped masses with the values of this state."""
+        return [PointMass(node, mass, inertia[0] if len(set(inertia)) == 1 else tuple(inertia))
+                for node, mass, inertia in self._frame.point_masses()]
+
+    @property
+    def ground_springs(self) -> list[GroundSpring]:
+        """Springs to ground with the values of this state."""
+        return [GroundSpring(*parts) for parts in self._frame.ground_springs()]
+
+    @property
+    def node_springs(self) -> list[NodeSpring]:
+        """Springs between nodes with the values of this state."""
+        if self._origin is None:
+            return [NodeSpring(node, other, k, direction) for node, other, direction, k in self._made[5]]
+        problem, x = self._origin
+        first = len(self._beams) + len(self.ground_springs)
+        return scaled_node_springs(problem.model.node_springs, first, problem.parameters,
+                                   problem._repaired(x))
+
+    @property
+    def fixed(self) -> list[tuple[int, str]]:
+        """Fixed dofs as (node, direction)."""
+        return list(self._fixed)
+
+    def dof(self, node: int, direction: str) -> int:
+        """Number of the dof ``direction`` of ``node``, zero-based.
+
+        Parameters
+        ----------
+        node : int
+            Zero-based node.
+        direction : str
+            ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space.
+
+        Returns
+        -------
+        int
+
+        Raises
+        ------
+        InvalidInputError
+            No such node or direction, or the dof is fixed.
+        """
+        return self._frame.dof(integer("node", node, low=0), text("direction", None, direction))
+
+    def dof_name(self, dof: int) -> str:
+        """``'node 3 v'`` for the dof that ``dof(3, 'v')`` returns."""
+        node, direction = self._frame.dof_names()[self._dof("dof", dof)]
+        return f"node {node} {direction}"
+
+    def section_index(self, name: str | int) -> int:
+        """Index of a section, by its name."""
+        if name not in self._names and isinstance(name, str):
+            reject("sections", repr(name), f"a section of the model: {', '.join(map(repr, self._names))}")
+        return self._names.index(name) if isinstance(name, str) else integer("sections", name, low=0)
+
+    def section_label(self, section: int) -> str:
+        """Name of a section in tables; those without a name are counted from 1."""
+        name = self._names[section]
+        return name if isinstance(name, str) else f"section {section + 1}"
+
+    def element_label(self, element: int) -> str:
+        """``element 1`` and on for the beams, then the springs to ground, then those between nodes."""
+        ground = element - len(self._beams)
+        if ground < 0:
+            return f"element {element + 1}"
+        springs = self.ground_springs
+        if ground < len(springs):
+            return f"ground spring {ground + 1} (node {springs[ground].node} {springs[ground].direction})"
+        return f"node spring {ground - len(springs) + 1}"
+
+    def mass_label(self, term: int) -> str:
+        """``element 1`` and on for the beams, then the point masses."""
+        lump = term - len(self._beams)
+        return f"element {term + 1}" if lump < 0 else f"mass {lump + 1} (node {self.point_masses[lump].node})"
+
+    @property
+    def default_elements(self) -> list[int]:
+        """The beams, in order; springs only on request."""
+        return list(range(len(self._beams)))
+
+    def stiffness(self) -> Any:
+        """Stiffness of the free dofs as ``scipy.sparse.csc_array``, (n, n), N/m."""
+        return as_sparse(self._core.stiffness())
+
+    def mass(self) -> Any:
+        """Mass of the free dofs as ``scipy.sparse.csc_array``, (n, n), kg."""
+        return as_sparse(self._core.mass())
+
+    def plot(self, values: Any = None, ax: Any = None, **options: Any) -> Any:
+        """Draw the frame; see :func:`antires_rs.plotting.plot_frame` for ``values`` and ``options``."""
+        from ..plotting import plot_frame
+        return plot_frame(self, values, ax=ax, **options)
+
+    def __repr__(self) -> str:
+        where = "space" if self.nodes_m.shape[1] == 3 else "plane"
+        return (f"FrameModel({where}, {len(self.nodes_m)} nodes, {len(self._beams)} elements, "
+                f"{self.n_dof} dofs)")
+
+
+def _sections(sections: Any, rows: list[tuple[Any, ...]]) -> tuple[
+        tuple[str | int, ...], list[AnySection], list[int]]:
+    """Names and values of the sections, and the index of each beam's."""
+    wanted = "a Tube, Rectangle or Section, or a sequence or mapping of them"
+    named = isinstance(sections, Mapping)
+    listed = list(sections.values()) if isinstance(sections, Mapping) else (
+        [sections] if isinstance(sections, AnySection) else list(iterable("sections", sections, wanted)))
+    names: tuple[str | int, ...] = tuple(sections) if named else tuple(range(len(listed)))
+    for name, section in zip(names, listed, strict=True):
+        if not isinstance(section, AnySection):
+            reject(f"sections[{name!r}]", section, wanted)
+        if named and not isinstance(name, str):
+            reject("sections", f"the name {name!r}", "names that are text")
+    for i, row in enumerate(rows):
+        if len(row) not in (2, 3):
+            reject(f"elements[{i}]", row, "two nodes, or two nodes and a section")
+    referring = [len(row) == 3 for row in rows]
+    if not any(referring):
+        if len(listed) == 1:
+            return names, listed, [0] * len(rows)
+        if named or len(listed) != len(rows):
+            reject("elements", f"no section for any of {len(rows)} elements and {len(listed)} sections",
+                   "(node, node, section) for each element, or one section each")
+        # Equal sections are one, so that a parameter acts on all beams that have it.
+        unique = list(dict.fromkeys(listed))
+        return tuple(range(len(unique))), unique, [unique.index(section) for section in listed]
+    if not all(referring):
+        reject(f"elements[{referring.index(False)}]", "no section",
+               "a section for every element, or for none")
+    chosen = []
+    for i, row in enumerate(rows):
+        if named and row[2] not in names:
+            reject(f"elements[{i}]", f"section {row[2]!r}", f"one of {', '.join(map(repr, names))}")
+        chosen.append(names.index(row[2]) if named
+                      else integer(f"elements[{i}]", row[2], low=0, high=len(listed) - 1))
+    return names, listed, chosen
+
+
+def _orientation(orientation: Any, n: int, in_space: bool) -> FloatArray | None:
+    if orientation is None:
+        return None
+    wanted = f"one direction (3,), or an array ({n}, 3) with one for each element"
+    if not in_space:
+        reject("orientation", "a direction for a plane frame", "None")
+    rows = np.atleast_2d(real_array("orientation", orientation, ndim=None, wanted=wanted))
+    if rows.shape not in ((1, 3), (n, 3)):
+        reject("orientation", f"an array of shape {np.shape(orientation)}", wanted)
+    return np.ascontiguousarray(np.broadcast_to(rows, (n, 3)))

@@ -1,0 +1,181 @@
+"""What a frame carries beside its beams: lumped masses, springs and supports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from ..support.validation import FloatArray, finite_scalar, integer, reject, shape_of
+
+if TYPE_CHECKING:
+    from .parameters import Parameter
+
+__all__ = ["GroundSpring", "NodeSpring", "PointMass"]
+
+
+@dataclass(frozen=True)
+class PointMass:
+    """A lumped mass at a node.
+
+    Attributes
+    ----------
+    node : int
+    mass_kg : float
+    inertia_kg_m2 : float or (float, float, float)
+        Rotational inertia; in space the same about x, y, z, or three values.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> ar.PointMass(3, 1.2, 0.004)
+    PointMass(node=3, mass_kg=1.2, inertia_kg_m2=0.004)
+    """
+
+    node: int
+    mass_kg: float
+    inertia_kg_m2: float | Sequence[float] = 0.0
+
+
+@dataclass(frozen=True)
+class GroundSpring:
+    """A spring from one dof of a node to ground.
+
+    Attributes
+    ----------
+    node : int
+    direction : str
+        ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space.
+    stiffness_n_per_m : float
+        N/m, or N m/rad for a rotation.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> ar.GroundSpring(0, "v", 2e3).direction
+    'v'
+    """
+
+    node: int
+    direction: str
+    stiffness_n_per_m: float
+
+
+@dataclass(frozen=True)
+class NodeSpring:
+    """A spring between two nodes.
+
+    Attributes
+    ----------
+    node, other : int
+    stiffness_n_per_m : float
+        N/m, or N m/rad for a rotation.
+    direction : str, optional
+        The dof whose relative motion it resists, for a joint between nodes at the same place. Default: along
+        the line between the nodes, which leaves rigid motions free.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> ar.NodeSpring(4, 5, 1e4, "theta")   # a flexible joint
+    NodeSpring(node=4, other=5, stiffness_n_per_m=10000.0, direction='theta')
+    """
+
+    node: int
+    other: int
+    stiffness_n_per_m: float
+    direction: str | None = None
+
+
+def iterable(name: str, value: Any, wanted: str) -> Iterable[Any]:
+    """Anything that can be gone through, but text."""
+    if not isinstance(value, Iterable) or isinstance(value, str):
+        reject(name, value, wanted)
+    return value
+
+
+def core_masses(items: Iterable[Any]) -> list[tuple[int, float, tuple[float, float, float]]]:
+    """Point masses as the core takes them."""
+    return [(_node("point_masses", i, m.node), _number("point_masses", i, "mass_kg", m.mass_kg),
+             _inertia(i, m.inertia_kg_m2))
+            for i, m in enumerate(_items("point_masses", items, PointMass))]
+
+
+def core_ground_springs(items: Iterable[Any]) -> list[tuple[int, str, float]]:
+    """Springs to ground as the core takes them."""
+    return [(_node("ground_springs", i, s.node), text("ground_springs", i, s.direction),
+             _number("ground_springs", i, "stiffness_n_per_m", s.stiffness_n_per_m))
+            for i, s in enumerate(_items("ground_springs", items, GroundSpring))]
+
+
+def core_node_springs(items: Iterable[Any]) -> list[tuple[int, int, str | None, float]]:
+    """Springs between nodes as the core takes them."""
+    return [(_node("node_springs", i, s.node), _node("node_springs", i, s.other),
+             None if s.direction is None else text("node_springs", i, s.direction),
+             _number("node_springs", i, "stiffness_n_per_m", s.stiffness_n_per_m))
+            for i, s in enumerate(_items("node_springs", items, NodeSpring))]
+
+
+def scaled_node_springs(springs: Iterable[NodeSpring], first: int, parameters: Iterable[Parameter],
+                        x: FloatArray) -> list[NodeSpring]:
+    """Springs with the parameters ``x`` applied that act on their terms, ``first`` and on."""
+    springs = list(springs)
+    for parameter, value in zip(parameters, x, strict=True):
+        if parameter.quantity in ("stiffness_reduction", "stiffness_factor"):
+            factor = float(1.0 - value if parameter.quantity == "stiffness_reduction" else value)
+            for term in parameter.terms:
+                if term >= first:
+                    old = springs[term - first]
+                    springs[term - first] = replace(old, stiffness_n_per_m=old.stiffness_n_per_m * factor)
+    return springs
+
+
+def fixed_dofs(fixed: Iterable[Any], in_space: bool) -> list[tuple[int, str]]:
+    """Fixed dofs as (node, direction), each once."""
+    directions: tuple[Any, ...] = ("u", "v", "w", "rx", "ry", "rz") if in_space else ("u", "v", "theta")
+    found: dict[tuple[int, str], None] = {}
+    for i, item in enumerate(iterable("fixed", fixed, "nodes, or (node, direction)")):
+        if shape_of(item) == () and not isinstance(item, str):
+            node, held = item, directions
+        elif isinstance(item, Sequence) and not isinstance(item, str) and len(item) == 2:
+            node = item[0]
+            held = (item[1],) if isinstance(item[1], str) or shape_of(item[1]) == () else tuple(item[1])
+        else:
+            reject(f"fixed[{i}]", item, "a node, (node, direction) or (node, directions)")
+        for direction in held:
+            found[integer(f"fixed[{i}]", node, low=0), text("fixed", i, direction)] = None
+    return list(found)
+
+
+def _items(name: str, items: Any, kind: type) -> list[Any]:
+    """Items of a kind, or tuples of its fields."""
+    found = []
+    for i, item in enumerate(iterable(name, items, f"a sequence of {kind.__name__}")):
+        try:
+            found.append(item if isinstance(item, kind) else kind(*item))
+        except TypeError:
+            reject(f"{name}[{i}]", item, f"a {kind.__name__}")
+    return found
+
+
+def _node(name: str, i: int, node: Any) -> int:
+    return integer(f"{name}[{i}].node", node, low=0)
+
+
+def _number(name: str, i: int, attribute: str, value: Any) -> float:
+    return finite_scalar(f"{name}[{i}].{attribute}", value, low=0.0)
+
+
+def text(name: str, i: int | None, value: Any) -> str:
+    """The name of a direction."""
+    if not isinstance(value, str):
+        reject(name if i is None else f"{name}[{i}]", value, "a direction by its name, such as 'v'")
+    return value
+
+
+def _inertia(i: int, value: Any) -> tuple[float, float, float]:
+    several = [value] * 3 if shape_of(value) == () else list(value)
+    if len(several) != 3:
+        reject(f"point_masses[{i}].inertia_kg_m2", value, "one inertia, or three about x, y and z")
+    x, y, z = (_number("point_masses", i, "inertia_kg_m2", v) for v in several)
+    return x, y, z

@@ -1,0 +1,71 @@
+"""Structural models: a chain of masses and springs, or any K and M."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from .. import _core
+from .matrices import as_dense, as_sparse, as_term
+from .structural_model import StructuralModel
+
+if TYPE_CHECKING:
+    from .._core import Model as CoreModel
+
+__all__ = ["MatrixModel"]
+
+
+
+
+class MatrixModel(StructuralModel):
+    """Stiffness and mass from any finite-element code, with the terms that parameters may scale.
+
+    Parameters
+    ----------
+    stiffness, mass : array_like or scipy.sparse, (n, n)
+        Symmetric nominal matrices; the mass may be singular (massless dofs).
+    stiffness_terms, mass_terms : sequence of array_like or scipy.sparse, (n, n)
+        Contribution of each element (or group) to the matrix. A parameter with factor s turns K into
+        ``K + (s - 1) K_i``; the terms need not add up to K.
+
+    Raises
+    ------
+    InvalidInputError
+        A matrix that is not square, symmetric and finite, of another size, or a negative mass.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> spring = 500.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    >>> model = ar.MatrixModel(spring, np.eye(2), stiffness_terms=[spring])
+    >>> model.antiresonances(0, 0).round(3)
+    array([3.559])
+    """
+
+    def __init__(self, stiffness: Any, mass: Any, *, stiffness_terms: Iterable[Any] = (),
+                 mass_terms: Iterable[Any] = ()) -> None:
+        k = as_dense("stiffness", stiffness)
+        self._made = ([as_term(f"stiffness_terms[{i}]", t, len(k)) for i, t in enumerate(stiffness_terms)],
+                      [as_term(f"mass_terms[{i}]", t, len(k)) for i, t in enumerate(mass_terms)])
+        self._core = _core.Model.from_matrices(k, as_dense("mass", mass), *self._made)
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = super().__getstate__()
+        if self._origin is None:  # the core alone has the nominal matrices
+            state["_nominal"] = self._core.stiffness(), self._core.mass()
+        return state
+
+    def _nominal_core(self) -> CoreModel:
+        return _core.Model.from_matrices(*self.__dict__.pop("_nominal"), *self._made)
+
+    def stiffness(self) -> Any:
+        """Stiffness matrix as ``scipy.sparse.csc_array``, (n, n), N/m."""
+        return as_sparse(self._core.stiffness())
+
+    def mass(self) -> Any:
+        """Mass matrix as ``scipy.sparse.csc_array``, (n, n), kg."""
+        return as_sparse(self._core.mass())
+
+    def __repr__(self) -> str:
+        return (f"MatrixModel({self.n_dof} dofs, {self._core.n_stiffness_terms} stiffness terms, "
+                f"{self._core.n_mass_terms} mass terms)")

@@ -1,0 +1,305 @@
+"""What every structural model can do: modes, frequency responses, antiresonances, virtual tests.
+
+A thin, typed wrapper over the Rust core, which owns the matrices, the eigenproblems and the antiresonances.
+SI units; degrees of freedom zero-based.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+
+from ..exceptions import AntiresWarning, NumericalError
+from ..measured.modal_set import ModalSet
+from ..support.pickling import AroundCore
+from ..support.progress import interruptible
+from ..support.validation import choice, finite_scalar, integer, real_array, reject, shape_of
+
+if TYPE_CHECKING:
+    from .._core import Model as CoreModel
+    from ..signals.recording import Recording
+    from ..support.validation import ComplexArray, FloatArray
+
+__all__ = ["StructuralModel"]
+
+#: From here on antiresonances may take seconds.
+MANY_DOFS = 200
+
+Method = Literal["modal", "pencil"]
+Motion = Literal["accelerance", "mobility", "receptance"]
+
+
+class StructuralModel(AroundCore["CoreModel"]):
+    """What every model can do. Build a :class:`MassSpringChain` or a :class:`MatrixModel`."""
+
+    _made: tuple[Any, ...] = ()  # what it was made of
+    _origin: tuple[Any, FloatArray] | None = None  # problem and x, of a model that came out of an updating
+
+    @property
+    def n_dof(self) -> int:
+        """Number of degrees of freedom."""
+        return self._core.n_dof
+
+    def _with_core(self, core: CoreModel, origin: tuple[Any, FloatArray] | None = None) -> Self:
+        """Return a model of this class around other core matrices (an updated state)."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__, _core=core, _origin=origin)
+        return other
+
+    def _made_core(self) -> CoreModel:
+        if self._origin is None:
+            return self._nominal_core()
+        problem, x = self._origin
+        core: CoreModel = problem.model_at(x)._core
+        return core
+
+    def _nominal_core(self) -> CoreModel:
+        """What the constructor makes of ``_made``."""
+        raise NotImplementedError
+
+    def element_label(self, element: int) -> str:
+        """Name of stiffness term ``element`` in tables and pictures, counted from 1 as users do."""
+        return f"element {element + 1}"
+
+    def mass_label(self, term: int) -> str:
+        """Name of mass term ``term`` in tables, counted from 1 as users do."""
+        return f"mass {term + 1}"
+
+    @property
+    def default_elements(self) -> list[int]:
+        """Stiffness terms that :func:`assess_damage` looks at unless told otherwise."""
+        return list(range(self._core.n_stiffness_terms))
+
+    @property
+    def _springs(self) -> list[int]:
+        """Stiffness terms that have a stiffness."""
+        return list(range(self._core.n_stiffness_terms))
+
+    def modes(self, n_modes: int | None = None, f_max_hz: float | None = None) -> ModalSet:
+        """Undamped resonances and mass-normalised shapes.
+
+        Parameters
+        ----------
+        n_modes : int, optional
+            Keep the lowest ``n_modes``.
+        f_max_hz : float, optional
+            Keep those up to this frequency. With either, slender models are solved by bands.
+
+        Returns
+        -------
+        ModalSet
+            ``freq_hz`` (n_modes,) ascending, ``shapes`` (n_modes, n_dof). Rigid-body modes at 0 Hz.
+
+        Raises
+        ------
+        InvalidInputError
+            No mode up to ``f_max_hz``.
+        NumericalError
+            K and M share a motion with neither mass nor stiffness, or one of them is indefinite.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> ar.MassSpringChain([1.0, 1.0], [500.0]).modes().freq_hz.round(3)
+        array([0.   , 5.033])
+        """
+        most = None if n_modes is None else integer("n_modes", n_modes, low=1)
+        limit = None if f_max_hz is None else finite_scalar("f_max_hz", f_max_hz, low=0.0, unit="Hz")
+        freq, shapes = self._core.modes(limit, most)
+        if np.isnan(freq).any():
+            raise NumericalError("modes of (K, M) failed: the stiffness is indefinite, so that "
+                                 f"{np.isnan(freq).sum()} motion(s) grow without bound. Check its signs.")
+        keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
+        if limit is not None and keep == 0:
+            reject("f_max_hz", f"{limit:g} Hz", f"at least the first resonance, {freq[0]:.6g} Hz")
+        return ModalSet(freq[:keep], shapes[:, :keep].T, dofs=range(self.n_dof))
+
+    def frf(self, response: int | Sequence[int], excitation: int, freq_hz: Any, *, damping_ratio: Any,
+            kind: Motion = "accelerance") -> ComplexArray:
+        r"""Frequency response by modal superposition.
+
+        .. math:: H_{ik}(\omega) = \sum_r \frac{\phi_{ir}\phi_{kr}}{\omega_r^2 - \omega^2
+                  + 2 j \zeta_r \omega_r \omega}
+
+        Parameters
+        ----------
+        response : int or sequence of int
+            Response dof(s).
+        excitation : int
+            Dof of the force.
+        freq_hz : array_like, (n_freq,)
+            Frequencies in Hz, not negative.
+        damping_ratio : float or array_like, (n_modes,)
+            Modal damping ratio, one for all modes or one each; 0.01 is 1 %.
+        kind : {'accelerance', 'mobility', 'receptance'}
+            Acceleration, velocity or displacement over force.
+
+        Returns
+        -------
+        ndarray of complex
+            (n_freq,) for one response, (n_responses, n_freq) for a sequence.
+
+        Raises
+        ------
+        InvalidInputError
+            A dof outside the model, a negative frequency or damping, an unknown kind.
+
+        Notes
+        -----
+        Ewins, Modal Testing, 2nd ed. (2000), section 2.4.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> chain = ar.MassSpringChain([1.0, 1.0], [500.0])
+        >>> abs(chain.frf(0, 0, [3.5588], damping_ratio=0.01)).round(3)   # its antiresonance
+        array([0.014])
+        """
+        freq = real_array("freq_hz", freq_hz, ndim=1, wanted="an array (n_freq,) of frequencies in Hz")
+        if freq.min() < 0:
+            reject("freq_hz", f"{freq.min():g} Hz", "no negative frequency")
+        choice("kind", kind, ("accelerance", "mobility", "receptance"))
+        rows = self._core.frf(self._dofs("response", response), self._dof("excitation", excitation),
+                              freq, self._damping(damping_ratio), kind)
+        return rows[0] if shape_of(response) == () else rows
+
+    def antiresonances(self, response: int | Sequence[int], excitation: int, *,
+                       f_max_hz: float | None = None, method: Method = "modal",
+                       include_cancelled: bool = False) -> Any:
+        r"""Antiresonant frequencies: positive real roots of ``det(K_ik - w**2 M_ik) = 0``.
+
+        Row ``i`` (the response) and column ``k`` (the excitation) are deleted.
+
+        Parameters
+        ----------
+        response : int or sequence of int
+            Response dof(s).
+        excitation : int
+            Dof of the force.
+        f_max_hz : float, optional
+            Highest frequency wanted; all by default.
+        method : {'modal', 'pencil'}
+            ``'modal'`` takes one symmetric eigenproblem for all responses and brackets the zeros of the
+            modal series, with proof that none is missed; ``'pencil'`` solves each deleted pencil by QZ, and
+            adds what QZ cannot tell from zero but the matrices confirm. Both return the same set.
+        include_cancelled : bool
+            Return also the roots that coincide with a resonance which response or excitation does not
+            see (residue below 1e-12 of the largest). The FRF shows no dip there.
+
+        Returns
+        -------
+        ndarray, (n,)
+            Hz, ascending; a list of arrays for a sequence of responses. Dropped are roots that are
+            infinite or zero at working precision (an ulp of K and M moves them by more than 1e-3 of their own
+            distance from there), negative, or complex (imaginary part above 1e-9 of the modulus, or above
+            ten times that uncertainty, at most 3e-7). Every QZ root is checked to a backward error of 1e-10
+            (3e-7 within 1e-6 of another), or polished on the matrices.
+
+        Raises
+        ------
+        InvalidInputError
+            A dof outside the model or an unknown method.
+        NumericalError
+            An eigenproblem that cannot be solved.
+
+        Warns
+        -----
+        AntiresWarning
+            The response is not connected to the excitation: H is identically zero.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
+        >>> [zeros.round(3).tolist() for zeros in chain.antiresonances([0, 1, 2], 0)]
+        [[1.666, 5.375], [2.516], []]
+        """
+        choice("method", method, ("modal", "pencil"))
+        limit = np.inf if f_max_hz is None else finite_scalar(
+            "f_max_hz", f_max_hz, low=0.0, low_open=True, unit="Hz")
+        dofs = self._dofs("response", response)
+        asked = (dofs, self._dof("excitation", excitation), limit, method, bool(include_cancelled))
+        found = self._core.antiresonances(*asked) if self.n_dof < MANY_DOFS else interruptible(
+            lambda: self._core.antiresonances(*asked), f"antiresonances of {len(dofs)} responses")
+        for dof, (_, identically_zero) in zip(dofs, found, strict=True):
+            if identically_zero:
+                warnings.warn(f"response dof {dof} is not connected to excitation dof {excitation}: "
+                              "H is identically zero and has no antiresonance.", AntiresWarning, stacklevel=2)
+        zeros = [freq for freq, _ in found]
+        return zeros[0] if shape_of(response) == () else zeros
+
+    def simulate(self, *, excitation: int, fs_hz: float, duration_s: float, damping_ratio: Any,
+                 band_hz: tuple[float, float] | None = None, noise: float = 0.0,
+                 responses: Sequence[int] | None = None,
+                 rng: int | np.random.Generator | None = None, progress: bool | None = None) -> Recording:
+        """Record the accelerations of a virtual test under one random force.
+
+        Parameters
+        ----------
+        excitation : int
+            Dof of the force.
+        fs_hz : float
+            Sampling rate.
+        duration_s : float
+            Length of the record.
+        damping_ratio : float or array_like, (n_modes,)
+            Modal damping ratio.
+        band_hz : (float, float), optional
+            Band of the force; all up to half the sampling rate by default.
+        noise : float
+            Standard deviation of white sensor noise, as a fraction of each channel's own rms.
+        responses : sequence of int, optional
+            Dofs of the accelerometers; all by default.
+        rng : int or numpy.random.Generator, optional
+            Randomness.
+        progress : bool, optional
+            A line on standard error after a second; by default on a terminal and in a notebook.
+
+        Returns
+        -------
+        Recording
+            Accelerations (n_responses, n_samples) of a unit-rms force, which is kept in ``.force``.
+            Synthesised in the frequency domain over a longer record: no integration error, not periodic.
+
+        Raises
+        ------
+        InvalidInputError
+            A rate or duration that is not positive, a band above half the rate, a dof outside the model.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> chain = ar.MassSpringChain([1.0, 1.0], [500.0])
+        >>> chain.simulate(excitation=0, fs_hz=50.0, duration_s=10.0, damping_ratio=0.01, rng=0)
+        Recording(2 channels, 10 s at 50 Hz, dofs=(0, 1), with force)
+        """
+        from .simulation import simulate
+        dofs = list(range(self.n_dof)) if responses is None else self._dofs("responses", responses)
+        self._damping(damping_ratio)
+        elastic = [f for f in self._core.modes()[0] if f > 0]
+        return simulate(self, responses=dofs, excitation=self._dof("excitation", excitation), fs_hz=fs_hz,
+                        duration_s=duration_s, damping_ratio=damping_ratio,
+                        lowest_hz=min(elastic, default=0.0), band_hz=band_hz, noise=noise, rng=rng,
+                        progress=progress)
+
+    def _dof(self, name: str, value: Any) -> int:
+        return integer(name, value, low=0, high=self.n_dof - 1)
+
+    def _dofs(self, name: str, value: Any) -> list[int]:
+        if shape_of(value) == ():
+            return [self._dof(name, value)]
+        values = [self._dof(f"{name}[{i}]", v) for i, v in enumerate(value)]
+        if not values:
+            reject(name, "an empty sequence", "at least one dof")
+        return values
+
+    def _damping(self, value: Any) -> FloatArray:
+        n_modes = self._core.n_modes()
+        wanted = f"one damping ratio of at least 0, or {n_modes} of them, one for each mode"
+        ratio = np.atleast_1d(real_array("damping_ratio", value, ndim=None, wanted=wanted))
+        if ratio.ndim != 1 or ratio.size not in (1, n_modes) or ratio.min() < 0:
+            reject("damping_ratio", value, wanted)
+        return ratio

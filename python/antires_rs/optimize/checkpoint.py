@@ -1,0 +1,136 @@
+"""A search on disk: written now and then, taken up again to the same bits.
+
+A checkpoint is one file of bytes with a checksum, and the one before it beside it as ``<name>.previous``. It
+is written whole to ``<name>.tmp``, flushed to the disk, and put in place in one step, so a process killed at
+any moment leaves at least one good file. There is no lock and nothing to clean up.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import struct
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..exceptions import AntiresWarning, UnsuitableDataError
+from ..support.files import put_in_place
+from ..support.validation import reject
+
+if TYPE_CHECKING:
+    pass
+
+__all__ = ["Checkpoint"]
+
+#: Name and version of the layout.
+_MAGIC = b"antires_rs search 1\n"
+#: Seed, fingerprint of the problem, checksum and length of what follows.
+_HEADER = struct.Struct("<Q32s32sQ")
+
+
+class Checkpoint:
+    """Where a search is kept.
+
+    Parameters
+    ----------
+    path : path-like
+        The file. If it is there, the search goes on from it.
+    every_s : float
+        Seconds between two writings.
+
+    Attributes
+    ----------
+    seed : int or None
+        Master seed of the search in the file; None without a file.
+    resume : bytes or None
+        The search to go on from.
+
+    Raises
+    ------
+    InvalidInputError
+        A folder that does not exist, a path that is a folder.
+    UnsuitableDataError
+        Neither the file nor the one before it is whole.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], every_s: float = 2.0) -> None:
+        if not isinstance(path, str | os.PathLike):
+            reject("checkpoint", path, "a path")
+        self.path, self.every_s = Path(path), every_s
+        if not self.path.parent.is_dir():
+            reject("checkpoint", str(path), "a file in a folder that exists",
+                   f"Make the folder {str(self.path.parent)!r} first.")
+        if self.path.is_dir():
+            reject("checkpoint", str(path), "a file, not a folder")
+        self.previous = self.path.with_name(self.path.name + ".previous")
+        self._beside = self.path.with_name(self.path.name + ".tmp")
+        self._beside.unlink(missing_ok=True)
+        self._failed = False
+        self._problem = b""
+        self.seed: int | None = None
+        self.resume: bytes | None = None
+        self._load()
+
+    def _load(self) -> None:
+        damaged = []
+        for file in (self.path, self.previous):
+            try:
+                self.seed, self._problem, self.resume = _read(file)
+            except FileNotFoundError:
+                continue
+            except ValueError as exc:
+                damaged.append(f"{file.name} ({exc})")
+                continue
+            if damaged:
+                warnings.warn(f"checkpoint: {damaged[0]} is damaged; going on from {file.name}.",
+                              AntiresWarning, stacklevel=5)
+            return
+        if damaged:
+            raise UnsuitableDataError(f"checkpoint: got damaged files, {', '.join(damaged)}; wanted one that "
+                                      "is whole. Remove them to begin anew.")
+
+    def begin(self, problem: bytes, seed: int) -> None:
+        """Say which search this is; refuses a file that holds another."""
+        if self.resume is not None and (problem, seed) != (self._problem, self.seed):
+            what = f"seed {self.seed}" if seed != self.seed else "another problem, data or options"
+            reject("checkpoint", f"{self.path.name}, the search of {what}", "the file of this very search",
+                   "Give the same problem, optimizer and rng, or another file name.")
+        self._problem, self.seed = problem, seed
+
+    def store(self, payload: bytes) -> None:
+        """Write the search as it stands. A disk that is full is warned of once; the search goes on."""
+        assert self.seed is not None
+        digest = hashlib.sha256(payload).digest()
+        try:
+            with open(self._beside, "wb") as file:
+                file.write(_MAGIC + _HEADER.pack(self.seed, self._problem, digest, len(payload)) + payload)
+                file.flush()
+                os.fsync(file.fileno())
+            if self.path.exists():
+                os.replace(self.path, self.previous)
+            put_in_place(self._beside, self.path)
+        except OSError as exc:
+            self._beside.unlink(missing_ok=True)
+            if not self._failed:
+                warnings.warn(f"checkpoint: {self.path} cannot be written ({exc}); the search goes on "
+                              "without.", AntiresWarning, stacklevel=2)
+            self._failed = True
+
+
+def _read(file: Path) -> tuple[int, bytes, bytes]:
+    """Seed, fingerprint and payload; ValueError says what is wrong."""
+    data = file.read_bytes()
+    if not data.startswith(_MAGIC):
+        raise ValueError("no checkpoint of this version")
+    if len(data) < len(_MAGIC) + _HEADER.size:
+        raise ValueError("cut short")
+    seed, problem, digest, length = _HEADER.unpack_from(data, len(_MAGIC))
+    payload = data[len(_MAGIC) + _HEADER.size:]
+    if len(payload) != length:
+        raise ValueError(f"{len(payload)} of {length} bytes")
+    if hashlib.sha256(payload).digest() != digest:
+        raise ValueError("wrong checksum")
+    return seed, problem, payload
+
+

@@ -1,0 +1,200 @@
+"""Frequency responses and transmissibilities, as immutable values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from ..support.pickling import ReadOnly, frozen
+from ..support.validation import (
+    ComplexArray,
+    FloatArray,
+    choice,
+    complex_rows,
+    dof_labels,
+    finite_scalar,
+    real_array,
+    reject,
+)
+from .estimators import std_of_coherence
+
+__all__ = ["FrequencyResponse", "ResponseKind", "check_freq"]
+
+ResponseKind = Literal["frf", "transmissibility"]
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class FrequencyResponse(ReadOnly):
+    """Frequency responses, or transmissibilities, of several dofs to one excitation.
+
+    Parameters
+    ----------
+    freq_hz : array_like, (n_freq,)
+        Strictly ascending, not negative.
+    values : array_like, (n_outputs, n_freq)
+        Complex. A vector is taken as one output.
+    dofs : iterable of int or str, optional
+        Name of each output. Default ``0, 1, ...``.
+    kind : {"frf", "transmissibility"}
+        FRFs ``H_pk`` to the one force at k, or transmissibilities ``T_pj = X_p / X_j``.
+    reference : int or str, optional
+        For a transmissibility the dof j, which must be among ``dofs`` (its row is ones).
+    coherence : array_like, (n_outputs, n_freq), optional
+        Ordinary coherence of each value, 0 to 1.
+    n_averages : float, optional
+        Independent averages behind each value, e.g.
+        :func:`~antires_rs.signals.spectra.effective_averages` of overlapping segments.
+    std : array_like, (n_outputs, n_freq), optional
+        Standard deviation of the real part of each value, which is that of the imaginary part and, while it
+        is small, of the magnitude. Default: from coherence and ``n_averages``, if both are known.
+
+    Attributes
+    ----------
+    freq_hz, values, dofs, kind, reference, coherence, n_averages, std
+        As given, arrays read-only. ``coherence``, ``n_averages`` and ``std`` are None where not known.
+    n_outputs, n_freq : int
+
+    Raises
+    ------
+    InvalidInputError
+        Wrong shapes, NaN, frequencies that do not ascend, or a reference that does not fit the kind.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.signals.recording import FrequencyResponse
+    >>> freq = np.linspace(1.0, 10.0, 19)
+    >>> FrequencyResponse(freq, [1 / (25 - freq**2 + 1j), 1 / (36 - freq**2 + 1j)], dofs=[3, 7])
+    FrequencyResponse(frf, 2 outputs, 19 lines 1-10 Hz, dofs=(3, 7))
+    """
+
+    freq_hz: FloatArray
+    values: ComplexArray
+    dofs: tuple[Any, ...]
+    kind: ResponseKind
+    reference: Any | None
+    coherence: FloatArray | None
+    n_averages: float | None
+    std: FloatArray | None
+
+    def __init__(self, freq_hz: Any, values: Any, dofs: Iterable[Any] | None = None,
+                 kind: ResponseKind = "frf", reference: Any | None = None,
+                 coherence: Any | None = None, n_averages: float | None = None,
+                 std: Any | None = None) -> None:
+        freq = check_freq("freq_hz", freq_hz)
+        wanted = f"a complex array (n_outputs, {freq.size}), one row an output, one column a frequency"
+        array = complex_rows("values", values, freq.size, wanted=wanted)
+        labels = dof_labels("dofs", dofs, array.shape[0])
+        choice("kind", kind, ("frf", "transmissibility"))
+        if kind == "transmissibility" and reference not in labels:
+            reject("reference", reference, f"the reference dof j of the transmissibilities, one of {labels}",
+                   "Include the row of ones of the reference itself.")
+        if kind == "transmissibility":
+            own = array[labels.index(reference)]
+            if np.abs(own - 1.0).max() > 1e-6:
+                reject(
+                    "values",
+                    f"a row of the reference {reference!r} that is not one everywhere",
+                    f"T_jj = 1 in row {labels.index(reference)}",
+                    "Divide all rows by the reference's row.",
+                )
+        if kind == "frf" and reference is not None:
+            reject("reference", reference, "None for kind='frf'", "Only transmissibilities have a reference.")
+        if coherence is not None:
+            wanted = f"a real array of the shape of values, {array.shape}, from 0 to 1"
+            coherence = _beside("coherence", coherence, array.shape, wanted)
+            # Rounding may push an exact coherence a few ulps over one.
+            if coherence.min() < 0.0 or coherence.max() > 1.0 + 1e-9:
+                reject("coherence", f"values from {coherence.min():g} to {coherence.max():g}", wanted)
+            coherence = frozen(np.minimum(coherence, 1.0))
+        if n_averages is not None:
+            n_averages = finite_scalar("n_averages", n_averages, low=1.0)
+        if std is not None:
+            wanted = f"a real array of the shape of values, {array.shape}, not negative"
+            std = frozen(_beside("std", std, array.shape, wanted))
+            if std.min() < 0.0:
+                reject("std", f"values from {std.min():g}", wanted)
+        elif coherence is not None and n_averages is not None and n_averages > 1.0:
+            std = frozen(std_of_coherence(array, coherence, n_averages))
+        put = object.__setattr__
+        put(self, "freq_hz", frozen(freq))
+        put(self, "values", frozen(array))
+        put(self, "dofs", labels)
+        put(self, "kind", kind)
+        put(self, "reference", reference)
+        put(self, "coherence", coherence)
+        put(self, "n_averages", n_averages)
+        put(self, "std", std)
+
+    @property
+    def n_outputs(self) -> int:
+        """Number of outputs (rows of ``values``)."""
+        return int(self.values.shape[0])
+
+    @property
+    def n_freq(self) -> int:
+        """Number of frequency lines."""
+        return int(self.freq_hz.size)
+
+    def to_dataframe(self) -> Any:
+        """The complex values, a column for each dof, over ``freq_hz``.
+
+        Returns
+        -------
+        pandas.DataFrame
+
+        Raises
+        ------
+        MissingDependencyError
+            pandas is not installed.
+        """
+        from ..io.tables import to_dataframe
+        return to_dataframe(self)
+
+    def to_xarray(self) -> Any:
+        """``values``, ``coherence`` and ``std`` over ``dof`` and ``freq_hz``; the kind is an attribute.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Raises
+        ------
+        MissingDependencyError
+            xarray is not installed.
+        """
+        from ..io.tables import to_xarray
+        return to_xarray(self)
+
+    def __repr__(self) -> str:
+        to = "" if self.reference is None else f", reference={self.reference!r}"
+        return (f"FrequencyResponse({self.kind}, {self.n_outputs} outputs, {self.n_freq} lines "
+                f"{self.freq_hz[0]:g}-{self.freq_hz[-1]:g} Hz, dofs={self.dofs}{to})")
+
+
+def _beside(name: str, value: Any, shape: tuple[int, ...], wanted: str) -> FloatArray:
+    """Real companion of ``values``, of its shape; a vector stands for one output."""
+    array = real_array(name, value, ndim=None, wanted=wanted)
+    array = array[None, :] if array.ndim == 1 else array
+    if array.shape != shape:
+        reject(name, f"an array of shape {array.shape}", wanted)
+    return array
+
+
+def check_freq(name: str, value: Any) -> FloatArray:
+    """Frequency axis: at least two lines, strictly ascending, not negative."""
+    wanted = "a real array (n_freq,) in Hz, at least two lines, strictly ascending, not negative"
+    freq = real_array(name, value, ndim=1, wanted=wanted)
+    if freq.size < 2:
+        reject(name, f"{freq.size} line", wanted)
+    if freq[0] < 0.0:
+        reject(name, f"{freq[0]:g} Hz as the first line", wanted)
+    falls = np.flatnonzero(np.diff(freq) <= 0.0)
+    if falls.size:
+        i = int(falls[0])
+        reject(name, f"{freq[i]:g} Hz followed by {freq[i + 1]:g} Hz at index {i}", wanted,
+               "Sort the lines and drop repeated ones.")
+    return freq

@@ -1,0 +1,201 @@
+r"""Welch spectra, frequency responses and transmissibilities from records.
+
+Conventions: S_ab is what ``scipy.signal.csd(a, b)`` computes, the average of conj(A) B. So
+X_p = T_pj X_j gives
+
+    H1:  T = S_jp / S_jj      H2:  T = S_pp / S_pj      Hv:  total least squares on (x_j, x_p)
+
+and the same with the force for x_j in an FRF. H1 is biased low by noise on the input, H2 biased high by
+noise on the output. For a transmissibility H1 is at its worst exactly where it matters: at an antiresonance
+of j the channel x_j is mostly noise, the estimate is the true T divided by 1 + noise / signal of x_j at that
+line, and the peak of T_pj is flattened. No averaging helps: a bias, unlike scatter, stays. Nor does the
+coherence-based standard deviation show it. H2 has that bias at the antiresonances of p instead, Hv lies
+between. "rank1" uses that one force acts: the matrix of all spectra has rank one but for noise, and its
+dominant eigenvector, with the channels scaled to equal noise, holds the responses up to a common factor,
+without bias to first order.
+
+References: P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73; J. S. Bendat and A. G. Piersol,
+Random Data, 4th ed., 2010; G. T. Rocklin, J. Crowley, H. Vold, Proc. IMAC 3 (1985) 272-278 (Hv).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..support.validation import ComplexArray, FloatArray, integer, reject
+from .recording import Recording
+
+__all__ = ["CrossSpectra", "averaged_products", "channels_of", "cross_spectra", "effective_averages", "window_values"]
+
+
+@dataclass(frozen=True, eq=False)
+class CrossSpectra:
+    """Averaged spectral matrix of several channels.
+
+    Attributes
+    ----------
+    freq_hz : (n_freq,)
+    matrix : (n_freq, n_channels, n_channels) complex
+        ``matrix[:, a, b]`` is the average of conj(A) B: a one-sided density for Welch, energy spectra
+        for hits.
+    n_averages : int
+        Segments or hits averaged.
+    noise : (n_channels,) or None
+        Noise part of the diagonal, where it was measured (before a hit).
+    added_decay_per_s : float
+        Decay rate of an exponential window; roots identified from these spectra carry it in their real part.
+    n_effective : float
+        Independent averages that would scatter as much: fewer than ``n_averages`` where segments overlap.
+        0 (default) stands for ``n_averages``.
+    segments : (n_channels, n_segments, n_freq) complex or None
+        What was averaged: ``matrix`` is the mean over segments of conj(A) B.
+    """
+
+    freq_hz: FloatArray
+    matrix: ComplexArray
+    n_averages: int
+    noise: FloatArray | None = None
+    added_decay_per_s: float = 0.0
+    n_effective: float = 0.0
+    segments: ComplexArray | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "n_effective", self.n_effective or float(self.n_averages))
+
+
+def effective_averages(taper: FloatArray, step: int, n_segments: int) -> float:
+    """Number of independent averages with the variance of ``n_segments`` that overlap.
+
+    Parameters
+    ----------
+    taper : (nperseg,)
+        The window.
+    step : int
+        Samples from one segment's start to the next.
+    n_segments : int
+
+    Returns
+    -------
+    float
+        ``K / (1 + 2 sum_j (1 - j/K) r_j)`` with K segments and
+        ``r_j = (sum w[k] w[k + j step])**2 / (sum w**2)**2``.
+
+    Notes
+    -----
+    P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73: variance of the averaged spectrum of a
+    signal that is white over the width of the window.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.signals.spectra import effective_averages
+    >>> hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(256) / 256)
+    >>> round(effective_averages(hann, 128, 31), 1), round(effective_averages(hann, 256, 16), 1)
+    (29.4, 16.0)
+    """
+    shifts = np.arange(1, min(n_segments, -(-taper.size // step)))
+    shared = np.array([(taper[j * step:] @ taper[:taper.size - j * step])**2 for j in shifts])
+    return float(n_segments / (1.0 + 2.0 * np.sum((1.0 - shifts / n_segments) * shared) / (taper @ taper)**2))
+
+
+def averaged_products(spectra: ComplexArray) -> ComplexArray:
+    """Mean over segments of conj(A) B; (n_channels, n_segments, n_freq) to (n_freq, n, n)."""
+    by_line = np.ascontiguousarray(spectra.transpose(2, 0, 1))
+    return np.asarray(by_line.conj() @ by_line.transpose(0, 2, 1) / spectra.shape[1], dtype=np.complex128)
+
+
+def cross_spectra(rec: Recording, *, nperseg: int, noverlap: int | None = None, window: Any = "hann",
+                  include_force: bool = False) -> CrossSpectra:
+    """Welch's averaged auto and cross spectral densities of all channels at once.
+
+    Parameters
+    ----------
+    rec : Recording
+    nperseg : int
+        Samples per segment.
+    noverlap : int, optional
+        Samples shared by neighbours; default half a segment.
+    window : str, tuple or array_like
+        As for ``scipy.signal.get_window``, periodic; or ``nperseg`` values.
+    include_force : bool
+        Append ``rec.force`` as the last channel.
+
+    Returns
+    -------
+    CrossSpectra
+        Agrees with ``scipy.signal.csd`` (density, constant detrend) to rounding, but each channel and
+        segment is transformed once.
+
+    Raises
+    ------
+    InvalidInputError
+        Segments that do not fit the record, an unknown window, or a force that was not recorded.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.signals.recording import Recording
+    >>> from antires_rs.signals.spectra import cross_spectra
+    >>> rec = Recording(np.random.default_rng(0).standard_normal((2, 4096)), 100.0)
+    >>> cross_spectra(rec, nperseg=512).matrix.shape
+    (257, 2, 2)
+    """
+    check_recording(rec)
+    n_seg = integer("nperseg", nperseg, low=8, high=rec.n_samples)
+    overlap = n_seg // 2 if noverlap is None else integer("noverlap", noverlap, low=0, high=n_seg - 1)
+    taper = window_values(window, n_seg)
+    data = channels_of(rec, include_force)
+    segments = np.lib.stride_tricks.sliding_window_view(data, n_seg, axis=1)[:, ::n_seg - overlap]
+    spectra = np.fft.rfft((segments - segments.mean(axis=2, keepdims=True)) * taper)
+    # One-sided: all lines but zero and Nyquist stand for two.
+    density = np.full(spectra.shape[2], 2.0)
+    density[[0] if n_seg % 2 else [0, -1]] = 1.0
+    spectra *= np.sqrt(density / (rec.fs_hz * (taper @ taper)))
+    freq = np.asarray(np.fft.rfftfreq(n_seg, 1.0 / rec.fs_hz), dtype=np.float64)
+    return CrossSpectra(freq, averaged_products(spectra), spectra.shape[1],
+                        n_effective=effective_averages(taper, n_seg - overlap, spectra.shape[1]),
+                        segments=spectra)
+
+
+
+
+
+
+
+
+
+
+def check_recording(rec: object) -> None:
+    if not isinstance(rec, Recording):
+        reject("rec", type(rec).__name__, "a Recording")
+
+
+
+
+def force_of(rec: Recording) -> FloatArray:
+    if rec.force is None:
+        reject("rec", "a Recording without force", "one with the force recorded",
+               "Use transmissibilities: they need no force.")
+    return rec.force
+
+
+def channels_of(rec: Recording, include_force: bool) -> FloatArray:
+    """The responses, and below them the force where it is wanted."""
+    return np.vstack([rec.responses, force_of(rec)]) if include_force else rec.responses
+
+
+def window_values(window: Any, n: int) -> FloatArray:
+    """The window as an array, from a name known to scipy or from given values."""
+    if isinstance(window, str | tuple):
+        from scipy.signal import get_window  # slow to import
+        try:
+            return np.asarray(get_window(window, n), dtype=np.float64)
+        except ValueError as exc:
+            reject("window", window, f"a window known to scipy.signal.get_window ({exc})")
+    taper = np.asarray(window, dtype=np.float64)
+    if taper.shape != (n,) or not np.isfinite(taper).all() or not taper.any():
+        reject("window", f"an array of shape {taper.shape}", f"a window name, or {n} finite values")
+    return taper

@@ -1,0 +1,188 @@
+"""Frequency response functions and transmissibilities from records."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..support.validation import ComplexArray, choice, reject
+from .estimators import std_of_rank_one, two_channel
+from .frequency_response import FrequencyResponse
+from .rankone import response_vectors
+from .recording import Recording
+from .spectra import CrossSpectra, check_recording, cross_spectra, force_of
+from .transient import require_stationary, transient_spectra
+
+__all__ = ["averaged_spectra", "frf", "transmissibility", "transmissibility_sum"]
+
+
+def frf(rec: Recording, *, nperseg: int | None = None, noverlap: int | None = None, window: Any = "hann",
+        estimator: str = "h1", method: str = "auto") -> FrequencyResponse:
+    """Frequency response functions of all channels to the recorded force.
+
+    Parameters
+    ----------
+    rec : Recording
+        With ``force``.
+    nperseg, noverlap, window
+        As for :func:`~antires_rs.signals.spectra.cross_spectra`; not used for hits.
+    estimator : {"h1", "h2", "hv"}
+        ``S_fx / S_ff``, ``S_xx / S_xf``, or total least squares with both signals scaled to unit rms, so that
+        units do not matter.
+    method : {"auto", "welch", "transient"}
+        "auto" refuses Welch on a record that decays; "welch" forces it; "transient" transforms whole hits.
+
+    Returns
+    -------
+    FrequencyResponse
+        ``kind="frf"``, with ordinary coherence, the effective number of averages and the standard deviation
+        of every value (no coherence and no deviation for a single average, where coherence is one by
+        construction).
+
+    Raises
+    ------
+    InvalidInputError
+        No force, bad segments, unknown option.
+    UnsuitableDataError
+        A decaying record under ``method="auto"``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.signals.recording import Recording
+    >>> from antires_rs.signals.spectra import frf
+    >>> force = np.random.default_rng(0).standard_normal(8192)
+    >>> h = frf(Recording([2.0 * force, -force], 512.0, force=force), nperseg=1024)
+    >>> h.values[:, 100].real.round(9).tolist()
+    [2.0, -1.0]
+    """
+    check_recording(rec)
+    choice("estimator", estimator, ("h1", "h2", "hv"))
+    force_of(rec)
+    spectra = averaged_spectra(rec, nperseg, noverlap, window, method, include_force=True)
+    values, coherence = two_channel(spectra.matrix, spectra.matrix.shape[1] - 1, estimator)
+    return FrequencyResponse(spectra.freq_hz, values[:-1], rec.dofs, "frf",
+                             coherence=coherence[:-1] if spectra.n_averages > 1 else None,
+                             n_averages=spectra.n_effective)
+
+
+def transmissibility(
+    rec: Recording,
+    reference: Any,
+    *,
+    nperseg: int | None = None,
+    noverlap: int | None = None,
+    window: Any = "hann",
+    estimator: str = "h1",
+    method: str = "auto",
+) -> FrequencyResponse:
+    """Transmissibilities ``T_pj = X_p / X_j`` of all channels p to one reference j.
+
+    Parameters
+    ----------
+    rec : Recording
+        Two channels or more; ``force`` is not read.
+    reference : int or str
+        Label j, one of ``rec.dofs``.
+    nperseg, noverlap, window, method
+        As for :func:`frf`.
+    estimator : {"h1", "h2", "hv", "rank1"}
+        ``S_jp / S_jj``, ``S_pp / S_pj``, total least squares on the pair (scaled to unit rms), or the
+        dominant eigenvector of the whole matrix scaled to equal noise. "rank1" is best near the
+        antiresonances of j.
+
+    Returns
+    -------
+    FrequencyResponse
+        ``kind="transmissibility"``; the row of j is one. ``coherence`` is the ordinary coherence of p and j
+        whatever the estimator; ``std`` is that of the estimator, see :mod:`~antires_rs.signals.estimators`.
+
+    Raises
+    ------
+    InvalidInputError
+        A reference that was not recorded, bad segments, unknown option.
+    UnsuitableDataError
+        A decaying record under ``method="auto"``, or a reference channel that is zero.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.signals.recording import Recording
+    >>> from antires_rs.signals.spectra import transmissibility
+    >>> x = np.random.default_rng(0).standard_normal(8192)
+    >>> t = transmissibility(Recording([x, 3.0 * x], 512.0, dofs=["a", "b"]), "a", nperseg=1024)
+    >>> t.values[:, 100].real.round(9).tolist()
+    [1.0, 3.0]
+    """
+    check_recording(rec)
+    choice("estimator", estimator, ("h1", "h2", "hv", "rank1"))
+    if reference not in rec.dofs:
+        reject("reference", reference, f"a recorded dof, one of {rec.dofs}")
+    j = rec.dofs.index(reference)
+    spectra = averaged_spectra(rec, nperseg, noverlap, window, method)
+    values, coherence = two_channel(spectra.matrix, j, "h1" if estimator == "rank1" else estimator)
+    std = None
+    # A single average is of rank one as it stands.
+    if estimator == "rank1" and spectra.n_averages > 1:
+        vectors, _ = response_vectors(spectra.matrix, spectra.noise)
+        values = vectors / vectors[j]
+        if rec.n_channels > 1:
+            std = std_of_rank_one(spectra.matrix, j, spectra.n_effective)
+    values[j] = 1.0
+    return FrequencyResponse(spectra.freq_hz, values, rec.dofs, "transmissibility", reference,
+                             coherence if spectra.n_averages > 1 else None, spectra.n_effective, std)
+
+
+def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
+    """Sum over p of ``abs(Re T_pj) + i abs(Im T_pj)``, the paper's equation 10 as printed, for the eye.
+
+    Parameters
+    ----------
+    resp : FrequencyResponse
+        Of ``kind="transmissibility"``. The reference's own row of ones is left out.
+
+    Returns
+    -------
+    (n_freq,) complex
+        Peaks at the antiresonances of the reference. The absolute values kink at every sign change, so it
+        cannot be fitted by a rational function; identification uses the joint fit instead.
+
+    Raises
+    ------
+    InvalidInputError
+        FRFs instead of transmissibilities.
+
+    Notes
+    -----
+    V. Meruane, J. Sound Vib. 332 (2013) 807-820, Eq. 10.
+
+    Examples
+    --------
+    >>> from antires_rs.signals.recording import FrequencyResponse
+    >>> from antires_rs.signals.spectra import transmissibility_sum
+    >>> t = FrequencyResponse([1.0, 2.0], [[1, 1], [-3 + 1j, 2 - 2j]], kind="transmissibility", reference=0)
+    >>> transmissibility_sum(t).tolist()
+    [(3+1j), (2+2j)]
+    """
+    if not isinstance(resp, FrequencyResponse) or resp.kind != "transmissibility":
+        reject(
+            "resp",
+            getattr(resp, "kind", type(resp).__name__),
+            "a FrequencyResponse of kind 'transmissibility'",
+        )
+    others = np.delete(resp.values, resp.dofs.index(resp.reference), axis=0)
+    return np.asarray(np.abs(others.real).sum(axis=0) + 1j * np.abs(others.imag).sum(axis=0))
+
+
+def averaged_spectra(rec: Recording, nperseg: int | None, noverlap: int | None, window: Any, method: str, *,
+                     include_force: bool = False) -> CrossSpectra:
+    """Welch or whole hits, by ``method``."""
+    choice("method", method, ("auto", "welch", "transient"))
+    if method == "transient":
+        return transient_spectra(rec, include_force=include_force)
+    if nperseg is None:
+        reject("nperseg", None, "an integer, the samples per segment", "Long enough for several decay times.")
+    if method == "auto":
+        require_stationary(rec)
+    return cross_spectra(rec, nperseg=nperseg, noverlap=noverlap, window=window, include_force=include_force)

@@ -1,0 +1,224 @@
+"""Hammer hits: one transform over the whole event, from before the hit until it has died.
+
+Welch's segments would each start in the middle of a decay, with an unknown state; the quotient of two such
+spectra is not a transmissibility. A transform over the whole event, from rest, is exact: every response is
+then the FRF times the spectrum of the force, whatever its shape (a double hit included). If the response has
+not died at the end, an exponential window forces it to. That window moves every root of every quotient by its
+decay rate along the real axis, so its damping can be taken off again exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..exceptions import UnsuitableDataError
+from ..support.validation import FloatArray, choice
+from .recording import Recording
+from .spectra import CrossSpectra, averaged_products, channels_of
+
+__all__ = ["Event", "find_events", "is_transient", "transient_spectra"]
+
+# Blocks of the energy profile: coarse ones tell a decay from steady vibration, fine ones find the hit.
+COARSE_BLOCKS = 64
+FINE_BLOCK_SAMPLES = 8
+FINE_BLOCKS = 8192
+# A steady Gaussian record of one narrow mode has an exponentially distributed envelope: over 64 blocks its
+# largest energy is some 13 dB above its lower fifth. 20 dB is out of its reach.
+DECAY_RATIO = 100.0
+# A hit lifts the energy at least this much over the eight blocks before it ...
+HIT_RISE = 30.0
+# ... and to this share of the record's peak. A new hit needs the last one dead by this much.
+HIT_SHARE = 0.01
+DEAD_SHARE = 1e-3
+# Amplitude at the end of an event, relative to its start, above which the window must help: -40 dB.
+END_AMPLITUDE = 1e-2
+# ... and the amplitude to which the exponential window brings it down.
+WINDOWED_END = 1e-3
+
+
+@dataclass(frozen=True)
+class Event:
+    """Samples ``start`` to ``stop`` of a record hold one hit at sample ``hit``."""
+
+    start: int
+    hit: int
+    stop: int
+
+
+def _energy(rec: Recording, block: int) -> FloatArray:
+    """Mean energy of each block, channels at equal weight."""
+    x = rec.responses - np.median(rec.responses, axis=1, keepdims=True)
+    power = x.var(axis=1, keepdims=True)
+    power[power == 0.0] = 1.0
+    n = rec.n_samples // block
+    squares = (x[:, :n * block]**2 / power).mean(axis=0)
+    return np.asarray(squares.reshape(n, block).mean(axis=1))
+
+
+def is_transient(rec: Recording) -> bool:
+    """True if the energy profile is that of decaying events, False if it is steady.
+
+    Parameters
+    ----------
+    rec : Recording
+
+    Returns
+    -------
+    bool
+        True if the strongest of 64 blocks has more than 100 times the energy of their lower fifth.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.signals.recording import Recording
+    >>> from antires_rs.signals.transient import is_transient
+    >>> x = np.random.default_rng(0).standard_normal(4096)
+    >>> decay = np.exp(-np.arange(4096) / 400)
+    >>> is_transient(Recording([x], 512.0)), is_transient(Recording([x * decay], 512.0))
+    (False, True)
+    """
+    if rec.n_samples < 2 * COARSE_BLOCKS:
+        return False
+    energy = _energy(rec, rec.n_samples // COARSE_BLOCKS)
+    return bool(energy.max() > DECAY_RATIO * np.quantile(energy, 0.2))
+
+
+def require_stationary(rec: Recording) -> None:
+    """Raise :class:`UnsuitableDataError` if Welch's method does not fit the record."""
+    if is_transient(rec):
+        raise UnsuitableDataError(
+            "method: got 'auto' for a record whose energy decays by more than 20 dB; wanted steady vibration "
+            "for Welch's averages, because a segment that starts within a decay does not hold its own "
+            "excitation. Use method='transient' (one transform over each whole hit), or force it with "
+            "method='welch'.")
+
+
+def find_events(rec: Recording) -> tuple[Event, ...]:
+    """Find the hits of a record.
+
+    Parameters
+    ----------
+    rec : Recording
+
+    Returns
+    -------
+    tuple of Event
+        In order of time. Hits that come before the last one has died by 30 dB belong to its event.
+
+    Raises
+    ------
+    UnsuitableDataError
+        No hit found; most often because the record starts after it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.signals.recording import Recording
+    >>> from antires_rs.signals.transient import find_events
+    >>> t = np.arange(4096) / 512
+    >>> x = np.where(t >= 1, np.exp(-3 * (t - 1)) * np.sin(100 * (t - 1)), 0.0)
+    >>> [event.hit for event in find_events(Recording([x], 512.0))]
+    [512]
+    """
+    block = max(FINE_BLOCK_SAMPLES, rec.n_samples // FINE_BLOCKS)
+    energy = _energy(rec, block)
+    peak = energy.max()
+    hits: list[int] = []
+    for b in range(1, energy.size):
+        before = energy[max(0, b - 8):b]
+        if energy[b] <= HIT_SHARE * peak or energy[b] <= HIT_RISE * np.median(before):
+            continue
+        if hits and before.max() > DEAD_SHARE * energy[hits[-1]:b].max():
+            continue  # the same event: still ringing, or a rebound of the hammer
+        hits.append(b)
+    if not hits:
+        raise UnsuitableDataError(
+            "responses: no hit found, the energy never rises from rest; wanted a record that starts before "
+            "the hit. Record again with a pre-trigger: what was missed at the start cannot be recovered.")
+    events = []
+    for i, b in enumerate(hits):
+        stop = hits[i + 1] * block if i + 1 < len(hits) else rec.n_samples
+        # Anti-alias filters ring before the hit: start a little earlier, but not inside the last event's
+        # tail.
+        early = max(4 * block, (stop - b * block) // 50)
+        start = max(0, b * block - early)
+        events.append((start, b * block, stop))
+    stops = [start for start, _, _ in events[1:]] + [rec.n_samples]
+    return tuple(Event(start, hit, stop) for (start, hit, _), stop in zip(events, stops, strict=True))
+
+
+def transient_spectra(rec: Recording, *, window: str = "auto", include_force: bool = False) -> CrossSpectra:
+    """Energy spectra of whole hits, averaged over the hits.
+
+    Parameters
+    ----------
+    rec : Recording
+        Starting before its first hit.
+    window : {"auto", "rectangular", "exponential"}
+        "auto" takes the rectangular one if the response dies by 40 dB within the event.
+    include_force : bool
+        Append ``rec.force`` as the last channel.
+
+    Returns
+    -------
+    CrossSpectra
+        ``n_averages`` hits; ``added_decay_per_s`` of the exponential window; ``noise`` measured before the
+        first hit, where there are at least 32 quiet samples.
+
+    Raises
+    ------
+    UnsuitableDataError
+        No hit found.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.signals.recording import Recording
+    >>> from antires_rs.signals.transient import transient_spectra
+    >>> t = np.arange(4096) / 512
+    >>> x = np.where(t >= 1, np.exp(-3 * (t - 1)) * np.sin(100 * (t - 1)), 0.0)
+    >>> transient_spectra(Recording([x], 512.0)).added_decay_per_s
+    0.0
+    """
+    choice("window", window, ("auto", "rectangular", "exponential"))
+    events = find_events(rec)
+    data = channels_of(rec, include_force)
+    # One length for all, so that their lines agree; a shorter event is padded with zeros, being dead by then.
+    length = max(event.stop - event.start for event in events)
+    decay = _window_decay(rec, events, window)
+    spectra = np.empty((data.shape[0], len(events), length // 2 + 1), dtype=np.complex128)
+    quiet = data[:, :max(events[0].hit - 4 * FINE_BLOCK_SAMPLES, 0)]
+    offset = quiet.mean(axis=1, keepdims=True) if quiet.shape[1] >= 32 else 0.0
+    energy = 0.0
+    for i, event in enumerate(events):
+        piece = data[:, event.start:event.stop] - offset
+        t = (np.arange(piece.shape[1]) - (event.hit - event.start)) / rec.fs_hz
+        # The same exponential before the hit too: the window must be one exponential for its shift to be
+        # exact.
+        taper = np.exp(-decay * t)
+        energy += float(taper @ taper) / len(events)
+        spectra[:, i] = np.fft.rfft(piece * taper, length)
+    noise = quiet.var(axis=1) * energy if quiet.shape[1] >= 32 else None
+    if noise is not None and noise.min() <= 0.0:
+        noise = None
+    freq = np.asarray(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), dtype=np.float64)
+    return CrossSpectra(freq, averaged_products(spectra), len(events), noise, decay, segments=spectra)
+
+
+def _window_decay(rec: Recording, events: tuple[Event, ...], window: str) -> float:
+    """Decay rate (1/s) of the exponential window; zero for the rectangular one."""
+    if window == "rectangular":
+        return 0.0
+    needed = 0.0
+    for event in events:
+        x = rec.responses[:, event.hit:event.stop]
+        n = x.shape[1]
+        tail = max(n // 20, 1)
+        # Worst channel; median-free, because a decay has no mean.
+        end = float(np.max(x[:, -tail:].std(axis=1) / np.maximum(x[:, :tail].std(axis=1), 1e-300)))
+        if window == "auto" and end <= END_AMPLITUDE:
+            continue
+        needed = max(needed, np.log(max(end / WINDOWED_END, 2.0)) / (n / rec.fs_hz))
+    return needed

@@ -1,0 +1,72 @@
+"""Files that are whole or not there at all, also after a kill or a power cut."""
+
+from __future__ import annotations
+
+import os
+import re
+from contextlib import suppress
+from pathlib import Path
+
+from .validation import reject
+
+__all__ = ["put_in_place", "write_atomically"]
+
+
+def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
+    """Write beside the target, then put it in place in one step; returns the path.
+
+    What a process that was killed had begun to write beside the target is removed.
+    """
+    target = Path(path)
+    if not target.parent.is_dir():
+        reject("path", str(target), "a file in a folder that exists",
+               f"Make the folder {str(target.parent)!r} first.")
+    if target.is_dir():
+        reject("path", str(target), "a file, not a folder")
+    # Same folder, so that the replacement is one step of the file system.
+    beside = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+    try:
+        with open(beside, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        put_in_place(beside, target)
+    except BaseException:
+        beside.unlink(missing_ok=True)
+        raise
+    _forget_half_written(target)
+    return target
+
+
+def put_in_place(beside: Path, target: Path) -> None:
+    """Let a file that was flushed to the disk take its name, for good: the folder is flushed too."""
+    os.replace(beside, target)
+    if os.name == "posix":  # elsewhere a folder cannot be opened
+        with suppress(OSError):  # nor flushed on some file systems, which then have a way of their own
+            folder = os.open(target.parent, os.O_RDONLY)
+            try:
+                os.fsync(folder)
+            finally:
+                os.close(folder)
+
+
+def _forget_half_written(target: Path) -> None:
+    """Remove what processes that are no more were writing to the same target."""
+    if os.name != "posix":  # os.kill would end the process instead of asking for it
+        return
+    named = re.compile(rf"\.{re.escape(target.name)}\.(\d+)\.tmp")
+    with suppress(OSError):  # the target is in place, which is what was asked for
+        for name in os.listdir(target.parent):
+            found = named.fullmatch(name)
+            if found and not _alive(int(found[1])):
+                target.with_name(name).unlink(missing_ok=True)
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):  # someone else's
+        return True
+    return True

@@ -1,0 +1,55 @@
+"""Values that survive ``pickle`` and ``copy.deepcopy``, as processes and libraries that copy need it.
+
+What is left out of a pickle is made again from the rest, to the same bits; arrays that were read-only are so
+again. A pickle is for the same version of this package; files are written by ``save``.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["AroundCore", "ReadOnly", "frozen"]
+
+Core = TypeVar("Core")
+
+
+class AroundCore(Generic[Core]):
+    """An object around one of the Rust core, ``_core``, which is made again from what else it holds."""
+
+    _core: Core
+
+    def _made_core(self) -> Core:
+        raise NotImplementedError
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_core"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._core = self._made_core()
+
+
+class ReadOnly:
+    """An object whose arrays, alone or in dicts and tuples, nobody may change."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)  # past the __setattr__ of frozen dataclasses
+        _freeze(state)
+
+
+def _freeze(value: Any) -> None:
+    if isinstance(value, np.ndarray):
+        value.setflags(write=False)
+    elif isinstance(value, dict | tuple):
+        for item in value.values() if isinstance(value, dict) else value:
+            _freeze(item)
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """Read-only copy."""
+    copy = np.array(array, order="C")
+    copy.setflags(write=False)
+    return copy

@@ -1,0 +1,172 @@
+"""Argument checks shared by the whole Python face.
+
+Each check returns the value in the form the code works with, or raises
+:class:`~antires_rs.exceptions.InvalidInputError` in one sentence pattern:
+``name: got X; wanted Y.`` with a remedy where there is one.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterable, Sequence
+from typing import Any, NoReturn, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..exceptions import InvalidInputError
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+T = TypeVar("T")
+
+
+def reject(name: str, got: object, wanted: str, remedy: str = "") -> NoReturn:
+    """Raise the package's input error in its one sentence pattern."""
+    text = got if isinstance(got, str) else repr(got)
+    raise InvalidInputError(f"{name}: got {text}; wanted {wanted}.{' ' + remedy if remedy else ''}")
+
+
+def _array(name: str, value: Any, dtype: type, ndim: int | None, wanted: str) -> NDArray[Any]:
+    try:
+        array = np.asarray(value)
+        if dtype is np.float64 and np.iscomplexobj(array):
+            reject(name, f"complex values of dtype {array.dtype}", wanted)
+        array = np.ascontiguousarray(array, dtype=dtype)
+    except (TypeError, ValueError) as exc:
+        if isinstance(exc, InvalidInputError):
+            raise
+        reject(name, f"{type(value).__name__} that does not convert ({exc})", wanted)
+    # ascontiguousarray lifts scalars to 1-D; keep what the caller gave.
+    array = array.reshape(np.shape(value)) if np.ndim(value) == 0 else array
+    if ndim is not None and array.ndim != ndim:
+        reject(name, f"an array of shape {array.shape}", wanted)
+    if array.size == 0:
+        reject(name, f"an empty array of shape {array.shape}", wanted)
+    bad = int(np.count_nonzero(~np.isfinite(array)))
+    if bad:
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        reject(name, f"{bad} NaN or infinite value(s), the first at index {where}", wanted,
+               "Remove or interpolate them first.")
+    return array
+
+
+def real_array(name: str, value: Any, *, ndim: int | None, wanted: str) -> FloatArray:
+    """Finite, non-empty float64 array of the wanted number of dimensions."""
+    return _array(name, value, np.float64, ndim, wanted)
+
+
+def complex_array(name: str, value: Any, *, ndim: int | None, wanted: str) -> ComplexArray:
+    """Finite, non-empty complex128 array of the wanted number of dimensions."""
+    return _array(name, value, np.complex128, ndim, wanted)
+
+
+def complex_rows(name: str, value: Any, n_columns: int, *, wanted: str) -> ComplexArray:
+    """Complex array (n_rows, n_columns); a vector is taken as one row."""
+    array = complex_array(name, value, ndim=None, wanted=wanted)
+    array = array[None, :] if array.ndim == 1 else array
+    if array.ndim != 2 or array.shape[1] != n_columns:
+        reject(name, f"an array of shape {array.shape}", wanted)
+    return array
+
+
+def shape_of(value: Any) -> tuple[int, ...]:
+    """Shape of anything array-like; of a ragged sequence, which has none, its length."""
+    try:
+        return np.shape(value)
+    except ValueError:
+        return (len(value),)
+
+
+def random_generator(rng: Any) -> np.random.Generator:
+    """The generator given, or one seeded by the integer given, or by the system."""
+    if rng is None or isinstance(rng, np.random.Generator):
+        return np.random.default_rng(rng)
+    if isinstance(rng, bool | np.bool_) or not isinstance(rng, int | np.integer) or rng < 0:
+        reject("rng", rng, "an integer of at least 0, a numpy Generator or None")
+    return np.random.default_rng(int(rng))
+
+
+def finite_scalar(name: str, value: Any, *, low: float = -np.inf, high: float = np.inf,
+                  low_open: bool = False, high_open: bool = False, unit: str = "") -> float:
+    """One finite real number inside an interval."""
+    left, right = ("(" if low_open else "["), (")" if high_open else "]")
+    bounded = np.isfinite(low) or np.isfinite(high)
+    interval = f" in {left}{low:g}, {high:g}{right}" if bounded else ""
+    wanted = f"a finite number{interval}{' ' + unit if unit else ''}"
+    if isinstance(value, bool | str | bytes) or shape_of(value) != ():
+        reject(name, repr(value), wanted)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        reject(name, repr(value), wanted)
+    below = number <= low if low_open else number < low
+    above = number >= high if high_open else number > high
+    if not np.isfinite(number) or below or above:
+        reject(name, repr(value), wanted)
+    return number
+
+
+def integer(name: str, value: Any, *, low: int | None = None, high: int | None = None) -> int:
+    """One integer inside a closed interval; booleans and floats with a fraction are refused."""
+    bounds = "" if low is None and high is None else (
+        f" in {low}..{high}" if low is not None and high is not None
+        else (f" of at least {low}" if low is not None else f" of at most {high}"))
+    wanted = f"an integer{bounds}"
+    if isinstance(value, bool | np.bool_):
+        reject(name, repr(value), wanted)
+    try:
+        number = operator.index(value)
+    except TypeError:
+        reject(name, repr(value), wanted)
+    if (low is not None and number < low) or (high is not None and number > high):
+        reject(name, repr(value), wanted)
+    return number
+
+
+def choice(name: str, value: Any, options: Sequence[T]) -> T:
+    """One of a short list of allowed values."""
+    for option in options:
+        if type(value) is type(option) and value == option:
+            return option
+    reject(name, repr(value), "one of " + ", ".join(repr(option) for option in options))
+
+
+def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> tuple[float, float]:
+    """A pair (low, high) in Hz with low < high, inside what the data cover."""
+    wanted = f"a pair (low, high) in Hz with {low_hz:g} <= low < high <= {high_hz:g}"
+    if shape_of(value) != (2,):
+        reject(name, value, wanted)
+    try:
+        low, high = (float(v) for v in value)
+    except (TypeError, ValueError):
+        reject(name, value, wanted)
+    # One part in 1e9 of slack: a band typed in decimal must be allowed to meet the data's own edge.
+    slack = 1e-9 * max(high_hz, 1.0)
+    if not (np.isfinite(low) and np.isfinite(high)) or low >= high \
+            or low < low_hz - slack or high > high_hz + slack:
+        reject(name, (low, high), wanted, "The lower one comes first." if low >= high
+               else "Narrow the band to the data.")
+    return low, high
+
+
+def dof_labels(name: str, value: Iterable[Any] | None, count: int) -> tuple[Any, ...]:
+    """Unique, hashable labels, one a channel; ``None`` numbers them from zero."""
+    wanted = f"{count} distinct labels (integers or strings), one for each channel"
+    if value is None:
+        return tuple(range(count))
+    if isinstance(value, str | bytes):
+        reject(name, value, wanted)
+    try:
+        labels = tuple(
+            int(v) if isinstance(v, int | np.integer) and not isinstance(v, bool) else v
+            for v in value)
+        distinct = len(set(labels))
+    except TypeError:
+        reject(name, value, wanted)
+    if len(labels) != count:
+        reject(name, f"{len(labels)} labels", wanted)
+    if distinct != count:
+        twice = next(v for v in labels if labels.count(v) > 1)
+        reject(name, f"label {twice!r} more than once", wanted)
+    return labels

@@ -1,0 +1,269 @@
+"""Results of updating and of damage assessment: numbers, tables, pictures, and what they do not tell."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self, cast
+
+import numpy as np
+
+from ..support.validation import FloatArray
+from .identifiability import Identifiability, identifiability, smallest_visible
+from .tables import FrequencyTable, ModalTable
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Mapping
+
+    from ..models.structural_model import StructuralModel
+    from ..optimize.island_ga import History, OptimizeResult
+    from .problem import UpdatingProblem
+
+__all__ = ["DamageResult", "FrequencyTable", "ModalTable", "UpdateResult"]
+
+
+#: What ends this close to a bound, as a share of the bounds' distance, is on it: a polish leaves some 1e-12.
+_ON_BOUND = 1e-6
+#: A largest difference that stays above half of what it was is not explained, unless it is that of an
+#: identified value: below 1 % in all simulated records of the README's tables.
+_EXPLAINED, _NOISE_PERCENT = 0.5, 1.0
+#: Elements that a note calls by name.
+_NAMED = 4
+
+
+class UpdateResult:
+    """An updated model and how it came about.
+
+    Attributes
+    ----------
+    x : ndarray, (n,)
+        Parameter values, in the order of ``problem.names``.
+    fun : float
+        Objective at ``x``.
+    success : bool
+        Whether the search ended by its own rule rather than by a budget or an interruption.
+    status, message : str
+        Why it ended; see :class:`OptimizeResult`.
+    nfev, nit : int
+        Evaluations and generations.
+    history : History
+        Best cost by generation and island.
+    search : OptimizeResult
+        The search itself, with the final populations.
+    problem : UpdatingProblem
+    seed : int
+        Master seed in force.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> tested = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(tested.antiresonances([0, 1, 2], 0))))
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> result = ar.update(ar.UpdatingProblem(nominal, springs, measured), rng=0)
+    >>> result.status, result.x.round(2), result.model.stiffness()[0].round(0)
+    ('agreed', array([1.1 , 0.96]), array([ 550., -550.,    0.]))
+    """
+
+    def __init__(self, problem: UpdatingProblem, search: OptimizeResult, seed: int) -> None:
+        self.problem, self.search, self.seed = problem, search, seed
+        self.x, self.fun = search.x, search.fun
+        self.success, self.status, self.message = search.success, search.status, search.message
+        self.nfev, self.nit = search.nfev, search.nit
+
+    @property
+    def history(self) -> History:
+        """Best cost by generation and island."""
+        return self.search.history
+
+    @cached_property
+    def model(self) -> StructuralModel:
+        """The model with the parameters found."""
+        return self.problem.model_at(self.x)
+
+    @cached_property
+    def table(self) -> FrequencyTable | ModalTable:
+        """Measured, before and after, one row a measured antiresonance or mode."""
+        return self.problem._table(self.x)
+
+    @cached_property
+    def identifiability(self) -> Identifiability:
+        """What the data can and cannot tell about the parameters, at the solution."""
+        return identifiability(self.problem, self.x)
+
+    @property
+    def at_bound(self) -> list[str]:
+        """Names of the parameters that the data pushed to a bound other than their nominal value."""
+        low, high = self.problem.bounds.T
+        near = _ON_BOUND * (high - low)
+        nominal = self.problem.nominal
+        at_low = (self.x <= low + near) & (abs(nominal - low) > near)
+        at_high = (self.x >= high - near) & (abs(nominal - high) > near)
+        on = (at_low | at_high) & (low < high)
+        on &= ~self.identifiability.blind  # where an unseen parameter ends means nothing
+        return [name for name, hit in zip(self.problem.names, on, strict=True) if hit]
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader should know before trusting the numbers."""
+        notes = [] if self.success else [f"The search did not finish: {self.message}"]
+        alone = int(np.isnan(self.table.after_hz).sum())
+        if alone:
+            notes.append(f"{alone} of {self.table.after_hz.size} measured {self.problem.noun}s have no "
+                         "partner: the updated model has none there up to 1.5 times the highest measured.")
+        before, after = self.table.largest_before_percent, self.table.largest_after_percent
+        if after > max(_EXPLAINED * before, _NOISE_PERCENT):
+            notes.append(f"Hardly explained: the largest difference is {after:.2f} %, after {before:.2f} % "
+                         "before. What is wrong may have no parameter, or a dof may be another one; doubt "
+                         "the values found.")
+        if self.at_bound:
+            notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
+        return notes + self.identifiability.notes
+
+    def summary(self) -> str:
+        """Parameters, frequencies and notes as text."""
+        head = (f"J = {self.fun:.6g} after {self.nfev:,} evaluations, {self.nit} generations: {self.status} "
+                f"({self.message})")
+        notes = [f"note: {note}" for note in self.notes]
+        return "\n".join([head, "", *self._values(), "", str(self.table), *([""] if notes else []), *notes])
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviation of each parameter to first order, (n,).
+
+        See :class:`~antires_rs.updating.identifiability.Identifiability`.
+        """
+        return self.identifiability.std
+
+    def _values(self) -> list[str]:
+        width = max(len(name) for name in self.problem.names)
+        spreads = ["not determined" if np.isinf(std) else f"\u00b1 {std:<8.2g}" for std in self.std]
+        wide = max(map(len, spreads))
+        return [f"{name:<{width}}  {value:#12.6g} {spread:<{wide}} [{low:g}, {high:g}]"
+                for name, value, spread, (low, high) in zip(self.problem.names, self.x, spreads,
+                                                            self.problem.bounds, strict=True)]
+
+    def plot(self, ax: Any = None) -> Any:
+        """Differences of the frequencies before and after updating; see :mod:`antires_rs.plotting`."""
+        from ..plotting import plot_differences
+        return plot_differences(self.table, ax=ax)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write problem, search and versions into one file ``*.npz``, whole or not at all; no pickle.
+
+        Raises
+        ------
+        InvalidInputError
+            Another ending, or a folder that does not exist.
+        """
+        from ..io.results import save_result
+        save_result(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read what :meth:`save` wrote, in this version or an older one; every float comes back bit for bit.
+
+        Diagrams of the measured sets are not kept.
+
+        Raises
+        ------
+        UnsuitableDataError
+            The file is damaged, of another kind, or of a newer version.
+        FileNotFoundError
+            There is none.
+
+        Warns
+        -----
+        AntiresWarning
+            This version computes another objective at the same x.
+        """
+        from ..io.results import load_result
+        return cast("Self", load_result(path, cls))
+
+    def report(self, path: str | os.PathLike[str], **options: Any) -> None:
+        """Write one self-contained HTML file; for ``options`` see :func:`antires_rs.report.write_report`."""
+        from ..report import write_report
+        write_report(self, path, **options)
+
+    def __repr__(self) -> str:
+        return (f"{type(self).__name__}({self.status}, J = {self.fun:.4g}, largest difference "
+                f"{self.table.largest_before_percent:.2f} % before, "
+                f"{self.table.largest_after_percent:.2f} % after)")
+
+
+class DamageResult(UpdateResult):
+    """Damage found: an :class:`UpdateResult` whose ``x`` holds the severities beta.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> damaged = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 300.0])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(damaged.antiresonances([0, 1, 2], 0))))
+    >>> result = ar.assess_damage(ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0]), measured, rng=0)
+    >>> result.damaged, round(result.severity[1], 3), round(result.detectable[1], 2)
+    ([1], 0.4, 0.08)
+    """
+
+    @property
+    def elements(self) -> list[int]:
+        """Candidate elements, zero-based, in the order of ``x``."""
+        return [p.terms[0] for p in self.problem.parameters]
+
+    @property
+    def severity(self) -> dict[int, float]:
+        """Stiffness loss beta of each element; exactly 0 where there is no damage."""
+        return {element: float(beta) for element, beta in zip(self.elements, self.x, strict=True)}
+
+    @cached_property
+    def detectable(self) -> dict[int, float]:
+        """Smallest beta of each element that would be seen; infinity where none would.
+
+        Below it the penalties cost more than the damage explains, on exact data, so that an
+        undamaged structure is the better answer to the objective.
+        """
+        return dict(zip(self.elements, smallest_visible(self.problem), strict=True))
+
+    def _values(self) -> list[str]:
+        """The damaged elements, the worst first; the others are exactly 0 and take one line."""
+        names = dict(zip(self.elements, self.problem.names, strict=True))
+        width = max(len(name) for name in names.values())
+        std = dict(zip(self.elements, 100 * self.std, strict=True))
+        lines = [f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} % \u00b1 {std[e]:.2g} %"
+                 for e in self.damaged]
+        others = len(names) - len(lines)
+        rest = "all others" if lines else "all of them"
+        return [*lines, *([f"{rest} ({others}): exactly 0"] if others else [])]
+
+    @property
+    def damaged(self) -> list[int]:
+        """Elements with damage, the worst first."""
+        return sorted((e for e, beta in self.severity.items() if beta > 0), key=lambda e: -self.severity[e])
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader should know before trusting the numbers."""
+        label = self.problem.model.element_label
+        notes = super().notes
+        visible = [(e, b) for e, b in self.detectable.items() if np.isfinite(b)]
+        hidden = [label(e) for e, b in self.detectable.items() if not np.isfinite(b)]
+        if visible:
+            ends = [min(visible, key=lambda pair: pair[1]), max(visible, key=lambda pair: pair[1])]
+            span = " to ".join(dict.fromkeys(f"{100 * beta:.0f} % ({label(e)})" for e, beta in ends))
+            notes.append(f"Smallest damage that would be seen: {span}. An element with less than its own "
+                         "limit counts as undamaged: gamma1 and gamma2 outweigh what its damage explains.")
+        left_out = [label(e) for e in self.problem.model._springs if e not in self.severity]
+        if left_out:
+            named = ", ".join(left_out[:_NAMED]) + (f" and {len(left_out) - _NAMED} more" if len(
+                left_out) > _NAMED else "")
+            notes.append(f"No candidates: {named}. Damage there would be blamed on others.")
+        if hidden:
+            notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
+        if self.problem.penalty is not None and self.problem.penalty.snap > 0:
+            notes.append(f"Severities below {self.problem.penalty.snap:g} were set to exactly 0.")
+        return notes
+
+    def plot(self, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
+        """Damage bar chart; see :func:`antires_rs.plotting.plot_damage`."""
+        from ..plotting import plot_damage
+        return plot_damage(self, ax=ax, truth=truth)

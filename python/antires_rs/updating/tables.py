@@ -1,0 +1,141 @@
+"""Measured frequencies beside those of a model, before and after updating."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..support.validation import FloatArray
+
+__all__ = ["FrequencyTable", "ModalTable", "signed"]
+
+
+def signed(percent: float) -> str:
+    """A difference with its sign; what rounds to nothing has none."""
+    said = f"{percent:+.2f}"
+    return said[1:] if said in ("+0.00", "-0.00") else said
+
+
+class _Differences:
+    """What both tables say about their frequencies."""
+
+    measured_hz: FloatArray
+    before_hz: FloatArray
+    after_hz: FloatArray
+
+    @property
+    def before_percent(self) -> FloatArray:
+        """Difference of the nominal model, ``100 (f_A / f_E - 1)``, (m,)."""
+        return 100.0 * (self.before_hz / self.measured_hz - 1.0)
+
+    @property
+    def after_percent(self) -> FloatArray:
+        """Difference of the updated model, ``100 (f_A / f_E - 1)``, (m,)."""
+        return 100.0 * (self.after_hz / self.measured_hz - 1.0)
+
+    @property
+    def largest_before_percent(self) -> float:
+        """Largest absolute difference before; NaN if nothing has a partner."""
+        return _largest(self.before_percent)
+
+    @property
+    def largest_after_percent(self) -> float:
+        """Largest absolute difference after; NaN if nothing has a partner."""
+        return _largest(self.after_percent)
+
+    @property
+    def _closing(self) -> str:
+        return (f"largest difference: {self.largest_before_percent:.2f} % before, "
+                f"{self.largest_after_percent:.2f} % after")
+
+
+@dataclass(frozen=True)
+class FrequencyTable(_Differences):
+    """Measured antiresonances beside those of the model, before and after.
+
+    Attributes
+    ----------
+    dof, excitation : ndarray of int, (m,)
+        Response and force, zero-based.
+    measured_hz, before_hz, after_hz : ndarray, (m,)
+        Frequencies; NaN where the model has no partner.
+    dof_names : dict of int to str
+        Names of the dofs, for models that have some; the table then shows these.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> table = ar.FrequencyTable(np.array([0, 1]), np.array([0, 0]), np.array([10.0, 20.0]),
+    ...                           np.array([10.4, 19.0]), np.array([10.1, 20.0]))
+    >>> table.before_percent.round(2), round(table.largest_after_percent, 2)
+    (array([ 4., -5.]), 1.0)
+    """
+
+    dof: FloatArray
+    excitation: FloatArray
+    measured_hz: FloatArray
+    before_hz: FloatArray
+    after_hz: FloatArray
+    dof_names: dict[int, str] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        pairs = [", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair)
+                 for pair in zip(self.dof.tolist(), self.excitation.tolist(), strict=True)]
+        width = max(7, *map(len, pairs)) if pairs else 7
+        lines = [f"{'H_ik':>{width}}   measured      before             after",
+                 f"{'(i, k)':>{width}}         Hz          Hz       %          Hz       %"]
+        rows = zip(pairs, self.measured_hz, self.before_hz, self.before_percent,
+                   self.after_hz, self.after_percent, strict=True)
+        lines += [f"{pair:>{width}} {measured:10.3f}  {before:10.3f} {signed(db):>7}  {after:10.3f} "
+                  f"{signed(da):>7}" for pair, measured, before, db, after, da in rows]
+        return "\n".join([*lines, self._closing])
+
+
+@dataclass(frozen=True)
+class ModalTable(_Differences):
+    """Measured resonances and shapes beside those of the model, before and after.
+
+    Attributes
+    ----------
+    mode : ndarray of int, (m,)
+        Number of the mode among those measured together, from 0.
+    measured_hz, before_hz, after_hz : ndarray, (m,)
+        Resonances; NaN where the model has no partner.
+    before_mac, after_mac : ndarray, (m,)
+        MAC of the measured shape with the partner's; NaN where there is none.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> chain = ar.MassSpringChain([1.0, 1.0], [500.0], ground_first_n_per_m=300.0)
+    >>> measured = ar.ModalSet([1.6, 6.0], [[0.8, 1.0], [1.0, -0.7]])
+    >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0], bounds=(0.8, 1.4)), measured)
+    >>> print(ar.update(problem, rng=0).table)
+    mode   measured      before                      after
+                 Hz          Hz       %    MAC          Hz       %    MAC
+       0      1.600       1.801  +12.53  0.999       1.831  +14.41  1.000
+       1      6.000       5.449   -9.19  0.999       6.000    0.00  0.997
+    largest difference: 12.53 % before, 14.41 % after
+    """
+
+    mode: FloatArray
+    measured_hz: FloatArray
+    before_hz: FloatArray
+    after_hz: FloatArray
+    before_mac: FloatArray
+    after_mac: FloatArray
+
+    def __str__(self) -> str:
+        lines = ["mode   measured      before                      after",
+                 "             Hz          Hz       %    MAC          Hz       %    MAC"]
+        rows = zip(self.mode, self.measured_hz, self.before_hz, self.before_percent, self.before_mac,
+                   self.after_hz, self.after_percent, self.after_mac, strict=True)
+        lines += [f"{r:4d} {measured:10.3f}  {before:10.3f} {signed(db):>7} {mb:6.3f}  {after:10.3f} "
+                  f"{signed(da):>7} {ma:6.3f}" for r, measured, before, db, mb, after, da, ma in rows]
+        return "\n".join([*lines, self._closing])
+
+
+def _largest(percent: FloatArray) -> float:
+    found = np.abs(percent[~np.isnan(percent)])
+    return float(found.max()) if found.size else float("nan")
