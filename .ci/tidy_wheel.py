@@ -29,8 +29,9 @@ def tidy(wheel: Path) -> list[str]:
     bills = [info.filename for info, _ in members if "/sboms/" in info.filename]
     if not bills:
         sys.exit(f"{wheel.name}: no bill of materials inside; maturin of at least 1.12 writes one")
-    content = {info.filename: CRATE.sub(rb"\1", data) if info.filename in bills else data
-               for info, data in members}
+    content = {
+        info.filename: CRATE.sub(rb"\1", data) if info.filename in bills else data for info, data in members
+    }
     new = wheel.with_suffix(".tmp")
     with zipfile.ZipFile(new, "w", zipfile.ZIP_DEFLATED) as archive:
         for info, data in members:
@@ -38,9 +39,12 @@ def tidy(wheel: Path) -> list[str]:
             archive.writestr(info, recorded(data, content) if record else content[info.filename])
     new.replace(wheel)
     print(f"{wheel.name}: {', '.join(bills)}")
-    return [f"{wheel.name}: {name} contains {folder}"
-            for folder in folders() for name, data in content.items()
-            if f"{folder}{os.sep}".encode() in data or folder.as_uri().encode() + b"/" in data]
+    return [
+        f"{wheel.name}: {name} contains {folder}"
+        for folder in folders()
+        for name, data in content.items()
+        if f"{folder}{os.sep}".encode() in data or folder.as_uri().encode() + b"/" in data
+    ]
 
 
 def folders() -> list[Path]:

@@ -37,9 +37,11 @@ APPROACHES = ("antiresonances, no force", "modes from FRFs", "modes from respons
 
 def identified(case, record):
     """What each approach makes of one record."""
-    return (ar.identify_antiresonances(record, excitation=case.excitation, band_hz=case.band_hz),
-            ar.identify_modes(record, band_hz=case.band_hz, route="frf"),
-            ar.identify_modes(record, band_hz=case.band_hz, route="responses"))
+    return (
+        ar.identify_antiresonances(record, excitation=case.excitation, band_hz=case.band_hz),
+        ar.identify_modes(record, band_hz=case.band_hz, route="frf"),
+        ar.identify_modes(record, band_hz=case.band_hz, route="responses"),
+    )
 
 
 def one_record(task):
@@ -57,8 +59,12 @@ def one_record(task):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--noise", type=float, default=NOISE, help="of each sensor, as a fraction of its rms")
-    parser.add_argument("--perturbation", type=float, default=0.0,
-                        help="masses and springs of the structure differ from the model by up to this part")
+    parser.add_argument(
+        "--perturbation",
+        type=float,
+        default=0.0,
+        help="masses and springs of the structure differ from the model by up to this part",
+    )
     parser.add_argument("--picture", type=Path, help="bar chart of the first record, as PNG")
     add_options(parser, first_seed=0, seeds=5)
     options = parser.parse_args()
@@ -77,21 +83,51 @@ def main():
             table = result.table
             mac = f"{table.before_mac.min():.3f} / {table.after_mac.min():.3f}" if k else "-"
             error = 100 * (result.severity[DAMAGED] - truth[DAMAGED])
-            rows.append([name, seed, table.measured_hz.size, f"{100 * result.severity[DAMAGED]:.2f}",
-                         f"{error:+.2f}", f"{len(false)}, {100 * max(false.values(), default=0.0):.2f}",
-                         f"{table.largest_before_percent:.2f} / {table.largest_after_percent:.2f}", mac,
-                         f"{result.fun:.4f}", f"{result.nfev:,}", f"{1e3 * seconds:.0f}"])
-    print(f"chain8, spring 5 at {100 * truth[DAMAGED]:g} %, records with {100 * options.noise:g} % noise, "
-          f"model off by up to {100 * options.perturbation:g} %\n")
-    print_table(["approach", "seed", "values", "spring 5 (%)", "error", "false: count, largest (%)",
-                 "largest difference before/after (%)", "least MAC before/after", "J", "evaluations", "ms"],
-                rows, options.markdown)
+            rows.append(
+                [
+                    name,
+                    seed,
+                    table.measured_hz.size,
+                    f"{100 * result.severity[DAMAGED]:.2f}",
+                    f"{error:+.2f}",
+                    f"{len(false)}, {100 * max(false.values(), default=0.0):.2f}",
+                    f"{table.largest_before_percent:.2f} / {table.largest_after_percent:.2f}",
+                    mac,
+                    f"{result.fun:.4f}",
+                    f"{result.nfev:,}",
+                    f"{1e3 * seconds:.0f}",
+                ]
+            )
+    print(
+        f"chain8, spring 5 at {100 * truth[DAMAGED]:g} %, records with {100 * options.noise:g} % noise, "
+        f"model off by up to {100 * options.perturbation:g} %\n"
+    )
+    print_table(
+        [
+            "approach",
+            "seed",
+            "values",
+            "spring 5 (%)",
+            "error",
+            "false: count, largest (%)",
+            "largest difference before/after (%)",
+            "least MAC before/after",
+            "J",
+            "evaluations",
+            "ms",
+        ],
+        rows,
+        options.markdown,
+    )
     print()
     for k, name in enumerate(APPROACHES):
         errors = [100 * abs(run[k][0].severity[DAMAGED] - truth[DAMAGED]) for run in runs]
         visible = np.array(list(runs[0][k][0].detectable.values()))
-        print(f"{name}: largest error {max(errors):.2f} points; smallest visible damage of springs 1 to 7 "
-              + ", ".join(f"{100 * v:.1f}" for v in visible) + " %")
+        print(
+            f"{name}: largest error {max(errors):.2f} points; smallest visible damage of springs 1 to 7 "
+            + ", ".join(f"{100 * v:.1f}" for v in visible)
+            + " %"
+        )
     if options.picture:
         found = {name: result for name, (result, _) in zip(APPROACHES, runs[0], strict=True)}
         found.pop(APPROACHES[2])

@@ -61,6 +61,7 @@ def deap_ga(account, seed):
     import random
 
     from deap import algorithms, base, creator, tools
+
     random.seed(seed)
     if not hasattr(creator, "Least"):
         creator.create("Least", base.Fitness, weights=(-1.0,))
@@ -96,15 +97,19 @@ class Severities:
 
 def pygmo_with(make):
     """A run of one of pygmo's algorithms, evolved until the bar or the limit."""
+
     def run(account, seed):
         import pygmo as pg
+
         Severities.account = account
         rng = np.random.default_rng(seed)
         while True:
-            people = pg.population(pg.problem(Severities()), 160, b=pg.bfe(pg.member_bfe()),
-                                   seed=int(rng.integers(2**31)))
+            people = pg.population(
+                pg.problem(Severities()), 160, b=pg.bfe(pg.member_bfe()), seed=int(rng.integers(2**31))
+            )
             algorithm = pg.algorithm(make(pg, int(rng.integers(2**31))))
             algorithm.evolve(people)
+
     return run
 
 
@@ -127,8 +132,9 @@ RIVALS = {
 def ours(case, measured, seed, polish):
     """(reached, evaluations, seconds) of a run to its own stop."""
     start = time.perf_counter()
-    found = ar.assess_damage(case.model, measured, optimizer=ar.IslandGA(polish=polish), rng=seed, workers=1,
-                             progress=False)
+    found = ar.assess_damage(
+        case.model, measured, optimizer=ar.IslandGA(polish=polish), rng=seed, workers=1, progress=False
+    )
     return bool((np.abs(found.x - TRUTH) <= WITHIN).all()), found.nfev, time.perf_counter() - start
 
 
@@ -154,19 +160,26 @@ def main():
     zeros = case.truth(1)["freq_hz"]
     measured = ar.AntiresonanceSet(case.excitation, zeros)
     print(f"chain8, spring 5 at 55 %, exact targets, {args.seeds} seeds, one core")
-    print(f"{'method':28} {'bar reached':>12} {'evaluations':>12} {'seconds':>9} {'slowest':>9} "
-          f"{'over ours':>10}")
+    print(
+        f"{'method':28} {'bar reached':>12} {'evaluations':>12} {'seconds':>9} {'slowest':>9} "
+        f"{'over ours':>10}"
+    )
     base = None
-    contestants = {"ours, to its own stop": lambda seed: ours(case, measured, seed, None),
-                   "ours as printed in the paper": lambda seed: ours(case, measured, seed, False)}
+    contestants = {
+        "ours, to its own stop": lambda seed: ours(case, measured, seed, None),
+        "ours as printed in the paper": lambda seed: ours(case, measured, seed, False),
+    }
     for name, run in RIVALS.items():
         contestants[name] = lambda seed, run=run: rival(case, measured, seed, args.limit, run)
     for name, run in contestants.items():
         reached, nfev, seconds = zip(*[run(seed) for seed in range(args.seeds)], strict=True)
         middle = statistics.median(seconds)
         base = base or middle
-        print(f"{name:28} {sum(reached):6d} of {args.seeds:2d} {statistics.median(nfev):12,.0f} "
-              f"{middle:9.3f} {max(seconds):9.3f} {middle / base:10.0f}", flush=True)
+        print(
+            f"{name:28} {sum(reached):6d} of {args.seeds:2d} {statistics.median(nfev):12,.0f} "
+            f"{middle:9.3f} {max(seconds):9.3f} {middle / base:10.0f}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -49,9 +49,14 @@ def identification_study(seeds):
         for seed in seeds:
             record = case.experiment(noise=noise, rng=seed)
             both = {route: identified(case, record, route) for route in ("transmissibility", "frf")}
-            apart = max((100.0 * np.abs(a / b - 1.0).max() for a, b in
-                         ((both["transmissibility"][d], both["frf"][d]) for d in truth)
-                         if a.size == b.size and a.size), default=0.0)
+            apart = max(
+                (
+                    100.0 * np.abs(a / b - 1.0).max()
+                    for a, b in ((both["transmissibility"][d], both["frf"][d]) for d in truth)
+                    if a.size == b.size and a.size
+                ),
+                default=0.0,
+            )
             rows += [(noise, seed, route, *compare(found, truth), apart) for route, found in both.items()]
     return rows
 
@@ -75,8 +80,16 @@ def updating_study(seeds):
         case = ar.cases.chain8(perturbation=0.08, rng=seed)
         zeros = identified(case, case.experiment(rng=seed))
         result = ar.update(case.updating_problem(zeros), rng=seed)
-        rows.append((seed, result.table.largest_before_percent, result.table.largest_after_percent,
-                     result.fun, result.status, result.nfev))
+        rows.append(
+            (
+                seed,
+                result.table.largest_before_percent,
+                result.table.largest_after_percent,
+                result.fun,
+                result.status,
+                result.nfev,
+            )
+        )
     return rows, result
 
 
@@ -89,15 +102,19 @@ def main():
     print("identification, 256 s at 512 Hz, 1 % damping: 28 true values")
     print(" noise  seed  route             found  false  largest error  routes apart")
     for noise, seed, route, found, false, error, apart in identification_study(few):
-        print(f"{100 * noise:4.0f} %  {seed:4d}  {route:<16s} {found:6d} {false:6d} {error:12.3f} %"
-              f" {apart:11.3f} %")
+        print(
+            f"{100 * noise:4.0f} %  {seed:4d}  {route:<16s} {found:6d} {false:6d} {error:12.3f} %"
+            f" {apart:11.3f} %"
+        )
 
     for noise in (0.0, 0.01):
         print(f"\ndamage, spring 5 at 55 %, identified antiresonances, {100 * noise:.0f} % sensor noise")
         print(" seed       J   spring 5     error  largest other  status         evaluations")
         for seed, cost, beta, others, status, nfev in damage_study(many, noise):
-            print(f"{seed:5d}  {cost:6.3f}  {100 * beta:7.2f} %  {100 * (beta - 0.55):+6.2f} %"
-                  f"  {100 * others:11.3f} %  {status:<12s} {nfev:12,d}")
+            print(
+                f"{seed:5d}  {cost:6.3f}  {100 * beta:7.2f} %  {100 * (beta - 0.55):+6.2f} %"
+                f"  {100 * others:11.3f} %  {status:<12s} {nfev:12,d}"
+            )
 
     print("\nupdating, true masses and springs within 8 % of nominal, identified antiresonances")
     print(" seed   before    after        J  status         evaluations")

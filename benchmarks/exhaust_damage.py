@@ -82,9 +82,11 @@ def verdict(case, runs):
     first = sum(one.ranked[0][0] in near if one.ranked else 0 for one in runs)
     exact = sum(one.ranked[0][0] == cracked if one.ranked else 0 for one in runs)
     false = [sum(loss > FALSE for _, loss in one.ranked[1:]) for one in runs]
-    lines = [f"{first} of {len(runs)} runs have the cracked element or its neighbour first, {exact} the "
-             f"cracked one; further elements above {100 * FALSE:.0f} %: at most {max(false)} a run, "
-             f"in all {sum(false)}"]
+    lines = [
+        f"{first} of {len(runs)} runs have the cracked element or its neighbour first, {exact} the "
+        f"cracked one; further elements above {100 * FALSE:.0f} %: at most {max(false)} a run, "
+        f"in all {sum(false)}"
+    ]
     for seed in dict.fromkeys(one.seed for one in runs):
         losses = [one.ranked[0][1] if one.ranked else 0.0 for one in runs if one.seed == seed]
         rising = "rising" if np.all(np.diff(losses) > 0) else "NOT rising"
@@ -95,14 +97,16 @@ def verdict(case, runs):
 def pictures(case, runs, folder):
     """Losses by element, and on the frame, for every level of the last seed."""
     from matplotlib.figure import Figure
+
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     for one in (r for r in runs if r.seed == runs[-1].seed):
         figure = Figure(figsize=(11, 8), layout="constrained")
         top, bottom = figure.subplots(2)
         one.result.plot(ax=top, truth=case.truth(one.level)["severity"])
-        case.model.plot({e: 100 * b for e, b in one.result.severity.items()}, ax=bottom,
-                        label="Stiffness loss (%)")
+        case.model.plot(
+            {e: 100 * b for e, b in one.result.severity.items()}, ax=bottom, label="Stiffness loss (%)"
+        )
         figure.savefig(folder / f"exhaust_damage_{one.method.split(',')[0]}_{one.level}.png", dpi=120)
     print(f"pictures in {folder}")
 
@@ -112,15 +116,21 @@ def run_seed(case, seed, levels, methods):
     sound, runs = measured(case, seed, 0, methods), []
     updated = {method: baseline(case, data, seed) for method, (data, _) in sound.items()}
     for method, result in updated.items():
-        print(f"{seed:4d}     0 {method:<20}{sound[method][1]:>10} {result.fun:8.3f} {result.nfev:12,d} "
-              f"{'':8} {result.status:<13} baseline", flush=True)
+        print(
+            f"{seed:4d}     0 {method:<20}{sound[method][1]:>10} {result.fun:8.3f} {result.nfev:12,d} "
+            f"{'':8} {result.status:<13} baseline",
+            flush=True,
+        )
     for level in levels:
         for method, (data, values) in measured(case, seed, level, methods).items():
             result, seconds = assess(case, updated[method].model, data, seed)
             runs.append(Run(seed, level, method, values, result, seconds))
             named = ", ".join(f"{element}: {100 * loss:.1f}" for element, loss in runs[-1].ranked) or "none"
-            print(f"{seed:4d} {level:5d} {method:<20}{values:>10} {result.fun:8.3f} {result.nfev:12,d} "
-                  f"{seconds:8.1f} {result.status:<13} {named}", flush=True)
+            print(
+                f"{seed:4d} {level:5d} {method:<20}{values:>10} {result.fun:8.3f} {result.nfev:12,d} "
+                f"{seconds:8.1f} {result.status:<13} {named}",
+                flush=True,
+            )
     return runs
 
 
@@ -132,15 +142,19 @@ def main():
     parser.add_argument("--pictures", metavar="FOLDER", help="draw the last seed's pictures there")
     args = parser.parse_args()
     case = ar.cases.exhaust()
-    print(f"crack in element {case.cracked_element + 1}: share of the perimeter, and stiffness loss of the "
-          "whole element that turns as much")
+    print(
+        f"crack in element {case.cracked_element + 1}: share of the perimeter, and stiffness loss of the "
+        "whole element that turns as much"
+    )
     for level in args.levels:
         truth = case.truth(level)
         print(f"  level {level}: {100 * truth['crack_share']:.0f} %, {100 * truth['equivalent_loss']:.1f} %")
-    print(f"values: antiresonances found/true and false in {case.damage_band_hz[0]:g}-"
-          f"{case.damage_band_hz[1]:g} Hz, or modes\n\n"
-          "seed level method                  values        J  evaluations  seconds status        "
-          "damaged elements, %")
+    print(
+        f"values: antiresonances found/true and false in {case.damage_band_hz[0]:g}-"
+        f"{case.damage_band_hz[1]:g} Hz, or modes\n\n"
+        "seed level method                  values        J  evaluations  seconds status        "
+        "damaged elements, %"
+    )
     runs = [one for seed in args.seeds for one in run_seed(case, seed, args.levels, args.methods)]
     for method in args.methods:
         print(f"\n{method}\n{verdict(case, [one for one in runs if one.method == method])}")

@@ -71,8 +71,10 @@ def main():
     measured = dict(problem.measured[0].items())
     limit_hz, excitation = 1.5 * problem.measured_hz.max(), case.excitation
     modes = case.model.modes().freq_hz
-    print(f"{case.model.n_dof} dofs, {len(measured)} responses, {problem.measured_hz.size} antiresonances, "
-          f"{np.sum(modes < limit_hz)} modes to {limit_hz:.0f} Hz")
+    print(
+        f"{case.model.n_dof} dofs, {len(measured)} responses, {problem.measured_hz.size} antiresonances, "
+        f"{np.sum(modes < limit_hz)} modes to {limit_hz:.0f} Hz"
+    )
     betas = candidates(200, len(problem.bounds))
 
     def pairs(beta):
@@ -85,16 +87,21 @@ def main():
     penalty = 0.1 * betas.sum(axis=1) + 0.1 * (betas > 0).sum(axis=1)
     ours = problem.evaluate_many(betas, workers=1) - penalty
     few = betas[:3]
-    print(f"J, largest difference from ours over {len(few)}: "
-          f"scipy {np.abs(misfits(few, by_pencil) - ours[:3]).max():.1e}, "
-          f"numpy {np.abs(misfits(few, by_eigh) - ours[:3]).max():.1e}")
+    print(
+        f"J, largest difference from ours over {len(few)}: "
+        f"scipy {np.abs(misfits(few, by_pencil) - ours[:3]).max():.1e}, "
+        f"numpy {np.abs(misfits(few, by_eigh) - ours[:3]).max():.1e}"
+    )
     formed = [pairs(row) for row in few]
     core = seconds(lambda: problem.evaluate_many(betas, workers=1), 5) / len(betas)
     eigh = seconds(lambda: [by_eigh(p, measured, limit_hz, excitation) for p in formed], 3) / len(few)
     pencil = seconds(lambda: by_pencil(formed[0], measured, limit_hz, excitation), 3)
     print(f"{'one objective value, one core':40} {'ms':>9} {'per second':>11} {'ratio':>7}")
-    for name, value in (("antires_rs", core), ("numpy eigh + secular roots", eigh),
-                        ("scipy.linalg.eigvals on 16 pencils", pencil)):
+    for name, value in (
+        ("antires_rs", core),
+        ("numpy eigh + secular roots", eigh),
+        ("scipy.linalg.eigvals on 16 pencils", pencil),
+    ):
         print(f"{name:40} {1e3 * value:9.3f} {1 / value:11.0f} {value / core:7.0f}")
 
 

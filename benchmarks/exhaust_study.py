@@ -61,14 +61,16 @@ def count(case, zeros, level):
 def differences(model, case, zeros, dofs, band_hz, *, one_to_one):
     """Differences in % between the model and the measured values of some dofs in a band."""
     percent = []
-    for dof, of_model in zip(dofs, model.antiresonances(list(dofs), case.excitation,
-                                                        f_max_hz=1.5 * band_hz[1]), strict=True):
+    for dof, of_model in zip(
+        dofs, model.antiresonances(list(dofs), case.excitation, f_max_hz=1.5 * band_hz[1]), strict=True
+    ):
         measured = zeros[dof][(zeros[dof] >= band_hz[0]) & (zeros[dof] <= band_hz[1])]
         if not measured.size:
             continue
         apart = np.abs(np.log(of_model[None, :] / measured[:, None]))
-        rows, columns = (linear_sum_assignment(apart) if one_to_one
-                         else (np.arange(measured.size), apart.argmin(axis=1)))
+        rows, columns = (
+            linear_sum_assignment(apart) if one_to_one else (np.arange(measured.size), apart.argmin(axis=1))
+        )
         percent += list(100.0 * (of_model[columns] / measured[rows] - 1.0))
     return np.array(percent)
 
@@ -76,7 +78,7 @@ def differences(model, case, zeros, dofs, band_hz, *, one_to_one):
 def resonance_differences(model, measured):
     """Differences in % of the resonances, in order; rigid-body modes lie below the band."""
     elastic = model.modes(f_max_hz=2.0 * measured.freq_hz[-1]).freq_hz
-    elastic = elastic[elastic > 5.0][:measured.freq_hz.size]
+    elastic = elastic[elastic > 5.0][: measured.freq_hz.size]
     return 100.0 * (elastic / measured.freq_hz - 1.0)
 
 
@@ -93,8 +95,11 @@ def run(seed):
     both = (case.model, result.model)
     values = {
         f"{name}, {'one to one' if single else 'nearest'}": tuple(
-            differences(model, case, zeros, dofs, case.updating_band_hz, one_to_one=single) for model in both)
-        for name, dofs in (("fitted", case.fitted), ("kept out", case.held_out)) for single in (False, True)}
+            differences(model, case, zeros, dofs, case.updating_band_hz, one_to_one=single) for model in both
+        )
+        for name, dofs in (("fitted", case.fitted), ("kept out", case.held_out))
+        for single in (False, True)
+    }
     values["resonances"] = tuple(resonance_differences(model, modes) for model in both)
     seconds = dict(zip(("record", "identification", "update"), np.diff(clock), strict=True))
     return Run(seed, *count(case, zeros, 0), result, values, seconds)
@@ -103,6 +108,7 @@ def run(seed):
 def pictures(last, folder):
     """Differences before and after, and the model with its sensors and the shaker."""
     from matplotlib.figure import Figure
+
     case, folder = ar.cases.exhaust(), Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     figure = Figure(figsize=(11, 5), layout="constrained")
@@ -120,27 +126,38 @@ def main():
     parser.add_argument("--pictures", metavar="FOLDER", help="draw the last seed's pictures there")
     args = parser.parse_args()
     case = ar.cases.exhaust()
-    print(f"{case}: fit of {len(case.updating_parameters())} parameters to {len(case.fitted)} "
-          f"accelerometers, {case.updating_band_hz[0]:g}-{case.updating_band_hz[1]:g} Hz; kept out: "
-          + ", ".join(case.model.dof_name(dof) for dof in case.held_out))
+    print(
+        f"{case}: fit of {len(case.updating_parameters())} parameters to {len(case.fitted)} "
+        f"accelerometers, {case.updating_band_hz[0]:g}-{case.updating_band_hz[1]:g} Hz; kept out: "
+        + ", ".join(case.model.dof_name(dof) for dof in case.held_out)
+    )
     print("largest and mean of the absolute differences in %, before -> after\n")
     runs = []
     for seed in args.seeds:
         one = run(seed)
         runs.append(one)
         took = ", ".join(f"{name} {s:.1f} s" for name, s in one.seconds.items())
-        print(f"seed {seed}: {one.found} of {one.true} true values found up to "
-              f"{case.damage_band_hz[1]:g} Hz, {one.false} false; {one.result.nfev:,} evaluations, "
-              f"{one.result.status}; {took}")
+        print(
+            f"seed {seed}: {one.found} of {one.true} true values found up to "
+            f"{case.damage_band_hz[1]:g} Hz, {one.false} false; {one.result.nfev:,} evaluations, "
+            f"{one.result.status}; {took}"
+        )
         for name, (before, after) in one.differences.items():
             largest, mean = (tuple(f(np.abs(v)) for v in (before, after)) for f in (np.max, np.mean))
-            print(f"  {name:<22} {before.size:3d}   largest {largest[0]:6.2f} -> {largest[1]:6.3f}"
-                  f"   mean {mean[0]:6.2f} -> {mean[1]:6.3f}", flush=True)
+            print(
+                f"  {name:<22} {before.size:3d}   largest {largest[0]:6.2f} -> {largest[1]:6.3f}"
+                f"   mean {mean[0]:6.2f} -> {mean[1]:6.3f}",
+                flush=True,
+            )
     print(f"\nthe last seed in full\n{runs[-1].result.table}")
     print("\nparameters, with the tested structure's values beside them (it differs in other ways as well)")
     truth = case.truth(0)
-    true = [*truth["thickness"].values(), *truth["youngs_modulus"].values(), *truth["point_mass"].values(),
-            *truth["angle"].values()]
+    true = [
+        *truth["thickness"].values(),
+        *truth["youngs_modulus"].values(),
+        *truth["point_mass"].values(),
+        *truth["angle"].values(),
+    ]
     for name, value, exact in zip(runs[-1].result.problem.names, runs[-1].result.x, true, strict=True):
         print(f"  {name:<40} {value:9.4f} {exact:9.4f}")
     if args.pictures:

@@ -49,8 +49,16 @@ def unmatched(ours, theirs):
 
 def main(frames=200, digits=20, first=0):
     warnings.simplefilter("ignore")
-    counts = {"pairs": 0, "roots": 0, "equal": 0, "scipy wrong": 0, "ours wrong": 0, "miscounted": 0,
-              "asked otherwise": 0, "unlike": 0}
+    counts = {
+        "pairs": 0,
+        "roots": 0,
+        "equal": 0,
+        "scipy wrong": 0,
+        "ours wrong": 0,
+        "miscounted": 0,
+        "asked otherwise": 0,
+        "unlike": 0,
+    }
     apart, errors, ours_s, scipy_s = [], [], 0.0, 0.0
     for seed in range(first, first + frames):
         rng = np.random.default_rng([4, seed])
@@ -76,8 +84,11 @@ def main(frames=200, digits=20, first=0):
                 sizes = [np.count_nonzero(other <= limit_hz) for other in others]
                 if sizes != [ours.size] * 2:
                     counts["unlike"] += 1
-                    print(f"  frame {seed}, n = {len(k_mat)}: {ours.size} roots below the limit, without one "
-                          f"{sizes[0]}, by the pencil {sizes[1]}", flush=True)
+                    print(
+                        f"  frame {seed}, n = {len(k_mat)}: {ours.size} roots below the limit, without one "
+                        f"{sizes[0]}, by the pencil {sizes[1]}",
+                        flush=True,
+                    )
         for i, ours in zip(responses, found, strict=True):
             start = time.perf_counter()
             theirs = Oracle(k_mat, m_mat, i, excitation).freq_hz(0.0, (2 * np.pi * limit_hz) ** 2)
@@ -94,19 +105,25 @@ def main(frames=200, digits=20, first=0):
                 moved = [exact.root_near(i, excitation, f) for f in only_theirs]
                 missed = [f for f in moved if f is not None and unmatched([f], ours)]
                 counts["ours wrong" if wrong or missed else "scipy wrong"] += 1
-                print(f"  frame {seed}, n = {len(k_mat)}, ({i}, {excitation}), {limit_hz:.0f} Hz: "
-                      f"ours {only_ours}, scipy {only_theirs}; ours wrong {wrong}, missed {missed}",
-                      flush=True)
+                print(
+                    f"  frame {seed}, n = {len(k_mat)}, ({i}, {excitation}), {limit_hz:.0f} Hz: "
+                    f"ours {only_ours}, scipy {only_theirs}; ours wrong {wrong}, missed {missed}",
+                    flush=True,
+                )
             if seed < digits:
                 errors += [exact.error(i, excitation, f) for f in ours]
     print(f"{frames} frames: {counts}")
-    print(f"apart from SciPy: q50 {np.quantile(apart, 0.5):.1e}, q99 {np.quantile(apart, 0.99):.1e}, "
-          f"max {np.max(apart):.1e}; time of SciPy over ours {scipy_s / ours_s:.0f}")
+    print(
+        f"apart from SciPy: q50 {np.quantile(apart, 0.5):.1e}, q99 {np.quantile(apart, 0.99):.1e}, "
+        f"max {np.max(apart):.1e}; time of SciPy over ours {scipy_s / ours_s:.0f}"
+    )
     if errors:
         error, ulp = np.abs(np.array(errors)).T
         over = error / np.maximum(PROMISE, 20 * ulp)
-        print(f"{len(errors)} roots in 50 digits: largest error {error.max():.1e}, over one ulp's shift "
-              f"{np.max(error / ulp):.1f}, over the promise {over.max():.2f}")
+        print(
+            f"{len(errors)} roots in 50 digits: largest error {error.max():.1e}, over one ulp's shift "
+            f"{np.max(error / ulp):.1f}, over the promise {over.max():.2f}"
+        )
 
 
 def kept(error):

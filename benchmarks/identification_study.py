@@ -53,8 +53,10 @@ class Config:
     def verdicts(self, score, apart):
         """(bar as text, met) of each bar."""
         found = min(score.found) if self.every_run else np.mean(score.found)
-        yield ("28 in every run" if self.every_run else f"mean >= {self.mean_found:g}",
-               found >= self.mean_found)
+        yield (
+            "28 in every run" if self.every_run else f"mean >= {self.mean_found:g}",
+            found >= self.mean_found,
+        )
         yield f"false <= {self.false_per_run:g}", np.mean(score.false) <= self.false_per_run
         if self.largest_error is not None:
             yield f"largest <= {self.largest_error:.0e}", np.max(score.errors) <= self.largest_error
@@ -75,12 +77,18 @@ def row_one(noise, damping, duration_s):
     return Config(1, noise, damping, duration_s, mean, 0.05, every_run, largest)
 
 
-CONFIGS = [row_one(noise, damping, duration_s) for noise in (0.0, 0.01) for damping in (0.005, 0.01, 0.02)
-           for duration_s in (60.0, 200.0, 600.0)]
-CONFIGS += [Config(2, 0.02, 0.01, 200.0, 27.5, 0.0, median_error=1e-4),
-            Config(3, 0.05, 0.01, 200.0, 27.0, 0.1, largest_error=5e-3),
-            Config(4, 0.10, 0.01, 200.0, 26.0, 0.2),
-            Config(4, 0.05, 0.005, 60.0, 24.0, 0.2)]
+CONFIGS = [
+    row_one(noise, damping, duration_s)
+    for noise in (0.0, 0.01)
+    for damping in (0.005, 0.01, 0.02)
+    for duration_s in (60.0, 200.0, 600.0)
+]
+CONFIGS += [
+    Config(2, 0.02, 0.01, 200.0, 27.5, 0.0, median_error=1e-4),
+    Config(3, 0.05, 0.01, 200.0, 27.0, 0.1, largest_error=5e-3),
+    Config(4, 0.10, 0.01, 200.0, 26.0, 0.2),
+    Config(4, 0.05, 0.005, 60.0, 24.0, 0.2),
+]
 
 
 def one_run(task):
@@ -89,13 +97,15 @@ def one_run(task):
     warnings.simplefilter("ignore", ar.exceptions.AntiresWarning)
     case = ar.cases.chain8()
     truth = case.truth()["freq_hz"]
-    record = case.experiment(noise=config.noise, damping_ratio=config.damping, duration_s=config.duration_s,
-                             rng=seed)
+    record = case.experiment(
+        noise=config.noise, damping_ratio=config.damping, duration_s=config.duration_s, rng=seed
+    )
     matched, seconds = {}, {}
     for route in ROUTES:
         start = time.process_time()
-        identified = ar.identify_antiresonances(record, excitation=case.excitation, band_hz=case.band_hz,
-                                                route=route)
+        identified = ar.identify_antiresonances(
+            record, excitation=case.excitation, band_hz=case.band_hz, route=route
+        )
         seconds[route] = time.process_time() - start
         matched[route] = score_run(identified, truth)
     apart = 0.0
@@ -114,15 +124,24 @@ def gather(results, count):
 
 
 def summary_row(config, route, score, apart, seconds):
-    head = [config.name if route == ROUTES[0] else "   by the force",
-            f"{np.mean(score.found):.2f}", " ".join(map(str, score.found)), f"{np.mean(score.false):.2f}",
-            f"{np.max(score.errors):.1e}", f"{np.median(score.errors):.1e}"]
+    head = [
+        config.name if route == ROUTES[0] else "   by the force",
+        f"{np.mean(score.found):.2f}",
+        " ".join(map(str, score.found)),
+        f"{np.mean(score.false):.2f}",
+        f"{np.max(score.errors):.1e}",
+        f"{np.median(score.errors):.1e}",
+    ]
     if route != ROUTES[0]:
         return [*head, f"{seconds:.2f}", "", ""]
     verdicts = list(config.verdicts(score, apart))
     missing = [bar for bar, met in verdicts if not met]
-    return [*head, f"{seconds:.2f}", f"{apart:.1e}",
-            "all met" if not missing else "NOT MET: " + ", ".join(missing)]
+    return [
+        *head,
+        f"{seconds:.2f}",
+        f"{apart:.1e}",
+        "all met" if not missing else "NOT MET: " + ", ".join(missing),
+    ]
 
 
 def dof_cell(score):
@@ -146,32 +165,63 @@ def main():
     for config in configs:
         gathered.append(gather(results, len(seeds)))
         print(f"done: {config.name}", file=sys.stderr, flush=True)
-    print_table(["row", "mean", "found in each run", "false/run", "largest", "median", "CPU s",
-                 "routes apart", "bars"],
-                [summary_row(config, route, scores[route], apart, seconds[route])
-                 for config, (scores, apart, seconds) in zip(configs, gathered, strict=True)
-                 for route in ROUTES], options.markdown)
+    print_table(
+        [
+            "row",
+            "mean",
+            "found in each run",
+            "false/run",
+            "largest",
+            "median",
+            "CPU s",
+            "routes apart",
+            "bars",
+        ],
+        [
+            summary_row(config, route, scores[route], apart, seconds[route])
+            for config, (scores, apart, seconds) in zip(configs, gathered, strict=True)
+            for route in ROUTES
+        ],
+        options.markdown,
+    )
 
     for route in ROUTES:
         print(f"\nby response dof, {route} route: found of true, + false, largest error\n")
-        print_table(["row", *(f"dof {dof}" for dof in range(8)), "in all"],
-                    [[config.name, *(dof_cell(scores[route].dof(dof)) for dof in range(8)),
-                      dof_cell(scores[route])]
-                     for config, (scores, _, _) in zip(configs, gathered, strict=True)], options.markdown)
+        print_table(
+            ["row", *(f"dof {dof}" for dof in range(8)), "in all"],
+            [
+                [
+                    config.name,
+                    *(dof_cell(scores[route].dof(dof)) for dof in range(8)),
+                    dof_cell(scores[route]),
+                ]
+                for config, (scores, _, _) in zip(configs, gathered, strict=True)
+            ],
+            options.markdown,
+        )
 
     print("\nmissed and false values of the default route\n")
     for config, (scores, _, _) in zip(configs, gathered, strict=True):
         score = scores[ROUTES[0]]
         if score.found != score.true or any(score.false):
             print(f"- {config.name}: missed {score.missed()}; false {score.false_values()}")
-    failed = [config.name for config, (scores, apart, _) in zip(configs, gathered, strict=True)
-              if not all(met for _, met in config.verdicts(scores[ROUTES[0]], apart))]
+    failed = [
+        config.name
+        for config, (scores, apart, _) in zip(configs, gathered, strict=True)
+        if not all(met for _, met in config.verdicts(scores[ROUTES[0]], apart))
+    ]
     for row in sorted({config.row for config in configs}):
-        false = [n for config, (scores, *_) in zip(configs, gathered, strict=True) if config.row == row
-                 for n in scores[ROUTES[0]].false]
+        false = [
+            n
+            for config, (scores, *_) in zip(configs, gathered, strict=True)
+            if config.row == row
+            for n in scores[ROUTES[0]].false
+        ]
         print(f"row {row}: {sum(false)} false in {len(false)} runs, {np.mean(false):.3f} a run")
-    print(f"\n{len(configs) - len(failed)} of {len(configs)} configurations meet all their bars"
-          + (f"; not: {'; '.join(failed)}" if failed else ""))
+    print(
+        f"\n{len(configs) - len(failed)} of {len(configs)} configurations meet all their bars"
+        + (f"; not: {'; '.join(failed)}" if failed else "")
+    )
 
 
 if __name__ == "__main__":

@@ -22,20 +22,31 @@ import antires_rs as ar
 from antires_rs.optimize.checkpoint import Checkpoint
 
 #: A search that no rule of its own would end.
-JOB = MEASURED + UPDATING + """\
+JOB = (
+    MEASURED
+    + UPDATING
+    + """\
 patience = 1_000_000_000
 max_evaluations = 1_000_000_000_000
 """
+)
 # A process in the background inherits that SIGINT is ignored; a terminal's does not.
-ANTIRES = ("import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
-           "from antires_rs.cli import main; sys.exit(main(sys.argv[1:]))")
+ANTIRES = (
+    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "from antires_rs.cli import main; sys.exit(main(sys.argv[1:]))"
+)
 
 
 def interrupted(folder: Path, after_s: float) -> float:
     """Seconds from the signal to the end of one run; what it left is checked."""
     record = folder / "job_results" / "run.json"
-    with subprocess.Popen([sys.executable, "-c", ANTIRES, "update", "job.toml", "--fresh"], cwd=folder,
-                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        [sys.executable, "-c", ANTIRES, "update", "job.toml", "--fresh"],
+        cwd=folder,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
         while not (record.exists() and "searching" in record.read_text()):
             time.sleep(0.005)
         time.sleep(after_s)
@@ -49,9 +60,12 @@ def interrupted(folder: Path, after_s: float) -> float:
     assert best.problem.cost(best.x) == best.fun
     assert Checkpoint(folder / "job_results" / "search.ckpt").resume is not None
     assert not list((folder / "job_results").glob(".*"))
-    again = ar.update(best.problem, optimizer=ar.IslandGA(
-        patience=1_000_000_000, max_evaluations=1_000_000_000_000, max_seconds=1.0), rng=best.seed,
-        checkpoint=folder / "job_results" / "search.ckpt")
+    again = ar.update(
+        best.problem,
+        optimizer=ar.IslandGA(patience=1_000_000_000, max_evaluations=1_000_000_000_000, max_seconds=1.0),
+        rng=best.seed,
+        checkpoint=folder / "job_results" / "search.ckpt",
+    )
     assert again.nfev > best.nfev
     assert again.fun <= best.fun
     return took
@@ -69,9 +83,11 @@ def main(runs: int = 20) -> None:
             took.append(interrupted(folder, after_s))
             record = folder / "job_results" / "run.json"
             record.write_text(record.read_text().replace("searching", "ended"))
-    print(f"{runs} times SIGINT, {os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}: median "
-          f"{np.median(took):.3f} s, 95 % {np.percentile(took, 95):.3f} s, largest {max(took):.3f} s; "
-          f"{runs} valid checkpoints and results")
+    print(
+        f"{runs} times SIGINT, {os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}: median "
+        f"{np.median(took):.3f} s, 95 % {np.percentile(took, 95):.3f} s, largest {max(took):.3f} s; "
+        f"{runs} valid checkpoints and results"
+    )
 
 
 if __name__ == "__main__":

@@ -31,10 +31,23 @@ from chain8_job import MEASURED, UPDATING
 
 #: At 0 every generation is written, at 2, the default, the search here is written once, at its end.
 INTERVALS_S = (0.0, 0.02, 0.2, 2.0)
-PHASES = ("start-up and imports", "reading and identification", "search", "writing a checkpoint",
-          "writing the results", "report and pictures", "ending")
-SEARCH = {"seed": 3, "max_evaluations": 150_000, "patience": 5, "improvement_tolerance": 0.02,
-          "polish": False, "workers": 1}
+PHASES = (
+    "start-up and imports",
+    "reading and identification",
+    "search",
+    "writing a checkpoint",
+    "writing the results",
+    "report and pictures",
+    "ending",
+)
+SEARCH = {
+    "seed": 3,
+    "max_evaluations": 150_000,
+    "patience": 5,
+    "improvement_tolerance": 0.02,
+    "polish": False,
+    "workers": 1,
+}
 RECORD = """\
 [output]
 report = false
@@ -51,9 +64,10 @@ def child(log: str, every_s: str, *command: str) -> int:
     """One process: an ``antires`` command, or without one the script; its phases go to the file ``log``."""
     import antires_rs as ar
     from antires_rs import cli
-    from antires_rs.optimize.checkpoint import Checkpoint
     from antires_rs.jobs import drawing, run
     from antires_rs.jobs.files import RunFolder
+    from antires_rs.optimize.checkpoint import Checkpoint
+
     phases = os.open(log, os.O_WRONLY | os.O_APPEND)
 
     def at(phase: str) -> None:
@@ -69,6 +83,7 @@ def child(log: str, every_s: str, *command: str) -> int:
             if after:
                 at(after)
             return value
+
         setattr(owner, name, call)
 
     Checkpoint.__init__ = functools.partialmethod(Checkpoint.__init__, every_s=float(every_s))
@@ -82,8 +97,9 @@ def child(log: str, every_s: str, *command: str) -> int:
     problem = ar.cases.chain8(perturbation=0.08, rng=1).updating_problem()
     options = {key: value for key, value in SEARCH.items() if key not in ("seed", "workers")}
     at("search")
-    result = ar.update(problem, optimizer=ar.IslandGA(**options), rng=SEARCH["seed"], workers=1,
-                       checkpoint="run.ckpt")
+    result = ar.update(
+        problem, optimizer=ar.IslandGA(**options), rng=SEARCH["seed"], workers=1, checkpoint="run.ckpt"
+    )
     at("writing the results")
     result.save("result.npz")
     at("ending")
@@ -105,8 +121,13 @@ def process(folder: Path, every_s: float, command: tuple[str, ...], kill_after_s
     log = folder.with_suffix(".phases")
     log.write_bytes(b"")
     start = time.monotonic()
-    with subprocess.Popen([sys.executable, __file__, "child", str(log), str(every_s), *command], cwd=folder,
-                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as running:
+    with subprocess.Popen(
+        [sys.executable, __file__, "child", str(log), str(every_s), *command],
+        cwd=folder,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as running:
         if kill_after_s is not None:
             try:
                 running.wait(kill_after_s)
@@ -114,14 +135,22 @@ def process(folder: Path, every_s: float, command: tuple[str, ...], kill_after_s
                 running.send_signal(signal.SIGKILL)
         said = running.communicate()[1]
     phases = log.read_text().splitlines()
-    return Process(phases[-1] if phases else PHASES[0], running.returncode == -signal.SIGKILL,
-                   running.returncode, said, time.monotonic() - start)
+    return Process(
+        phases[-1] if phases else PHASES[0],
+        running.returncode == -signal.SIGKILL,
+        running.returncode,
+        said,
+        time.monotonic() - start,
+    )
 
 
 def files_of(folder: Path) -> dict[str, bytes]:
     """All files by name, without what a clock wrote."""
-    found = {path.relative_to(folder).as_posix(): path.read_bytes()
-             for path in sorted(folder.rglob("*")) if path.is_file()}
+    found = {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
     for name, data in found.items():
         if name.endswith("summary.json"):
             found[name] = re.sub(rb'"seconds": [\d.]+', b'"seconds": 0', data)
@@ -230,6 +259,7 @@ def name_of(path: Path) -> str:
 def main(runs: int = 100, seed: int = 0) -> int:
     """Print what was found; returns the number of trials that did not end in the same files."""
     import antires_rs as ar
+
     rng = np.random.default_rng(seed)
     record = ar.cases.chain8(perturbation=0.08, rng=1).experiment(duration_s=64.0, noise=0.01, rng=1)
 
@@ -242,8 +272,11 @@ def main(runs: int = 100, seed: int = 0) -> int:
         (folder / "job.toml").write_text(MEASURED + JOB, encoding="utf-8")
 
     commands = ("update", "job.toml"), ("resume", "job.toml")
-    kinds = (Kind("record", *commands, read, 1), Kind("drawn", *commands, drawn, 1),
-             Kind("script", (), (), lambda folder: None, 2))
+    kinds = (
+        Kind("record", *commands, read, 1),
+        Kind("drawn", *commands, drawn, 1),
+        Kind("script", (), (), lambda folder: None, 2),
+    )
     counts = {kind.name: Count() for kind in kinds}
     start = time.monotonic()
     with tempfile.TemporaryDirectory() as name:
@@ -268,10 +301,12 @@ def tell(counts: dict[str, Count], seconds: float) -> None:
         print(f"{phase:<{width}}  " + "  ".join(f"{counts[name].phases[phase]:>8}" for name in names))
     print(f"{'all kills':<{width}}  " + "  ".join(f"{counts[name].phases.total():>8}" for name in names))
     for name, count in counts.items():
-        print(f"\n{name}: {count.trials} trials, {count.same} ended in the files of the undisturbed run. "
-              f"Kills in one trial: {dict(sorted(count.kills.items()))}. Went on by: {dict(count.ways)}. "
-              f"Processes that had ended before their kill: {count.ended_first}. "
-              f"Found after the last kill: {dict(sorted(count.left.items()))}.")
+        print(
+            f"\n{name}: {count.trials} trials, {count.same} ended in the files of the undisturbed run. "
+            f"Kills in one trial: {dict(sorted(count.kills.items()))}. Went on by: {dict(count.ways)}. "
+            f"Processes that had ended before their kill: {count.ended_first}. "
+            f"Found after the last kill: {dict(sorted(count.left.items()))}."
+        )
     print(f"{os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}, {seconds:.0f} s")
 
 

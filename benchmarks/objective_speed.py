@@ -100,14 +100,19 @@ def main():
     ours = problem.evaluate_many(betas, workers=1)
     numpy_values = by_numpy(case, measured, limit_hz, betas[:200])
     scipy_values = np.array([by_scipy(case, measured, limit_hz, b) for b in betas[:200]])
-    print(f"largest difference of J, 200 points: numpy {np.abs(numpy_values - ours[:200]).max():.1e}, "
-          f"scipy {np.abs(scipy_values - ours[:200]).max():.1e}")
+    print(
+        f"largest difference of J, 200 points: numpy {np.abs(numpy_values - ours[:200]).max():.1e}, "
+        f"scipy {np.abs(scipy_values - ours[:200]).max():.1e}"
+    )
     core = seconds(lambda: problem.evaluate_many(betas, workers=1), 7) / len(betas)
     stacked = seconds(lambda: by_numpy(case, measured, limit_hz, betas), 3) / len(betas)
     script = seconds(lambda: [by_scipy(case, measured, limit_hz, b) for b in betas[:200]], 5) / 200
     print(f"{'one chain8 objective value, one core':40} {'us':>9} {'ratio':>8}")
-    for name, value in (("antires_rs", core), ("numpy, stacked eigvals", stacked),
-                        ("scipy.linalg.eig, one pencil at a time", script)):
+    for name, value in (
+        ("antires_rs", core),
+        ("numpy, stacked eigvals", stacked),
+        ("scipy.linalg.eig, one pencil at a time", script),
+    ):
         print(f"{name:40} {1e6 * value:9.1f} {value / core:8.1f}")
 
 

@@ -45,8 +45,9 @@ def one_run(task):
     structure = maker(seed)
     record = structure.record(noise=noise, seed=seed, sensors=sensors)
     start = time.process_time()
-    identified = ar.identify_antiresonances(record, excitation=structure.excitation,
-                                            band_hz=structure.band_hz, route=route)
+    identified = ar.identify_antiresonances(
+        record, excitation=structure.excitation, band_hz=structure.band_hz, route=route
+    )
     seconds = time.process_time() - start
     run = score_run(identified, structure.truth())
     errors, explained = [], 0
@@ -70,12 +71,12 @@ def main():
     parser.add_argument("--missed", action="store_true", help="list all missed and false values")
     add_options(parser, first_seed=20, seeds=5)
     options = parser.parse_args()
-    names = [name for name in STRUCTURES
-             if not options.only or any(word in name for word in options.only)]
+    names = [name for name in STRUCTURES if not options.only or any(word in name for word in options.only)]
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     configs = [(name, noise) for name in names for noise in options.noise]
-    results = each(one_run, [(*config, seed, options.route) for config in configs for seed in seeds],
-                   options.jobs)
+    results = each(
+        one_run, [(*config, seed, options.route) for config in configs for seed in seeds], options.jobs
+    )
 
     rows, lists, bars = [], [], []
     for name, noise in configs:
@@ -83,20 +84,43 @@ def main():
         score = Score(tuple(run[0] for run in runs))
         label = f"{name}, {100 * noise:g} %"
         damped = [error for run in runs for error in run[1]] or [np.nan]
-        rows.append([label, f"{sum(score.found)}/{sum(score.true)}",
-                     " ".join(f"{n}/{m}" for n, m in zip(score.found, score.true, strict=True)),
-                     f"{np.mean(score.false):.1f}", f"{np.median(score.errors):.1e}",
-                     f"{np.max(score.errors):.1e}", f"{np.nanmax(damped):.1e}", sum(run[2] for run in runs),
-                     f"{np.mean([run[3] for run in runs]):.2f}"])
+        rows.append(
+            [
+                label,
+                f"{sum(score.found)}/{sum(score.true)}",
+                " ".join(f"{n}/{m}" for n, m in zip(score.found, score.true, strict=True)),
+                f"{np.mean(score.false):.1f}",
+                f"{np.median(score.errors):.1e}",
+                f"{np.max(score.errors):.1e}",
+                f"{np.nanmax(damped):.1e}",
+                sum(run[2] for run in runs),
+                f"{np.mean([run[3] for run in runs]):.2f}",
+            ]
+        )
         lists.append(f"- {label}: missed {score.missed()}; false {score.false_values()}")
         print(f"done: {label}", file=sys.stderr, flush=True)
         if (name, noise) == (FULL, FULL_NOISE):
             met = "met" if np.mean(score.found) >= FULL_BAR else "NOT MET"
-            bars.append(f"{FULL} at 1 % noise: mean {np.mean(score.found):.1f}, least {min(score.found)} "
-                        f"of 36; bar {FULL_BAR}: {met}")
+            bars.append(
+                f"{FULL} at 1 % noise: mean {np.mean(score.found):.1f}, least {min(score.found)} "
+                f"of 36; bar {FULL_BAR}: {met}"
+            )
     print(f"{options.route} route, seeds {seeds[0]} to {seeds[-1]}, 200 s, 1 % modal damping\n")
-    print_table(["structure, noise", "found", "in each run", "false/run", "median", "largest",
-                 "largest to abs(s)", "false but damped zero", "CPU s"], rows, options.markdown)
+    print_table(
+        [
+            "structure, noise",
+            "found",
+            "in each run",
+            "false/run",
+            "median",
+            "largest",
+            "largest to abs(s)",
+            "false but damped zero",
+            "CPU s",
+        ],
+        rows,
+        options.markdown,
+    )
     if options.missed:
         print("\n" + "\n".join(lists))
     print("".join(f"\n{bar}" for bar in bars))

@@ -65,17 +65,21 @@ class Entry:
 
 def ours(route):
     """antires_rs as a user calls it."""
+
     def identify(record):
         return ar.identify_antiresonances(record, excitation=0, band_hz=BAND_HZ, route=route)
+
     given = {"transmissibility": "responses", "frf": "responses, force"}[route]
     return Entry(f"antires_rs, {route} route", given, identify, identify)
 
 
 def theirs(method: Method, estimator):
     """A peer's sweep and the common rule."""
+
     def identify(record, highest=MAX_ORDER):
         sweeps = method.sweep(record, highest, estimator)
         return {dof: select(sweep, BAND_HZ) for dof, sweep in zip(record.dofs, sweeps, strict=True)}
+
     given = f"T, {ESTIMATORS[estimator]}" if method.data == "T" else method.data
     return Entry(method.name, given, identify, lambda record: identify(record, 12))
 
@@ -83,8 +87,11 @@ def theirs(method: Method, estimator):
 @contextlib.contextmanager
 def quiet():
     """Progress bars, prints, log lines and warnings of the peers, all silenced."""
-    with (warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()),
-          contextlib.redirect_stderr(io.StringIO())):
+    with (
+        warnings.catch_warnings(),
+        contextlib.redirect_stdout(io.StringIO()),
+        contextlib.redirect_stderr(io.StringIO()),
+    ):
         warnings.simplefilter("ignore")
         logging.disable(logging.CRITICAL)
         try:
@@ -115,8 +122,9 @@ def table_of_entries(options):
         else:
             estimators = options.estimators if method.data == "T" else options.estimators[:1]
             entries += [theirs(method, estimator) for estimator in estimators]
-    return entries, [f"{', '.join(names)}: not installed: pip install {package}"
-                     for package, names in missing.items()] + left_out
+    return entries, [
+        f"{', '.join(names)}: not installed: pip install {package}" for package, names in missing.items()
+    ] + left_out
 
 
 def warm_up(entries, case):
@@ -144,20 +152,35 @@ def compare(entries, case, options):
 
 
 def print_scores(entries, options):
-    header = ["method", "given", *[f"found/false at {100 * n:g} %" for n in options.noise],
-              "found - false", "largest error", "process s", "wall s"]
+    header = [
+        "method",
+        "given",
+        *[f"found/false at {100 * n:g} %" for n in options.noise],
+        "found - false",
+        "largest error",
+        "process s",
+        "wall s",
+    ]
     rows = []
     for entry in entries:
         by_noise = [Score(tuple(runs)) for runs in entry.runs.values()]
         everything = Score(tuple(run for runs in entry.runs.values() for run in runs))
-        rows.append([entry.name, entry.given,
-                     *[f"{np.mean(s.found):.1f} / {np.mean(s.false):.1f}" for s in by_noise],
-                     f"{np.mean(everything.found) - np.mean(everything.false):.2f}",
-                     f"{100 * np.max(everything.errors):.2f} %",
-                     f"{np.median(entry.process_s):.2f}", f"{np.median(entry.wall_s):.2f}"])
+        rows.append(
+            [
+                entry.name,
+                entry.given,
+                *[f"{np.mean(s.found):.1f} / {np.mean(s.false):.1f}" for s in by_noise],
+                f"{np.mean(everything.found) - np.mean(everything.false):.2f}",
+                f"{100 * np.max(everything.errors):.2f} %",
+                f"{np.median(entry.process_s):.2f}",
+                f"{np.median(entry.wall_s):.2f}",
+            ]
+        )
     last = options.first_seed + options.seeds - 1
-    print(f"\n{DURATION_S:g} s records, seeds {options.first_seed} to {last}: means per record of 28 true "
-          "values;\nlargest error of all values found; median seconds of a record\n")
+    print(
+        f"\n{DURATION_S:g} s records, seeds {options.first_seed} to {last}: means per record of 28 true "
+        "values;\nlargest error of all values found; median seconds of a record\n"
+    )
     print_table(header, rows, options.markdown)
 
 
@@ -170,16 +193,26 @@ def print_times(entries, case, options):
             calls.append(timed(entry, record)[1:])
         process_s, wall_s = np.median(np.array(calls), axis=0)
         rows.append((entry.name, entry.given, process_s, wall_s))
-    print(f"\n8 channels x {TIMED_S:g} s at {record.fs_hz:g} Hz, 1 % noise, all dofs, orders to "
-          f"{MAX_ORDER}\n")
-    print_table(["method", "given", "process s", "wall s", "times antires_rs"],
-                [[name, given, f"{process_s:.2f}", f"{wall_s:.2f}", f"{process_s / rows[0][2]:.1f}"]
-                 for name, given, process_s, wall_s in rows], options.markdown)
+    print(
+        f"\n8 channels x {TIMED_S:g} s at {record.fs_hz:g} Hz, 1 % noise, all dofs, orders to {MAX_ORDER}\n"
+    )
+    print_table(
+        ["method", "given", "process s", "wall s", "times antires_rs"],
+        [
+            [name, given, f"{process_s:.2f}", f"{wall_s:.2f}", f"{process_s / rows[0][2]:.1f}"]
+            for name, given, process_s, wall_s in rows
+        ],
+        options.markdown,
+    )
 
 
 def print_versions():
-    own = {"antires_rs": ar.__version__, "Python": platform.python_version(), "numpy": np.__version__,
-           "scipy": scipy.__version__}
+    own = {
+        "antires_rs": ar.__version__,
+        "Python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+    }
     own |= {m.package: m.version() for m in peers.METHODS if m.package != "scipy" and m.version()}
     print(", ".join(f"{name} {version}" for name, version in own.items()))
 
@@ -189,8 +222,13 @@ def main():
     add_options(parser, first_seed=20, seeds=3)
     parser.set_defaults(jobs=1)  # a second process would spoil the times
     parser.add_argument("--noise", type=float, nargs="+", default=[0.0, 0.01, 0.05])
-    parser.add_argument("--estimators", nargs="+", choices=ESTIMATORS, default=list(ESTIMATORS),
-                        help="how the peers' transmissibilities are estimated")
+    parser.add_argument(
+        "--estimators",
+        nargs="+",
+        choices=ESTIMATORS,
+        default=list(ESTIMATORS),
+        help="how the peers' transmissibilities are estimated",
+    )
     parser.add_argument("--only", nargs="+", metavar="WORD", help="peers whose name has one of these words")
     parser.add_argument("--quick", action="store_true", help="one record at 1 %% noise, no slow peers")
     parser.add_argument("--skip-times", action="store_true", help="without the second table")

@@ -31,15 +31,15 @@ def curves(freq_hz, poles, zeros):
     s = 2j * np.pi * freq_hz[:, None]
 
     def factors(roots):
-        return (s - roots) * (s - roots.conj()) / np.abs(roots)**2
+        return (s - roots) * (s - roots.conj()) / np.abs(roots) ** 2
 
     below = factors(poles)
     values = []
     for own in zeros:
         above = factors(own)
         # Factor by factor: the products alone would overflow at high order.
-        ratio = np.prod(above / below[:, :own.size], axis=1) / np.prod(below[:, own.size:], axis=1)
-        values.append(ratio / np.sqrt(np.mean(np.abs(ratio)**2)))
+        ratio = np.prod(above / below[:, : own.size], axis=1) / np.prod(below[:, own.size :], axis=1)
+        values.append(ratio / np.sqrt(np.mean(np.abs(ratio) ** 2)))
     return np.array(values)
 
 
@@ -84,8 +84,13 @@ def clusters(rng, n):
     return np.linspace(1.0, 200.0, 8000), hz, log_uniform(rng, 1e-3, 3e-3, hz.size)
 
 
-FAMILIES = {"spread": spread, "light": light, "two decades": two_decades, "clusters": clusters,
-            "anywhere": anywhere}
+FAMILIES = {
+    "spread": spread,
+    "light": light,
+    "two decades": two_decades,
+    "clusters": clusters,
+    "anywhere": anywhere,
+}
 
 
 def draw(family, order, seed):
@@ -127,8 +132,10 @@ def main():
     parser.add_argument("--orders", type=int, nargs="+", default=list(ORDERS))
     parser.add_argument("--sweep-draws", type=int, default=2)
     options = parser.parse_args()
-    print(f"fit at the true order; worst of {options.draws} draws: relative error of a pole / of a zero / "
-          "residual")
+    print(
+        f"fit at the true order; worst of {options.draws} draws: relative error of a pole / of a zero / "
+        "residual"
+    )
     print("order  " + "  ".join(f"{name:>24s}" for name in FAMILIES))
     for order in options.orders:
         cells = []
@@ -136,14 +143,17 @@ def main():
             worst = np.max([fit_errors(family, order, seed) for seed in range(options.draws)], axis=0)
             cells.append(" / ".join(f"{e:.0e}" for e in worst))
         print(f"{order:5d}  " + "  ".join(f"{cell:>24s}" for cell in cells), flush=True)
-    print(f"\nstabilization, orders up to the true one plus 24; sums of {options.sweep_draws} draws: "
-          "found of true, false")
+    print(
+        f"\nstabilization, orders up to the true one plus 24; sums of {options.sweep_draws} draws: "
+        "found of true, false"
+    )
     print("order  " + "  ".join(f"{name:>24s}" for name in FAMILIES) + "  seconds a sweep")
     for order in options.orders:
         cells, start = [], time.process_time()
         for family in FAMILIES:
-            true, found, false = np.sum([sweep_counts(family, order, seed, order + 24)
-                                         for seed in range(options.sweep_draws)], axis=0)
+            true, found, false = np.sum(
+                [sweep_counts(family, order, seed, order + 24) for seed in range(options.sweep_draws)], axis=0
+            )
             cells.append(f"{found} of {true}, {false} false")
         seconds = (time.process_time() - start) / (len(FAMILIES) * options.sweep_draws)
         print(f"{order:5d}  " + "  ".join(f"{cell:>24s}" for cell in cells) + f"  {seconds:8.2f}", flush=True)

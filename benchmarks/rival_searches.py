@@ -10,18 +10,31 @@ import numpy as np
 def scipy_de(account, seed):
     """scipy.optimize.differential_evolution with its defaults, vectorized."""
     from scipy.optimize import differential_evolution
-    differential_evolution(lambda x: account(x.T), account.bounds, rng=seed, vectorized=True,
-                           updating="deferred", polish=False, tol=0.0, maxiter=10**6)
+
+    differential_evolution(
+        lambda x: account(x.T),
+        account.bounds,
+        rng=seed,
+        vectorized=True,
+        updating="deferred",
+        polish=False,
+        tol=0.0,
+        maxiter=10**6,
+    )
 
 
 def pycma(account, seed):
     """CMA-ES with its defaults, from random points until the limit."""
     import cma
+
     low, high = account.bounds.T
     rng = np.random.default_rng(seed)
     while True:
-        search = cma.CMAEvolutionStrategy(rng.uniform(low, high), 0.25, {
-            "bounds": [low.tolist(), high.tolist()], "seed": int(rng.integers(1, 2**31)), "verbose": -9})
+        search = cma.CMAEvolutionStrategy(
+            rng.uniform(low, high),
+            0.25,
+            {"bounds": [low.tolist(), high.tolist()], "seed": int(rng.integers(1, 2**31)), "verbose": -9},
+        )
         while not search.stop():
             candidates = search.ask()
             search.tell(candidates, account(np.array(candidates)).tolist())

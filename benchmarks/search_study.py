@@ -36,7 +36,7 @@ class Account:
 
     def __call__(self, candidates):
         """Costs of the rows; raises when solved or at the limit."""
-        rows = np.atleast_2d(candidates)[:self.limit - self.nfev]
+        rows = np.atleast_2d(candidates)[: self.limit - self.nfev]
         costs = self.problem.evaluate_many(rows)
         solved = np.flatnonzero(costs <= self.bar)
         used = solved[0] + 1 if solved.size else len(costs)
@@ -51,11 +51,18 @@ class Account:
 
 def islands(**options):
     """The library's search with these options."""
+
     def run(account, seed):
         ga = ar.IslandGA(max_evaluations=account.limit, **options)
-        found = ar.update(account.problem, optimizer=ga, rng=seed, progress=False,
-                          callback=lambda state: state["fun"] <= account.bar)
+        found = ar.update(
+            account.problem,
+            optimizer=ga,
+            rng=seed,
+            progress=False,
+            callback=lambda state: state["fun"] <= account.bar,
+        )
         account.nfev, account.fun, account.x = found.nfev, found.fun, found.x
+
     return run
 
 
@@ -87,26 +94,40 @@ def one_run(case, first, element, seed, limit, method):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--elements", type=int, nargs=2, default=(17, 46), metavar=("FIRST", "LAST"),
-                        help="zero-based range of damaged elements")
+    parser.add_argument(
+        "--elements",
+        type=int,
+        nargs=2,
+        default=(17, 46),
+        metavar=("FIRST", "LAST"),
+        help="zero-based range of damaged elements",
+    )
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--limit", type=int, default=20_000, help="evaluations of one run")
     parser.add_argument("--methods", nargs="+", choices=METHODS, default=list(METHODS))
     args = parser.parse_args()
     case = ar.cases.exhaust()
     elements = range(args.elements[0], args.elements[1] + 1)
-    print(f"{type(case).__name__}: elements {elements[0]}-{elements[-1]}, {args.seeds} seeds, "
-          f"{args.limit:,} evaluations")
+    print(
+        f"{type(case).__name__}: elements {elements[0]}-{elements[-1]}, {args.seeds} seeds, "
+        f"{args.limit:,} evaluations"
+    )
     print(f"{'method':20} {'solved':>12} {'evaluations':>12} {'element':>9} {'severity':>9} {'seconds':>9}")
     print(f"{'':20} {'':>12} {'median':>12} {'right':>9} {'+-0.01':>9} {'median':>9}")
     for method in args.methods:
-        runs = [one_run(case, 17, element, seed, args.limit, method)
-                for element in elements for seed in range(args.seeds)]
+        runs = [
+            one_run(case, 17, element, seed, args.limit, method)
+            for element in elements
+            for seed in range(args.seeds)
+        ]
         solved, nfev, right, close, seconds = zip(*runs, strict=True)
         n = len(runs)
         share = [100 * sum(hits) / n for hits in (solved, right, close)]
-        print(f"{method:20} {sum(solved):4d}/{n} {share[0]:4.0f} % {statistics.median(nfev):10,.0f}"
-              f" {share[1]:7.0f} % {share[2]:7.0f} % {statistics.median(seconds):9.1f}", flush=True)
+        print(
+            f"{method:20} {sum(solved):4d}/{n} {share[0]:4.0f} % {statistics.median(nfev):10,.0f}"
+            f" {share[1]:7.0f} % {share[2]:7.0f} % {statistics.median(seconds):9.1f}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

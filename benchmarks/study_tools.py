@@ -42,8 +42,9 @@ class Score:
     @property
     def true(self):
         """True values of each run."""
-        return [n + sum(len(m.missed) for m in run.values())
-                for n, run in zip(self.found, self.runs, strict=True)]
+        return [
+            n + sum(len(m.missed) for m in run.values()) for n, run in zip(self.found, self.runs, strict=True)
+        ]
 
     @property
     def false(self):
@@ -86,9 +87,12 @@ def print_table(header, rows, markdown):
         lines = ["| " + " | ".join(row) + " |" for row in cells]
         lines.insert(1, "|---|" + "---:|" * (len(header) - 1))
     else:
-        lines = ["  ".join([row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:],
-                                                                                 strict=True))])
-                 for row in cells]
+        lines = [
+            "  ".join(
+                [row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))]
+            )
+            for row in cells
+        ]
         lines.insert(1, "-" * len(lines[0]))
     print("\n".join(lines), flush=True)
 
@@ -97,6 +101,7 @@ def add_options(parser, first_seed, seeds):
     """Options that all studies have."""
     parser.add_argument("--first-seed", type=int, default=first_seed)
     parser.add_argument("--seeds", type=int, default=seeds, help="records of each configuration")
-    parser.add_argument("--jobs", type=int, default=MOST_JOBS, choices=range(1, MOST_JOBS + 1),
-                        help="worker processes")
+    parser.add_argument(
+        "--jobs", type=int, default=MOST_JOBS, choices=range(1, MOST_JOBS + 1), help="worker processes"
+    )
     parser.add_argument("--markdown", action="store_true", help="tables as Markdown")

@@ -83,8 +83,10 @@ def main():
         inside = np.abs(rows[:, 1]) <= QUANTILE
         by_dof = "  ".join(f"{int(d)}: {inside[rows[:, 0] == d].mean():.3f}" for d in np.unique(rows[:, 0]))
         scores = rows[:, 1]
-        print(f"{100 * noise:3.0f} %  {inside.mean():6.3f}  {scores.mean():8.2f}  {scores.std():13.2f}"
-              f"  {sum(m for _, _, m in mine):6d}  {by_dof}")
+        print(
+            f"{100 * noise:3.0f} %  {inside.mean():6.3f}  {scores.mean():8.2f}  {scores.std():13.2f}"
+            f"  {sum(m for _, _, m in mine):6d}  {by_dof}"
+        )
 
 
 if __name__ == "__main__":

@@ -18,8 +18,14 @@ author = "The antires_rs developers"
 copyright = author
 release = version = antires_rs.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc",
-              "sphinx_gallery.gen_gallery", "drawn_math"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "numpydoc",
+    "sphinx_gallery.gen_gallery",
+    "drawn_math",
+]
 html_math_renderer = "drawn"
 source_suffix = {".rst": "restructuredtext", ".md": "markdown"}
 exclude_patterns = ["_build", "images", "**sg_execution_times.rst"]
@@ -56,8 +62,12 @@ sphinx_gallery_conf = {
 html_theme = "pydata_sphinx_theme"
 html_title = "antires_rs"
 html_show_sourcelink = False
-html_theme_options = {"navigation_with_keys": False, "secondary_sidebar_items": ["page-toc"],
-                      "footer_start": ["copyright"], "footer_end": []}
+html_theme_options = {
+    "navigation_with_keys": False,
+    "secondary_sidebar_items": ["page-toc"],
+    "footer_start": ["copyright"],
+    "footer_end": [],
+}
 html_static_path = ["_static"]
 html_css_files = ["style.css"]
 html_sidebars = {"index": [], "theory": []}

@@ -15,9 +15,9 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from antires_rs.measured.antiresonance_set import AntiresonanceSet
 from antires_rs.identification.identify import identify_antiresonances
 from antires_rs.io import read_mat
+from antires_rs.measured.antiresonance_set import AntiresonanceSet
 
 
 def data_file() -> Path:

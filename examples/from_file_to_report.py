@@ -25,9 +25,10 @@ def edit(job: Path) -> None:
     """Fill in the model, as one would in an editor."""
     text = job.read_text(encoding="utf-8")
     for old, new in (
-            ("masses_kg = [1.0, 1.0, 1.0]", f"masses_kg = [0.5593{', 0.4194' * 7}]"),
-            ("springs_n_per_m = [50e3, 50e3]", f"springs_n_per_m = [56.7e3{', 56.7e3' * 6}]"),
-            ("# title =", 'title = "Eight-mass chain, test of today"')):
+        ("masses_kg = [1.0, 1.0, 1.0]", f"masses_kg = [0.5593{', 0.4194' * 7}]"),
+        ("springs_n_per_m = [50e3, 50e3]", f"springs_n_per_m = [56.7e3{', 56.7e3' * 6}]"),
+        ("# title =", 'title = "Eight-mass chain, test of today"'),
+    ):
         assert old in text
         text = text.replace(old, new)
     job.write_text(text, encoding="utf-8")
@@ -35,6 +36,7 @@ def edit(job: Path) -> None:
 
 def main(folder: Path) -> Path:
     """Each step as it would be typed."""
+
     def step(*command: str) -> None:
         print("\n$ antires", *command)
         if antires(command) != 0:

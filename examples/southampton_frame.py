@@ -43,19 +43,23 @@ def read_column(path: Path) -> ar.FrequencyResponse:
 
 def identify(folder: Path) -> list[ar.AntiresonanceSet]:
     """Antiresonances of the three columns, by the same settings."""
-    return [ar.identify_antiresonances(read_column(folder / name), excitation=floor, band_hz=BAND_HZ)
-            for floor, name in enumerate(FILES)]
+    return [
+        ar.identify_antiresonances(read_column(folder / name), excitation=floor, band_hz=BAND_HZ)
+        for floor, name in enumerate(FILES)
+    ]
 
 
 def update(measured: list[ar.AntiresonanceSet]) -> ar.UpdateResult:
     """The nominal frame, its storeys and the two upper masses within 40 %."""
-    model = ar.MassSpringChain([MASS_KG] * 3, [STIFFNESS_N_PER_M] * 2,
-                               ground_first_n_per_m=STIFFNESS_N_PER_M)
+    model = ar.MassSpringChain([MASS_KG] * 3, [STIFFNESS_N_PER_M] * 2, ground_first_n_per_m=STIFFNESS_N_PER_M)
     ground = 2  # the storey under the first floor is the spring to ground: element n - 1
-    parameters = (ar.mass_factor([1, 2], bounds=(0.6, 1.4))
-                  + ar.stiffness_factor([ground, 0, 1], bounds=(0.6, 1.4)))
-    once = [ar.AntiresonanceSet(zeros.excitation, {i: zeros[i] for i in zeros if i <= zeros.excitation})
-            for zeros in measured]
+    parameters = ar.mass_factor([1, 2], bounds=(0.6, 1.4)) + ar.stiffness_factor(
+        [ground, 0, 1], bounds=(0.6, 1.4)
+    )
+    once = [
+        ar.AntiresonanceSet(zeros.excitation, {i: zeros[i] for i in zeros if i <= zeros.excitation})
+        for zeros in measured
+    ]
     return ar.update(ar.UpdatingProblem(model, parameters, once, misfit="squared"), rng=0)
 
 

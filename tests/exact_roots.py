@@ -84,14 +84,14 @@ class ExactPencil:
         factors = []
         for j in range(n):
             end = min(n, j + self.half + 1)
-            factor = a[j + 1:end, j] / a[j, j]
+            factor = a[j + 1 : end, j] / a[j, j]
             factors.append(factor)
-            a[j + 1:end, j + 1:end] -= np.outer(factor, a[j, j + 1:end])
-            columns[j + 1:end] -= np.outer(factor, columns[j])
+            a[j + 1 : end, j + 1 : end] -= np.outer(factor, a[j, j + 1 : end])
+            columns[j + 1 : end] -= np.outer(factor, columns[j])
         for j in reversed(range(n)):
             columns[j] = columns[j] / a[j, j]
             if factors[j].size:
-                below = columns[j + 1:j + 1 + factors[j].size]
+                below = columns[j + 1 : j + 1 + factors[j].size]
                 columns[j] -= (factors[j][:, None] * below).sum(axis=0)
         return columns[:, 0], columns[:, 1]
 
@@ -134,7 +134,7 @@ class ExactPencil:
         a = (self.k_mat - x * self.m_mat)[np.ix_(kept, kept)]
         for j in range(len(a)):
             end = min(len(a), j + self.half + 1)
-            a[j + 1:end, j + 1:end] -= np.outer(a[j + 1:end, j] / a[j, j], a[j, j + 1:end])
+            a[j + 1 : end, j + 1 : end] -= np.outer(a[j + 1 : end, j] / a[j, j], a[j, j + 1 : end])
         return sum(a[j, j] < 0 for j in range(len(a)))
 
     def _windows(self):

@@ -8,22 +8,30 @@ import antires_rs as ar
 def recording(*, force=True, dofs=(0, "tip", "12+Z"), n=257, fs_hz=512.0, seed=0):
     rng = np.random.default_rng(seed)
     # Six orders of magnitude, so that a format that keeps few digits is found out.
-    rows = rng.standard_normal((len(dofs), n)) * 10.0**rng.uniform(-3, 3, (len(dofs), n))
+    rows = rng.standard_normal((len(dofs), n)) * 10.0 ** rng.uniform(-3, 3, (len(dofs), n))
     return ar.Recording(rows, fs_hz, dofs, rng.standard_normal(n) if force else None)
 
 
-def response(*, kind="frf", coherence=True, averages=25.5, std=False, even=True, dofs=(0, "tip", "12+Z"),
-             n=129, seed=0):
+def response(
+    *, kind="frf", coherence=True, averages=25.5, std=False, even=True, dofs=(0, "tip", "12+Z"), n=129, seed=0
+):
     rng = np.random.default_rng(seed)
-    values = rng.standard_normal((len(dofs), 2 * n)).view(np.complex128) * 10.0**rng.uniform(
-        -3, 3, (len(dofs), n))
+    values = rng.standard_normal((len(dofs), 2 * n)).view(np.complex128) * 10.0 ** rng.uniform(
+        -3, 3, (len(dofs), n)
+    )
     if kind == "transmissibility":
         values[1] = 1.0
     freq = np.arange(n) * 0.3 if even else np.cumsum(rng.uniform(0.1, 0.2, n))
     return ar.FrequencyResponse(
-        freq, values, dofs, kind, dofs[1] if kind == "transmissibility" else None,
-        rng.uniform(0.5, 1.0, values.shape) if coherence else None, averages,
-        rng.uniform(0.0, 1.0, values.shape) if std else None)
+        freq,
+        values,
+        dofs,
+        kind,
+        dofs[1] if kind == "transmissibility" else None,
+        rng.uniform(0.5, 1.0, values.shape) if coherence else None,
+        averages,
+        rng.uniform(0.0, 1.0, values.shape) if std else None,
+    )
 
 
 #: Every kind of data; names as in the table of docs/files.md.

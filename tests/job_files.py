@@ -23,7 +23,9 @@ report = false
 pictures = false
 """
 
-UPDATE = DAMAGE.replace("[damage]\n", """\
+UPDATE = DAMAGE.replace(
+    "[damage]\n",
+    """\
 [[parameters]]
 kind = "mass_factor"
 terms = "all"
@@ -33,7 +35,8 @@ bounds = [0.9, 1.1]
 kind = "stiffness_factor"
 elements = "all"
 bounds = [0.9, 1.1]
-""")
+""",
+)
 
 
 def write_measured(folder, level=1, perturbation=0.0):
@@ -45,5 +48,6 @@ def write_record(folder, name="record.npz"):
     """A record short enough to be read at once."""
     noise = np.random.default_rng(0).standard_normal((3, 2048))
     record = ar.Recording(noise, 256.0, dofs=["tip", "mid", "root"])
-    {".npz": ar.write_npz, ".uff": ar.write_uff, ".csv": ar.write_csv}[name[name.index("."):]](folder / name,
-                                                                                               record)
+    {".npz": ar.write_npz, ".uff": ar.write_uff, ".csv": ar.write_csv}[name[name.index(".") :]](
+        folder / name, record
+    )

@@ -18,18 +18,23 @@ from pathlib import Path
 
 import antires_rs as ar
 from antires_rs import cli, report
-from antires_rs.support.files import write_atomically
-from antires_rs.optimize.checkpoint import Checkpoint
 from antires_rs.jobs import drawing
+from antires_rs.optimize.checkpoint import Checkpoint
+from antires_rs.support.files import write_atomically
 from job_files import UPDATE, write_measured
 
 #: A few generations, each of which is written; a report and a picture.
 SEARCH = {"max_evaluations": 700, "polish": False}
 JOB = UPDATE.replace("seed = 1", "seed = SEED\nmax_evaluations = 700\npolish = false\nworkers = 1").replace(
-    "report = false\npictures = false", "")
+    "report = false\npictures = false", ""
+)
 #: What was in the folder before: nothing, the results of another seed, a search of it that was stopped.
-COMMANDS = {"new": ("update", "job.toml"), "again": ("update", "job.toml"),
-            "fresh": ("update", "job.toml", "--fresh"), "script": ()}
+COMMANDS = {
+    "new": ("update", "job.toml"),
+    "again": ("update", "job.toml"),
+    "fresh": ("update", "job.toml", "--fresh"),
+    "script": (),
+}
 
 
 def quick() -> None:
@@ -41,8 +46,9 @@ def quick() -> None:
 
 def script() -> int:
     problem = ar.cases.chain8(perturbation=0.08, rng=1).updating_problem()
-    ar.update(problem, optimizer=ar.IslandGA(**SEARCH), rng=3, workers=1,
-              checkpoint="run.ckpt").save("result.npz")
+    ar.update(problem, optimizer=ar.IslandGA(**SEARCH), rng=3, workers=1, checkpoint="run.ckpt").save(
+        "result.npz"
+    )
     return 0
 
 
@@ -73,8 +79,11 @@ def forked(folder: Path, command: tuple[str, ...], kill_at: int | None = None) -
         code = 99
         try:
             os.chdir(folder)
-            with open(said, "w") as err, contextlib.redirect_stdout(io.StringIO()), \
-                    contextlib.redirect_stderr(err):
+            with (
+                open(said, "w") as err,
+                contextlib.redirect_stdout(io.StringIO()),
+                contextlib.redirect_stderr(err),
+            ):
                 if kill_at is not None:
                     die_before(folder, kill_at)
                 code = cli.main(command) if command else script()
@@ -90,19 +99,25 @@ def die_before(folder: Path, number: int) -> None:
     def watch(event: str, args: tuple) -> None:
         nonlocal seen
         changes = event in ("os.rename", "os.remove", "os.mkdir") or (
-            event == "open" and isinstance(args[2], int) and args[2] & (os.O_WRONLY | os.O_RDWR))
+            event == "open" and isinstance(args[2], int) and args[2] & (os.O_WRONLY | os.O_RDWR)
+        )
         if changes and isinstance(args[0], str | os.PathLike):
             seen += os.path.abspath(args[0]).startswith(str(folder))
             if seen == number:
                 os.kill(os.getpid(), signal.SIGKILL)
+
     sys.addaudithook(watch)
 
 
 def files_of(folder: Path) -> dict[str, bytes]:
-    found = {path.relative_to(folder).as_posix(): path.read_bytes()
-             for path in folder.rglob("*") if path.is_file()}
-    return {name: re.sub(rb'"seconds": [\d.]+', b"", data) if name.endswith("summary.json") else data
-            for name, data in found.items() if name != "run.ckpt.previous"}
+    found = {
+        path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()
+    }
+    return {
+        name: re.sub(rb'"seconds": [\d.]+', b"", data) if name.endswith("summary.json") else data
+        for name, data in found.items()
+        if name != "run.ckpt.previous"
+    }
 
 
 def go_on(folder: Path, scenario: str, whole: dict[str, bytes], before: dict[str, bytes]) -> list[str]:

@@ -38,5 +38,8 @@ def match(found, truth, within=HIT):
             free_found.remove(i)
             free_true.remove(k)
             pairs.append((float(found[i]), float(truth[k])))
-    return Matched(tuple(sorted(pairs)), tuple(float(truth[k]) for k in sorted(free_true)),
-                   tuple(float(found[i]) for i in sorted(free_found)))
+    return Matched(
+        tuple(sorted(pairs)),
+        tuple(float(truth[k]) for k in sorted(free_true)),
+        tuple(float(found[i]) for i in sorted(free_found)),
+    )

@@ -10,10 +10,18 @@ STEEL = {"e": 2.1e11, "g": 8.1e10, "rho": 7850.0}
 def bending(ei, mass, length, sign):
     """Stiffness and consistent mass of (deflection, slope) at both ends; sign = -1 where slope = -dw/dx."""
     s = sign * length
-    shape_k = [[12, 6 * s, -12, 6 * s], [6 * s, 4 * s * s, -6 * s, 2 * s * s],
-               [-12, -6 * s, 12, -6 * s], [6 * s, 2 * s * s, -6 * s, 4 * s * s]]
-    shape_m = [[156, 22 * s, 54, -13 * s], [22 * s, 4 * s * s, 13 * s, -3 * s * s],
-               [54, 13 * s, 156, -22 * s], [-13 * s, -3 * s * s, -22 * s, 4 * s * s]]
+    shape_k = [
+        [12, 6 * s, -12, 6 * s],
+        [6 * s, 4 * s * s, -6 * s, 2 * s * s],
+        [-12, -6 * s, 12, -6 * s],
+        [6 * s, 2 * s * s, -6 * s, 4 * s * s],
+    ]
+    shape_m = [
+        [156, 22 * s, 54, -13 * s],
+        [22 * s, 4 * s * s, 13 * s, -3 * s * s],
+        [54, 13 * s, 156, -22 * s],
+        [-13 * s, -3 * s * s, -22 * s, 4 * s * s],
+    ]
     return ei / length**3 * np.array(shape_k), mass / 420 * np.array(shape_m)
 
 
@@ -27,12 +35,15 @@ def beam(length, diameter, wall, dimension):
     inner = diameter - 2 * wall
     area, inertia = np.pi / 4 * (diameter**2 - inner**2), np.pi / 64 * (diameter**4 - inner**4)
     mass, ei = STEEL["rho"] * area * length, STEEL["e"] * inertia
-    parts = {2: [((0, 3), rod(STEEL["e"] * area / length, mass)),
-                 ((1, 2, 4, 5), bending(ei, mass, length, 1))],
-             3: [((0, 6), rod(STEEL["e"] * area / length, mass)),
-                 ((3, 9), rod(STEEL["g"] * 2 * inertia / length, mass * 2 * inertia / area)),
-                 ((1, 5, 7, 11), bending(ei, mass, length, 1)),
-                 ((2, 4, 8, 10), bending(ei, mass, length, -1))]}[dimension]
+    parts = {
+        2: [((0, 3), rod(STEEL["e"] * area / length, mass)), ((1, 2, 4, 5), bending(ei, mass, length, 1))],
+        3: [
+            ((0, 6), rod(STEEL["e"] * area / length, mass)),
+            ((3, 9), rod(STEEL["g"] * 2 * inertia / length, mass * 2 * inertia / area)),
+            ((1, 5, 7, 11), bending(ei, mass, length, 1)),
+            ((2, 4, 8, 10), bending(ei, mass, length, -1)),
+        ],
+    }[dimension]
     n = 6 if dimension == 2 else 12
     k_mat, m_mat = np.zeros((n, n)), np.zeros((n, n))
     for dofs, (k, m) in parts:
@@ -64,7 +75,7 @@ def assemble(nodes, elements, tubes):
         length = np.linalg.norm(along)
         turn = rotation(along / length)
         k, m = beam(length, diameter, wall, dimension)
-        dofs = np.r_[per_node * a:per_node * (a + 1), per_node * b:per_node * (b + 1)]
+        dofs = np.r_[per_node * a : per_node * (a + 1), per_node * b : per_node * (b + 1)]
         k_mat[np.ix_(dofs, dofs)] += turn.T @ k @ turn
         m_mat[np.ix_(dofs, dofs)] += turn.T @ m @ turn
     return (k_mat + k_mat.T) / 2, (m_mat + m_mat.T) / 2

@@ -44,16 +44,18 @@ def frame(n, rng):
     if rng.random() < 0.5:
         k_mat[np.diag_indices(n)] += np.where(rng.random(n) < 0.2, 1e4, 0.0)
     m_mat = np.diag(rng.uniform(0.2, 2.0, n))
-    for a, b in edges[:n // 2]:
+    for a, b in edges[: n // 2]:
         m_mat[np.ix_([a, b], [a, b])] += rng.uniform(0.01, 0.1) * np.array([[2.0, 1.0], [1.0, 2.0]])
     return k_mat, m_mat
 
 
 def spd(n, rng):
     """Two sparse symmetric positive definite matrices without any structure in common."""
+
     def one(shift):
         factor = np.where(rng.random((n, n)) < 2.0 / n, rng.standard_normal((n, n)), 0.0)
         return factor @ factor.T + shift * np.eye(n)
+
     return 1e4 * one(0.3), one(0.5)
 
 
@@ -66,8 +68,8 @@ def symmetric(n, rng):
     shape = rng.integers(0, 3)
     if shape == 0:
         half_m, half_k = rng.uniform(0.9, 1.1, (n + 1) // 2), 1e4 * rng.uniform(0.9, 1.1, n // 2)
-        masses = np.r_[half_m, half_m[:n // 2][::-1]]
-        springs = np.r_[half_k, half_k[:n - 1 - n // 2][::-1]]
+        masses = np.r_[half_m, half_m[: n // 2][::-1]]
+        springs = np.r_[half_k, half_k[: n - 1 - n // 2][::-1]]
         k_mat = laplacian(n, [(j, j + 1, k) for j, k in enumerate(springs)])
         k_mat[[0, -1], [0, -1]] += 2e4 * (rng.random() < 0.4)
         return k_mat, np.diag(masses)

@@ -59,8 +59,10 @@ class Structure:
 
         The roots of det(K + s C + s^2 M)_ik = 0 as eigenvalues of the companion pencil.
         """
-        k, c, m = (np.delete(np.delete(a, response, 0), self.excitation, 1)
-                   for a in (self.stiffness, self.damping, self.mass))
+        k, c, m = (
+            np.delete(np.delete(a, response, 0), self.excitation, 1)
+            for a in (self.stiffness, self.damping, self.mass)
+        )
         n = len(k)
         # s = s' w0 brings the blocks to one size.
         w0 = np.sqrt(np.abs(np.diag(self.stiffness)).max() / np.diag(self.mass).max())
@@ -79,10 +81,10 @@ class Structure:
         force[self.excitation] = 1.0
         out = np.empty((len(self.responses), w.size), complex)
         for a in range(0, w.size, 4096):
-            part = w[a:a + 4096, None, None]
+            part = w[a : a + 4096, None, None]
             dynamic = self.stiffness + 1j * part * self.damping - part**2 * self.mass
             x = np.linalg.solve(dynamic, force)[:, self.responses, 0]
-            out[:, a:a + 4096] = (-part[:, :, 0]**2 * x).T
+            out[:, a : a + 4096] = (-(part[:, :, 0] ** 2) * x).T
         return out
 
     def record(self, *, noise=0.0, seed=0, duration_s=200.0, sensors="white"):
@@ -91,8 +93,15 @@ class Structure:
             if sensors != "white":
                 raise ValueError("MatrixModel.simulate offers white noise only")
             return ar.MatrixModel(self.stiffness, self.mass).simulate(
-                excitation=self.excitation, fs_hz=FS_HZ, duration_s=duration_s, damping_ratio=DAMPING_RATIO,
-                band_hz=(0.0, 0.45 * FS_HZ), noise=noise, responses=list(self.responses), rng=seed)
+                excitation=self.excitation,
+                fs_hz=FS_HZ,
+                duration_s=duration_s,
+                damping_ratio=DAMPING_RATIO,
+                band_hz=(0.0, 0.45 * FS_HZ),
+                noise=noise,
+                responses=list(self.responses),
+                rng=seed,
+            )
         rng = np.random.default_rng(seed)
         n = round(duration_s * FS_HZ)
         freq = np.fft.rfftfreq(2 * n, 1 / FS_HZ)
@@ -102,7 +111,7 @@ class Structure:
         both = np.zeros((len(self.responses) + 1, freq.size), complex)
         both[:-1, inside] = self.accelerance(freq[inside]) * spectrum[inside]
         both[-1] = spectrum
-        x = np.fft.irfft(both, 2 * n)[:, n // 2:n // 2 + n]
+        x = np.fft.irfft(both, 2 * n)[:, n // 2 : n // 2 + n]
         x[:-1] += sensor_noise(x[:-1].std(axis=1), n, noise, sensors, rng)
         return ar.Recording(x[:-1], FS_HZ, dofs=list(self.responses), force=x[-1])
 
@@ -124,7 +133,7 @@ def sensor_noise(rms, n, noise, sensors, rng):
     freq = np.fft.rfftfreq(n, 1 / FS_HZ)
     shape = np.zeros(freq.size)
     if sensors == "pink":
-        shape[freq >= 0.1] = freq[freq >= 0.1]**-0.5
+        shape[freq >= 0.1] = freq[freq >= 0.1] ** -0.5
     else:
         slow = (freq >= 0.02) & (freq <= 1.0)
         shape[slow] = 1.0 / freq[slow]
@@ -142,15 +151,23 @@ def modal_damping_matrix(stiffness, mass, ratio=DAMPING_RATIO):
     return left @ np.diag(2 * ratio * w) @ left.T
 
 
-def structure(stiffness, mass, *, excitation=0, responses=None, added_damping=0.0, band_hz=None,
-              by_model=False):
+def structure(
+    stiffness, mass, *, excitation=0, responses=None, added_damping=0.0, band_hz=None, by_model=False
+):
     """With one per cent of modal damping, all dofs measured and the band up to above the highest mode."""
     if band_hz is None:
         highest = np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)[-1]) / (2 * np.pi)
         band_hz = (LOWEST_HZ, float(min(HEADROOM * highest, 0.44 * FS_HZ)))
     dofs = tuple(range(len(mass))) if responses is None else tuple(responses)
-    return Structure(stiffness, mass, modal_damping_matrix(stiffness, mass) + added_damping, excitation,
-                     dofs, band_hz, by_model)
+    return Structure(
+        stiffness,
+        mass,
+        modal_damping_matrix(stiffness, mass) + added_damping,
+        excitation,
+        dofs,
+        band_hz,
+        by_model,
+    )
 
 
 def chain8(seed):
@@ -161,8 +178,10 @@ def chain8(seed):
 def random_chain(seed, excitation=0):
     """Eight masses and seven springs, each within 50 % of those of the eight-mass chain."""
     rng = np.random.default_rng([seed, 1])
-    return structure(*chain_matrices(CHAIN8_MASSES * rng.uniform(0.5, 1.5, 8),
-                                     CHAIN8_SPRINGS * rng.uniform(0.5, 1.5, 7)), excitation=excitation)
+    return structure(
+        *chain_matrices(CHAIN8_MASSES * rng.uniform(0.5, 1.5, 8), CHAIN8_SPRINGS * rng.uniform(0.5, 1.5, 7)),
+        excitation=excitation,
+    )
 
 
 def random_chain_inner_force(seed):
@@ -175,7 +194,9 @@ def dashpot_between(seed):
     rng = np.random.default_rng([seed, 2])
     at = int(rng.integers(7))
     c = np.zeros((8, 8))
-    c[at:at + 2, at:at + 2] = rng.uniform(0.05, 0.2) * CHAIN8_IMPEDANCE * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    c[at : at + 2, at : at + 2] = (
+        rng.uniform(0.05, 0.2) * CHAIN8_IMPEDANCE * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    )
     return structure(*chain8_matrices(), added_damping=c)
 
 
@@ -205,7 +226,7 @@ def full_stiffness(seed):
         stiffness = factor @ factor.T + 0.05 * np.eye(8)
         mass = np.diag(0.42 * rng.uniform(0.8, 1.2, 8))
         highest = scipy.linalg.eigvalsh(stiffness, mass)[-1]
-        drawn = structure(stiffness * (2 * np.pi * 115.0)**2 / highest, mass)
+        drawn = structure(stiffness * (2 * np.pi * 115.0) ** 2 / highest, mass)
         if sum(f.size for f in drawn.truth().values()) == FULL_ZEROS:
             return drawn
 
@@ -230,13 +251,28 @@ def beam_matrices(start, end, thickness_m):
     axial, bending = np.ix_([0, 3], [0, 3]), np.ix_([1, 2, 4, 5], [1, 2, 4, 5])
     a = length
     k[axial] = ea * np.array([[1, -1], [-1, 1]])
-    k[bending] = ei * np.array([[12, 6 * a, -12, 6 * a], [6 * a, 4 * a**2, -6 * a, 2 * a**2],
-                                [-12, -6 * a, 12, -6 * a], [6 * a, 2 * a**2, -6 * a, 4 * a**2]])
+    k[bending] = ei * np.array(
+        [
+            [12, 6 * a, -12, 6 * a],
+            [6 * a, 4 * a**2, -6 * a, 2 * a**2],
+            [-12, -6 * a, 12, -6 * a],
+            [6 * a, 2 * a**2, -6 * a, 4 * a**2],
+        ]
+    )
     weight = STEEL_KG_PER_M3 * area * length
     m[axial] = weight / 6 * np.array([[2, 1], [1, 2]])
-    m[bending] = weight / 420 * np.array([
-        [156, 22 * a, 54, -13 * a], [22 * a, 4 * a**2, 13 * a, -3 * a**2],
-        [54, 13 * a, 156, -22 * a], [-13 * a, -3 * a**2, -22 * a, 4 * a**2]])
+    m[bending] = (
+        weight
+        / 420
+        * np.array(
+            [
+                [156, 22 * a, 54, -13 * a],
+                [22 * a, 4 * a**2, 13 * a, -3 * a**2],
+                [54, 13 * a, 156, -22 * a],
+                [-13 * a, -3 * a**2, -22 * a, 4 * a**2],
+            ]
+        )
+    )
     cos, sin = along / length
     turn = scipy.linalg.block_diag(*[[[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]] * 2)
     return turn.T @ k @ turn, turn.T @ m @ turn
@@ -256,8 +292,10 @@ def portal_frame(seed):
     parts = []
     for a, b in members:
         inner = list(range(len(nodes), len(nodes) + DIVISIONS - 1))
-        nodes += [tuple(np.add(corners[a], np.subtract(corners[b], corners[a]) * i / DIVISIONS))
-                  for i in range(1, DIVISIONS)]
+        nodes += [
+            tuple(np.add(corners[a], np.subtract(corners[b], corners[a]) * i / DIVISIONS))
+            for i in range(1, DIVISIONS)
+        ]
         across += [int(corners[a][1] == corners[b][1])] * (DIVISIONS - 1)
         path = [a, *inner, b]
         thickness = 6e-3 * rng.uniform(0.85, 1.15)
@@ -265,16 +303,22 @@ def portal_frame(seed):
     size = 3 * len(nodes)
     stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
     for p, q, thickness in parts:
-        dofs = np.ix_(*[np.r_[3 * p:3 * p + 3, 3 * q:3 * q + 3]] * 2)
+        dofs = np.ix_(*[np.r_[3 * p : 3 * p + 3, 3 * q : 3 * q + 3]] * 2)
         k, m = beam_matrices(nodes[p], nodes[q], thickness)
         stiffness[dofs] += k
         mass[dofs] += m
     for node in rng.choice(np.arange(2, len(nodes)), 4, replace=False):
-        mass[3 * node:3 * node + 2, 3 * node:3 * node + 2] += rng.uniform(0.1, 0.4) * np.eye(2)
+        mass[3 * node : 3 * node + 2, 3 * node : 3 * node + 2] += rng.uniform(0.1, 0.4) * np.eye(2)
     free = slice(6, None)  # the two feet are clamped
     sensors = [3 * node + across[node] - 6 for node in range(2, len(nodes))]
-    return structure(stiffness[free, free], mass[free, free], excitation=sensors[0], responses=sensors,
-                     band_hz=(LOWEST_HZ, 200.0), by_model=True)
+    return structure(
+        stiffness[free, free],
+        mass[free, free],
+        excitation=sensors[0],
+        responses=sensors,
+        band_hz=(LOWEST_HZ, 200.0),
+        by_model=True,
+    )
 
 
 #: Name: (maker, kind of sensor noise).

@@ -43,8 +43,10 @@ def compare(model, k_mat, m_mat, i, k):
         return "skipped", 0.0, ""
     roots = oracle.freq_hz(low, high)
     seen = roots[~cancelled(k_mat, m_mat, i, k, roots)]
-    text = (f"n = {len(k_mat)}, ({i}, {k}): modal {everything.size}, scipy {roots.size}; "
-            f"without cancelled {visible.size}, scipy {seen.size}")
+    text = (
+        f"n = {len(k_mat)}, ({i}, {k}): modal {everything.size}, scipy {roots.size}; "
+        f"without cancelled {visible.size}, scipy {seen.size}"
+    )
     if everything.size != roots.size or visible.size != seen.size:
         return "miss", 0.0, text
     both = np.concatenate([np.abs(everything / roots - 1.0), np.abs(visible / seen - 1.0), [0.0]])
@@ -64,9 +66,11 @@ def test_random_models(kind):
         outcomes += [(*compare(model, k_mat, m_mat, i, k), seed) for i, k in pairs]
     states = [state for state, *_ in outcomes]
     apart = np.array([difference for state, difference, *_ in outcomes if state == "ok"])
-    print(f"\n{kind}: {MODELS} models, {len(outcomes)} pairs, {states.count('skipped')} skipped, "
-          f"{states.count('miss')} with a miss; relative difference q50 {np.quantile(apart, 0.5):.1e}, "
-          f"q99 {np.quantile(apart, 0.99):.1e}, max {apart.max():.1e}")
+    print(
+        f"\n{kind}: {MODELS} models, {len(outcomes)} pairs, {states.count('skipped')} skipped, "
+        f"{states.count('miss')} with a miss; relative difference q50 {np.quantile(apart, 0.5):.1e}, "
+        f"q99 {np.quantile(apart, 0.99):.1e}, max {apart.max():.1e}"
+    )
     missed = [f"seed {seed}, {text}" for state, _, text, seed in outcomes if state == "miss"]
     worst = max(outcomes, key=lambda outcome: outcome[1])
     assert not missed, f"{len(missed)} of {len(outcomes)}: " + "; ".join(missed[:10])
@@ -109,8 +113,9 @@ def test_antiresonances_are_reciprocal():
     model = ar.cases.chain8(perturbation=0.08, rng=2).true_model()
     for i in range(8):
         for k in range(i):
-            np.testing.assert_allclose(model.antiresonances(i, k), model.antiresonances(k, i),
-                                       rtol=CLOSED_FORM)
+            np.testing.assert_allclose(
+                model.antiresonances(i, k), model.antiresonances(k, i), rtol=CLOSED_FORM
+            )
 
 
 def test_a_double_zero_of_a_mirrored_pair_is_found_twice():
@@ -120,8 +125,9 @@ def test_a_double_zero_of_a_mirrored_pair_is_found_twice():
     k_mat, m_mat = chain.stiffness()[:3, :3], chain.mass()[:3, :3]
     ends = hertz(scipy.linalg.eigvalsh(k_mat, m_mat))
     for method in ("modal", "pencil"):
-        np.testing.assert_allclose(chain.antiresonances(5, 3, method=method), np.repeat(ends, 2),
-                                   rtol=AGAINST_SCIPY)
+        np.testing.assert_allclose(
+            chain.antiresonances(5, 3, method=method), np.repeat(ends, 2), rtol=AGAINST_SCIPY
+        )
 
 
 def test_far_apart_dofs_of_a_random_chain_have_the_zeros_of_its_ends_and_no_other():
@@ -130,8 +136,9 @@ def test_far_apart_dofs_of_a_random_chain_have_the_zeros_of_its_ends_and_no_othe
     n, i, k = 40, 33, 6
     chain = ar.MassSpringChain(rng.uniform(0.5, 2.0, n), 1e4 * rng.uniform(0.5, 2.0, n - 1))
     k_mat, m_mat = chain.stiffness(), chain.mass()
-    ends = [scipy.linalg.eigvalsh(k_mat[part, part], m_mat[part, part])
-            for part in (slice(0, k), slice(i + 1, n))]
+    ends = [
+        scipy.linalg.eigvalsh(k_mat[part, part], m_mat[part, part]) for part in (slice(0, k), slice(i + 1, n))
+    ]
     found = chain.antiresonances(i, k, include_cancelled=True)
     np.testing.assert_allclose(found, np.sort(hertz(np.concatenate(ends))), rtol=AGAINST_SCIPY)
 
@@ -145,8 +152,11 @@ def test_massless_dofs_equal_the_condensed_model(method):
     mass[::2, ::2] = np.diag(masses)
     model = ar.MatrixModel(joints.stiffness(), scipy.sparse.csc_array(mass))
     condensed = ar.MassSpringChain(masses, [k] * 3)
-    for got, wanted in zip(model.antiresonances([0, 2, 4, 6], 0, method=method),
-                           condensed.antiresonances(range(4), 0), strict=True):
+    for got, wanted in zip(
+        model.antiresonances([0, 2, 4, 6], 0, method=method),
+        condensed.antiresonances(range(4), 0),
+        strict=True,
+    ):
         np.testing.assert_allclose(got, wanted, rtol=CLOSED_FORM)
     np.testing.assert_allclose(model.modes().freq_hz[1:], condensed.modes().freq_hz[1:], rtol=CLOSED_FORM)
     assert len(model.modes()) == 4
@@ -174,8 +184,14 @@ def test_frf_against_the_direct_inverse(kind, power):
     zeta = np.random.default_rng(5).uniform(0.002, 0.05, n)
     c_mat = m_mat @ phi @ np.diag(2 * zeta * np.sqrt(np.maximum(lam, 0.0))) @ phi.T @ m_mat
     freq = np.linspace(0.3, 1.1, 7) * hertz(lam[-1])
-    direct = np.stack([(2j * np.pi * f) ** power * np.linalg.inv(
-        k_mat + 2j * np.pi * f * c_mat - (2 * np.pi * f) ** 2 * m_mat)[:, 1] for f in freq], axis=1)
+    direct = np.stack(
+        [
+            (2j * np.pi * f) ** power
+            * np.linalg.inv(k_mat + 2j * np.pi * f * c_mat - (2 * np.pi * f) ** 2 * m_mat)[:, 1]
+            for f in freq
+        ],
+        axis=1,
+    )
     ours = ar.MatrixModel(k_mat, m_mat).frf(range(n), 1, freq, damping_ratio=zeta, kind=kind)
     np.testing.assert_allclose(ours, direct, rtol=0, atol=FRF * np.abs(direct).max())
 

@@ -8,14 +8,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from antires_rs.measured.columns import table
-from antires_rs.measured.antiresonance_set import AntiresonanceSet, Edit
 from antires_rs.exceptions import InvalidInputError, MissingDependencyError
+from antires_rs.measured.antiresonance_set import AntiresonanceSet, Edit
+from antires_rs.measured.columns import table
 
 
 def example():
-    return AntiresonanceSet("hammer", {0: [36.2, 12.1], "tip": 8.0, 2: []},
-                            damping_ratio={0: [0.02, 0.01]}, std_hz={0: [0.2, 0.1], 2: []})
+    return AntiresonanceSet(
+        "hammer",
+        {0: [36.2, 12.1], "tip": 8.0, 2: []},
+        damping_ratio={0: [0.02, 0.01]},
+        std_hz={0: [0.2, 0.1], 2: []},
+    )
 
 
 def test_it_is_a_mapping_in_ascending_order():
@@ -69,25 +73,29 @@ def damage(change):
     def apply(data):
         change(data)
         return json.dumps(data)
+
     return apply
 
 
-@pytest.mark.parametrize("text", [
-    lambda data: json.dumps(data)[:-20],
-    lambda _: "\x00\x01",
-    lambda _: "[1, 2]",
-    damage(lambda d: d.update(format="other")),
-    damage(lambda d: d.update(version=99)),
-    damage(lambda d: d.update(version="1")),
-    damage(lambda d: d.pop("dofs")),
-    damage(lambda d: d.update(dofs=[])),
-    damage(lambda d: d["dofs"].append(d["dofs"][0])),
-    damage(lambda d: d["dofs"][0].pop("freq_hz")),
-    damage(lambda d: d["dofs"][0].update(freq_hz=[1.0, None])),
-    damage(lambda d: d["dofs"][0].update(freq_hz=[-1.0, 2.0])),
-    damage(lambda d: d["dofs"][0].update(damping_ratio=[0.1])),
-    damage(lambda d: d.update(excitation=[0])),
-])
+@pytest.mark.parametrize(
+    "text",
+    [
+        lambda data: json.dumps(data)[:-20],
+        lambda _: "\x00\x01",
+        lambda _: "[1, 2]",
+        damage(lambda d: d.update(format="other")),
+        damage(lambda d: d.update(version=99)),
+        damage(lambda d: d.update(version="1")),
+        damage(lambda d: d.pop("dofs")),
+        damage(lambda d: d.update(dofs=[])),
+        damage(lambda d: d["dofs"].append(d["dofs"][0])),
+        damage(lambda d: d["dofs"][0].pop("freq_hz")),
+        damage(lambda d: d["dofs"][0].update(freq_hz=[1.0, None])),
+        damage(lambda d: d["dofs"][0].update(freq_hz=[-1.0, 2.0])),
+        damage(lambda d: d["dofs"][0].update(damping_ratio=[0.1])),
+        damage(lambda d: d.update(excitation=[0])),
+    ],
+)
 def test_a_damaged_file_is_named(tmp_path, text):
     path = tmp_path / "set.json"
     example().save(path)
@@ -99,8 +107,9 @@ def test_a_damaged_file_is_named(tmp_path, text):
 def test_equality():
     assert example() == example()
     assert example() != AntiresonanceSet("hammer", {0: [36.2, 12.1], "tip": 8.0, 2: []})
-    assert example() != AntiresonanceSet(1, {0: [36.2, 12.1], "tip": 8.0, 2: []}, {0: [0.02, 0.01]},
-                                         {0: [0.2, 0.1], 2: []})
+    assert example() != AntiresonanceSet(
+        1, {0: [36.2, 12.1], "tip": 8.0, 2: []}, {0: [0.02, 0.01]}, {0: [0.2, 0.1], 2: []}
+    )
     assert example() != "a string"
 
 
@@ -126,20 +135,23 @@ def test_dataframe_without_pandas_says_what_to_install(monkeypatch):
         example().to_dataframe()
 
 
-@pytest.mark.parametrize(("args", "name"), [
-    ((0, {}), "freq_hz"),
-    ((0, [1.0, 2.0]), "freq_hz"),
-    ((0, {0: [1.0, -2.0]}), "freq_hz"),
-    ((0, {0: [0.0]}), "freq_hz"),
-    ((0, {0: [np.nan]}), "freq_hz"),
-    ((0, {0: ["x"]}), "freq_hz"),
-    ((0, {1.5: [1.0]}), "freq_hz"),
-    ((None, {0: [1.0]}), "excitation"),
-    ((0, {0: [1.0]}, {1: [0.1]}), "damping_ratio"),
-    ((0, {0: [1.0]}, {0: [0.1, 0.2]}), "damping_ratio"),
-    ((0, {0: [1.0]}, [0.1]), "damping_ratio"),
-    ((0, {0: [1.0]}, None, {0: [-0.1]}), "std_hz"),
-])
+@pytest.mark.parametrize(
+    ("args", "name"),
+    [
+        ((0, {}), "freq_hz"),
+        ((0, [1.0, 2.0]), "freq_hz"),
+        ((0, {0: [1.0, -2.0]}), "freq_hz"),
+        ((0, {0: [0.0]}), "freq_hz"),
+        ((0, {0: [np.nan]}), "freq_hz"),
+        ((0, {0: ["x"]}), "freq_hz"),
+        ((0, {1.5: [1.0]}), "freq_hz"),
+        ((None, {0: [1.0]}), "excitation"),
+        ((0, {0: [1.0]}, {1: [0.1]}), "damping_ratio"),
+        ((0, {0: [1.0]}, {0: [0.1, 0.2]}), "damping_ratio"),
+        ((0, {0: [1.0]}, [0.1]), "damping_ratio"),
+        ((0, {0: [1.0]}, None, {0: [-0.1]}), "std_hz"),
+    ],
+)
 def test_bad_arguments_are_named(args, name):
     with pytest.raises(InvalidInputError, match=f"^{name}.*: got "):
         AntiresonanceSet(*args)
@@ -149,11 +161,20 @@ def test_bad_arguments_are_named(args, name):
 
 
 def scored():
-    return AntiresonanceSet(0, {0: [36.2, 12.2, 20.0], 1: [8.0], 2: []},
-                            damping_ratio={0: [0.02, 0.01, 0.03]}, std_hz={0: [0.2, 0.1, 0.3], 2: []},
-                            diagrams={0: "diagram"},
-                            scores={0: {"rows": [30, 11, 25], "how": ["chain", "persistent", "chain"],
-                                        "residual": [0.01, np.nan, 0.03]}})
+    return AntiresonanceSet(
+        0,
+        {0: [36.2, 12.2, 20.0], 1: [8.0], 2: []},
+        damping_ratio={0: [0.02, 0.01, 0.03]},
+        std_hz={0: [0.2, 0.1, 0.3], 2: []},
+        diagrams={0: "diagram"},
+        scores={
+            0: {
+                "rows": [30, 11, 25],
+                "how": ["chain", "persistent", "chain"],
+                "residual": [0.01, np.nan, 0.03],
+            }
+        },
+    )
 
 
 def test_dropping_leaves_the_set_as_it_was_and_keeps_a_record():
@@ -180,8 +201,12 @@ def test_several_at_once_and_in_order():
     assert after[1].tolist() == [5.0, 8.0, 30.0]
     np.testing.assert_array_equal(after.damping_ratio[1], [0.01, np.nan, 0.02])
     np.testing.assert_array_equal(after.std_hz[1], [0.5, np.nan, 0.5])
-    assert [(e.action, e.freq_hz) for e in after.edits] == [("drop", 36.2), ("drop", 12.2), ("add", 5.0),
-                                                           ("add", 30.0)]
+    assert [(e.action, e.freq_hz) for e in after.edits] == [
+        ("drop", 36.2),
+        ("drop", 12.2),
+        ("add", 5.0),
+        ("add", 30.0),
+    ]
     assert after.original() == scored()
 
 
@@ -205,7 +230,8 @@ def test_what_was_added_can_be_dropped_again():
 
 def test_the_table_tells_of_edits():
     assert str(scored().drop(0, 12.2, reason="hum").add(1, 9.0)).splitlines()[-1] == (
-        "edited by hand: dropped 12.20 Hz at dof 0 (hum); added 9.00 Hz at dof 1")
+        "edited by hand: dropped 12.20 Hz at dof 0 (hum); added 9.00 Hz at dof 1"
+    )
     assert "by hand" not in str(scored())
 
 
@@ -227,21 +253,26 @@ def test_edits_survive_the_file(tmp_path):
 
 def test_files_of_version_1_still_load(tmp_path):
     path = tmp_path / "old.json"
-    path.write_text('{"format": "antires_rs.AntiresonanceSet", "version": 1, "excitation": 0, "dofs": ['
-                    '{"dof": 0, "freq_hz": [1.0, 2.0], "damping_ratio": [0.1, 0.2]}, '
-                    '{"dof": 1, "freq_hz": []}]}')
+    path.write_text(
+        '{"format": "antires_rs.AntiresonanceSet", "version": 1, "excitation": 0, "dofs": ['
+        '{"dof": 0, "freq_hz": [1.0, 2.0], "damping_ratio": [0.1, 0.2]}, '
+        '{"dof": 1, "freq_hz": []}]}'
+    )
     assert AntiresonanceSet.load(path) == AntiresonanceSet(0, {0: [1.0, 2.0], 1: []}, {0: [0.1, 0.2]})
 
 
-@pytest.mark.parametrize("change", [
-    lambda d: d.pop("before_edits"),
-    lambda d: d["edits"][0].update(action="moved"),
-    lambda d: d["edits"][0].pop("freq_hz"),
-    lambda d: d["edits"][0].update(freq_hz="12"),
-    lambda d: d["edits"][0].update(more=1),
-    lambda d: d.update(edits=3),
-    lambda d: d["dofs"][0]["scores"]["rows"].pop(),
-])
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda d: d.pop("before_edits"),
+        lambda d: d["edits"][0].update(action="moved"),
+        lambda d: d["edits"][0].pop("freq_hz"),
+        lambda d: d["edits"][0].update(freq_hz="12"),
+        lambda d: d["edits"][0].update(more=1),
+        lambda d: d.update(edits=3),
+        lambda d: d["dofs"][0]["scores"]["rows"].pop(),
+    ],
+)
 def test_damaged_edits_are_named(tmp_path, change):
     path = tmp_path / "set.json"
     scored().drop(0, 12.2).save(path)
@@ -252,27 +283,35 @@ def test_damaged_edits_are_named(tmp_path, change):
         AntiresonanceSet.load(path)
 
 
-@pytest.mark.parametrize(("call", "said"), [
-    (lambda s: s.drop(0, 14.0), r"^freq_hz: got 14 Hz at dof 0, which has 12.200, 20.000, 36.200 Hz; wanted"),
-    (lambda s: s.drop(0, 12.4, tol_hz=0.1), "within 0.1 Hz"),
-    (lambda s: s.drop(2, 14.0), "dof 2, which has no value"),
-    (lambda s: s.drop(0, [12.2, 12.21]), "12.200 Hz of dof 0 meant twice"),
-    (lambda s: s.drop(5, 14.0), r"^dof: got 5; wanted one of \(0, 1, 2\)"),
-    (lambda s: s.drop(0, []), "^freq_hz: got an empty array"),
-    (lambda s: s.drop(0, -1.0), "^freq_hz: got -1 Hz"),
-    (lambda s: s.drop(0, 12.2, tol_hz=-1.0), "^tol_hz"),
-    (lambda s: s.drop(0, 12.2, reason=3), "^reason"),
-    (lambda s: s.add(0, 12.2 * (1 + 1e-10)), "which is there already"),
-    (lambda s: s.add(0, [5.0, 5.0]), "which is given twice"),
-    (lambda s: s.add(0, np.nan), "^freq_hz"),
-    (lambda s: s.add(7, 1.0), "^dof: got 7"),
-    (lambda s: s.add(0, [5.0, 6.0, 7.0], std_hz=[1.0, 2.0]),
-     "^std_hz: got 2 values; wanted one finite number in Hz, or 3"),
-    (lambda s: s.add(0, 5.0, std_hz=-1.0), "^std_hz: got -1 Hz"),
-    (lambda s: s.add(0, 5.0, damping_ratio=np.inf), "^damping_ratio"),
-    (lambda s: s.plot(0, kind="round"), "^kind"),
-    (lambda s: s.plot(1), "^dof: got 1, which has no stabilization diagram"),
-])
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (
+            lambda s: s.drop(0, 14.0),
+            r"^freq_hz: got 14 Hz at dof 0, which has 12.200, 20.000, 36.200 Hz; wanted",
+        ),
+        (lambda s: s.drop(0, 12.4, tol_hz=0.1), "within 0.1 Hz"),
+        (lambda s: s.drop(2, 14.0), "dof 2, which has no value"),
+        (lambda s: s.drop(0, [12.2, 12.21]), "12.200 Hz of dof 0 meant twice"),
+        (lambda s: s.drop(5, 14.0), r"^dof: got 5; wanted one of \(0, 1, 2\)"),
+        (lambda s: s.drop(0, []), "^freq_hz: got an empty array"),
+        (lambda s: s.drop(0, -1.0), "^freq_hz: got -1 Hz"),
+        (lambda s: s.drop(0, 12.2, tol_hz=-1.0), "^tol_hz"),
+        (lambda s: s.drop(0, 12.2, reason=3), "^reason"),
+        (lambda s: s.add(0, 12.2 * (1 + 1e-10)), "which is there already"),
+        (lambda s: s.add(0, [5.0, 5.0]), "which is given twice"),
+        (lambda s: s.add(0, np.nan), "^freq_hz"),
+        (lambda s: s.add(7, 1.0), "^dof: got 7"),
+        (
+            lambda s: s.add(0, [5.0, 6.0, 7.0], std_hz=[1.0, 2.0]),
+            "^std_hz: got 2 values; wanted one finite number in Hz, or 3",
+        ),
+        (lambda s: s.add(0, 5.0, std_hz=-1.0), "^std_hz: got -1 Hz"),
+        (lambda s: s.add(0, 5.0, damping_ratio=np.inf), "^damping_ratio"),
+        (lambda s: s.plot(0, kind="round"), "^kind"),
+        (lambda s: s.plot(1), "^dof: got 1, which has no stabilization diagram"),
+    ],
+)
 def test_what_cannot_be_edited_is_told(call, said):
     with pytest.raises(InvalidInputError, match=said):
         call(scored())
@@ -302,8 +341,18 @@ def test_rows_of_the_data_frame():
     names, rows = table(scored().drop(0, 20.0).add(0, 15.0, damping_ratio=0.05))
     assert names == ["dof", "freq_hz", "damping_ratio", "std_hz", "source", "rows", "how", "residual"]
     assert [(r["freq_hz"], r["source"], r["how"]) for r in rows[:3]] == [
-        (12.2, "identified", "persistent"), (15.0, "by hand", "by hand"), (36.2, "identified", "chain")]
+        (12.2, "identified", "persistent"),
+        (15.0, "by hand", "by hand"),
+        (36.2, "identified", "chain"),
+    ]
     assert rows[1]["damping_ratio"] == 0.05
-    assert rows[3] == {"dof": 1, "freq_hz": 8.0, "damping_ratio": pytest.approx(np.nan, nan_ok=True),
-                       "std_hz": pytest.approx(np.nan, nan_ok=True), "source": "identified", "rows": None,
-                       "how": None, "residual": None}
+    assert rows[3] == {
+        "dof": 1,
+        "freq_hz": 8.0,
+        "damping_ratio": pytest.approx(np.nan, nan_ok=True),
+        "std_hz": pytest.approx(np.nan, nan_ok=True),
+        "source": "identified",
+        "rows": None,
+        "how": None,
+        "residual": None,
+    }

@@ -52,13 +52,17 @@ def test_functions_document_every_parameter(name):
     function = getattr(ar, name)
     text = inspect.getdoc(function)
     section = re.search(r"Parameters\n-+\n(.*?)\n\n(?:Returns|Yields)\n", text, re.DOTALL)[1]
-    named = {n.strip() for line in re.findall(r"^([\w, ]+?)(?: :.*)?$", section, re.MULTILINE)
-             for n in line.split(",")}
+    named = {
+        n.strip()
+        for line in re.findall(r"^([\w, ]+?)(?: :.*)?$", section, re.MULTILINE)
+        for n in line.split(",")
+    }
     assert set(inspect.signature(function).parameters) <= named
 
 
 def test_the_version_is_the_packages():
     from importlib.metadata import version
+
     assert ar.__version__ == version("antires-rs")
     if IN_SOURCE_TREE:
         workspace = tomllib.loads((ROOT / "Cargo.toml").read_text())
@@ -72,8 +76,12 @@ def test_the_package_is_typed():
 
 def test_the_stub_is_that_of_the_built_module(tmp_path):
     pytest.importorskip("mypy")
-    done = subprocess.run([sys.executable, "-m", "mypy.stubtest", "antires_rs._core"], capture_output=True,
-                          text=True, cwd=tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy.stubtest", "antires_rs._core"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+    )
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -103,8 +111,12 @@ def test_the_core_knows_neither_python_nor_numpy():
 def test_the_optimizer_sees_no_structure():
     """It knows f(x) only; linalg knows no models; the signal side meets the models in AntiresonanceSet."""
     core = ROOT / "rust/antires-core/src"
-    forbidden = {"optimize": "fem|modal|update|linalg", "linalg": "fem|modal|optimize|update",
-                 "fem": "modal|optimize|update", "modal": "optimize|update"}
+    forbidden = {
+        "optimize": "fem|modal|update|linalg",
+        "linalg": "fem|modal|optimize|update",
+        "fem": "modal|optimize|update",
+        "modal": "optimize|update",
+    }
     for folder, others in forbidden.items():
         sources = list((core / folder).rglob("*.rs"))
         assert sources, folder
@@ -120,8 +132,12 @@ def test_the_optimizer_sees_no_structure():
 @needs_source
 def test_no_source_file_is_too_long():
     folders = ("python", "tests", "examples", "benchmarks", "rust/antires-core", "rust/antires-py")
-    sources = [path for folder in folders for suffix in ("*.py", "*.rs", "*.pyi")
-               for path in (ROOT / folder).rglob(suffix)]
+    sources = [
+        path
+        for folder in folders
+        for suffix in ("*.py", "*.rs", "*.pyi")
+        for path in (ROOT / folder).rglob(suffix)
+    ]
     lengths = {str(path.relative_to(ROOT)): len(path.read_text().splitlines()) for path in sources}
     assert len(lengths) > 50
     assert {name: n for name, n in lengths.items() if n > LONGEST_FILE} == {}

@@ -29,8 +29,15 @@ def bytes_of(result):
 
 def part(path, generations, **options):
     """A search stopped after some generations."""
-    return ar.update(problem(), optimizer=ar.IslandGA(**SEARCH), rng=3, checkpoint=path, workers=1,
-                     callback=lambda state: state["nit"] >= generations, **options)
+    return ar.update(
+        problem(),
+        optimizer=ar.IslandGA(**SEARCH),
+        rng=3,
+        checkpoint=path,
+        workers=1,
+        callback=lambda state: state["nit"] >= generations,
+        **options,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -60,10 +67,17 @@ def test_a_polished_damage_search_goes_on_to_the_same_bytes(tmp_path):
     complete = ar.assess_damage(case.model, measured, optimizer=ga, rng=1)
     path = tmp_path / "run.ckpt"
     for generations in (3, 11):
-        ar.assess_damage(case.model, measured, optimizer=ga, rng=1, checkpoint=path,
-                         callback=lambda state, last=generations: state["nit"] >= last)
-    assert bytes_of(ar.assess_damage(case.model, measured, optimizer=ga, rng=1, checkpoint=path)) == \
-        bytes_of(complete)
+        ar.assess_damage(
+            case.model,
+            measured,
+            optimizer=ga,
+            rng=1,
+            checkpoint=path,
+            callback=lambda state, last=generations: state["nit"] >= last,
+        )
+    assert bytes_of(ar.assess_damage(case.model, measured, optimizer=ga, rng=1, checkpoint=path)) == bytes_of(
+        complete
+    )
 
 
 KILLED = """
@@ -85,8 +99,9 @@ def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(tmp_path, whole):
     rng = np.random.default_rng(0)
     for delay in rng.uniform(0.02, 0.6, 6):
         path = tmp_path / "run.ckpt"
-        with subprocess.Popen([sys.executable, "-c", KILLED, os.path.dirname(__file__), str(path)],
-                              stdout=subprocess.PIPE) as process:
+        with subprocess.Popen(
+            [sys.executable, "-c", KILLED, os.path.dirname(__file__), str(path)], stdout=subprocess.PIPE
+        ) as process:
             process.stdout.readline()
             time.sleep(delay)
             process.kill()
@@ -141,11 +156,18 @@ def test_what_a_parameter_acts_on_belongs_to_the_fingerprint():
     pipe = ar.Tube(0.038, 0.0015, 2.1e11, 7850.0)
     nodes, elements = [(0.3 * i, 0.05 * (i % 2)) for i in range(8)], [(i, i + 1) for i in range(7)]
     prints = set()
-    for parameter in (ar.angle([3], 3, bounds_deg=(-5, 5)), ar.angle([3], 4, bounds_deg=(-5, 5)),
-                      ar.thickness("a", bounds=(0.9, 1.1), relative=True)):
+    for parameter in (
+        ar.angle([3], 3, bounds_deg=(-5, 5)),
+        ar.angle([3], 4, bounds_deg=(-5, 5)),
+        ar.thickness("a", bounds=(0.9, 1.1), relative=True),
+    ):
         for names in ("aaabbbb", "aabbbbb"):
-            model = ar.FrameModel(nodes, [(*e, n) for e, n in zip(elements, names, strict=True)],
-                                  {"a": pipe, "b": pipe}, fixed=[0])
+            model = ar.FrameModel(
+                nodes,
+                [(*e, n) for e, n in zip(elements, names, strict=True)],
+                {"a": pipe, "b": pipe},
+                fixed=[0],
+            )
             zeros = ar.AntiresonanceSet(4, {4: [30.0], 10: [50.0]})
             prints.add(fingerprint(ar.UpdatingProblem(model, parameter, zeros), {}, []))
     assert len(prints) == 4  # for an angle the two assignments are one model
@@ -157,8 +179,9 @@ def test_a_disk_that_fails_is_warned_of_and_the_search_goes_on(tmp_path, monkeyp
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.warns(ar.AntiresWarning, match="cannot be written") as caught:
-        result = ar.update(problem(), optimizer=ar.IslandGA(**SEARCH), rng=3, workers=1,
-                           checkpoint=tmp_path / "run.ckpt")
+        result = ar.update(
+            problem(), optimizer=ar.IslandGA(**SEARCH), rng=3, workers=1, checkpoint=tmp_path / "run.ckpt"
+        )
     assert bytes_of(result) == whole
     assert len(caught) == 1
     assert list(tmp_path.iterdir()) == []

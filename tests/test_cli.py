@@ -17,23 +17,44 @@ from antires_rs import cli
 from antires_rs.cli import demo
 from job_files import DAMAGE, write_measured
 
-FILES = {"stabilization.png", "transmissibility.png", "differences.png", "damage.png", "convergence.png",
-         "updating.html", "damage.html", "summary.json"}
+FILES = {
+    "stabilization.png",
+    "transmissibility.png",
+    "differences.png",
+    "damage.png",
+    "convergence.png",
+    "updating.html",
+    "damage.html",
+    "summary.json",
+}
 
 
 def test_version_and_help_leave_with_0(capsys):
-    for arguments, said in ((["--version"], f"antires {ar.__version__}"), (["--help"], "demo"),
-                            (["demo", "--help"], "--noise")):
+    for arguments, said in (
+        (["--version"], f"antires {ar.__version__}"),
+        (["--help"], "demo"),
+        (["demo", "--help"], "--noise"),
+    ):
         with pytest.raises(SystemExit) as caught:
             cli.main(arguments)
         assert caught.value.code == 0
         assert said in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("arguments", [
-    [], ["fly"], ["demo", "--seed", "-1"], ["demo", "--seed", "1.5"], ["demo", "--noise", "nan"],
-    ["demo", "--noise", "2"],
-    ["identify", "a.csv", "--excitation", "-1"], ["demo", "--workers", "0"], ["demo", "--fast"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["fly"],
+        ["demo", "--seed", "-1"],
+        ["demo", "--seed", "1.5"],
+        ["demo", "--noise", "nan"],
+        ["demo", "--noise", "2"],
+        ["identify", "a.csv", "--excitation", "-1"],
+        ["demo", "--workers", "0"],
+        ["demo", "--fast"],
+    ],
+)
 def test_wrong_usage_leaves_with_2_and_explains(capsys, arguments):
     with pytest.raises(SystemExit) as caught:
         cli.main(arguments)
@@ -43,13 +64,18 @@ def test_wrong_usage_leaves_with_2_and_explains(capsys, arguments):
     assert "error:" in err
 
 
-@pytest.mark.parametrize(("raised", "code", "said"), [
-    (ar.UnsuitableDataError("source: got nothing"), 1, "antires: error: source: got nothing"),
-    (PermissionError(13, "denied", "here"), 1, "denied"),
-    (KeyboardInterrupt(), 130, "interrupted")])
+@pytest.mark.parametrize(
+    ("raised", "code", "said"),
+    [
+        (ar.UnsuitableDataError("source: got nothing"), 1, "antires: error: source: got nothing"),
+        (PermissionError(13, "denied", "here"), 1, "denied"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+    ],
+)
 def test_failures_become_exit_codes_without_traceback(monkeypatch, capsys, raised, code, said):
     def fail(*args, **options):
         raise raised
+
     monkeypatch.setattr(demo, "command", fail)
     assert cli.main(["demo"]) == code
     err = capsys.readouterr().err
@@ -115,6 +141,7 @@ def test_comparison_with_the_truth_counts_found_and_false():
 def test_the_pipeline_never_asks_for_the_truth(monkeypatch):
     def forbidden(self, level=0):
         raise AssertionError("the truth was used")
+
     monkeypatch.setattr(ar.cases.Chain8, "truth", forbidden)
     monkeypatch.setattr(ar.cases.Chain8, "exact", forbidden)
     story = demo.tell(noise=0.0, max_evaluations=2000, workers=1)
@@ -132,11 +159,14 @@ def test_an_interrupted_search_ends_the_demo(monkeypatch):
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 def test_ctrl_c_leaves_with_130_and_one_line(tmp_path):
     # Where the tests themselves run in the background, SIGINT is ignored, and children inherit that.
-    code = ("import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
-            "from antires_rs.cli import main; sys.exit(main(['demo', '--out', sys.argv[1]]))")
+    code = (
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from antires_rs.cli import main; sys.exit(main(['demo', '--out', sys.argv[1]]))"
+    )
     terminal, its_end = os.openpty()  # progress is for terminals
-    with subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE,
-                          stderr=its_end, text=True) as run:
+    with subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE, stderr=its_end, text=True
+    ) as run:
         os.close(its_end)
         err = b""
         with contextlib.suppress(OSError):  # so a terminal says that the other end is closed
@@ -172,8 +202,9 @@ def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     call = ["identify", "record.csv", "--band", "3", "130", "--max-order", "30"]
     names = [f"--dof=a{dof}={dof}" for dof in range(8)]
-    assert cli.main([*call, "--excitation", "a0", *names, "--out", "found.json", "--pictures",
-                     "pictures"]) == 0
+    assert (
+        cli.main([*call, "--excitation", "a0", *names, "--out", "found.json", "--pictures", "pictures"]) == 0
+    )
     printed = capsys.readouterr().out
     found = ar.AntiresonanceSet.load("found.json")
     assert str(found) == printed.rstrip("\n")
@@ -197,12 +228,15 @@ def test_a_force_that_is_no_channel_is_mentioned(tmp_path, monkeypatch, capsys):
     """A slip of the pen changes no antiresonance, but the place of the force is tested no more."""
     monkeypatch.chdir(tmp_path)
     record = ar.cases.chain8().experiment(noise=0.01, duration_s=60.0, rng=1)
-    ar.write_csv("test.csv", ar.Recording(record.responses[:3], record.fs_hz,
-                                          ["Floor 1", "Floor 2", "Floor 3"]))
+    ar.write_csv(
+        "test.csv", ar.Recording(record.responses[:3], record.fs_hz, ["Floor 1", "Floor 2", "Floor 3"])
+    )
     call = ["identify", "test.csv", "--band", "3", "60", "--excitation"]
     assert cli.main([*call, "Flor 1"]) == 0
-    assert ("--excitation: 'Flor 1' is none of the channels 'Floor 1', 'Floor 2', 'Floor 3', so that the "
-            "place of the force cannot be tested. Did you mean 'Floor 1'?") in capsys.readouterr().err
+    assert (
+        "--excitation: 'Flor 1' is none of the channels 'Floor 1', 'Floor 2', 'Floor 3', so that the "
+        "place of the force cannot be tested. Did you mean 'Floor 1'?"
+    ) in capsys.readouterr().err
     assert cli.main([*call, "Floor 1"]) == 0
     assert "none of the channels" not in capsys.readouterr().err
 
@@ -210,6 +244,7 @@ def test_a_force_that_is_no_channel_is_mentioned(tmp_path, monkeypatch, capsys):
 def test_what_the_system_refuses_is_named_as_the_user_did(tmp_path, monkeypatch, capsys):
     def refused(*_):
         raise PermissionError(13, "Permission denied", str(tmp_path / ".job.toml.4711.tmp"))
+
     monkeypatch.setattr("antires_rs.cli.jobs.write_atomically", refused)
     assert cli.main(["init", str(tmp_path / "job.toml")]) == 1
     said = capsys.readouterr().err
@@ -221,13 +256,15 @@ def test_warnings_take_one_line(tmp_path, capsys):
     noise = np.random.default_rng(0).standard_normal((3, 4096))
     noise[1] = 0.0
     ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 256.0))
-    assert cli.main(["identify", str(tmp_path / "record.npz"), "--band", "3", "100", "--excitation",
-                     "0"]) == 1
+    assert (
+        cli.main(["identify", str(tmp_path / "record.npz"), "--band", "3", "100", "--excitation", "0"]) == 1
+    )
     assert "got no signal at all from dof 1" in capsys.readouterr().err
     noise[1] = np.clip(noise[0], -1.0, 1.0)
     ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 256.0))
-    assert cli.main(["identify", str(tmp_path / "record.npz"), "--band", "3", "100", "--excitation",
-                     "0"]) == 0
+    assert (
+        cli.main(["identify", str(tmp_path / "record.npz"), "--band", "3", "100", "--excitation", "0"]) == 0
+    )
     err = capsys.readouterr().err.splitlines()
     assert any(line.startswith("antires: warning: data check: ") for line in err)
     assert all(line.startswith("antires: warning: ") for line in err)
@@ -239,8 +276,17 @@ def test_report_of_a_result_and_of_its_folder(tmp_path, capsys):
     assert cli.main(["report", str(tmp_path)]) == 0
     assert capsys.readouterr().out == f"Wrote {tmp_path / 'report.html'}\n"
     assert "Spring 5 has lost 55.0 %" in (tmp_path / "report.html").read_text()
-    call = ["report", str(tmp_path / "result.npz"), "--out", str(tmp_path / "a.html"), "--title", "Chain <8>",
-            "--pictures", str(tmp_path / "pictures"), "--json"]
+    call = [
+        "report",
+        str(tmp_path / "result.npz"),
+        "--out",
+        str(tmp_path / "a.html"),
+        "--title",
+        "Chain <8>",
+        "--pictures",
+        str(tmp_path / "pictures"),
+        "--json",
+    ]
     assert cli.main(call) == 0
     written = json.loads(capsys.readouterr().out)
     assert "Chain &lt;8&gt;" in (tmp_path / "a.html").read_text()
@@ -250,14 +296,14 @@ def test_report_of_a_result_and_of_its_folder(tmp_path, capsys):
 
 
 def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
-    record = ar.Recording(np.random.default_rng(0).standard_normal((2, 64)), 32.0, ["tip [g]", "a\"b"])
+    record = ar.Recording(np.random.default_rng(0).standard_normal((2, 64)), 32.0, ["tip [g]", 'a"b'])
     (tmp_path / "data").mkdir()
     ar.write_npz(tmp_path / "data" / "record.npz", record)
     job = tmp_path / "job.toml"
     assert cli.main(["init", str(job), "--data", str(tmp_path / "data" / "record.npz")]) == 0
     assert f"antires damage {job}" in capsys.readouterr().out
     data = tomllib.loads(job.read_text())["data"]
-    assert (data["file"], data["dofs"]) == ("data/record.npz", {"tip [g]": 0, "a\"b": 1})
+    assert (data["file"], data["dofs"]) == ("data/record.npz", {"tip [g]": 0, 'a"b': 1})
     # Dofs that are numbers need no table.
     ar.write_npz(tmp_path / "record.npz", ar.Recording(record.responses, 32.0))
     assert cli.main(["init", str(job), "--data", str(tmp_path / "record.npz"), "--overwrite"]) == 0
@@ -274,11 +320,13 @@ def test_a_remedy_is_spelled_as_its_reader_would_write_it(tmp_path, capsys):
     said = capsys.readouterr().err
     assert "Pass --first time, --first freq or, with --fs, --first channel." in said
     job = tmp_path / "job.toml"
-    job.write_text('[data]\nfile = "unnamed.csv"\nexcitation = 0\nband_hz = [3.0, 30.0]\n[model]\n'
-                   'kind = "chain"\nmasses_kg = [1, 1]\nsprings_n_per_m = [1e4]\n[damage]\n')
+    job.write_text(
+        '[data]\nfile = "unnamed.csv"\nexcitation = 0\nband_hz = [3.0, 30.0]\n[model]\n'
+        'kind = "chain"\nmasses_kg = [1, 1]\nsprings_n_per_m = [1e4]\n[damage]\n'
+    )
     assert cli.main(["damage", str(job)]) == 1
     said = capsys.readouterr().err
-    assert 'line 2, [data] file: got' in said
+    assert "line 2, [data] file: got" in said
     assert 'Pass first = "time", first = "freq" or, with fs_hz, first = "channel".' in said
 
 
@@ -298,14 +346,20 @@ sys.meta_path.insert(0, Interrupting())
 from antires_rs.cli import main
 sys.exit(main())
 """
-    done = subprocess.run([sys.executable, "-c", code, "damage", "job.toml"], cwd=tmp_path, check=False,
-                          capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code, "damage", "job.toml"],
+        cwd=tmp_path,
+        check=False,
+        capture_output=True,
+        text=True,
+    )
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "antires: interrupted\n")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
 def test_an_import_that_ctrl_c_broke_is_ctrl_c_and_no_other(monkeypatch, capsys):
     """NumPy's C code, for one, makes an ImportError of a KeyboardInterrupt."""
+
     def broken(*args, **options):
         with contextlib.suppress(KeyboardInterrupt):
             os.kill(os.getpid(), interrupt)

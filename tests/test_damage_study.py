@@ -48,9 +48,12 @@ def test_updating_from_a_record_brings_28_antiresonances_into_place():
 
 def test_damage_where_no_candidate_is_comes_with_a_doubt():
     """A shear frame that has lost 30 % of its lowest storey, the spring to ground."""
+
     def frame(lowest):
-        return ar.MassSpringChain([5.2] * 5 + [4.4], [52.5e3, 52.5e3, 50e3, 50e3, 48e3],
-                                  ground_first_n_per_m=lowest)
+        return ar.MassSpringChain(
+            [5.2] * 5 + [4.4], [52.5e3, 52.5e3, 50e3, 50e3, 48e3], ground_first_n_per_m=lowest
+        )
+
     zeros = ar.AntiresonanceSet(5, dict(enumerate(frame(0.7 * 55e3).antiresonances(range(6), 5))))
     blamed = ar.assess_damage(frame(55e3), zeros, rng=0)
     assert any(note.startswith("No candidates: first ground spring.") for note in blamed.notes)

@@ -1,6 +1,5 @@
 """What the data check names, what it lets pass, and what it says it cannot tell."""
 
-
 import numpy as np
 import pytest
 
@@ -49,12 +48,24 @@ def changed(good, channel, change):
 
 # ---- no false alarm ---------------------------------------------------------------------------------------
 
-@pytest.mark.parametrize(("noise", "damping_ratio", "duration_s", "seed"), [
-    (0.0, 0.005, 60.0, 31), (0.0, 0.01, 200.0, 32), (0.0, 0.02, 60.0, 33),
-    (0.01, 0.005, 200.0, 34), (0.01, 0.01, 60.0, 35), (0.01, 0.02, 200.0, 36),
-    (0.05, 0.005, 60.0, 37), (0.05, 0.01, 200.0, 38), (0.05, 0.02, 60.0, 39),
-    (0.1, 0.005, 200.0, 40), (0.1, 0.01, 60.0, 41), (0.1, 0.02, 200.0, 42),
-])
+
+@pytest.mark.parametrize(
+    ("noise", "damping_ratio", "duration_s", "seed"),
+    [
+        (0.0, 0.005, 60.0, 31),
+        (0.0, 0.01, 200.0, 32),
+        (0.0, 0.02, 60.0, 33),
+        (0.01, 0.005, 200.0, 34),
+        (0.01, 0.01, 60.0, 35),
+        (0.01, 0.02, 200.0, 36),
+        (0.05, 0.005, 60.0, 37),
+        (0.05, 0.01, 200.0, 38),
+        (0.05, 0.02, 60.0, 39),
+        (0.1, 0.005, 200.0, 40),
+        (0.1, 0.01, 60.0, 41),
+        (0.1, 0.02, 200.0, 42),
+    ],
+)
 def test_good_records_pass(noise, damping_ratio, duration_s, seed):
     responses, force = data(noise, seed, duration_s, damping_ratio=damping_ratio)
     result = check(Recording(responses, FS, force=force if seed % 2 else None))
@@ -75,6 +86,7 @@ def test_scale_sign_order_offset_and_digits_of_channels_do_not_matter(good):
 
 
 # ---- one force --------------------------------------------------------------------------------------------
+
 
 @pytest.mark.parametrize("noise", [0.0, 0.01, 0.05])
 @pytest.mark.parametrize(("relative", "severity"), [(0.1, "warning"), (0.3, "fatal"), (1.0, "fatal")])
@@ -125,6 +137,7 @@ def test_noise_of_channels_is_found_whatever_the_number_of_forces():
 
 # ---- place of the force -----------------------------------------------------------------------------------
 
+
 @pytest.mark.parametrize("with_force", [False, True])
 @pytest.mark.parametrize(("noise", "seed"), [(0.0, 54), (0.05, 55)])
 def test_every_wrong_place_is_named_and_the_right_one_suggested(with_force, noise, seed):
@@ -155,6 +168,7 @@ def test_a_place_that_was_not_recorded_cannot_be_tested(good):
 
 # ---- channels ---------------------------------------------------------------------------------------------
 
+
 def test_a_dead_channel_is_named(good):
     result = check(changed(good, 4, np.zeros_like))
     assert seen(result) == [("dead_channel", (4,))]
@@ -166,7 +180,9 @@ def test_a_dead_channel_is_named(good):
         assert seen(result) == [("dead_channel", (4,))]
         assert "only noise" in result.findings[0].text
     assert seen(check_data(Recording(np.ones((2, 4096)), FS), band_hz=BAND)) == [
-        ("dead_channel", (0,)), ("dead_channel", (1,))]
+        ("dead_channel", (0,)),
+        ("dead_channel", (1,)),
+    ]
 
 
 @pytest.mark.parametrize(("low", "high"), [(-2.5, 2.5), (-9.0, 2.0), (-3.2, 9.0)])
@@ -182,7 +198,8 @@ def test_a_clipped_channel_is_named(good, low, high):
 def test_a_clipped_channel_is_named_also_with_coarse_digits(good):
     def adc(x):
         step = x.std() / 2**6
-        return step * np.clip(np.round(x / step), -2**7, 2**7)
+        return step * np.clip(np.round(x / step), -(2**7), 2**7)
+
     assert seen(check(changed(good, 2, adc))) == [("clipped_channel", (2,))]
 
 
@@ -213,8 +230,9 @@ def filtered(x, response):
 
 @pytest.mark.parametrize("delay_samples", [1.0, -1.0, 30.0])
 def test_a_late_channel_is_named_with_its_delay(good, delay_samples):
-    result = check(changed(good, 4, lambda x: filtered(
-        x, lambda f: np.exp(-2j * np.pi * f * delay_samples / FS))))
+    result = check(
+        changed(good, 4, lambda x: filtered(x, lambda f: np.exp(-2j * np.pi * f * delay_samples / FS)))
+    )
     assert seen(result) == [("time_shift", (4,))]
     assert result.findings[0].value * FS == pytest.approx(delay_samples, abs=0.1)
 
@@ -229,6 +247,7 @@ def test_an_antiresonance_in_a_narrow_band_is_no_delay(good, band):
 def test_a_velocity_among_accelerations_is_named(good):
     def integral(f):
         return (f > 1) / (2j * np.pi * np.maximum(f, 1))
+
     result = check(changed(good, 4, lambda x: filtered(x, integral)))
     assert seen(result) == [("quadrature", (4,))]
 
@@ -251,6 +270,7 @@ def test_a_channel_under_its_noise_is_a_note(good):
 
 # ---- resolution and length --------------------------------------------------------------------------------
 
+
 @pytest.mark.parametrize(("nperseg", "severity"), [(512, "fatal"), (1024, "warning"), (4096, None)])
 def test_too_coarse_segments_are_named(good, nperseg, severity):
     result = check(Recording(good[0], FS), nperseg=nperseg)
@@ -262,14 +282,16 @@ def test_too_coarse_segments_are_named(good, nperseg, severity):
 
 def test_who_left_the_choice_of_segments_is_not_told_to(good, monkeypatch):
     from antires_rs.data_check import records
+
     monkeypatch.setattr(records, "choose_nperseg", lambda rec, band: 512)
     [finding] = check(Recording(good[0], FS)).named("resolution")
     assert finding.advice.startswith("Use longer segments, of ")
     assert "nperseg" not in finding.advice
 
 
-@pytest.mark.parametrize(("duration_s", "severity"), [(2.0, "fatal"), (8.0, "fatal"), (20.0, "warning"),
-                                                      (60.0, None)])
+@pytest.mark.parametrize(
+    ("duration_s", "severity"), [(2.0, "fatal"), (8.0, "fatal"), (20.0, "warning"), (60.0, None)]
+)
 def test_too_short_records_are_named(duration_s, severity):
     result = check(record(seed=59, duration_s=duration_s))
     assert [f.severity for f in result.named("record_length")] == [severity] * (severity is not None)
@@ -280,11 +302,13 @@ def test_too_short_records_are_named(duration_s, severity):
 def test_no_one_is_told_to_record_less(duration_s):
     """Segments are powers of two, so that a record may be too short which is long enough by the count."""
     [short] = of_segments(0.244, 0.125, duration_s, longer=False, chosen=True, known=True)
-    assert short.advice == ("Record 82 s, better 660 s." if duration_s < 81.0
-                            else "Record for longer, at best 660 s.")
+    assert short.advice == (
+        "Record 82 s, better 660 s." if duration_s < 81.0 else "Record for longer, at best 660 s."
+    )
 
 
 # ---- hits -------------------------------------------------------------------------------------------------
+
 
 def test_a_single_hit_says_what_it_cannot_tell():
     responses, force = hit_record(STIFFNESS, MASS, noise=0.001, seed=60)
@@ -316,6 +340,7 @@ def test_a_record_that_starts_after_its_hit_is_named():
 
 # ---- what comes back --------------------------------------------------------------------------------------
 
+
 def test_the_result_keeps_its_evidence_and_cannot_change():
     # With 10 % of noise leakage does not show in the second eigenvalue.
     result = check(record(0.1, 67), nperseg=4096)
@@ -335,14 +360,22 @@ def test_the_result_keeps_its_evidence_and_cannot_change():
 
 
 def test_the_table_lists_the_worst_first_and_what_was_not_tested():
-    findings = (Finding("one_force", "fatal", (), 0.5, 0.1, "Seen.", "Stop it."),
-                Finding("signal_to_noise", "note", (3, "a"), 0.5, 0.1, "Under noise.", "Wait."))
+    findings = (
+        Finding("one_force", "fatal", (), 0.5, 0.1, "Seen.", "Stop it."),
+        Finding("signal_to_noise", "note", (3, "a"), 0.5, 0.1, "Under noise.", "Wait."),
+    )
     result = DataCheck(findings, {"dropouts": "a hit"}, (0, 1), 0, (3.0, 130.0), n_averages=12.34)
     assert str(result).splitlines() == [
         "data check, 3-130 Hz, 12.3 independent averages",
-        "fatal    one_force            dof -", "         Seen.", "         Stop it.",
-        "note     signal_to_noise      dof 3, a", "         Under noise.", "         Wait.",
-        "not tested", "         dropouts: a hit"]
+        "fatal    one_force            dof -",
+        "         Seen.",
+        "         Stop it.",
+        "note     signal_to_noise      dof 3, a",
+        "         Under noise.",
+        "         Wait.",
+        "not tested",
+        "         dropouts: a hit",
+    ]
     assert repr(result) == "DataCheck(1 fatal, 0 warning, 1 note; 1 not tested)"
     assert result.warnings == ["Seen. Stop it."]
     assert result.fatal
@@ -365,14 +398,17 @@ def test_the_same_data_give_the_same_findings(good):
     assert first.findings == again.findings
 
 
-@pytest.mark.parametrize(("kwargs", "name"), [
-    ({"source": np.zeros((2, 100))}, "source"),
-    ({"band_hz": (3.0, 300.0)}, "band_hz"),
-    ({"excitation": 1.5}, "excitation"),
-    ({"method": "burst"}, "method"),
-    ({"nperseg": 10**7}, "nperseg"),
-    ({"window": "bell"}, "window"),
-])
+@pytest.mark.parametrize(
+    ("kwargs", "name"),
+    [
+        ({"source": np.zeros((2, 100))}, "source"),
+        ({"band_hz": (3.0, 300.0)}, "band_hz"),
+        ({"excitation": 1.5}, "excitation"),
+        ({"method": "burst"}, "method"),
+        ({"nperseg": 10**7}, "nperseg"),
+        ({"window": "bell"}, "window"),
+    ],
+)
 def test_bad_arguments_are_named(good, kwargs, name):
     arguments = {"source": Recording(good[0], FS), "band_hz": BAND} | kwargs
     with pytest.raises(InvalidInputError) as caught:

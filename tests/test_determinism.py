@@ -13,10 +13,21 @@ SEARCH = {"max_evaluations": 6000, "patience": 5, "improvement_tolerance": 0.02}
 def everything(result):
     """Every number of a search, as bytes."""
     search = result.search
-    arrays = (search.x, search.history.nfev, search.history.cost, search.history.migrations,
-              search.populations, search.population_costs)
-    return [np.ascontiguousarray(a).tobytes() for a in arrays] + [search.fun.hex(), search.nfev, search.nit,
-                                                                  search.status, search.message]
+    arrays = (
+        search.x,
+        search.history.nfev,
+        search.history.cost,
+        search.history.migrations,
+        search.populations,
+        search.population_costs,
+    )
+    return [np.ascontiguousarray(a).tobytes() for a in arrays] + [
+        search.fun.hex(),
+        search.nfev,
+        search.nit,
+        search.status,
+        search.message,
+    ]
 
 
 @pytest.mark.parametrize("polish", [None, False])
@@ -34,8 +45,9 @@ def test_identical_bytes_for_1_2_3_and_8_threads(seed, polish):
 
 def test_other_seeds_give_other_searches():
     problem = CASE.damage_problem()
-    outcomes = {everything(ar.update(problem, optimizer=ar.IslandGA(**SEARCH), rng=seed))[4]
-                for seed in range(5)}
+    outcomes = {
+        everything(ar.update(problem, optimizer=ar.IslandGA(**SEARCH), rng=seed))[4] for seed in range(5)
+    }
     assert len(outcomes) == 5
 
 

@@ -21,6 +21,7 @@ def test_the_code_of_a_page_runs(page, tmp_path, monkeypatch):
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
     from matplotlib import pyplot
+
     monkeypatch.chdir(tmp_path)
     blocks = re.findall(r"```python\n(.*?)```", (DOCS / f"{page}.md").read_text(encoding="utf-8"), re.DOTALL)
     assert blocks
@@ -46,6 +47,7 @@ def test_the_steps_on_the_command_line_run(tmp_path, monkeypatch, capsys):
     pytest.importorskip("pyuff")
     pytest.importorskip("jinja2")
     from antires_rs.cli import main
+
     monkeypatch.chdir(tmp_path)
     text = (DOCS / "jobs.md").read_text(encoding="utf-8")
     for language, block in re.findall(r"```(python|console|toml)\n(.*?)```", text, re.DOTALL):
@@ -79,6 +81,7 @@ def test_every_public_name_is_in_the_reference_once():
 def test_every_picture_has_its_page():
     pytest.importorskip("matplotlib")
     from antires_rs import plotting
+
     listed = names_of((DOCS / "api/index.rst").read_text(encoding="utf-8"))
     assert {f"plotting.{name}" for name in plotting.__all__} <= set(listed)
 
@@ -89,21 +92,35 @@ def test_what_a_page_links_to_is_there(page):
     for target in re.findall(r"\]\((?!https?://|#)([^)#]+)\)", text):
         made = target.startswith("gallery/")
         source = DOCS / target if not made else DOCS.parent / "examples" / target.replace(".rst", ".py")
-        assert (source.exists() or target == "gallery/index.rst"), target
+        assert source.exists() or target == "gallery/index.rst", target
 
 
 def test_the_pages_are_built_without_a_warning(tmp_path):
     """The gallery is not executed here: test_gallery.py does that."""
-    for module in ("sphinx", "pydata_sphinx_theme", "sphinx_gallery", "numpydoc", "myst_parser",
-                   "matplotlib"):
+    for module in (
+        "sphinx",
+        "pydata_sphinx_theme",
+        "sphinx_gallery",
+        "numpydoc",
+        "myst_parser",
+        "matplotlib",
+    ):
         pytest.importorskip(module)
     for folder in ("docs", "examples"):
-        shutil.copytree(DOCS.parent / folder, tmp_path / folder, ignore=shutil.ignore_patterns(
-            "_build", "generated", "backreferences"))
+        shutil.copytree(
+            DOCS.parent / folder,
+            tmp_path / folder,
+            ignore=shutil.ignore_patterns("_build", "generated", "backreferences"),
+        )
     shutil.rmtree(tmp_path / "docs" / "gallery", ignore_errors=True)
     build = subprocess.run(
         [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-D", "plot_gallery=0", "docs", "html"],
-        cwd=tmp_path, capture_output=True, text=True, env=os.environ | {"MPLBACKEND": "Agg"}, check=False)
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"MPLBACKEND": "Agg"},
+        check=False,
+    )
     assert build.returncode == 0, build.stderr
     assert (tmp_path / "html" / "index.html").stat().st_size > 1000
     assert (tmp_path / "html" / "api" / "generated" / "antires_rs.update.html").exists()

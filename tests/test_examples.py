@@ -37,8 +37,11 @@ def test_brake_reuss_beam():
     if not example.data_file().is_file():
         pytest.skip(f"record absent: {example.data_file()}; set ANTIRES_DATA")
     found = example.main()
-    aims = {"acc1": [222.7, 556.0, 666.4, 1071.9], "acc2": [78.9, 326.2, 568.0, 776.0],
-            "acc3": [291.0, 816.0]}
+    aims = {
+        "acc1": [222.7, 556.0, 666.4, 1071.9],
+        "acc2": [78.9, 326.2, 568.0, 776.0],
+        "acc3": [291.0, 816.0],
+    }
     for dof, values in aims.items():
         for value in values:
             assert np.abs(found[dof] / value - 1.0).min() < 0.01, (dof, value)

@@ -35,7 +35,9 @@ def test_the_frame_has_the_size_of_the_papers(case):
     assert len(case.held_out) == 4
     assert len(case.updating_parameters()) == 21
     assert [case.model.element_label(e) for e in (case.candidates[0], case.candidates[-1])] == [
-        "element 18", "element 47"]
+        "element 18",
+        "element 47",
+    ]
 
 
 def test_the_pipes_form_a_tree(case):
@@ -83,8 +85,10 @@ def test_compliance_is_the_energy_of_the_opening_crack():
 
     found = crack.crack_compliance(share, outer_diameter_m=outer, thickness_m=wall, youngs_modulus_pa=modulus)
     assert found == pytest.approx(2 * quad(rate, 0.0, share * np.pi)[0], rel=1e-9)
-    assert crack.crack_compliance(0.0, outer_diameter_m=outer, thickness_m=wall,
-                                  youngs_modulus_pa=modulus) == 0.0
+    assert (
+        crack.crack_compliance(0.0, outer_diameter_m=outer, thickness_m=wall, youngs_modulus_pa=modulus)
+        == 0.0
+    )
 
 
 def test_equivalent_losses_rise_level_by_level(case):
@@ -122,8 +126,11 @@ def test_the_cracked_pipe_turns_by_the_compliance_more_and_stretches_as_before(l
 def test_the_crack_lies_two_centimetres_behind_the_weld_and_off_the_coarse_nodes():
     model, levelled = experiment.true_model(0), experiment.true_model(1)
     assert len(model.elements) >= 3 * 47
-    weak = [i for i, section in enumerate(levelled.element_sections)
-            if isinstance(levelled.sections[section], ar.Section)]
+    weak = [
+        i
+        for i, section in enumerate(levelled.element_sections)
+        if isinstance(levelled.sections[section], ar.Section)
+    ]
     assert len(weak) == 1
     ends = levelled.elements[weak[0]]
     assert np.all(ends >= 48)  # both ends are nodes that the coarse mesh does not have
@@ -139,6 +146,7 @@ def test_the_crack_leaves_the_mass_alone():
         unit = np.zeros(model.n_dof)
         unit[1::3] = 1.0
         return unit @ (model.mass() @ unit)
+
     assert weight(3) == pytest.approx(weight(0), rel=1e-12)
 
 
@@ -153,8 +161,14 @@ def test_the_experiment_is_another_structure_than_the_model(case, tested):
 
 def test_no_set_of_updating_parameters_is_the_truth(case):
     truth = case.truth()
-    true = np.array([*truth["thickness"].values(), *truth["youngs_modulus"].values(),
-                     *truth["point_mass"].values(), *truth["angle"].values()])
+    true = np.array(
+        [
+            *truth["thickness"].values(),
+            *truth["youngs_modulus"].values(),
+            *truth["point_mass"].values(),
+            *truth["angle"].values(),
+        ]
+    )
     problem = case.updating_problem()
     low, high = problem.bounds.T
     assert np.all((low < true) & (true < high))
@@ -236,8 +250,9 @@ def test_from_exact_values_the_update_and_the_crack_are_found(case):
     update = ar.update(baseline, rng=100, progress=False)
     assert update.table.largest_after_percent < 2.0
     problem = case.damage_problem(level=1, model=update.model)
-    severity = ar.assess_damage(update.model, problem.measured, elements=case.candidates, rng=100,
-                                progress=False).severity
+    severity = ar.assess_damage(
+        update.model, problem.measured, elements=case.candidates, rng=100, progress=False
+    ).severity
     assert max(severity, key=severity.get) == case.cracked_element
     assert severity[case.cracked_element] == pytest.approx(case.truth(1)["equivalent_loss"], abs=0.03)
 

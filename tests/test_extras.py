@@ -14,8 +14,13 @@ from io_signals import recording
 
 PROJECT = Path(__file__).resolve().parents[1] / "pyproject.toml"
 #: What each extra brings.
-PACKAGES = {"plot": ("matplotlib",), "report": ("jinja2",), "uff": ("pyuff",), "hdf5": ("h5py",),
-            "tables": ("pandas", "xarray")}
+PACKAGES = {
+    "plot": ("matplotlib",),
+    "report": ("jinja2",),
+    "uff": ("pyuff",),
+    "hdf5": ("h5py",),
+    "tables": ("pandas", "xarray"),
+}
 
 
 @pytest.fixture
@@ -35,10 +40,14 @@ def study():
     record = case.experiment(level=1, noise=0.01, rng=1)
     zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), max_order=30)
     search = ar.IslandGA(islands=2, population=10, max_evaluations=200)
-    return {"case": case, "record": record, "zeros": zeros,
-            "damage": ar.assess_damage(case.model, zeros, optimizer=search, rng=0),
-            "check": ar.check_data(record, excitation=0, band_hz=(3, 130)),
-            "lines": ar.transmissibility(record, 0, nperseg=4096)}
+    return {
+        "case": case,
+        "record": record,
+        "zeros": zeros,
+        "damage": ar.assess_damage(case.model, zeros, optimizer=search, rng=0),
+        "check": ar.check_data(record, excitation=0, band_hz=(3, 130)),
+        "lines": ar.transmissibility(record, 0, nperseg=4096),
+    }
 
 
 def frame():
@@ -58,7 +67,8 @@ PICTURES = {
     "plot_singular_values": lambda s: plotting.plot_singular_values(s["check"]),
     "plot_stabilization": lambda s: plotting.plot_stabilization(s["zeros"].diagrams[0]),
     "plot_transmissibility": lambda s: plotting.plot_transmissibility(
-        s["lines"], s["case"].model, dof=1, excitation=0),
+        s["lines"], s["case"].model, dof=1, excitation=0
+    ),
     "UpdateResult.plot": lambda s: ar.UpdateResult.plot(s["damage"]),
     "DamageResult.plot": lambda s: s["damage"].plot(),
     "DataCheck.plot": lambda s: s["check"].plot(),
@@ -93,11 +103,17 @@ def test_readers_say_what_to_install(bare, tmp_path, name, extra):
     if extra == "uff":
         ar.write_uff(path, recording())  # writing needs no package
     else:
-        path.write_bytes((b"MATLAB 7.3 MAT-file" + 493 * b" " if name == "a.mat" else b"")
-                         + b"\x89HDF\r\n\x1a\n" + bytes(64))
+        path.write_bytes(
+            (b"MATLAB 7.3 MAT-file" + 493 * b" " if name == "a.mat" else b"")
+            + b"\x89HDF\r\n\x1a\n"
+            + bytes(64)
+        )
     said = rf'{PACKAGES[extra][0]}.*pip install "antires-rs\[{extra}\]"'
-    for read in {"a.uff": (ar.read_uff, ar.io.list_uff), "a.h5": (ar.read_hdf5,),
-                 "a.mat": (ar.read_mat, ar.io.mat_arrays)}[name]:
+    for read in {
+        "a.uff": (ar.read_uff, ar.io.list_uff),
+        "a.h5": (ar.read_hdf5,),
+        "a.mat": (ar.read_mat, ar.io.mat_arrays),
+    }[name]:
         with pytest.raises(ar.MissingDependencyError, match=said):
             read(path)
 
@@ -116,15 +132,19 @@ def test_tables_say_what_to_install(bare, study, method):
 
 
 def test_everything_else_needs_no_extra(bare, study, tmp_path, capsys):
-    for read, write, name in ((ar.read_csv, ar.write_csv, "a.csv"), (ar.read_npz, ar.write_npz, "a.npz"),
-                              (ar.read_mat, ar.write_mat, "a.mat")):
+    for read, write, name in (
+        (ar.read_csv, ar.write_csv, "a.csv"),
+        (ar.read_npz, ar.write_npz, "a.npz"),
+        (ar.read_mat, ar.write_mat, "a.mat"),
+    ):
         write(tmp_path / name, recording())
         np.testing.assert_allclose(read(tmp_path / name).responses, recording().responses, rtol=1e-12)
     assert ar.from_sep005(ar.to_sep005(recording())).n_samples == recording().n_samples
     model = ar.MatrixModel(study["case"].model.stiffness(), study["case"].model.mass())
     ar.write_matrices(tmp_path / "model.npz", model)
-    np.testing.assert_array_equal(ar.read_matrices(tmp_path / "model.npz").modes().freq_hz,
-                                  model.modes().freq_hz)
+    np.testing.assert_array_equal(
+        ar.read_matrices(tmp_path / "model.npz").modes().freq_hz, model.modes().freq_hz
+    )
     study["zeros"].save(tmp_path / "zeros.json")
     assert ar.AntiresonanceSet.load(tmp_path / "zeros.json").excitation == 0
     study["damage"].save(tmp_path / "damage.npz")
@@ -150,8 +170,14 @@ def test_the_extras_bring_what_the_messages_promise():
         assert set(packages) <= {re.split("[<>=]", wanted)[0] for wanted in extras[extra]}
     assert set(extras) == {*PACKAGES, "all"}
     assert set(re.findall(r"\w+", extras["all"][0].partition("[")[2])) == set(PACKAGES)
-    named = {extra for source in (PROJECT.parent / "python").rglob("*.py")
-             for extra in re.findall(r"antires-rs\[(\w+)\]", source.read_text(encoding="utf-8"))}
-    called = {extra for source in (PROJECT.parent / "python").rglob("*.py") for extra in re.findall(
-        r'missing_package\([^)]*"(\w+)", exc\)', source.read_text(encoding="utf-8"))}
+    named = {
+        extra
+        for source in (PROJECT.parent / "python").rglob("*.py")
+        for extra in re.findall(r"antires-rs\[(\w+)\]", source.read_text(encoding="utf-8"))
+    }
+    called = {
+        extra
+        for source in (PROJECT.parent / "python").rglob("*.py")
+        for extra in re.findall(r'missing_package\([^)]*"(\w+)", exc\)', source.read_text(encoding="utf-8"))
+    }
     assert named | called == set(PACKAGES)

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from antires_rs.exceptions import AntiresWarning, InvalidInputError
-from antires_rs.rational.first_guess import guessed_poles, guessed_weights
 from antires_rs.identification.formulations import FORMULATIONS, sweep_of, warn_of_formulation
 from antires_rs.identification.power import PowerFit, PowerSweep, real_basis, real_roots
 from antires_rs.identification.response_lines import Lines, lines_of_recording
-from antires_rs.order_sweep.rule import Rule
-from antires_rs.signals.recording import Recording
 from antires_rs.order_sweep.diagram import diagram
+from antires_rs.order_sweep.rule import Rule
+from antires_rs.rational.first_guess import guessed_poles, guessed_weights
+from antires_rs.signals.recording import Recording
 from virtual_records import accelerance, chain8_matrices, random_record, true_antiresonances
 
 STIFFNESS, MASS = chain8_matrices()
@@ -47,8 +47,10 @@ def test_exact_responses_give_all_antiresonances(lines, formulation, row):
         assert found.identified.size == TRUTH[row].size
     assert np.count_nonzero(found.identified < 115.0) == np.count_nonzero(TRUTH[row] < 115.0)
     # Modal damping of 1 % makes antiresonances of 0.5 to 1.07 %.
-    assert np.all((found.identified_damping[found.identified < 115.0] > 0.004)
-                  & (found.identified_damping[found.identified < 115.0] < 0.012))
+    assert np.all(
+        (found.identified_damping[found.identified < 115.0] > 0.004)
+        & (found.identified_damping[found.identified < 115.0] < 0.012)
+    )
 
 
 def test_all_formulations_agree_in_damping(lines):
@@ -76,8 +78,16 @@ def test_only_the_printed_sum_warns():
 
 def test_noise_at_one_percent():
     responses, _ = random_record(STIFFNESS, MASS, noise=0.01, seed=13, duration_s=200.0)
-    lines_for = lines_of_recording(Recording(responses, 512.0), BAND, use_force=False, nperseg=8192,
-                                   noverlap=None, window="hann", method="welch", estimator="rank1")
+    lines_for = lines_of_recording(
+        Recording(responses, 512.0),
+        BAND,
+        use_force=False,
+        nperseg=8192,
+        noverlap=None,
+        window="hann",
+        method="welch",
+        estimator="rank1",
+    )
     for formulation, least in (("joint", 15), ("sum", 14), ("power", 14)):
         hits = false = 0
         for row in (0, 2, 4):  # 7, 5 and 3
@@ -102,7 +112,7 @@ def test_bad_arguments_are_named(lines):
 
 def test_the_real_basis_is_orthonormal():
     rng = np.random.default_rng(13)
-    t = 2.0 * np.linspace(0.0, 1.0, 300)**2 - 1.0
+    t = 2.0 * np.linspace(0.0, 1.0, 300) ** 2 - 1.0
     weight = rng.uniform(0.1, 10.0, 300)
     basis = real_basis(t, weight, 80)  # far beyond 2 sqrt(300), where the recurrence alone is lost
     assert np.abs(basis.p.T @ (weight[:, None] * basis.p) - np.eye(81)).max() < 1e-12
@@ -127,10 +137,12 @@ def test_poles_of_squared_magnitudes_lie_in_the_left_half_plane(norm):
     freq = np.linspace(1.0, 50.0, 1200)
     s = 2j * np.pi * freq
     true = 2 * np.pi * np.array([-0.1 + 12.0j, -0.2 + 31.0j])
-    curves = [sum(r / (s - p) + np.conj(r) / (s - p.conj()) for r, p in zip(row, true, strict=True))
-              for row in ((1.0, 1.0j), (2.0, -1.0))]
-    squares = np.abs(np.array(curves))**2
-    sweep = PowerSweep(PowerFit(freq, squares, 1.0 / squares.sum(axis=0)**2, 20))
+    curves = [
+        sum(r / (s - p) + np.conj(r) / (s - p.conj()) for r, p in zip(row, true, strict=True))
+        for row in ((1.0, 1.0j), (2.0, -1.0))
+    ]
+    squares = np.abs(np.array(curves)) ** 2
+    sweep = PowerSweep(PowerFit(freq, squares, 1.0 / squares.sum(axis=0) ** 2, 20))
     poles = sweep.roots(4, norm)
     upper = poles[poles.imag > 0]
     assert np.allclose(upper[np.argsort(upper.imag)], true, rtol=1e-7)
@@ -143,7 +155,7 @@ def test_poles_of_squared_magnitudes_lie_in_the_left_half_plane(norm):
 
 def test_units_do_not_matter_to_the_power_fit():
     freq = np.linspace(1.0, 50.0, 600)
-    y = 1.0 / np.abs(20.0**2 - freq**2 + 0.4j * freq)**2
+    y = 1.0 / np.abs(20.0**2 - freq**2 + 0.4j * freq) ** 2
     for factor in (1e-12, 1.0, 1e12):
         fit = PowerFit(freq, factor * y[None], 1.0 / y**2, 10)
         s = fit.poles(fit.denominator(fit.gram(2)))
@@ -155,7 +167,7 @@ def test_units_do_not_matter_to_the_power_fit():
 
 def test_guessed_poles_lie_where_the_curve_moves():
     freq = np.linspace(1.0, 200.0, 4000)
-    power = 1.0 / np.abs((5.0**2 - freq**2 + 0.1j * freq) * (9.0**2 - freq**2 + 0.1j * freq))**2
+    power = 1.0 / np.abs((5.0**2 - freq**2 + 0.1j * freq) * (9.0**2 - freq**2 + 0.1j * freq)) ** 2
     poles = guessed_poles(freq, power, 8)
     # Evenly laid, the first of eight would be at 13 Hz.
     assert np.count_nonzero(poles.imag < 2 * np.pi * 12.0) == 3

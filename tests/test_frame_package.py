@@ -18,14 +18,39 @@ E, NU, RHO = 2.1e11, 0.3, 7850.0
 DIRECTIONS = ("u", "v", "w", "rx", "ry", "rz")
 #: A, I_y, I_z (m2, m4) by name; the torsion constant is their sum.
 SECTIONS = {"pipe": (1.72e-4, 2.87e-8, 2.87e-8), "beam": (9.0e-4, 1.2e-7, 3.1e-7)}
-PLANE_NODES = [(0.0, 0.0), (0.0, 0.9), (0.7, 1.2), (1.5, 1.2), (1.9, 0.8), (1.9, 0.0), (0.4, 1.7),
-               (2.3, 1.4)]
-PLANE_ELEMENTS = [(0, 1, "beam"), (1, 2, "pipe"), (2, 3, "pipe"), (3, 4, "pipe"), (4, 5, "beam"),
-                  (2, 6, "pipe"), (3, 7, "beam")]
-SPACE_NODES = [(0.0, 0.0, 0.0), (1.2, 0.1, 0.0), (1.2, 0.0, 1.5), (0.0, 0.0, 1.4), (0.0, 1.0, 0.0),
-               (1.1, 1.1, 0.2), (1.2, 1.0, 1.5), (0.1, 0.9, 1.3), (0.6, 1.6, 0.7)]
-SPACE_ELEMENTS = [(0, 4, "beam"), (1, 5, "beam"), (2, 6, "beam"), (3, 7, "beam"), (4, 5, "pipe"),
-                  (5, 6, "beam"), (6, 7, "pipe"), (7, 4, "beam"), (4, 8, "pipe"), (6, 8, "pipe")]
+PLANE_NODES = [(0.0, 0.0), (0.0, 0.9), (0.7, 1.2), (1.5, 1.2), (1.9, 0.8), (1.9, 0.0), (0.4, 1.7), (2.3, 1.4)]
+PLANE_ELEMENTS = [
+    (0, 1, "beam"),
+    (1, 2, "pipe"),
+    (2, 3, "pipe"),
+    (3, 4, "pipe"),
+    (4, 5, "beam"),
+    (2, 6, "pipe"),
+    (3, 7, "beam"),
+]
+SPACE_NODES = [
+    (0.0, 0.0, 0.0),
+    (1.2, 0.1, 0.0),
+    (1.2, 0.0, 1.5),
+    (0.0, 0.0, 1.4),
+    (0.0, 1.0, 0.0),
+    (1.1, 1.1, 0.2),
+    (1.2, 1.0, 1.5),
+    (0.1, 0.9, 1.3),
+    (0.6, 1.6, 0.7),
+]
+SPACE_ELEMENTS = [
+    (0, 4, "beam"),
+    (1, 5, "beam"),
+    (2, 6, "beam"),
+    (3, 7, "beam"),
+    (4, 5, "pipe"),
+    (5, 6, "beam"),
+    (6, 7, "pipe"),
+    (7, 4, "beam"),
+    (4, 8, "pipe"),
+    (6, 8, "pipe"),
+]
 MASS_NODE, MASS_KG = 2, 3.4
 
 
@@ -43,12 +68,15 @@ def theirs(nodes, elements, fixed):
     model.add_node_load(f"N{MASS_NODE}", "FY", MASS_KG, "mass")
     model.add_load_combo("mass", {"mass": 1.0})
     from Pynite.Analysis import _prepare_model
+
     _prepare_model(model)
     order = [6 * model.nodes[f"N{i}"].ID + d for i in range(len(nodes)) for d in range(6)]
     free = [order[6 * i + d] for i in range(len(nodes)) for d in range(6) if (i, d) not in fixed]
     pick = np.ix_(free, free)
-    return (np.asarray(model.Ke("mass", check_stability=False, sparse=False))[pick],
-            np.asarray(model.M("mass", "Y", 1.0, sparse=False))[pick])
+    return (
+        np.asarray(model.Ke("mass", check_stability=False, sparse=False))[pick],
+        np.asarray(model.M("mass", "Y", 1.0, sparse=False))[pick],
+    )
 
 
 def upright(nodes, elements):
@@ -62,10 +90,13 @@ def upright(nodes, elements):
 
 
 def ours(nodes, elements, fixed, **options):
-    sections = {name: ar.Section(area, i_z, E, RHO, inertia_y_m4=i_y, torsion_m4=i_y + i_z, poisson=NU)
-                for name, (area, i_y, i_z) in SECTIONS.items()}
-    return ar.FrameModel(nodes, elements, sections, fixed=fixed,
-                         point_masses=[ar.PointMass(MASS_NODE, MASS_KG)], **options)
+    sections = {
+        name: ar.Section(area, i_z, E, RHO, inertia_y_m4=i_y, torsion_m4=i_y + i_z, poisson=NU)
+        for name, (area, i_y, i_z) in SECTIONS.items()
+    }
+    return ar.FrameModel(
+        nodes, elements, sections, fixed=fixed, point_masses=[ar.PointMass(MASS_NODE, MASS_KG)], **options
+    )
 
 
 def compare(model, stiffness, mass):

@@ -15,15 +15,24 @@ ELEMENTS = [(0, 1, "pipe"), (1, 2, "pipe"), (2, 3, "bend"), (3, 4, "bend"), (2, 
 BOUNDS = (0.8, 1.2)
 
 
-def build(nodes=NODES, wall=0.0015, diameter=0.045, modulus=E, density=RHO, mass=1.5, inertia=0.01,
-          hanger=2e3):
+def build(
+    nodes=NODES, wall=0.0015, diameter=0.045, modulus=E, density=RHO, mass=1.5, inertia=0.01, hanger=2e3
+):
     return ar.FrameModel(
-        nodes, ELEMENTS,
-        {"pipe": ar.Tube(0.038, wall, modulus, RHO), "bend": ar.Tube(diameter, 0.002, E, RHO),
-         "arm": ar.Rectangle(0.02, 0.01, E, density)},
+        nodes,
+        ELEMENTS,
+        {
+            "pipe": ar.Tube(0.038, wall, modulus, RHO),
+            "bend": ar.Tube(diameter, 0.002, E, RHO),
+            "arm": ar.Rectangle(0.02, 0.01, E, density),
+        },
         point_masses=[ar.PointMass(3, mass, inertia), ar.PointMass(5, 0.7)],
-        ground_springs=[ar.GroundSpring(0, "v", hanger), ar.GroundSpring(4, "v", hanger),
-                        ar.GroundSpring(1, "u", 800.0)])
+        ground_springs=[
+            ar.GroundSpring(0, "v", hanger),
+            ar.GroundSpring(4, "v", hanger),
+            ar.GroundSpring(1, "u", 800.0),
+        ],
+    )
 
 
 MODEL = build()
@@ -32,8 +41,9 @@ SENSORS = [MODEL.dof(0, "v"), MODEL.dof(2, "v"), MODEL.dof(3, "v"), MODEL.dof(4,
 
 
 def measured(model):
-    return ar.AntiresonanceSet(SHAKER, dict(zip(
-        SENSORS, model.antiresonances(SENSORS, SHAKER, f_max_hz=400.0), strict=True)))
+    return ar.AntiresonanceSet(
+        SHAKER, dict(zip(SENSORS, model.antiresonances(SENSORS, SHAKER, f_max_hz=400.0), strict=True))
+    )
 
 
 MEASURED = measured(MODEL)
@@ -62,10 +72,18 @@ KINDS = {
     "point_mass": (ar.point_mass(0, bounds=(1.0, 2.0)), 1.9, {"mass": 1.9}, 1.5),
     "inertia": (ar.inertia(0, bounds=(0.0, 0.1)), 0.03, {"inertia": 0.03}, 0.01),
     "support": (ar.support_stiffness([0, 1], bounds=(0.0, 9e3), together=True), 3e3, {"hanger": 3e3}, 2e3),
-    "angle": (ar.angle([2, 3], pivot=2, bounds_deg=(-90, 90)), 12.0,
-              {"nodes": rotated(12.0, [3, 4], 2)}, 0.0),
-    "inner angle": (ar.angle(1, 1, bounds_deg=(-90, 90)), -7.0,
-                    {"nodes": rotated(-7.0, [2, 3, 4, 5], 1)}, 0.0),
+    "angle": (
+        ar.angle([2, 3], pivot=2, bounds_deg=(-90, 90)),
+        12.0,
+        {"nodes": rotated(12.0, [3, 4], 2)},
+        0.0,
+    ),
+    "inner angle": (
+        ar.angle(1, 1, bounds_deg=(-90, 90)),
+        -7.0,
+        {"nodes": rotated(-7.0, [2, 3, 4, 5], 1)},
+        0.0,
+    ),
 }
 
 
@@ -91,18 +109,39 @@ def test_each_kind_gives_the_model_built_with_the_value(kind):
 
 
 def test_all_kinds_mix_with_terms_and_names_carry_units():
-    parameters = [*ar.stiffness_reduction([1, 4]), ar.stiffness_factor(5, bounds=BOUNDS),
-                  ar.mass_factor(2, bounds=BOUNDS), *(KINDS[k][0] for k in (
-                      "youngs_modulus", "density", "thickness", "diameter", "point_mass", "inertia",
-                      "support", "angle"))]
+    parameters = [
+        *ar.stiffness_reduction([1, 4]),
+        ar.stiffness_factor(5, bounds=BOUNDS),
+        ar.mass_factor(2, bounds=BOUNDS),
+        *(
+            KINDS[k][0]
+            for k in (
+                "youngs_modulus",
+                "density",
+                "thickness",
+                "diameter",
+                "point_mass",
+                "inertia",
+                "support",
+                "angle",
+            )
+        ),
+    ]
     problem = ar.UpdatingProblem(MODEL, parameters, MEASURED, penalty=(0.1, 0.1))
     assert problem.names == [
-        "stiffness loss of element 2", "stiffness loss of element 5",
-        "stiffness of ground spring 1 (node 0 v)", "mass of element 3", "Young's modulus of pipe (Pa)",
-        "density of arm (kg/m3)", "thickness of pipe (m)",
-        "outer diameter of bend (m)", "mass 1 (node 3) (kg)", "inertia of mass 1 (node 3) (kg m2)",
+        "stiffness loss of element 2",
+        "stiffness loss of element 5",
+        "stiffness of ground spring 1 (node 0 v)",
+        "mass of element 3",
+        "Young's modulus of pipe (Pa)",
+        "density of arm (kg/m3)",
+        "thickness of pipe (m)",
+        "outer diameter of bend (m)",
+        "mass 1 (node 3) (kg)",
+        "inertia of mass 1 (node 3) (kg m2)",
         "stiffness of ground spring 1 (node 0 v), ground spring 2 (node 4 v) (N/m)",
-        "angle of element 3, element 4 about node 2 (deg)"]
+        "angle of element 3, element 4 about node 2 (deg)",
+    ]
     x = problem.nominal
     x[:4], x[5], x[6], x[11] = [0.2, 0.1, 1.1, 0.9], 8000.0, 0.0012, 5.0
     updated = problem.model_at(x)
@@ -110,32 +149,39 @@ def test_all_kinds_mix_with_terms_and_names_carry_units():
     assert updated.sections["pipe"].thickness_m == 0.0012
     assert updated.ground_springs[0].stiffness_n_per_m == pytest.approx(2200.0, rel=ROUNDING)
     rest = build(wall=0.0012, density=8000.0, nodes=rotated(5.0, [3, 4], 2))
-    terms = [*ar.stiffness_reduction([1, 4]), ar.stiffness_factor(5, bounds=BOUNDS),
-             ar.mass_factor(2, bounds=BOUNDS)]
+    terms = [
+        *ar.stiffness_reduction([1, 4]),
+        ar.stiffness_factor(5, bounds=BOUNDS),
+        ar.mass_factor(2, bounds=BOUNDS),
+    ]
     same(updated, ar.UpdatingProblem(rest, terms, MEASURED).model_at([0.2, 0.1, 1.1, 0.9]))
     # Cost and batch agree bit by bit, in any order.
     grid = np.array([x, problem.nominal, x])
     np.testing.assert_array_equal(problem.evaluate_many(grid, workers=2), [problem.cost(row) for row in grid])
-    assert MODEL.sections["pipe"].thickness_m == 0.0015   # the model itself is as it was
+    assert MODEL.sections["pipe"].thickness_m == 0.0015  # the model itself is as it was
 
 
 @pytest.mark.parametrize("degrees", [3.0, 45.0, 90.0, 170.0])
 def test_a_free_frame_stays_free_at_any_angle(degrees):
     free = ar.FrameModel(NODES, [pair[:2] for pair in ELEMENTS], ar.Tube(0.038, 0.0015, E, RHO))
-    problem = ar.UpdatingProblem(free, [ar.angle([2], 2, bounds_deg=(-180, 180)),
-                                        ar.angle([3], 3, bounds_deg=(-180, 180))], MEASURED)
+    problem = ar.UpdatingProblem(
+        free, [ar.angle([2], 2, bounds_deg=(-180, 180)), ar.angle([3], 3, bounds_deg=(-180, 180))], MEASURED
+    )
     turned = problem.model_at([degrees, -0.5 * degrees])
     motions = np.zeros((free.n_dof, 3))
     for node, (x, y) in enumerate(turned.nodes_m):
-        motions[3 * node:3 * node + 3] = [[1, 0, -y], [0, 1, x], [0, 0, 1]]
+        motions[3 * node : 3 * node + 3] = [[1, 0, -y], [0, 1, x], [0, 0, 1]]
     assert np.abs(turned.stiffness() @ motions).max() < RIGID_FORCE * abs(turned.stiffness()).max()
     assert np.count_nonzero(turned.modes().freq_hz < 1e-2) == 3
 
 
 def test_an_update_finds_wall_mass_and_angle_again():
     truth = build(wall=0.0013, mass=1.8, nodes=rotated(6.0, [3, 4], 2))
-    parameters = [ar.thickness("pipe", bounds=(0.001, 0.002)), ar.point_mass(0, bounds=(1.0, 2.5)),
-                  ar.angle([2, 3], 2, bounds_deg=(-15.0, 15.0))]
+    parameters = [
+        ar.thickness("pipe", bounds=(0.001, 0.002)),
+        ar.point_mass(0, bounds=(1.0, 2.5)),
+        ar.angle([2, 3], 2, bounds_deg=(-15.0, 15.0)),
+    ]
     problem = ar.UpdatingProblem(MODEL, parameters, measured(truth))
     result = ar.update(problem, rng=0)
     width = np.ptp(problem.bounds, axis=1)
@@ -161,8 +207,10 @@ LOOP = ar.FrameModel(NODES, [*(pair[:2] for pair in ELEMENTS), (4, 5)], ar.Tube(
 WRONG = {
     "element twice": ("elements", lambda: ar.stiffness_reduction([3, 3])),
     "section twice": ("sections", lambda: ar.thickness(["pipe", "pipe"], bounds=BOUNDS)),
-    "section twice under two names": ("parameters", problem(ar.density("pipe", bounds=(7e3, 8e3)),
-                                                            ar.density(0, bounds=(7e3, 8e3)))),
+    "section twice under two names": (
+        "parameters",
+        problem(ar.density("pipe", bounds=(7e3, 8e3)), ar.density(0, bounds=(7e3, 8e3))),
+    ),
     "angle twice": ("parameters", problem(*[ar.angle(2, 2, bounds_deg=(0, 1))] * 2)),
     "unknown section": ("sections", problem(ar.density("rod", bounds=(7e3, 8e3)))),
     "section outside": ("parameters[0]", problem(ar.density(7, bounds=(7e3, 8e3)))),
@@ -170,8 +218,10 @@ WRONG = {
     "changes nothing": ("parameters[0]", problem(ar.inertia(1, bounds=BOUNDS, relative=True))),
     "one value for two": ("parameters[0]", problem(ar.point_mass([0, 1], bounds=(1, 2), together=True))),
     "wall beyond the radius": ("bounds", problem(ar.thickness("pipe", bounds=(0.001, 0.02)))),
-    "wall and diameter": ("bounds", problem(ar.thickness("bend", bounds=(0.001, 0.015)),
-                                            ar.diameter("bend", bounds=(0.025, 0.045)))),
+    "wall and diameter": (
+        "bounds",
+        problem(ar.thickness("bend", bounds=(0.001, 0.015)), ar.diameter("bend", bounds=(0.025, 0.045))),
+    ),
     "negative modulus": ("bounds[0]", lambda: ar.youngs_modulus(0, bounds=(-1.0, 2e11))),
     "zero factor": ("bounds[0]", lambda: ar.point_mass(0, bounds=(0.0, 2.0), relative=True)),
     "bounds out of order": ("bounds", lambda: ar.angle(2, 2, bounds_deg=(5.0, -5.0))),
@@ -201,8 +251,10 @@ def test_bounds_that_make_a_matrix_indefinite_are_refused():
     model = ar.MatrixModel(stiffness, np.eye(2), stiffness_terms=[spring], mass_terms=[3.0 * np.eye(2)])
     zeros = ar.AntiresonanceSet(0, {0: [0.25]})
     ar.UpdatingProblem(model, ar.stiffness_reduction(0, bounds=(0.0, 0.5)), zeros)
-    for parameter, what in ((ar.stiffness_reduction(0, bounds=(0.0, 0.6)), "stiffness"),
-                            (ar.mass_factor(0, bounds=(0.5, 1.0)), "mass")):
+    for parameter, what in (
+        (ar.stiffness_reduction(0, bounds=(0.0, 0.6)), "stiffness"),
+        (ar.mass_factor(0, bounds=(0.5, 1.0)), "mass"),
+    ):
         with pytest.raises(exceptions.InvalidInputError, match=f"^bounds: got .* {what}"):
             ar.UpdatingProblem(model, parameter, zeros)
 
@@ -215,8 +267,11 @@ def test_a_turn_about_an_elements_own_axis_turns_its_section():
     zeros = dict(zip(sensors, model.antiresonances(sensors, force, f_max_hz=900.0), strict=True))
     task = ar.UpdatingProblem(model, turn, ar.AntiresonanceSet(force, zeros))
     turned = task.model_at([35.0]).antiresonances(sensors, force, f_max_hz=1e4)
-    nearest = [of_model[np.abs(of_model - f).argmin()]
-               for of_model, values in zip(turned, zeros.values(), strict=True) for f in values]
+    nearest = [
+        of_model[np.abs(of_model - f).argmin()]
+        for of_model, values in zip(turned, zeros.values(), strict=True)
+        for f in values
+    ]
     np.testing.assert_allclose(task.paired_hz([35.0]), nearest, rtol=1e-8)
     assert task.cost([35.0]) > 0.1
 

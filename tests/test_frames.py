@@ -44,8 +44,9 @@ def test_dofs_are_numbered_node_by_node_and_fixed_ones_left_out():
 
 
 def test_matrices_are_sparse_symmetric_and_those_of_the_eigenproblem():
-    model = frame(fixed=[0], point_masses=[ar.PointMass(3, 2.0, 0.01)],
-                  ground_springs=[ar.GroundSpring(4, "v", 5e4)])
+    model = frame(
+        fixed=[0], point_masses=[ar.PointMass(3, 2.0, 0.01)], ground_springs=[ar.GroundSpring(4, "v", 5e4)]
+    )
     stiffness, mass = model.stiffness(), model.mass()
     assert scipy.sparse.issparse(stiffness)
     assert (stiffness != stiffness.T).nnz == (mass != mass.T).nnz == 0
@@ -62,7 +63,7 @@ def test_a_cantilever_in_plane_and_space(columns):
     roots = np.array([1.875104068711961, 4.694091132974175])
     exact = roots**2 / (2 * np.pi) * np.sqrt(STEEL[0] * inertia / (STEEL[1] * area))
     found = model.modes().freq_hz
-    found = found[:2] if columns == 2 else found[[0, 2]]   # both planes in space
+    found = found[:2] if columns == 2 else found[[0, 2]]  # both planes in space
     np.testing.assert_allclose(found, exact, rtol=5 * BEAM_HZ)
 
 
@@ -85,15 +86,19 @@ def test_modal_and_pencil_route_agree_with_scipy_on_a_frame():
 def test_a_frame_takes_part_in_virtual_tests():
     model = frame(ground_springs=[(0, "v", 3e3), (4, "v", 3e3), (1, "u", 1e3)])
     shaker, sensors = model.dof(1, "v"), [model.dof(n, "v") for n in (0, 2, 4)]
-    record = model.simulate(excitation=shaker, responses=sensors, fs_hz=1024.0, duration_s=4.0,
-                            damping_ratio=0.01, rng=0)
+    record = model.simulate(
+        excitation=shaker, responses=sensors, fs_hz=1024.0, duration_s=4.0, damping_ratio=0.01, rng=0
+    )
     assert record.dofs == tuple(sensors)
     assert abs(model.frf(sensors, shaker, [10.0, 20.0], damping_ratio=0.01)).shape == (3, 2)
 
 
 def test_sections_by_name_by_index_and_one_each():
-    named = ar.FrameModel(NODES, [(*pair, "bar" if i == 2 else "pipe") for i, pair in enumerate(ELEMENTS)],
-                          {"pipe": PIPE, "bar": BAR})
+    named = ar.FrameModel(
+        NODES,
+        [(*pair, "bar" if i == 2 else "pipe") for i, pair in enumerate(ELEMENTS)],
+        {"pipe": PIPE, "bar": BAR},
+    )
     assert named.element_sections == ["pipe", "pipe", "bar", "pipe"]
     assert named.sections == {"pipe": PIPE, "bar": BAR}
     indexed = ar.FrameModel(NODES, [(*pair, int(i == 2)) for i, pair in enumerate(ELEMENTS)], [PIPE, BAR])
@@ -118,7 +123,11 @@ def test_general_sections_are_those_of_a_tube():
 def test_labels_count_from_one_and_name_springs_and_masses():
     model = frame(point_masses=[(2, 1.0)], ground_springs=[(0, "v", 1.0)], node_springs=[(0, 3, 10.0)])
     assert [model.element_label(i) for i in (0, 3, 4, 5)] == [
-        "element 1", "element 4", "ground spring 1 (node 0 v)", "node spring 1"]
+        "element 1",
+        "element 4",
+        "ground spring 1 (node 0 v)",
+        "node spring 1",
+    ]
     assert [model.mass_label(i) for i in (0, 4)] == ["element 1", "mass 1 (node 2)"]
     assert model.default_elements == [0, 1, 2, 3]
     assert repr(model) == "FrameModel(plane, 5 nodes, 4 elements, 15 dofs)"
@@ -127,8 +136,12 @@ def test_labels_count_from_one_and_name_springs_and_masses():
 
 def test_a_spring_between_nodes_and_a_joint_leave_rigid_motions_free():
     nodes = [*NODES, NODES[4], (1.8, 0.2)]
-    model = ar.FrameModel(nodes, [*ELEMENTS, (5, 6)], PIPE, node_springs=[
-        ar.NodeSpring(0, 3, 1e4), *(ar.NodeSpring(4, 5, 1e5, d) for d in ("u", "v", "theta"))])
+    model = ar.FrameModel(
+        nodes,
+        [*ELEMENTS, (5, 6)],
+        PIPE,
+        node_springs=[ar.NodeSpring(0, 3, 1e4), *(ar.NodeSpring(4, 5, 1e5, d) for d in ("u", "v", "theta"))],
+    )
     motions = np.zeros((model.n_dof, 3))
     for node, (x, y) in enumerate(nodes):
         motions[[model.dof(node, d) for d in ("u", "v", "theta")]] = [[1, 0, -y], [0, 1, x], [0, 0, 1]]
@@ -145,8 +158,10 @@ def test_a_frame_in_two_parts_warns_and_an_unconnected_response_has_no_antireson
 
 WRONG = {
     "element listed twice": ("elements[4]", lambda: ar.FrameModel(NODES, [*ELEMENTS, (1, 0)], PIPE)),
-    "zero-length element": ("elements[0]", lambda: ar.FrameModel([(0, 0), (0, 0), (1, 0)],
-                                                                 [(0, 1), (1, 2)], PIPE)),
+    "zero-length element": (
+        "elements[0]",
+        lambda: ar.FrameModel([(0, 0), (0, 0), (1, 0)], [(0, 1), (1, 2)], PIPE),
+    ),
     "no element": ("elements", lambda: ar.FrameModel(NODES, [], PIPE)),
     "node outside": ("elements[0]", lambda: ar.FrameModel(NODES, [(0, 9)], PIPE)),
     "node a fraction": ("elements[0]", lambda: ar.FrameModel(NODES, [(0, 0.5)], PIPE)),
@@ -158,18 +173,26 @@ WRONG = {
     "fixed direction": ("fixed[0]", lambda: frame(fixed=[(0, "w")])),
     "fixed by a number": ("fixed[0]", lambda: frame(fixed=[(0, 1)])),
     "fixed text": ("fixed", lambda: frame(fixed="0")),
-    "wall too thick": ("sections[0].thickness_m",
-                       lambda: ar.FrameModel(NODES, ELEMENTS, ar.Tube(0.03, 0.016, *STEEL))),
-    "wall as text": ("sections['pipe'].thickness_m",
-                     lambda: ar.FrameModel(NODES, ELEMENTS, {"pipe": ar.Tube(0.03, "thin", *STEEL)})),
+    "wall too thick": (
+        "sections[0].thickness_m",
+        lambda: ar.FrameModel(NODES, ELEMENTS, ar.Tube(0.03, 0.016, *STEEL)),
+    ),
+    "wall as text": (
+        "sections['pipe'].thickness_m",
+        lambda: ar.FrameModel(NODES, ELEMENTS, {"pipe": ar.Tube(0.03, "thin", *STEEL)}),
+    ),
     "no section": ("elements", lambda: ar.FrameModel(NODES, ELEMENTS, [PIPE, BAR])),
     "unknown section": ("elements[0]", lambda: ar.FrameModel(NODES, [(0, 1, "rod")], {"pipe": PIPE})),
     "section not one": ("sections", lambda: ar.FrameModel(NODES, ELEMENTS, 3)),
-    "no torsion in space": ("sections[0].torsion_m4", lambda: ar.FrameModel(
-        np.eye(3)[:2], [(0, 1)], ar.Section(1e-4, 1e-8, *STEEL))),
+    "no torsion in space": (
+        "sections[0].torsion_m4",
+        lambda: ar.FrameModel(np.eye(3)[:2], [(0, 1)], ar.Section(1e-4, 1e-8, *STEEL)),
+    ),
     "orientation in the plane": ("orientation", lambda: frame(orientation=(0, 0, 1))),
-    "orientation along": ("orientation[0]", lambda: ar.FrameModel(
-        np.eye(3)[:2], [(0, 1)], PIPE, orientation=(1, -1, 0))),
+    "orientation along": (
+        "orientation[0]",
+        lambda: ar.FrameModel(np.eye(3)[:2], [(0, 1)], PIPE, orientation=(1, -1, 0)),
+    ),
     "negative mass": ("point_masses[0].mass_kg", lambda: frame(point_masses=[(0, -1.0)])),
     "mass nowhere": ("point_masses[0]", lambda: frame(point_masses=[(7, 1.0)])),
     "two inertias": ("point_masses[0].inertia_kg_m2", lambda: frame(point_masses=[(0, 1.0, (1.0, 2.0))])),
@@ -209,8 +232,11 @@ def test_the_picture_has_every_element_numbered_and_what_it_carries():
 
 def test_the_picture_has_springs_between_nodes_and_tells_kinds_of_support_apart():
     figure = pytest.importorskip("matplotlib.figure")
-    model = frame(node_springs=[(0, 3, 1e4), (1, 4, 2e4)], ground_springs=[(4, "v", 1e3)],
-                  fixed=[0, (4, "u"), (3, "theta")])
+    model = frame(
+        node_springs=[(0, 3, 1e4), (1, 4, 2e4)],
+        ground_springs=[(4, "v", 1e3)],
+        fixed=[0, (4, "u"), (3, "theta")],
+    )
     ax = model.plot(ax=figure.Figure().subplots())
     names = [text.get_text() for text in ax.get_legend().get_texts()]
     assert names == ["fixed", "partly fixed", "spring to ground", "node spring"]
@@ -220,13 +246,19 @@ def test_the_picture_has_springs_between_nodes_and_tells_kinds_of_support_apart(
     assert strokes[0].get_markersize() > strokes[1].get_markersize()
     coils = [line for line in ax.lines if line.get_marker() == "D"]
     assert [tuple(line.get_xydata()[[0, -1]].ravel()) for line in coils] == [
-        (*NODES[0], *NODES[3]), (*NODES[1], *NODES[4])]
+        (*NODES[0], *NODES[3]),
+        (*NODES[1], *NODES[4]),
+    ]
 
 
 def test_nothing_is_light_grey_and_the_scale_of_values_starts_at_nothing():
     figure = pytest.importorskip("matplotlib.figure")
-    for values, limits in (([0.2, 0.5, 0.0, 0.4], (0.0, 0.5)), ([2.0, 2.5, 2.2, 2.2], (0.0, 2.5)),
-                           ([0.0, 0.0, 0.0, 0.0], (0.0, 1.0)), ([-1.0, 0.0, 0.0, 0.0], (-1.0, 0.0))):
+    for values, limits in (
+        ([0.2, 0.5, 0.0, 0.4], (0.0, 0.5)),
+        ([2.0, 2.5, 2.2, 2.2], (0.0, 2.5)),
+        ([0.0, 0.0, 0.0, 0.0], (0.0, 1.0)),
+        ([-1.0, 0.0, 0.0, 0.0], (-1.0, 0.0)),
+    ):
         ax = frame().plot(values, ax=figure.Figure().subplots())
         shown = next(c for c in ax.collections if c.get_array() is not None)
         assert shown.get_clim() == limits

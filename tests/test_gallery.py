@@ -19,6 +19,7 @@ def pyplot():
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
     from matplotlib import pyplot
+
     pyplot.close("all")
     yield pyplot
     pyplot.close("all")

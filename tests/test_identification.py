@@ -53,8 +53,9 @@ def test_chain8_with_one_percent_noise(seed):
 def test_the_force_is_never_read():
     rec = record(0.01, 5, 64.0)
     without = Recording(rec.responses, FS)
-    assert identify_antiresonances(rec, excitation=0, band_hz=BAND) == \
-        identify_antiresonances(without, excitation=0, band_hz=BAND)
+    assert identify_antiresonances(rec, excitation=0, band_hz=BAND) == identify_antiresonances(
+        without, excitation=0, band_hz=BAND
+    )
     with pytest.raises(UnsuitableDataError, match="needs none"):
         identify_antiresonances(without, excitation=0, band_hz=BAND, route="frf")
 
@@ -73,8 +74,9 @@ def test_one_set_of_transmissibilities_serves_all_dofs():
     first = identify_antiresonances(resp, excitation=0, band_hz=BAND)
     assert_all(first, 1e-3)  # the damped zero's abs(s) differs from the undamped root by about zeta**2
     for reference in (0, 7):
-        quotients = FrequencyResponse(resp.freq_hz, resp.values / resp.values[reference],
-                                      kind="transmissibility", reference=reference)
+        quotients = FrequencyResponse(
+            resp.freq_hz, resp.values / resp.values[reference], kind="transmissibility", reference=reference
+        )
         found = identify_antiresonances(quotients, excitation=0, band_hz=BAND)
         assert_all(found, 1e-3)
 
@@ -104,8 +106,9 @@ def test_a_selection_of_dofs_and_the_band_are_kept():
 
 def test_the_same_record_gives_the_same_bits():
     rec = record(0.02, 9, 64.0)
-    assert identify_antiresonances(rec, excitation=0, band_hz=BAND) == \
-        identify_antiresonances(rec, excitation=0, band_hz=BAND)
+    assert identify_antiresonances(rec, excitation=0, band_hz=BAND) == identify_antiresonances(
+        rec, excitation=0, band_hz=BAND
+    )
 
 
 def test_scale_and_order_of_channels_do_not_matter():
@@ -113,8 +116,9 @@ def test_scale_and_order_of_channels_do_not_matter():
     gains = np.array([1.0, 1e3, 1e-3, 5.0, -1.0, 20.0, 0.1, 1.0])[:, None]
     order = [3, 0, 7, 5, 1, 6, 2, 4]
     plain = identify_antiresonances(rec, excitation=0, band_hz=BAND)
-    other = identify_antiresonances(Recording((gains * rec.responses)[order], FS, dofs=order), excitation=0,
-                                    band_hz=BAND)
+    other = identify_antiresonances(
+        Recording((gains * rec.responses)[order], FS, dofs=order), excitation=0, band_hz=BAND
+    )
     for dof in plain:
         assert other[dof].size == plain[dof].size
         # Not bit for bit: the scales enter rounding, and ties between poles.
@@ -129,26 +133,29 @@ def test_a_time_scale_does_not_matter():
         assert np.allclose(found[dof], 25 * TRUTH[dof], rtol=1e-3)
 
 
-@pytest.mark.parametrize(("kwargs", "name"), [
-    ({"source": np.zeros((2, 100))}, "source"),
-    ({"band_hz": (3.0, 300.0)}, "band_hz"),
-    ({"band_hz": (50.0, 10.0)}, "band_hz"),
-    ({"band_hz": (50.0, 50.2)}, "band_hz"),
-    ({"band_hz": (np.nan, 10.0)}, "band_hz"),
-    ({"route": "modal"}, "route"),
-    ({"method": "burst"}, "method"),
-    ({"estimator": "h4"}, "estimator"),
-    ({"dofs": [0, 11]}, "dofs"),
-    ({"dofs": []}, "dofs"),
-    ({"dofs": 3}, "dofs"),
-    ({"excitation": None}, "excitation"),
-    ({"excitation": 1.5}, "excitation"),
-    ({"nperseg": 10**6}, "nperseg"),
-    ({"max_order": 0}, "max_order"),
-    ({"max_order": 8}, "max_order"),
-    ({"min_rows": -1}, "min_rows"),
-    ({"window": "bell"}, "window"),
-])
+@pytest.mark.parametrize(
+    ("kwargs", "name"),
+    [
+        ({"source": np.zeros((2, 100))}, "source"),
+        ({"band_hz": (3.0, 300.0)}, "band_hz"),
+        ({"band_hz": (50.0, 10.0)}, "band_hz"),
+        ({"band_hz": (50.0, 50.2)}, "band_hz"),
+        ({"band_hz": (np.nan, 10.0)}, "band_hz"),
+        ({"route": "modal"}, "route"),
+        ({"method": "burst"}, "method"),
+        ({"estimator": "h4"}, "estimator"),
+        ({"dofs": [0, 11]}, "dofs"),
+        ({"dofs": []}, "dofs"),
+        ({"dofs": 3}, "dofs"),
+        ({"excitation": None}, "excitation"),
+        ({"excitation": 1.5}, "excitation"),
+        ({"nperseg": 10**6}, "nperseg"),
+        ({"max_order": 0}, "max_order"),
+        ({"max_order": 8}, "max_order"),
+        ({"min_rows": -1}, "min_rows"),
+        ({"window": "bell"}, "window"),
+    ],
+)
 def test_bad_arguments_are_named(kwargs, name):
     arguments = {"source": record(duration_s=40.0), "excitation": 0, "band_hz": BAND} | kwargs
     with pytest.raises(InvalidInputError) as caught:
@@ -164,9 +171,14 @@ def test_data_that_cannot_answer_are_refused():
     with pytest.raises(UnsuitableDataError, match="dof 2"):
         identify_antiresonances(Recording(dead, FS), excitation=0, band_hz=BAND)
     with pytest.raises(InvalidInputError, match="Transmissibilities do not hold"):
-        identify_antiresonances(FrequencyResponse(exact().freq_hz, np.ones((2, exact().n_freq)),
-                                                  kind="transmissibility", reference=0),
-                                excitation=0, band_hz=BAND, route="frf")
+        identify_antiresonances(
+            FrequencyResponse(
+                exact().freq_hz, np.ones((2, exact().n_freq)), kind="transmissibility", reference=0
+            ),
+            excitation=0,
+            band_hz=BAND,
+            route="frf",
+        )
 
 
 def test_a_single_frf_has_zeros_on_the_frf_route():

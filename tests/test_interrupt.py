@@ -73,8 +73,9 @@ GOOD = "interrupted False True True"
 
 def after_sigint(code):
     """What a program prints after Ctrl-C, and the seconds until it has ended."""
-    with subprocess.Popen([sys.executable, "-c", PREAMBLE + code], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        [sys.executable, "-c", PREAMBLE + code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
         try:
             assert process.stdout.readline().strip() == "under way", process.stderr.read()
             time.sleep(0.2)
@@ -95,12 +96,15 @@ def test_an_update_returns_its_best_so_far(workers):
     assert took < INTERRUPT_S
 
 
-@pytest.mark.parametrize(("fun", "options"), [
-    ("lambda x: float(np.sum(x ** 2))", ""),
-    ("lambda X: np.sum(X ** 2, axis=1)", ", vectorized=True"),
-    # A slow one: the signal arrives while Python code runs.
-    ("lambda X: [float(np.sum(x ** 2)) for x in X for _ in range(1000)][::1000]", ", vectorized=True"),
-])
+@pytest.mark.parametrize(
+    ("fun", "options"),
+    [
+        ("lambda x: float(np.sum(x ** 2))", ""),
+        ("lambda X: np.sum(X ** 2, axis=1)", ", vectorized=True"),
+        # A slow one: the signal arrives while Python code runs.
+        ("lambda X: [float(np.sum(x ** 2)) for x in X for _ in range(1000)][::1000]", ", vectorized=True"),
+    ],
+)
 def test_a_python_objective_returns_its_best_so_far(fun, options):
     said, took = after_sigint(PYTHON.format(fun=fun, options=options))
     assert said == GOOD

@@ -170,15 +170,36 @@ def cells_73(path):
 def test_cells_and_struct_arrays_of_version_73(tmp_path):
     path = cells_73(tmp_path / "a.mat")
     arrays = ar.io.mat_arrays(path)
-    expected = {"runs[0].t": TIME, "runs[1].t": TIME, "runs[0].a": A, "runs[1].a": B, "channels[0]": A,
-                "channels[1]": B, "channels[2].x": A, "channels[2].deep[0]": B, "channels[3][0]": A}
+    expected = {
+        "runs[0].t": TIME,
+        "runs[1].t": TIME,
+        "runs[0].a": A,
+        "runs[1].a": B,
+        "channels[0]": A,
+        "channels[1]": B,
+        "channels[2].x": A,
+        "channels[2].deep[0]": B,
+        "channels[3][0]": A,
+    }
     assert set(arrays) == set(expected)
     for name, values in expected.items():
         np.testing.assert_array_equal(arrays[name], [values])
     # The same names as of the same variables in version 5.
-    old = ar.io.mat_arrays(mat(tmp_path / "b.mat", channels=np.array(
-        [A, B, {"x": A, "deep": np.array([B, None], dtype=object)[:1]}, np.array([A, "h"], dtype=object)],
-        dtype=object), runs=np.array([(TIME, A), (TIME, B)], dtype=[("t", "O"), ("a", "O")])))
+    old = ar.io.mat_arrays(
+        mat(
+            tmp_path / "b.mat",
+            channels=np.array(
+                [
+                    A,
+                    B,
+                    {"x": A, "deep": np.array([B, None], dtype=object)[:1]},
+                    np.array([A, "h"], dtype=object),
+                ],
+                dtype=object,
+            ),
+            runs=np.array([(TIME, A), (TIME, B)], dtype=[("t", "O"), ("a", "O")]),
+        )
+    )
     assert set(old) == set(expected)
     rec = ar.read_mat(path, time="runs[1].t", responses=["runs[1].a", "channels[0]"])
     np.testing.assert_array_equal(rec.responses, [B, A])
@@ -209,6 +230,7 @@ def test_a_newer_version_is_refused():
     from pathlib import Path
 
     from antires_rs.io._packing import pack, unpack
+
     text, arrays = pack(recording())
     newer = {**json.loads(text), "version": 2}
     with pytest.raises(ar.UnsuitableDataError, match="of version 2.*Update antires_rs"):
@@ -245,8 +267,10 @@ def test_damaged_matlab_files_do_not_end_the_process(tmp_path):
 
 def test_nothing_optional_is_imported_in_the_parent(tmp_path):
     path = mat(tmp_path / "a.mat", time=TIME, acc=A)
-    code = (f"import sys, antires_rs as ar; ar.read_mat({str(path)!r}); "
-            "print([m for m in ('scipy.io', 'h5py', 'pyuff', 'pandas', 'xarray') if m in sys.modules])")
+    code = (
+        f"import sys, antires_rs as ar; ar.read_mat({str(path)!r}); "
+        "print([m for m in ('scipy.io', 'h5py', 'pyuff', 'pandas', 'xarray') if m in sys.modules])"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
@@ -261,11 +285,11 @@ def test_without_h5py(tmp_path, monkeypatch):
 
 @every_bag
 def test_what_contradicts_itself_is_refused(tmp_path, save, read):
-    path = save(tmp_path / "a", t=TIME[:N // 2], acc=A)
+    path = save(tmp_path / "a", t=TIME[: N // 2], acc=A)
     with pytest.raises(ar.UnsuitableDataError, match="300 samples of 'acc' over 150 instants of 't'"):
         read(path)
     assert read(path, fs_hz=250.0).n_samples == N
-    path = save(tmp_path / "b", t=1000 * TIME, Fs=250.0, acc=A)     # in ms
+    path = save(tmp_path / "b", t=1000 * TIME, Fs=250.0, acc=A)  # in ms
     with pytest.raises(ar.UnsuitableDataError, match="Fs of 250 Hz and a 't' of 0.25 Hz, if it is in s"):
         read(path)
 

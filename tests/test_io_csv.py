@@ -24,17 +24,27 @@ def saved(path, content):
     return path
 
 
-@pytest.mark.parametrize(("between", "comma"),
-                         [(",", False), (";", False), (";", True), ("\t", True), ("  ", False)])
-@pytest.mark.parametrize("head", ["time [s]{0}tip [g]{0}root [g]{0}push [N]\n",
-                                  "# bench 3\nt{0}tip (g){0}root (g){0}push (N)\n",
-                                  "time{0}tip{0}root{0}push\ns{0}g{0}g{0}N\n",
-                                  '"time"{0}"tip"{0}"root"{0}"push"\n[s]{0}[g]{0}[g]{0}[N]\n'])
+@pytest.mark.parametrize(
+    ("between", "comma"), [(",", False), (";", False), (";", True), ("\t", True), ("  ", False)]
+)
+@pytest.mark.parametrize(
+    "head",
+    [
+        "time [s]{0}tip [g]{0}root [g]{0}push [N]\n",
+        "# bench 3\nt{0}tip (g){0}root (g){0}push (N)\n",
+        "time{0}tip{0}root{0}push\ns{0}g{0}g{0}N\n",
+        '"time"{0}"tip"{0}"root"{0}"push"\n[s]{0}[g]{0}[g]{0}[N]\n',
+    ],
+)
 def test_names_and_units_in_every_dress(tmp_path, between, comma, head):
     if between == "  ":
         head = head.replace(" [", "[").replace(" (", "(") if "bench" not in head else head.replace(" (", "(")
-    rec = ar.read_csv(saved(tmp_path / "a.csv", text(TIME, TIP, ROOT, PUSH, between=between, comma=comma,
-                                                     head=head.format(between))))
+    rec = ar.read_csv(
+        saved(
+            tmp_path / "a.csv",
+            text(TIME, TIP, ROOT, PUSH, between=between, comma=comma, head=head.format(between)),
+        )
+    )
     assert (rec.fs_hz, rec.dofs) == (200.0, ("tip", "root"))
     np.testing.assert_allclose(rec.responses, 9.80665 * np.array([TIP, ROOT]), rtol=1e-15)
     np.testing.assert_array_equal(rec.force, PUSH)
@@ -97,8 +107,9 @@ def test_complex_numbers_over_frequency(tmp_path, letter):
     np.testing.assert_allclose(found.values[0], 9.80665 * (TIP + 1j * ROOT), rtol=1e-15)
 
 
-@pytest.mark.parametrize("head", ["freq [Hz],re(tip),im(tip),tip2_re,tip2_im\n",
-                                  "f,Re tip,Im tip,tip2 real,tip2 imag\n"])
+@pytest.mark.parametrize(
+    "head", ["freq [Hz],re(tip),im(tip),tip2_re,tip2_im\n", "f,Re tip,Im tip,tip2 real,tip2 imag\n"]
+)
 def test_pairs_over_frequency(tmp_path, head):
     path = saved(tmp_path / "a.csv", text(TIME, TIP, ROOT, PUSH, TIP, head=head))
     found = ar.read_csv(path)
@@ -175,7 +186,7 @@ def test_units_that_are_written(tmp_path):
         ar.write_csv(tmp_path / "a.csv", recording(), unit="g")
     with pytest.raises(ar.InvalidInputError, match="^delimiter: got '|'"):
         ar.write_csv(tmp_path / "a.csv", recording(), delimiter="|")
-    assert "unit: \"m/s\"" in ar.write_csv(tmp_path / "a.csv", recording(), unit="m/s").read_text()
+    assert 'unit: "m/s"' in ar.write_csv(tmp_path / "a.csv", recording(), unit="m/s").read_text()
 
 
 def test_labels_with_delimiters(tmp_path):
@@ -183,8 +194,15 @@ def test_labels_with_delimiters(tmp_path):
     assert ar.read_csv(ar.write_csv(tmp_path / "a.csv", made)).dofs == made.dofs
 
 
-@pytest.mark.parametrize(("head", "fs_hz"), [("time [ms],tip [g]", 2000.0), ("t (msec),tip [g]", 2000.0),
-                                             ("time [us],tip [g]", 2e6), ("time,tip\nms,g", 2000.0)])
+@pytest.mark.parametrize(
+    ("head", "fs_hz"),
+    [
+        ("time [ms],tip [g]", 2000.0),
+        ("t (msec),tip [g]", 2000.0),
+        ("time [us],tip [g]", 2e6),
+        ("time,tip\nms,g", 2000.0),
+    ],
+)
 def test_time_in_other_units_than_seconds(tmp_path, head, fs_hz):
     file = tmp_path / "run.csv"
     file.write_text(head + "\n0.0,1\n0.5,2\n1.0,3\n1.5,2\n")

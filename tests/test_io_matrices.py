@@ -32,8 +32,10 @@ def same(model):
 @pytest.mark.parametrize("sparse", [True, False])
 def test_matrix_market(tmp_path, symmetry, sparse):
     form = scipy.sparse.coo_array if sparse else np.asarray
-    names = [market(tmp_path / f"{i}.mtx", form(m), symmetry=symmetry, precision=17)
-             for i, m in enumerate((K, M, SPRING, MASS))]
+    names = [
+        market(tmp_path / f"{i}.mtx", form(m), symmetry=symmetry, precision=17)
+        for i, m in enumerate((K, M, SPRING, MASS))
+    ]
     same(ar.read_matrices(*names[:2], stiffness_terms=[names[2]], mass_terms=[str(names[3])]))
     packed = tmp_path / "K.mtx.gz"
     packed.write_bytes(gzip.compress(names[0].read_bytes()))
@@ -46,8 +48,9 @@ def test_matrix_market(tmp_path, symmetry, sparse):
 def test_sparse_archives(tmp_path):
     for name, matrix in (("K", K), ("S", SPRING)):
         scipy.sparse.save_npz(tmp_path / f"{name}.npz", scipy.sparse.csc_array(matrix))
-    same(ar.read_matrices(tmp_path / "K.npz", scipy.sparse.csr_array(M),
-                          stiffness_terms=[tmp_path / "S.npz"]))
+    same(
+        ar.read_matrices(tmp_path / "K.npz", scipy.sparse.csr_array(M), stiffness_terms=[tmp_path / "S.npz"])
+    )
     np.savez(tmp_path / "other.npz", a=K)
     with pytest.raises(ar.UnsuitableDataError, match="wanted a file of scipy.sparse.save_npz"):
         ar.read_matrices(tmp_path / "other.npz", M)
@@ -88,8 +91,14 @@ def test_wrong_files(tmp_path):
         ar.read_matrices(tmp_path / "none.mtx", M)
 
 
-@pytest.mark.parametrize("text", ["# node direction\n12 +Z\n12 RX\n7 x\n", "12,3\n12,4\n7,1\n",
-                                  "Matrix Eqn  Node  DOF\n 1 12 UZ\n 2 12 ROTX\n 3 7 UX\n"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "# node direction\n12 +Z\n12 RX\n7 x\n",
+        "12,3\n12,4\n7,1\n",
+        "Matrix Eqn  Node  DOF\n 1 12 UZ\n 2 12 ROTX\n 3 7 UX\n",
+    ],
+)
 def test_dof_map(tmp_path, text):
     path = tmp_path / "dofs.txt"
     path.write_text(text)
@@ -105,12 +114,15 @@ def test_a_dof_map_names_the_channels_of_a_test(tmp_path):
     np.testing.assert_array_equal(rec.responses, made.responses * [[1.0], [-1.0]])
 
 
-@pytest.mark.parametrize(("text", "message"), [
-    ("nothing\n", "without such a line"),
-    ("1 X\n1 X\n", "twice or out of range in line 2"),
-    ("0 1 X\n", "twice or out of range in line 1"),
-    ("1 X\n2 Q\n", "whose line 2 is '2 Q'"),
-])
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("nothing\n", "without such a line"),
+        ("1 X\n1 X\n", "twice or out of range in line 2"),
+        ("0 1 X\n", "twice or out of range in line 1"),
+        ("1 X\n2 Q\n", "whose line 2 is '2 Q'"),
+    ],
+)
 def test_wrong_dof_maps(tmp_path, text, message):
     (tmp_path / "dofs.txt").write_text(text)
     with pytest.raises(ar.UnsuitableDataError, match=message):
@@ -121,10 +133,11 @@ def test_the_recipe_for_scikit_fem():
     """docs/recipes/scikit_fem.md: a cantilever of Hermite elements has Euler's frequencies."""
     pytest.importorskip("skfem", reason="scikit-fem is not installed")
     from pathlib import Path
+
     recipe = (Path(__file__).parents[1] / "docs/recipes/scikit_fem.md").read_text()
     code = recipe.split("```python\n")[1].split("```")[0]
     names = {}
     exec(compile(code, "scikit_fem.md", "exec"), names)
     found = names["model"].modes(2).freq_hz
-    exact = np.array([1.8751040687, 4.6940911330])**2 / (2 * np.pi) * np.sqrt(names["EI"] / names["RHO_A"])
+    exact = np.array([1.8751040687, 4.6940911330]) ** 2 / (2 * np.pi) * np.sqrt(names["EI"] / names["RHO_A"])
     np.testing.assert_allclose(found, exact, rtol=1e-4)

@@ -10,8 +10,12 @@ from io_signals import recording, response
 
 pytest.importorskip("h5py")
 
-FORMATS = {"npz": (ar.write_npz, ar.read_npz), "hdf5": (ar.write_hdf5, ar.read_hdf5),
-           "mat": (ar.write_mat, ar.read_mat), "csv": (ar.write_csv, ar.read_csv)}
+FORMATS = {
+    "npz": (ar.write_npz, ar.read_npz),
+    "hdf5": (ar.write_hdf5, ar.read_hdf5),
+    "mat": (ar.write_mat, ar.read_mat),
+    "csv": (ar.write_csv, ar.read_csv),
+}
 every_format = pytest.mark.parametrize("kind", FORMATS)
 
 
@@ -25,8 +29,11 @@ def files(tmp_path, kind):
 @every_format
 def test_channels_are_renamed_and_left_out(files, kind):
     (file, made), read = files[0]["record"], files[1]
-    for dofs in ([4, None, "b"], {0: 4, "tip": None, "12+Z": "b"},
-                 lambda name: {0: 4, "tip": None, "12+Z": "b"}[name]):
+    for dofs in (
+        [4, None, "b"],
+        {0: 4, "tip": None, "12+Z": "b"},
+        lambda name: {0: 4, "tip": None, "12+Z": "b"}[name],
+    ):
         got = read(file, dofs=dofs)
         assert got.dofs == (4, "b")
         np.testing.assert_array_equal(got.responses, made.responses[[0, 2]])
@@ -55,21 +62,34 @@ def test_the_force_is_dropped(files, kind):
         read(files[0]["response"][0], force="force")
 
 
-WRONG = [("record", {"unit": "g"}, "npz hdf5 mat csv"), ("response", {"unit": "g/N"}, "npz hdf5 mat csv"),
-         ("record", {"fs_hz": 100.0}, "npz hdf5 mat csv"), ("response", {"fs_hz": 512.0}, "npz hdf5 mat csv"),
-         ("record", {"kind": "frf"}, "npz hdf5 mat csv"), ("response", {"kind": "frf"}, "npz hdf5 mat csv"),
-         ("record", {"reference": 0}, "npz hdf5 mat csv"), ("response", {"reference": 0}, "npz hdf5 mat csv"),
-         ("record", {"first": "freq"}, "csv"), ("record", {"time": "force"}, "npz hdf5 mat"),
-         ("record", {"freq": "freq_hz"}, "npz hdf5 mat"), ("response", {"freq": "std"}, "npz hdf5 mat"),
-         ("record", {"responses": ["responses[0]"]}, "npz hdf5 mat")]
+WRONG = [
+    ("record", {"unit": "g"}, "npz hdf5 mat csv"),
+    ("response", {"unit": "g/N"}, "npz hdf5 mat csv"),
+    ("record", {"fs_hz": 100.0}, "npz hdf5 mat csv"),
+    ("response", {"fs_hz": 512.0}, "npz hdf5 mat csv"),
+    ("record", {"kind": "frf"}, "npz hdf5 mat csv"),
+    ("response", {"kind": "frf"}, "npz hdf5 mat csv"),
+    ("record", {"reference": 0}, "npz hdf5 mat csv"),
+    ("response", {"reference": 0}, "npz hdf5 mat csv"),
+    ("record", {"first": "freq"}, "csv"),
+    ("record", {"time": "force"}, "npz hdf5 mat"),
+    ("record", {"freq": "freq_hz"}, "npz hdf5 mat"),
+    ("response", {"freq": "std"}, "npz hdf5 mat"),
+    ("record", {"responses": ["responses[0]"]}, "npz hdf5 mat"),
+]
 
 
-@pytest.mark.parametrize(("which", "option", "kind"), [
-    (which, option, kind) for which, option, kinds in WRONG for kind in kinds.split()])
+@pytest.mark.parametrize(
+    ("which", "option", "kind"),
+    [(which, option, kind) for which, option, kinds in WRONG for kind in kinds.split()],
+)
 def test_options_that_the_file_contradicts_are_refused(files, which, option, kind):
     name = next(iter(option))
-    with pytest.raises(ar.InvalidInputError, match=f"^{name}: got .* a file of antires_rs .*; wanted it with "
-                       "files of other programs alone. This file states it itself; leave it out."):
+    with pytest.raises(
+        ar.InvalidInputError,
+        match=f"^{name}: got .* a file of antires_rs .*; wanted it with "
+        "files of other programs alone. This file states it itself; leave it out.",
+    ):
         files[1](files[0][which][0], **option)
     with pytest.raises(ar.InvalidInputError, match=f"^{name}: got .*leave it out"):  # from a job
         read_signal(files[0][which][0], kind, option)

@@ -43,8 +43,10 @@ def test_stepped_sine_of_the_beam():
     """One of twelve sweeps, put together from amplitude, phase and force."""
     arrays = ar.io.mat_arrays(data_file("brake_reuss_beam/ForcedFrequencyResponses.mat"))
     assert len(arrays) == 48
-    sweep = {name: arrays[f"FRdata.ForceControl[0].{name}"].ravel()
-             for name in ("frequency", "force", "amplitude", "phase")}
+    sweep = {
+        name: arrays[f"FRdata.ForceControl[0].{name}"].ravel()
+        for name in ("frequency", "force", "amplitude", "phase")
+    }
     values = sweep["amplitude"] / sweep["force"] * np.exp(1j * sweep["phase"])
     found = ar.FrequencyResponse(sweep["frequency"], values)
     # The resonance of the beam's first bending mode, 80.5 Hz at low level, lower as the joint slips.

@@ -20,42 +20,87 @@ def zeros(model, responses, excitation, scale=1.02, **options):
 
 def frame(dim):
     if dim == 2:
-        sections = {"pipe": ar.Tube(0.03, 0.002, 2.1e11, 7850.0),
-                    "bar": ar.Rectangle(0.03, 0.01, 7e10, 2700.0)}
-        return ar.FrameModel([(0.25 * i, 0.0) for i in range(5)],
-                             [(i, i + 1, "pipe" if i < 2 else "bar") for i in range(4)], sections,
-                             point_masses=[(4, 0.3, 0.001)], ground_springs=[(2, "v", 1e4)], fixed=[0])
+        sections = {
+            "pipe": ar.Tube(0.03, 0.002, 2.1e11, 7850.0),
+            "bar": ar.Rectangle(0.03, 0.01, 7e10, 2700.0),
+        }
+        return ar.FrameModel(
+            [(0.25 * i, 0.0) for i in range(5)],
+            [(i, i + 1, "pipe" if i < 2 else "bar") for i in range(4)],
+            sections,
+            point_masses=[(4, 0.3, 0.001)],
+            ground_springs=[(2, "v", 1e4)],
+            fixed=[0],
+        )
     nodes = [(0.0, 0.0, 0.25 * i) for i in range(5)]
     sections = [ar.Section(1e-4, 8e-10, 2.1e11, 7850.0, inertia_y_m4=6e-10, torsion_m4=1e-9)] * 2 + [
-        ar.Tube(0.03, 0.002, 2.1e11, 7850.0)] * 2
-    return ar.FrameModel(nodes, [(i, i + 1) for i in range(4)], sections, fixed=[0, (4, "w")],
-                         orientation=[1.0, 0.2, 0.0], node_springs=[ar.NodeSpring(1, 3, 2e4)],
-                         point_masses=[ar.PointMass(4, 0.2, (1e-3, 2e-3, 3e-3))])
+        ar.Tube(0.03, 0.002, 2.1e11, 7850.0)
+    ] * 2
+    return ar.FrameModel(
+        nodes,
+        [(i, i + 1) for i in range(4)],
+        sections,
+        fixed=[0, (4, "w")],
+        orientation=[1.0, 0.2, 0.0],
+        node_springs=[ar.NodeSpring(1, 3, 2e4)],
+        point_masses=[ar.PointMass(4, 0.2, (1e-3, 2e-3, 3e-3))],
+    )
 
 
 def problems():
-    yield "chain", ar.UpdatingProblem(CHAIN, ar.stiffness_factor([0, 2], bounds=(0.8, 1.2)),
-                                      zeros(CHAIN, [0, 1], 0))
+    yield (
+        "chain",
+        ar.UpdatingProblem(CHAIN, ar.stiffness_factor([0, 2], bounds=(0.8, 1.2)), zeros(CHAIN, [0, 1], 0)),
+    )
     model = ar.MatrixModel(CHAIN.stiffness(), CHAIN.mass(), stiffness_terms=[SPRING], mass_terms=[np.eye(3)])
-    yield "matrices", ar.UpdatingProblem(
-        model, [ar.stiffness_reduction(0), ar.mass_factor(0, bounds=(0.9, 1.1))],
-        [zeros(model, [0, 1], 0), zeros(model, [1], 2)], penalty=(0.02, 0.01), misfit="squared",
-        weights="std")
+    yield (
+        "matrices",
+        ar.UpdatingProblem(
+            model,
+            [ar.stiffness_reduction(0), ar.mass_factor(0, bounds=(0.9, 1.1))],
+            [zeros(model, [0, 1], 0), zeros(model, [1], 2)],
+            penalty=(0.02, 0.01),
+            misfit="squared",
+            weights="std",
+        ),
+    )
     shapes = CHAIN.modes()
-    yield "modes", ar.UpdatingProblem(
-        CHAIN, ar.stiffness_factor([0, 1, 2], bounds=(0.8, 1.2)),
-        ar.ModalSet(1.02 * shapes.freq_hz, shapes.shapes[:, :2], [0, 1], damping_ratio=[0.01, 0.02, 0.03]))
+    yield (
+        "modes",
+        ar.UpdatingProblem(
+            CHAIN,
+            ar.stiffness_factor([0, 1, 2], bounds=(0.8, 1.2)),
+            ar.ModalSet(
+                1.02 * shapes.freq_hz, shapes.shapes[:, :2], [0, 1], damping_ratio=[0.01, 0.02, 0.03]
+            ),
+        ),
+    )
     flat = frame(2)
-    yield "plane frame", ar.UpdatingProblem(
-        flat, [ar.thickness("pipe", bounds=(0.0015, 0.0025)), ar.point_mass(0, bounds=(0.2, 0.4)),
-               ar.angle([2, 3], 2, bounds_deg=(-3, 3)),
-               ar.support_stiffness(0, bounds=(0.5, 2), relative=True)],
-        zeros(flat, [1, 4], 1, f_max_hz=400.0))
+    yield (
+        "plane frame",
+        ar.UpdatingProblem(
+            flat,
+            [
+                ar.thickness("pipe", bounds=(0.0015, 0.0025)),
+                ar.point_mass(0, bounds=(0.2, 0.4)),
+                ar.angle([2, 3], 2, bounds_deg=(-3, 3)),
+                ar.support_stiffness(0, bounds=(0.5, 2), relative=True),
+            ],
+            zeros(flat, [1, 4], 1, f_max_hz=400.0),
+        ),
+    )
     space = frame(3)
-    yield "space frame", ar.UpdatingProblem(
-        space, [ar.youngs_modulus(0, bounds=(1.9e11, 2.3e11)),
-                ar.stiffness_factor([1, 2], bounds=(0.8, 1.2), together=True)],
-        zeros(space, [0, 6], 1, f_max_hz=400.0))
+    yield (
+        "space frame",
+        ar.UpdatingProblem(
+            space,
+            [
+                ar.youngs_modulus(0, bounds=(1.9e11, 2.3e11)),
+                ar.stiffness_factor([1, 2], bounds=(0.8, 1.2), together=True),
+            ],
+            zeros(space, [0, 6], 1, f_max_hz=400.0),
+        ),
+    )
 
 
 PROBLEMS = dict(problems())
@@ -91,8 +136,10 @@ def test_results_come_back(tmp_path, name):
             assert mine.dofs == theirs.dofs
     assert str(back.table) == str(made.table)
     assert back.summary() == made.summary()
-    dense = [np.asarray(m.todense() if hasattr(m, "todense") else m)
-             for m in (made.model.stiffness(), back.model.stiffness(), made.model.mass(), back.model.mass())]
+    dense = [
+        np.asarray(m.todense() if hasattr(m, "todense") else m)
+        for m in (made.model.stiffness(), back.model.stiffness(), made.model.mass(), back.model.mass())
+    ]
     np.testing.assert_array_equal(dense[0], dense[1])
     np.testing.assert_array_equal(dense[2], dense[3])
     # The same problem: the search repeats to the bit.
@@ -128,6 +175,7 @@ def saved(tmp_path):
 def rewritten(path, change):
     """The archive with its JSON text changed, checksum of the text included."""
     import hashlib
+
     arrays = dict(np.load(path))
     text = json.dumps(change(json.loads(bytes(arrays["antires_rs"])))).encode()
     arrays["antires_rs"] = np.frombuffer(text, dtype=np.uint8)

@@ -11,18 +11,22 @@ import pytest
 
 import antires_rs as ar
 from antires_rs import cli
-from antires_rs.updating import results
 from antires_rs.jobs import run
+from antires_rs.updating import results
 from job_files import DAMAGE, UPDATE, write_measured
 from tolerances import INTERRUPT_S
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
 
 #: Some two hundred generations with migrations, a second or two.
-LONG = UPDATE.replace("seed = 1", "seed = 3\nmax_evaluations = 60_000\npatience = 5\n"
-                      "improvement_tolerance = 0.02\npolish = false\nworkers = 1")
-ENDLESS = UPDATE.replace("seed = 1", "seed = 3\npatience = 1_000_000_000\npolish = false\n"
-                         "max_evaluations = 1_000_000_000_000")
+LONG = UPDATE.replace(
+    "seed = 1",
+    "seed = 3\nmax_evaluations = 60_000\npatience = 5\n"
+    "improvement_tolerance = 0.02\npolish = false\nworkers = 1",
+)
+ENDLESS = UPDATE.replace(
+    "seed = 1", "seed = 3\npatience = 1_000_000_000\npolish = false\nmax_evaluations = 1_000_000_000_000"
+)
 
 # Where the tests themselves run in the background, SIGINT is ignored, and children inherit that.
 ANTIRES = """
@@ -43,8 +47,13 @@ antires_rs.optimize.checkpoint.Checkpoint.__init__ = often
 
 def stopped(folder, how, *call, after=0.3, until="searching", code=ANTIRES):
     """Exit code, output, errors and seconds of an ``antires`` that got a signal during its search."""
-    with subprocess.Popen([sys.executable, "-c", code, *call], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          text=True, cwd=folder) as process:
+    with subprocess.Popen(
+        [sys.executable, "-c", code, *call],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+    ) as process:
         try:
             record = folder / "job_results" / "run.json"
             deadline = time.monotonic() + 60.0
@@ -65,8 +74,13 @@ def bytes_of(file):
     result = ar.UpdateResult.load(file)
     search, history = result.search, result.search.history
     arrays = (search.x, history.cost, history.nfev, history.migrations, search.populations)
-    return [a.tobytes() for a in arrays] + [search.fun.hex(), search.nfev, search.nit, search.status,
-                                            result.seed]
+    return [a.tobytes() for a in arrays] + [
+        search.fun.hex(),
+        search.nfev,
+        search.nit,
+        search.status,
+        result.seed,
+    ]
 
 
 def fill(folder, text):
@@ -92,7 +106,12 @@ def test_ctrl_c_hands_back_the_best_so_far_and_a_checkpoint(tmp_path, capsys):
     assert err == "antires: interrupted, the best so far is kept; go on with: antires resume job.toml\n"
     assert "interrupted" in out.splitlines()[0]
     assert sorted(p.name for p in results.iterdir() if p.name != "search.ckpt.previous") == [
-        "antiresonances.json", "result.npz", "run.json", "search.ckpt", "summary.json"]
+        "antiresonances.json",
+        "result.npz",
+        "run.json",
+        "search.ckpt",
+        "summary.json",
+    ]
     summary = json.loads((results / "summary.json").read_text())
     best = ar.UpdateResult.load(results / "result.npz")
     assert summary["status"] == best.status == "interrupted"
@@ -149,8 +168,12 @@ def test_a_resumed_job_has_the_bits_of_one_that_was_never_stopped(tmp_path, whol
     assert code == 130, err
     assert cli.main(["resume", str(results / "search.ckpt"), "--workers", "2"]) == 0
     assert bytes_of(results / "result.npz") == whole
-    assert sorted(p.name for p in results.iterdir()) == ["antiresonances.json", "result.npz", "run.json",
-                                                         "summary.json"]
+    assert sorted(p.name for p in results.iterdir()) == [
+        "antiresonances.json",
+        "result.npz",
+        "run.json",
+        "summary.json",
+    ]
     # Nothing is left to do, and it says so.
     capsys.readouterr()
     assert cli.main(["resume", str(tmp_path / "job.toml"), "--json"]) == 0
@@ -164,13 +187,22 @@ def test_killed_at_any_moment_a_job_goes_on_to_the_same_bits(tmp_path, whole):
     results = fill(tmp_path, LONG)
     commands = iter([("update", "job.toml")])
     for after in (0.05, 0.15, 0.1):
-        stopped(tmp_path, signal.SIGKILL, *next(commands, ("resume", "job.toml")), after=after,
-                code=OFTEN + ANTIRES)
+        stopped(
+            tmp_path,
+            signal.SIGKILL,
+            *next(commands, ("resume", "job.toml")),
+            after=after,
+            code=OFTEN + ANTIRES,
+        )
     (results / ".result.npz.4711.tmp").write_bytes(b"half")
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
     assert bytes_of(results / "result.npz") == whole
-    assert sorted(p.name for p in results.iterdir()) == ["antiresonances.json", "result.npz", "run.json",
-                                                         "summary.json"]
+    assert sorted(p.name for p in results.iterdir()) == [
+        "antiresonances.json",
+        "result.npz",
+        "run.json",
+        "summary.json",
+    ]
 
 
 def test_a_time_limit_leaves_a_search_to_go_on_with(tmp_path, whole, capsys):
@@ -203,18 +235,28 @@ def test_changed_data_are_not_taken_for_those_of_the_search(tmp_path, capsys):
 def test_ctrl_c_before_the_search_says_so_in_one_line(tmp_path):
     record = ar.cases.chain8().experiment(0, duration_s=256.0, rng=0)
     ar.write_npz(tmp_path / "record.npz", record)
-    code = ANTIRES.replace("from antires_rs.cli import main", """
+    code = ANTIRES.replace(
+        "from antires_rs.cli import main",
+        """
 import antires_rs.jobs.measured as m
 identify = m.identify_antiresonances
 def announced(*args, **options):
     open("run.json", "w").write("searching")
     return identify(*args, **options)
 m.identify_antiresonances = announced
-from antires_rs.cli import main""")
+from antires_rs.cli import main""",
+    )
     (tmp_path / "job_results").mkdir()
-    (tmp_path / "job.toml").write_text(LONG.replace(
-        'file = "measured.json"', 'file = "record.npz"\nexcitation = 0\nband_hz = [3, 130]'))
-    exit_code, out, err, took = stopped(tmp_path, signal.SIGINT, "update", "job.toml", after=0.05,
-                                        code=code.replace('"run.json"', '"job_results/run.json"'))
+    (tmp_path / "job.toml").write_text(
+        LONG.replace('file = "measured.json"', 'file = "record.npz"\nexcitation = 0\nband_hz = [3, 130]')
+    )
+    exit_code, out, err, took = stopped(
+        tmp_path,
+        signal.SIGINT,
+        "update",
+        "job.toml",
+        after=0.05,
+        code=code.replace('"run.json"', '"job_results/run.json"'),
+    )
     assert (exit_code, out, err) == (130, "", "antires: interrupted\n")
     assert took < INTERRUPT_S

@@ -10,18 +10,21 @@ import pytest
 
 import antires_rs as ar
 from antires_rs import cli
-from antires_rs.order_sweep.accepted import Accepted
 from antires_rs.jobs.evidence import Evidence, heard
+from antires_rs.order_sweep.accepted import Accepted
 from antires_rs.report import figures
 from job_files import DAMAGE, write_measured
 
-JOB = DAMAGE.replace('file = "measured.json"', """file = "record.npz"
+JOB = DAMAGE.replace(
+    'file = "measured.json"',
+    """file = "record.npz"
 excitation = 0
 band_hz = [3, 130]
 
 [identification]
 max_order = 24
-dofs = [0, 3, 4]""").replace("report = false", 'title = "A chain"')
+dofs = [0, 3, 4]""",
+).replace("report = false", 'title = "A chain"')
 
 
 def section(html, heading):
@@ -60,11 +63,18 @@ def test_a_report_drawn_again_is_the_same(ran, capsys):
 def test_the_report_names_what_was_measured_and_how_and_what_repeats_it(ran):
     html = (ran / "job_results" / "report.html").read_text()
     assert "<h1>A chain</h1>" in html
-    for said in ("record.npz", "8 responses: 0, 1, 2, 3, 4, 5, 6, 7",
-                 "64 s at 512 Hz, 32,768 samples a channel", "3 to 130 Hz",
-                 "formulation auto, here numerators, estimator rank1", "2 to 24",
-                 "freq_tol 0.01, damping_tol 0.1, min_rows 10", "window hann", "independent averages",
-                 "<p>antires damage job.toml</p>"):
+    for said in (
+        "record.npz",
+        "8 responses: 0, 1, 2, 3, 4, 5, 6, 7",
+        "64 s at 512 Hz, 32,768 samples a channel",
+        "3 to 130 Hz",
+        "formulation auto, here numerators, estimator rank1",
+        "2 to 24",
+        "freq_tol 0.01, damping_tol 0.1, min_rows 10",
+        "window hann",
+        "independent averages",
+        "<p>antires damage job.toml</p>",
+    ):
         assert said in html, said
     recorded = json.loads((ran / "job_results" / "run.json").read_text())
     for file, digest in recorded["inputs"].items():
@@ -156,11 +166,14 @@ def test_warnings_are_heard_once_and_shown_as_ever():
 def test_two_positions_of_the_force_keep_both_diagrams(tmp_path, monkeypatch):
     model = ar.cases.chain8().true_model(1)
     for force in (0, 7):
-        record = model.simulate(excitation=force, fs_hz=512.0, duration_s=64.0, damping_ratio=0.01,
-                                noise=1e-3, rng=force)
+        record = model.simulate(
+            excitation=force, fs_hz=512.0, duration_s=64.0, damping_ratio=0.01, noise=1e-3, rng=force
+        )
         ar.write_npz(tmp_path / f"force{force}.npz", record)
-    data = "".join(f'[[data]]\nfile = "force{force}.npz"\nexcitation = {force}\nband_hz = [3, 130]\n\n'
-                   for force in (0, 7))
+    data = "".join(
+        f'[[data]]\nfile = "force{force}.npz"\nexcitation = {force}\nband_hz = [3, 130]\n\n'
+        for force in (0, 7)
+    )
     job = re.sub(r"\[data\].*?\n\n", data, JOB, count=1, flags=re.S)
     job = job.replace("[0, 3, 4]", "[0, 7]").replace("pictures = false", "")
     (tmp_path / "job.toml").write_text(job, encoding="utf-8")
@@ -170,8 +183,9 @@ def test_two_positions_of_the_force_keep_both_diagrams(tmp_path, monkeypatch):
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 0
     drawn = {file.name for file in (tmp_path / "job_results" / "pictures").iterdir()}
     diagrams = {f"stabilization_dof_{dof}_force_at_dof_{force}.png" for dof in (0, 7) for force in (0, 7)}
-    assert drawn - diagrams == {f"{name}.png" for name in ("convergence", "damage", "differences", "model",
-                                                           "response")}
+    assert drawn - diagrams == {
+        f"{name}.png" for name in ("convergence", "damage", "differences", "model", "response")
+    }
     assert len(drawn) == len(painted) == 9  # once for the report and the folder
     html = (tmp_path / "job_results" / "report.html").read_text()
     assert "Stabilization diagram of dof 0, force at dof 7" in html

@@ -66,9 +66,13 @@ def test_every_key_is_found_and_stands_on_its_line():
 
 NAMES = st.text("abcXYZ0189_-", min_size=1, max_size=6)
 VALUES = st.recursive(
-    st.integers(-9, 9) | st.booleans() | st.floats(allow_nan=False, allow_infinity=False)
-    | st.text('ab"\'#]}=,.[{ \t\\é', max_size=8),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(NAMES, inner, max_size=3), max_leaves=8)
+    st.integers(-9, 9)
+    | st.booleans()
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | st.text("ab\"'#]}=,.[{ \t\\é", max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(NAMES, inner, max_size=3),
+    max_leaves=8,
+)
 
 
 def toml(value, newline):
@@ -80,12 +84,15 @@ def toml(value, newline):
 
 
 @settings(max_examples=150, deadline=None)
-@given(st.dictionaries(NAMES, st.dictionaries(NAMES, VALUES, max_size=4), min_size=1, max_size=3),
-       st.sampled_from(["", " ", "\n", " # ]\n"]))
+@given(
+    st.dictionaries(NAMES, st.dictionaries(NAMES, VALUES, max_size=4), min_size=1, max_size=3),
+    st.sampled_from(["", " ", "\n", " # ]\n"]),
+)
 def test_every_key_of_any_text_is_found(tables, newline):
-    text = "".join(f"[{name}]\n" + "".join(f"{key} = {toml(value, newline)}\n" for key,
-                                           value in table.items())
-                   for name, table in tables.items())
+    text = "".join(
+        f"[{name}]\n" + "".join(f"{key} = {toml(value, newline)}\n" for key, value in table.items())
+        for name, table in tables.items()
+    )
     lines, rows = lines_of(text), text.splitlines()
     assert tomllib.loads(text) == tables
     for path in places(tables):
@@ -122,8 +129,11 @@ def test_defaults_in_the_template_are_those_in_force():
         if key.name in options and key.default:
             value = tomllib.loads(f"x = {key.default}")["x"]
             assert options[key.name] == value or (key.name, value) == ("polish", True), key.name
-    for section, call in (("identification", ar.identify_antiresonances), ("damage", ar.assess_damage),
-                          ("updating", ar.UpdatingProblem)):
+    for section, call in (
+        ("identification", ar.identify_antiresonances),
+        ("damage", ar.assess_damage),
+        ("updating", ar.UpdatingProblem),
+    ):
         arguments = inspect.signature(call).parameters
         for key in SECTIONS[section].keys:
             assert key.name in arguments, key.name

@@ -20,12 +20,17 @@ from test_job_interrupt import LONG, stopped
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork and SIGKILL")
 
 
-@pytest.mark.parametrize(("scenario", "writing"), [("new", "half"), ("again", "whole"), ("fresh", "whole"),
-                                                   ("script", "half")])
+@pytest.mark.parametrize(
+    ("scenario", "writing"), [("new", "half"), ("again", "whole"), ("fresh", "whole"), ("script", "half")]
+)
 def test_killed_before_any_change_on_the_disk(tmp_path, scenario, writing):
     """Half: what was being written has lost its second half, as after a power cut."""
-    done = subprocess.run([sys.executable, Path(__file__).with_name("kill_points.py"), tmp_path, scenario,
-                           writing], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, Path(__file__).with_name("kill_points.py"), tmp_path, scenario, writing],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert found["points"] >= (15 if scenario == "script" else 35)
@@ -59,5 +64,8 @@ def test_what_another_process_is_writing_to_the_same_file_is_left_alone(tmp_path
         assert lives.exists()
         other.communicate(b"\n")
     zeros.save(tmp_path / "zeros.json")
-    assert sorted(path.name for path in tmp_path.iterdir()) == [".zeros.json.tmp", "measured.json",
-                                                                "zeros.json"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        ".zeros.json.tmp",
+        "measured.json",
+        "zeros.json",
+    ]

@@ -81,15 +81,18 @@ def test_an_unknown_name_is_answered_as_python_does():
     assert not hasattr(ar, "__wrapped__")
     with pytest.raises(ImportError, match="cannot import name 'nothing'"):
         exec("from antires_rs import nothing")
-    done = subprocess.run([sys.executable, "-c", "import antires_rs as ar; ar.indentify_modes"],
-                          capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", "import antires_rs as ar; ar.indentify_modes"], capture_output=True, text=True
+    )
     assert "Did you mean: 'identify_modes'?" in done.stderr
 
 
 def test_a_broken_installation_is_not_taken_for_an_unknown_name():
-    code = ("import sys; sys.modules['numpy'] = None\nimport antires_rs\n"
-            "for name in ('Recording', 'spectra'):\n"
-            "    try: getattr(antires_rs, name)\n    except ImportError as exc: print(exc.name)")
+    code = (
+        "import sys; sys.modules['numpy'] = None\nimport antires_rs\n"
+        "for name in ('Recording', 'spectra'):\n"
+        "    try: getattr(antires_rs, name)\n    except ImportError as exc: print(exc.name)"
+    )
     assert in_a_new_process(code).split() == ["numpy", "numpy"]
 
 
@@ -101,8 +104,10 @@ def test_importing_the_package_costs_nothing():
 
 
 def test_importing_every_module_costs_no_extra_and_no_scipy():
-    code = (f"import sys\nfrom antires_rs import *\nimport antires_rs as ar\n"
-            f"for name in {MODULES!r}: getattr(ar, name)\nprint(*sys.modules)")
+    code = (
+        f"import sys\nfrom antires_rs import *\nimport antires_rs as ar\n"
+        f"for name in {MODULES!r}: getattr(ar, name)\nprint(*sys.modules)"
+    )
     loaded = in_a_new_process(code).split()
     assert "numpy" in loaded
     assert {name.split(".")[0] for name in loaded} & (EXTRAS | {"scipy"}) == set()
@@ -111,8 +116,10 @@ def test_importing_every_module_costs_no_extra_and_no_scipy():
 
 @pytest.mark.parametrize("argument", ["--help", "--version"])
 def test_the_command_line_answers_without_numpy(argument):
-    code = (f"import sys; from antires_rs.cli import main\ntry: main(['{argument}'])\n"
-            "except SystemExit: pass\nprint()\nprint(*sys.modules)")
+    code = (
+        f"import sys; from antires_rs.cli import main\ntry: main(['{argument}'])\n"
+        "except SystemExit: pass\nprint()\nprint(*sys.modules)"
+    )
     said, _, loaded = in_a_new_process(code).rpartition("\n")
     assert "antires" in said
     assert {name.split(".")[0] for name in loaded.split()} & (EXTRAS | {"numpy", "scipy"}) == set()
@@ -120,8 +127,11 @@ def test_the_command_line_answers_without_numpy(argument):
 
 def test_every_module_can_be_the_first():
     """Nothing leans on another import having come before; the extension is loaded once."""
-    names = sorted(module.name for module in pkgutil.walk_packages([str(HERE)], "antires_rs.")
-                   if not module.name.endswith("__main__"))
+    names = sorted(
+        module.name
+        for module in pkgutil.walk_packages([str(HERE)], "antires_rs.")
+        if not module.name.endswith("__main__")
+    )
     code = f"""
 import sys
 from importlib import import_module

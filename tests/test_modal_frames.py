@@ -98,8 +98,10 @@ def test_both_routes_agree_with_and_without_cancelled_roots_on_a_square_tube_of_
     model = ar.MatrixModel(k_mat, m_mat)
     for i, k in ((7, 7), (1, 25), (61, 13)):
         for flag in (False, True):
-            modal, pencil = (model.antiresonances(i, k, f_max_hz=900.0, method=m, include_cancelled=flag)
-                             for m in ("modal", "pencil"))
+            modal, pencil = (
+                model.antiresonances(i, k, f_max_hz=900.0, method=m, include_cancelled=flag)
+                for m in ("modal", "pencil")
+            )
             assert modal.size == pencil.size
             np.testing.assert_allclose(modal, pencil, rtol=AGAINST_SCIPY)
 
@@ -145,8 +147,9 @@ def test_a_pole_between_two_zeros_cancels_one_of_them_when_it_cannot_be_seen(gap
     want = np.sqrt(np.array(springs) / 0.5) / (2 * np.pi)
     for method in ("modal", "pencil"):
         for flag, count in ((False, visible), (True, 2)):
-            found = ar.MatrixModel(k_mat, m_mat).antiresonances(k, k, f_max_hz=400.0, method=method,
-                                                                include_cancelled=flag)
+            found = ar.MatrixModel(k_mat, m_mat).antiresonances(
+                k, k, f_max_hz=400.0, method=method, include_cancelled=flag
+            )
             near = found[np.abs(found / want[0] - 1) < 1e-4]
             assert near.size == count
             assert np.abs(near[:, None] / want - 1).min(axis=1).max() <= gap

@@ -7,11 +7,11 @@ import scipy.linalg
 from antires_rs.cases import exhaust
 from antires_rs.cases.exhaust.experiment import TestedStructure
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.signals.half_spectra import half_spectra
 from antires_rs.identification.modes import identify_modes
 from antires_rs.measured.modal_set import ModalSet
 from antires_rs.rational.residues import residues
 from antires_rs.signals.frequency_response import FrequencyResponse
+from antires_rs.signals.half_spectra import half_spectra
 from antires_rs.signals.recording import Recording
 from measured_data import FLOORS, needs_southampton, southampton
 from virtual_records import accelerance, chain8_matrices, hit_record, random_record
@@ -39,7 +39,7 @@ def assert_modes(found, freq_rel, damping_rel, mac=0.99, damping=0.01):
 def test_exact_frfs_of_any_quantity(power):
     """Receptance, mobility and accelerance have the same resonances and shapes."""
     freq = np.arange(3.0, 130.1, 1 / 16)
-    values = accelerance(STIFFNESS, MASS, 0, freq, 0.01) * (2j * np.pi * freq)**(power - 2)
+    values = accelerance(STIFFNESS, MASS, 0, freq, 0.01) * (2j * np.pi * freq) ** (power - 2)
     found = identify_modes(FrequencyResponse(freq, values), band_hz=BAND)
     assert_modes(found, 1e-6, 1e-4, mac=1 - 1e-6)
     assert found.diagram.identified.tolist() == found.freq_hz.tolist()
@@ -146,20 +146,23 @@ REC = Recording(np.random.default_rng(13).standard_normal((2, 8192)), FS)
 FRF = FrequencyResponse(np.linspace(1.0, 20.0, 400), np.ones((2, 400)))
 
 
-@pytest.mark.parametrize(("source", "kwargs", "name"), [
-    (np.zeros((2, 100)), {}, "source"),
-    (REC, {"band_hz": (3.0, 300.0)}, "band_hz"),
-    (REC, {"band_hz": 5.0}, "band_hz"),
-    (REC, {"route": "force"}, "route"),
-    (REC, {"method": "fast"}, "method"),
-    (REC, {"estimator": "rank1"}, "estimator"),
-    (REC, {"nperseg": 10000}, "nperseg"),
-    (REC, {"max_order": 10}, "max_order"),
-    (REC, {"min_order": 0}, "min_order"),
-    (REC, {"freq_tol": -1.0}, "freq_tol"),
-    (FRF, {"route": "responses"}, "route"),
-    (FRF, {"band_hz": (5.0, 5.6)}, "band_hz"),
-])
+@pytest.mark.parametrize(
+    ("source", "kwargs", "name"),
+    [
+        (np.zeros((2, 100)), {}, "source"),
+        (REC, {"band_hz": (3.0, 300.0)}, "band_hz"),
+        (REC, {"band_hz": 5.0}, "band_hz"),
+        (REC, {"route": "force"}, "route"),
+        (REC, {"method": "fast"}, "method"),
+        (REC, {"estimator": "rank1"}, "estimator"),
+        (REC, {"nperseg": 10000}, "nperseg"),
+        (REC, {"max_order": 10}, "max_order"),
+        (REC, {"min_order": 0}, "min_order"),
+        (REC, {"freq_tol": -1.0}, "freq_tol"),
+        (FRF, {"route": "responses"}, "route"),
+        (FRF, {"band_hz": (5.0, 5.6)}, "band_hz"),
+    ],
+)
 def test_bad_arguments_are_named(source, kwargs, name):
     with pytest.raises(InvalidInputError) as caught:
         identify_modes(source, **{"band_hz": (3.0, 15.0), **kwargs})
@@ -193,8 +196,9 @@ def test_residues_of_close_poles_with_far_modes():
     s = 2j * np.pi * freq
     poles = 2 * np.pi * np.array([-0.05 + 24.9j, -0.05 + 25.1j, -0.5 + 90.0j])
     true = np.array([[1.0 - 2j, 0.5], [0.3j, -1.0], [4.0, 5.0]])
-    values = sum(true[r][:, None] / (s - p) + true[r].conj()[:, None] / (s - p.conj())
-                 for r, p in enumerate(poles))
+    values = sum(
+        true[r][:, None] / (s - p) + true[r].conj()[:, None] / (s - p.conj()) for r, p in enumerate(poles)
+    )
     found = residues(freq, values, np.ones(freq.size), poles[:2])
     # The far mode is told from two conjugate pairs by powers of s alone.
     assert np.allclose(found, true[:2], rtol=0, atol=2e-5)
@@ -207,8 +211,9 @@ def test_mac_is_blind_to_complex_factors_and_looks_at_common_dofs():
     rng = np.random.default_rng(13)
     shapes = rng.standard_normal((3, 4)) + 1j * rng.standard_normal((3, 4))
     one = ModalSet([1.0, 2.0, 3.0], shapes, dofs=["a", "b", "c", "d"])
-    turned = ModalSet([1.0, 2.0, 3.0], shapes[:, ::-1] * np.array([[2j], [-1.0], [0.1 + 3j]]),
-                      dofs=["d", "c", "b", "a"])
+    turned = ModalSet(
+        [1.0, 2.0, 3.0], shapes[:, ::-1] * np.array([[2j], [-1.0], [0.1 + 3j]]), dofs=["d", "c", "b", "a"]
+    )
     assert np.allclose(np.diag(one.mac(turned)), 1.0)
     assert np.allclose(one.mac(turned), turned.mac(one).T)
     fewer = ModalSet([1.0], shapes[:1, 1:3], dofs=["b", "c"])
@@ -222,16 +227,19 @@ def test_to_real_turns_each_shape():
     assert modes.damping_ratio.tolist() == [0.01, 0.02]
 
 
-@pytest.mark.parametrize(("make", "name"), [
-    (lambda: TRUTH.mac([1.0]), "other"),
-    (lambda: TRUTH.mac(ModalSet([1.0], [[1.0]], dofs=["x"])), "other"),
-    (lambda: TRUTH.mac(ModalSet([1.0], [np.zeros(8)])), "other"),
-    (lambda: ModalSet([1.0], np.ones((1, 0))), "shapes"),
-    (lambda: ModalSet([1.0], [["a"]]), "shapes"),
-    (lambda: ModalSet([1.0], [[np.nan]]), "shapes"),
-    (lambda: ModalSet([1.0], [[1.0]], damping_ratio=[]), "damping_ratio"),
-    (lambda: ModalSet("", np.ones((0, 2))), "freq_hz"),
-])
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (lambda: TRUTH.mac([1.0]), "other"),
+        (lambda: TRUTH.mac(ModalSet([1.0], [[1.0]], dofs=["x"])), "other"),
+        (lambda: TRUTH.mac(ModalSet([1.0], [np.zeros(8)])), "other"),
+        (lambda: ModalSet([1.0], np.ones((1, 0))), "shapes"),
+        (lambda: ModalSet([1.0], [["a"]]), "shapes"),
+        (lambda: ModalSet([1.0], [[np.nan]]), "shapes"),
+        (lambda: ModalSet([1.0], [[1.0]], damping_ratio=[]), "damping_ratio"),
+        (lambda: ModalSet("", np.ones((0, 2))), "freq_hz"),
+    ],
+)
 def test_bad_sets_are_named(make, name):
     with pytest.raises(InvalidInputError) as caught:
         make()
@@ -239,6 +247,7 @@ def test_bad_sets_are_named(make, name):
 
 
 # ---- a measured structure ----------------------------------------------------------------------------
+
 
 @needs_southampton
 @pytest.mark.parametrize("name", FLOORS)

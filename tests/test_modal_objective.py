@@ -14,24 +14,26 @@ DAMAGED, SEVERITY = 4, 0.55
 
 def mac(phi, psi):
     """Modal assurance criterion of two vectors."""
-    return abs(np.vdot(phi, psi))**2 / (np.vdot(phi, phi) * np.vdot(psi, psi)).real
+    return abs(np.vdot(phi, psi)) ** 2 / (np.vdot(phi, phi) * np.vdot(psi, psi)).real
 
 
 def reference_cost(model, measured, beta=(), gammas=(0.0, 0.0)):
     """Eq. 18 in numpy, with the pairing as documented."""
     lam, shapes = scipy.linalg.eigh(np.asarray(model.stiffness()), np.asarray(model.mass()))
-    limit = (1.5 * 2 * np.pi * measured.freq_hz.max())**2
+    limit = (1.5 * 2 * np.pi * measured.freq_hz.max()) ** 2
     flexible = [r for r in range(lam.size) if 1e-9 * lam[-1] < lam[r] <= limit]
     cost = 0.0
     for freq, shape in zip(measured.freq_hz, measured.shapes, strict=True):
-        goal = (2 * np.pi * freq)**2
-        pairs = [(abs(np.log(lam[r] / goal)) + (1 - mac(shape, shapes[measured.dofs, r]))**2, r)
-                 for r in flexible]
+        goal = (2 * np.pi * freq) ** 2
+        pairs = [
+            (abs(np.log(lam[r] / goal)) + (1 - mac(shape, shapes[measured.dofs, r])) ** 2, r)
+            for r in flexible
+        ]
         if not pairs:
             cost += 2.0
             continue
         _, r = min(pairs)
-        cost += abs(lam[r] / goal - 1.0) + (1 - mac(shape, shapes[measured.dofs, r]))**2
+        cost += abs(lam[r] / goal - 1.0) + (1 - mac(shape, shapes[measured.dofs, r])) ** 2
     return cost + gammas[0] * np.sum(beta) + gammas[1] * np.count_nonzero(np.asarray(beta) > 0)
 
 
@@ -55,8 +57,9 @@ def test_the_objective_is_the_independent_one(dofs):
         wanted = reference_cost(springs, measured, beta, (0.1, 0.3))
         assert problem.cost(beta) == pytest.approx(wanted, rel=COST)
     np.testing.assert_array_equal(problem.evaluate_many(betas, workers=2), [problem.cost(b) for b in betas])
-    np.testing.assert_array_equal(problem.evaluate_many(betas, workers=3),
-                                  problem.evaluate_many(betas, workers=1))
+    np.testing.assert_array_equal(
+        problem.evaluate_many(betas, workers=3), problem.evaluate_many(betas, workers=1)
+    )
 
 
 def frame():
@@ -76,8 +79,9 @@ def test_a_frame_by_the_band_route_is_the_independent_one():
     measured = disturbed(modes, dofs, 0.02, RNG)
     problem = ar.UpdatingProblem(model, parameters, measured)
     for beta in (damage, np.zeros(8), RNG.uniform(0.0, 0.9, 8)):
-        assert problem.cost(beta) == pytest.approx(reference_cost(Dense(problem.model_at(beta)), measured),
-                                                   rel=1e-7)
+        assert problem.cost(beta) == pytest.approx(
+            reference_cost(Dense(problem.model_at(beta)), measured), rel=1e-7
+        )
 
 
 class Dense:
@@ -106,30 +110,39 @@ def test_residuals_are_those_of_the_frequencies_then_of_the_shapes():
     problem = CASE.damage_problem(disturbed(CASE.exact_modes(1), [0, 4, 7], 0.05, RNG))
     x = np.array([0.1, 0, 0, 0, 0.4, 0, 0])
     e, shape = problem.residuals(x)[:7], problem.residuals(x)[7:]
-    np.testing.assert_allclose(e, (problem.paired_hz(x) / problem.measured_hz)**2 - 1.0, rtol=COST)
+    np.testing.assert_allclose(e, (problem.paired_hz(x) / problem.measured_hz) ** 2 - 1.0, rtol=COST)
     np.testing.assert_allclose(shape, 1.0 - problem.paired_mac(x), rtol=COST)
     assert np.abs(e).sum() + (shape**2).sum() + 0.25 == pytest.approx(problem.cost(x), rel=COST)
 
 
-@pytest.mark.parametrize(("misfit", "norm"), [
-    ("absolute", lambda e: np.abs(e).sum()), ("squared", lambda e: np.sum(e**2)),
-    ("largest", lambda e: np.abs(e).max())])
+@pytest.mark.parametrize(
+    ("misfit", "norm"),
+    [
+        ("absolute", lambda e: np.abs(e).sum()),
+        ("squared", lambda e: np.sum(e**2)),
+        ("largest", lambda e: np.abs(e).max()),
+    ],
+)
 def test_the_misfit_is_of_the_frequencies_and_weights_are_of_both(misfit, norm):
     measured = disturbed(CASE.exact_modes(1), [0, 4, 7], 0.05, RNG)
     weights = RNG.uniform(0.2, 2.0, 7)
-    problem = ar.UpdatingProblem(CASE.model, ar.stiffness_reduction(range(7)), measured, misfit=misfit,
-                                 weights=weights)
+    problem = ar.UpdatingProblem(
+        CASE.model, ar.stiffness_reduction(range(7)), measured, misfit=misfit, weights=weights
+    )
     x = RNG.uniform(0.0, 0.5, 7)
     e, shape = np.split(problem.residuals(x), 2)
-    assert problem.cost(x) == pytest.approx(norm(weights * e) + ((weights * shape)**2).sum(), rel=COST)
+    assert problem.cost(x) == pytest.approx(norm(weights * e) + ((weights * shape) ** 2).sum(), rel=COST)
 
 
 # ---- pairing -----------------------------------------------------------------------------------------
 
+
 def test_modes_that_have_changed_places_keep_their_shapes():
     """Two oscillators hardly joined; in the model the other one is the softer."""
-    build = [ar.MassSpringChain([1.0, 1.0], [1.0], ground_first_n_per_m=a, ground_last_n_per_m=b)
-             for a, b in ((900.0, 1000.0), (1000.0, 900.0))]
+    build = [
+        ar.MassSpringChain([1.0, 1.0], [1.0], ground_first_n_per_m=a, ground_last_n_per_m=b)
+        for a, b in ((900.0, 1000.0), (1000.0, 900.0))
+    ]
     truth, model = build[0].modes(), build[1].modes()
     problem = ar.UpdatingProblem(build[1], ar.stiffness_factor([1, 2], bounds=(0.7, 1.4)), truth)
     np.testing.assert_allclose(problem.paired_hz([1.0, 1.0]), model.freq_hz[::-1], rtol=1e-9)
@@ -148,16 +161,18 @@ def test_no_far_mode_and_no_rigid_body_takes_a_partner_from_a_nearer_one():
 
 def test_with_one_sensor_the_nearest_frequency_is_the_partner_and_one_may_serve_two():
     modes = CASE.model.modes()
-    problem = CASE.damage_problem(ar.ModalSet([0.95 * modes.freq_hz[2], 1.02 * modes.freq_hz[2]],
-                                              [[1.0], [-2.0j]], [3]))
+    problem = CASE.damage_problem(
+        ar.ModalSet([0.95 * modes.freq_hz[2], 1.02 * modes.freq_hz[2]], [[1.0], [-2.0j]], [3])
+    )
     np.testing.assert_allclose(problem.paired_hz(np.zeros(7)), modes.freq_hz[2], rtol=1e-9)
     np.testing.assert_allclose(problem.paired_mac(np.zeros(7)), 1.0)
 
 
 def test_a_repeated_mode_is_compared_by_its_space():
     """Two equal oscillators: any combination of their motions is a mode."""
-    model = ar.MatrixModel(np.diag([400.0, 400.0, 900.0]), np.eye(3),
-                           stiffness_terms=[np.diag([1.0, 1.0, 0.0])])
+    model = ar.MatrixModel(
+        np.diag([400.0, 400.0, 900.0]), np.eye(3), stiffness_terms=[np.diag([1.0, 1.0, 0.0])]
+    )
     measured = ar.ModalSet([20.0 / (2 * np.pi)], [[0.8, -0.6j, 0.0]])
     problem = ar.UpdatingProblem(model, ar.stiffness_factor([0], bounds=(0.5, 2.0)), measured)
     assert problem.cost([1.0]) == pytest.approx(0.0, abs=1e-12)
@@ -183,8 +198,10 @@ def test_rigid_body_modes_of_the_measurement_are_left_out():
 
 def test_several_sets_of_sensors_add_up():
     modes = CASE.exact_modes(1)
-    sets = [ar.ModalSet(modes.freq_hz[:3], modes.shapes[:3][:, [0, 4]], [0, 4]),
-            ar.ModalSet(modes.freq_hz[2:], modes.shapes[2:][:, [1, 6, 7]], [1, 6, 7])]
+    sets = [
+        ar.ModalSet(modes.freq_hz[:3], modes.shapes[:3][:, [0, 4]], [0, 4]),
+        ar.ModalSet(modes.freq_hz[2:], modes.shapes[2:][:, [1, 6, 7]], [1, 6, 7]),
+    ]
     x = RNG.uniform(0.0, 0.3, 7)
     parameters = ar.stiffness_reduction(range(7))
     alone = [ar.UpdatingProblem(CASE.model, parameters, s) for s in sets]
@@ -196,14 +213,16 @@ def test_several_sets_of_sensors_add_up():
 
 # ---- results -----------------------------------------------------------------------------------------
 
+
 @pytest.fixture(scope="module")
 def damage():
     measured = disturbed(CASE.exact_modes(1), list(range(8)), 0.01, np.random.default_rng(3))
     return ar.assess_damage(CASE.model, measured, rng=1)
 
 
-@pytest.mark.parametrize(("dofs", "error", "seed"), [
-    (list(range(8)), 0.01, 0), ([0, 3, 6], 0.01, 1), ([2, 5], 0.01, 2)])
+@pytest.mark.parametrize(
+    ("dofs", "error", "seed"), [(list(range(8)), 0.01, 0), ([0, 3, 6], 0.01, 1), ([2, 5], 0.01, 2)]
+)
 def test_damage_is_found_from_disturbed_modes(dofs, error, seed):
     measured = disturbed(CASE.exact_modes(1), dofs, error, np.random.default_rng(seed))
     result = ar.assess_damage(CASE.model, measured, rng=seed)
@@ -281,6 +300,7 @@ def test_pictures_and_report(damage, tmp_path):
     figure = pytest.importorskip("matplotlib.figure")
     pytest.importorskip("jinja2")
     from antires_rs.plotting import plot_damages
+
     ax = damage.plot(ax=figure.Figure().subplots(), truth={DAMAGED: SEVERITY})
     assert ax.get_ylabel() == "Stiffness loss (%)"
     ax = ar.UpdateResult.plot(damage, ax=figure.Figure().subplots())
@@ -288,8 +308,9 @@ def test_pictures_and_report(damage, tmp_path):
     shown = " ".join(text.get_text() for text in ax.texts)
     assert f"{damage.table.after_mac[0]:.3f}" in shown
     beside = ar.assess_damage(CASE.model, CASE.exact(1), rng=0)
-    ax = plot_damages({"zeros": beside, "modes": damage}, ax=figure.Figure().subplots(),
-                      truth={DAMAGED: SEVERITY})
+    ax = plot_damages(
+        {"zeros": beside, "modes": damage}, ax=figure.Figure().subplots(), truth={DAMAGED: SEVERITY}
+    )
     heights = [bar.get_height() for bars in ax.containers for bar in bars]
     np.testing.assert_allclose(heights, 100 * np.concatenate([beside.x, damage.x]))
     other = ar.assess_damage(CASE.model, CASE.exact(1), elements=[4])
@@ -320,21 +341,25 @@ def test_the_report_of_identified_modes_shows_their_diagram(tmp_path):
 
 # ---- wrong input -------------------------------------------------------------------------------------
 
+
 def one_mode(freq_hz=20.0, shape=(1.0, -1.0), dofs=(0, 1)):
     return ar.ModalSet([freq_hz], [list(shape)], list(dofs))
 
 
-@pytest.mark.parametrize(("measured", "words"), [
-    (one_mode(dofs=(0, 8)), "measured dof: got 8"),
-    (one_mode(dofs=(0, "tip")), "measured dof: got 'tip'"),
-    (one_mode(shape=(0.0, 0.0)), "zero at every dof"),
-    (one_mode(freq_hz=-3.0), "positive"),
-    (one_mode(freq_hz=0.0), "no mode"),
-    (ar.ModalSet([], np.empty((0, 2))), "no mode"),
-    ([one_mode(), ar.AntiresonanceSet(0, {0: [12.0]})], "several of one kind"),
-    ([], "an AntiresonanceSet or a ModalSet"),
-    ("modes", "an AntiresonanceSet or a ModalSet"),
-])
+@pytest.mark.parametrize(
+    ("measured", "words"),
+    [
+        (one_mode(dofs=(0, 8)), "measured dof: got 8"),
+        (one_mode(dofs=(0, "tip")), "measured dof: got 'tip'"),
+        (one_mode(shape=(0.0, 0.0)), "zero at every dof"),
+        (one_mode(freq_hz=-3.0), "positive"),
+        (one_mode(freq_hz=0.0), "no mode"),
+        (ar.ModalSet([], np.empty((0, 2))), "no mode"),
+        ([one_mode(), ar.AntiresonanceSet(0, {0: [12.0]})], "several of one kind"),
+        ([], "an AntiresonanceSet or a ModalSet"),
+        ("modes", "an AntiresonanceSet or a ModalSet"),
+    ],
+)
 def test_measurements_that_cannot_be(measured, words):
     with pytest.raises(ar.InvalidInputError, match=words):
         ar.UpdatingProblem(CASE.model, ar.stiffness_reduction(range(7)), measured)
@@ -342,8 +367,10 @@ def test_measurements_that_cannot_be(measured, words):
 
 def test_the_objective_must_be_that_of_the_measurement():
     parameters = ar.stiffness_reduction(range(7))
-    for measured, right, wrong in ((CASE.exact_modes(1), "modal", "antiresonance"),
-                                   (CASE.exact(1), "antiresonance", "modal")):
+    for measured, right, wrong in (
+        (CASE.exact_modes(1), "modal", "antiresonance"),
+        (CASE.exact(1), "antiresonance", "modal"),
+    ):
         problem = ar.UpdatingProblem(CASE.model, parameters, measured, objective=right)
         assert problem.objective == right
         with pytest.raises(ar.InvalidInputError, match="measured: got a"):

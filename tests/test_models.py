@@ -81,10 +81,13 @@ def test_an_unstable_structure_has_no_resonances_and_says_so():
         unstable.modes()
 
 
-@pytest.mark.parametrize(("k_mat", "m_mat"), [
-    (np.diag([1.0, 0.0]), np.diag([1.0, 0.0])),  # a motion with neither mass nor stiffness
-    (np.diag([1.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.0]])),  # an indefinite mass
-])
+@pytest.mark.parametrize(
+    ("k_mat", "m_mat"),
+    [
+        (np.diag([1.0, 0.0]), np.diag([1.0, 0.0])),  # a motion with neither mass nor stiffness
+        (np.diag([1.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.0]])),  # an indefinite mass
+    ],
+)
 def test_matrices_without_modes_are_a_numerical_error(k_mat, m_mat):
     model = ar.MatrixModel(k_mat, m_mat)
     with pytest.raises(ar.NumericalError) as caught:
@@ -103,10 +106,12 @@ def test_antiresonances_up_to_a_frequency(method):
     model = ar.cases.chain8().model
     everything = model.antiresonances(0, 0, method=method)
     limit = everything[3]
-    np.testing.assert_allclose(model.antiresonances(0, 0, method=method, f_max_hz=limit * 1.0001),
-                               everything[:4], rtol=CLOSED_FORM)
-    np.testing.assert_allclose(model.antiresonances(0, 0, method=method, f_max_hz=limit * 0.9999),
-                               everything[:3], rtol=CLOSED_FORM)
+    np.testing.assert_allclose(
+        model.antiresonances(0, 0, method=method, f_max_hz=limit * 1.0001), everything[:4], rtol=CLOSED_FORM
+    )
+    np.testing.assert_allclose(
+        model.antiresonances(0, 0, method=method, f_max_hz=limit * 0.9999), everything[:3], rtol=CLOSED_FORM
+    )
 
 
 @pytest.mark.parametrize("method", ["modal", "pencil"])
@@ -144,8 +149,9 @@ def test_a_free_body_accelerates_as_a_rigid_one_at_zero_frequency():
 
 def test_mobility_and_accelerance_are_the_receptance_times_j_omega():
     freq = np.array([0.7, 2.0])
-    rows = [chain().frf(2, 0, freq, damping_ratio=0.02, kind=k)
-            for k in ("receptance", "mobility", "accelerance")]
+    rows = [
+        chain().frf(2, 0, freq, damping_ratio=0.02, kind=k) for k in ("receptance", "mobility", "accelerance")
+    ]
     jw = 2j * np.pi * freq
     np.testing.assert_allclose(rows[1], jw * rows[0], rtol=CLOSED_FORM)
     np.testing.assert_allclose(rows[2], jw**2 * rows[0], rtol=CLOSED_FORM)
@@ -172,8 +178,9 @@ def test_terms_need_not_add_up_to_the_matrix():
     model = ar.MatrixModel(spring + np.diag([100.0, 0.0]), np.eye(2), stiffness_terms=[spring])
     measured = ar.AntiresonanceSet(0, {0: [3.0]})
     problem = ar.UpdatingProblem(model, ar.stiffness_factor(0, bounds=(0.5, 2.0)), measured)
-    np.testing.assert_allclose(problem.model_at([2.0]).stiffness().toarray(),
-                               2 * spring + np.diag([100.0, 0.0]), rtol=ROUNDING)
+    np.testing.assert_allclose(
+        problem.model_at([2.0]).stiffness().toarray(), 2 * spring + np.diag([100.0, 0.0]), rtol=ROUNDING
+    )
 
 
 def test_modal_set_repr_and_length():

@@ -7,12 +7,12 @@ import pytest
 
 from antires_rs.identification.identify import identify_antiresonances
 from antires_rs.identification.likelihood import likeliest
-from antires_rs.signals.noise import noise_power
 from antires_rs.identification.numerators import NumeratorFit, shared
-from antires_rs.signals.rankone import channel_noise
 from antires_rs.identification.response_lines import Lines
-from antires_rs.signals.recording import Recording
 from antires_rs.identification.uncertainty import Influence, standard_deviations
+from antires_rs.signals.noise import noise_power
+from antires_rs.signals.rankone import channel_noise
+from antires_rs.signals.recording import Recording
 from virtual_records import accelerance, chain8_matrices, chain_matrices, random_record, true_antiresonances
 
 STIFFNESS, MASS = chain_matrices([1.0, 0.8, 1.2, 0.9], [4e4, 3e4, 5e4])
@@ -28,6 +28,7 @@ def vectors():
 def exact_zeros(row):
     """Zeros of H_row0 with its damping, rad/s: numerator polynomial from the modal sum."""
     import scipy.linalg
+
     lam, phi = scipy.linalg.eigh(STIFFNESS, MASS)
     w = np.sqrt(np.maximum(lam, 0.0))
     w[0] = 0.0
@@ -84,8 +85,12 @@ def test_superfluous_roots_are_shared_and_own_nothing():
         others = [k for k in range(4) if k != row]
         assert fit.dominances(c, row, true, others).min() > 0.9
         assert not shared(true, [roots[k] for k in others]).any()
-        inside = roots[row][(np.abs(roots[row].imag) > 2 * np.pi * 5) & (np.abs(roots[row]) < 2 * np.pi * 60)
-                            & (np.abs(roots[row].real) < 0.1 * np.abs(roots[row])) & (roots[row].imag > 0)]
+        inside = roots[row][
+            (np.abs(roots[row].imag) > 2 * np.pi * 5)
+            & (np.abs(roots[row]) < 2 * np.pi * 60)
+            & (np.abs(roots[row].real) < 0.1 * np.abs(roots[row]))
+            & (roots[row].imag > 0)
+        ]
         left = [s for s in inside if np.abs(exact_zeros(row) / s - 1.0).min() > 1e-3]
         assert all(fit.dominances(c, row, np.array([s]), others)[0] < 0.05 for s in left)
 
@@ -143,8 +148,9 @@ def test_channel_noise_is_told_in_any_unit():
     level = np.array([1.0, 3.0, 2.0, 10.0])
     a = rng.standard_normal((FREQ.size, 1, 60)) + 1j * rng.standard_normal((FREQ.size, 1, 60))
     x = vectors()[:, :, None] * a
-    x = x + 0.02 * level[:, None] * (rng.standard_normal((FREQ.size, 4, 60))
-                                     + 1j * rng.standard_normal((FREQ.size, 4, 60)))
+    x = x + 0.02 * level[:, None] * (
+        rng.standard_normal((FREQ.size, 4, 60)) + 1j * rng.standard_normal((FREQ.size, 4, 60))
+    )
     gain = np.array([1.0, 1e3, 1e-2, 5.0])  # within a factor of two in power
     for unit in (np.ones(4), gain):
         y = x * unit[:, None]
@@ -186,7 +192,7 @@ def test_light_damping_without_a_third_witness(options):
     """Whether all rows share a root cannot be asked: what stays over the orders is still found."""
     stiffness, mass = chain8_matrices()
     responses, _ = random_record(stiffness, mass, duration_s=64.0, noise=0.001, damping_ratio=0.0003, seed=16)
-    rec = Recording(responses[:options.pop("channels", 8)], 512.0)
+    rec = Recording(responses[: options.pop("channels", 8)], 512.0)
     found = identify_antiresonances(rec, excitation=0, band_hz=BAND8, check="off", **options)
     for dof in found:
         true = true_antiresonances(stiffness, mass, dof, 0)

@@ -178,14 +178,17 @@ def test_exceptions_of_the_user_come_out_unchanged(where):
     assert caught.value is error
 
 
-@pytest.mark.parametrize(("fun", "got"), [
-    (lambda X: spheres(X)[:-1], r"shape \(159,\)"),
-    (lambda X: X, r"shape \(160, 3\)"),
-    (lambda X: 1.0, r"shape \(\)"),
-    (lambda X: ["a"] * len(X), "not numeric"),
-    (lambda X: None, r"shape \(\)|not numeric"),
-    (lambda X: spheres(X) + 0j, "complex"),
-])
+@pytest.mark.parametrize(
+    ("fun", "got"),
+    [
+        (lambda X: spheres(X)[:-1], r"shape \(159,\)"),
+        (lambda X: X, r"shape \(160, 3\)"),
+        (lambda X: 1.0, r"shape \(\)"),
+        (lambda X: ["a"] * len(X), "not numeric"),
+        (lambda X: None, r"shape \(\)|not numeric"),
+        (lambda X: spheres(X) + 0j, "complex"),
+    ],
+)
 def test_a_wrong_answer_of_the_objective_is_named(fun, got):
     with pytest.raises(ar.ObjectiveError, match=f"^fun: got .*{got}.*; wanted 160 real costs"):
         ar.IslandGA().minimize(fun, BOX, rng=0, vectorized=True)
@@ -215,6 +218,7 @@ def test_options_in_force_are_shown_with_their_defaults():
 
 def test_agreement_in_genes_alone_does_not_end_in_a_flat_valley():
     """cost = (x + y - 1)^2: any point of a line is best, and the islands' bests stay apart."""
+
     def valley(candidates):
         return (candidates.sum(axis=1) - 1.0) ** 2
 
@@ -228,6 +232,7 @@ def test_agreement_in_genes_alone_does_not_end_in_a_flat_valley():
 
 def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
     from antires_rs.support import progress as _progress
+
     monkeypatch.setattr(_progress, "FIRST_S", 0.0)
     ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0, progress=True)
     shown = capsys.readouterr()
@@ -241,6 +246,7 @@ def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
 
 def test_progress_tells_how_long_the_budget_lasts():
     from antires_rs.support import progress as _progress
+
     state = {"nfev": 3000, "fun": 0.5, "nit": 7, "islands": [(0.5, "searching"), (0.6, "waiting")]}
     line = _progress._line(state, 5000, 10.0, 1000)  # 2000 of them before, by the run it goes on from
     assert "3,000 of at most 5,000 evaluations" in line
@@ -275,6 +281,7 @@ def test_a_polished_function_reaches_its_minimum_to_more_digits():
 
 def test_a_polished_function_has_exact_zeros():
     """One damage of seven, each further one to be paid for."""
+
     def penalised(x):
         misfit = np.abs(x - np.array([0, 0, 0.55, 0, 0, 0, 0])).sum()
         return float(misfit + 0.1 * x.sum() + 0.1 * np.count_nonzero(x))

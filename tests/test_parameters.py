@@ -33,23 +33,32 @@ def test_parameters_change_what_they_say():
     """Against a chain that is built directly with the changed values."""
     masses, springs = np.array([1.0, 2.0, 3.0]), np.array([100.0, 200.0])
     model = ar.MassSpringChain(masses, springs, ground_last_n_per_m=50.0)
-    parameters = [*ar.stiffness_factor([0], bounds=BOUNDS), *ar.mass_factor([1], bounds=BOUNDS),
-                  *ar.stiffness_reduction([1]), ar.stiffness_factor(3, bounds=BOUNDS)]
+    parameters = [
+        *ar.stiffness_factor([0], bounds=BOUNDS),
+        *ar.mass_factor([1], bounds=BOUNDS),
+        *ar.stiffness_reduction([1]),
+        ar.stiffness_factor(3, bounds=BOUNDS),
+    ]
     problem = ar.UpdatingProblem(model, parameters, ar.AntiresonanceSet(0, {0: [1.0]}))
     changed = problem.model_at([1.1, 0.9, 0.25, 1.2])
     direct = ar.MassSpringChain(masses * [1, 0.9, 1], springs * [1.1, 0.75], ground_last_n_per_m=60.0)
     np.testing.assert_allclose(changed.stiffness(), direct.stiffness(), rtol=ROUNDING)
     np.testing.assert_allclose(changed.mass(), direct.mass(), rtol=ROUNDING)
-    assert problem.names == ["stiffness of spring 1", "mass 2", "stiffness loss of spring 2",
-                             "stiffness of last ground spring"]
+    assert problem.names == [
+        "stiffness of spring 1",
+        "mass 2",
+        "stiffness loss of spring 2",
+        "stiffness of last ground spring",
+    ]
 
 
 def test_factors_on_one_element_multiply():
     model = ar.MassSpringChain([1.0, 1.0], [100.0])
     both = [ar.stiffness_factor(0, bounds=BOUNDS), ar.stiffness_reduction(0)]
     problem = ar.UpdatingProblem(model, both, ar.AntiresonanceSet(0, {0: [1.0]}))
-    np.testing.assert_allclose(problem.model_at([1.2, 0.5]).stiffness(), 0.6 * model.stiffness(),
-                               rtol=ROUNDING)
+    np.testing.assert_allclose(
+        problem.model_at([1.2, 0.5]).stiffness(), 0.6 * model.stiffness(), rtol=ROUNDING
+    )
 
 
 def test_an_updated_model_is_a_nominal_model_of_its_own():
@@ -71,15 +80,18 @@ def test_one_parameter_for_several_elements_moves_them_together():
     assert problem.names == ["stiffness of spring 1, spring 7"]
 
 
-@pytest.mark.parametrize(("quantity", "terms", "bounds", "named"), [
-    ("stifness_factor", (0,), BOUNDS, "quantity"),
-    ("mass_factor", (-1,), BOUNDS, "terms"),
-    ("mass_factor", (), BOUNDS, "terms"),
-    ("mass_factor", (0.5,), BOUNDS, "terms"),
-    ("mass_factor", (0,), (1.2, 0.8), "bounds"),
-    ("mass_factor", (0,), (0.0, 0.8), "bounds"),
-    ("stiffness_reduction", (0,), (0.0, 1.1), "bounds"),
-])
+@pytest.mark.parametrize(
+    ("quantity", "terms", "bounds", "named"),
+    [
+        ("stifness_factor", (0,), BOUNDS, "quantity"),
+        ("mass_factor", (-1,), BOUNDS, "terms"),
+        ("mass_factor", (), BOUNDS, "terms"),
+        ("mass_factor", (0.5,), BOUNDS, "terms"),
+        ("mass_factor", (0,), (1.2, 0.8), "bounds"),
+        ("mass_factor", (0,), (0.0, 0.8), "bounds"),
+        ("stiffness_reduction", (0,), (0.0, 1.1), "bounds"),
+    ],
+)
 def test_a_parameter_made_by_hand_is_checked_too(quantity, terms, bounds, named):
     with pytest.raises(ar.InvalidInputError, match=rf"^{named}.*got .*; wanted "):
         ar.Parameter(quantity, terms, bounds)

@@ -26,20 +26,28 @@ def chain():
 
 def matrices():
     spring = np.array([[1.0, -1.0, 0.0], [-1.0, 1.3, -0.1], [0.0, -0.1, 0.7]]) * 1e4
-    return ar.MatrixModel(spring, np.diag([0.3, 0.2, 0.1]), stiffness_terms=[spring, np.eye(3)],
-                          mass_terms=[np.diag([0.1, 0.0, 0.0])])
+    return ar.MatrixModel(
+        spring,
+        np.diag([0.3, 0.2, 0.1]),
+        stiffness_terms=[spring, np.eye(3)],
+        mass_terms=[np.diag([0.1, 0.0, 0.0])],
+    )
 
 
 def frame(columns=2):
     nodes = [(0.3 * i, 0.05 * (i % 2), 0.02 * i)[:columns] for i in range(6)]
     beams = [(i, i + 1, "ab"[i % 2]) for i in range(5)]
     direction = {2: "v", 3: "w"}[columns]
-    return ar.FrameModel(nodes, beams, {"a": ar.Tube(0.038, 0.0015, 2.1e11, 7850.0),
-                                        "b": ar.Rectangle(0.02, 0.01, 2.1e11, 7850.0)},
-                         point_masses=[ar.PointMass(3, 0.4, 1e-3)],
-                         ground_springs=[ar.GroundSpring(5, "u", 4e3)],
-                         node_springs=[ar.NodeSpring(1, 4, 2e3)], fixed=[0, (5, direction)],
-                         orientation=None if columns == 2 else (0.0, 0.3, 1.0))
+    return ar.FrameModel(
+        nodes,
+        beams,
+        {"a": ar.Tube(0.038, 0.0015, 2.1e11, 7850.0), "b": ar.Rectangle(0.02, 0.01, 2.1e11, 7850.0)},
+        point_masses=[ar.PointMass(3, 0.4, 1e-3)],
+        ground_springs=[ar.GroundSpring(5, "u", 4e3)],
+        node_springs=[ar.NodeSpring(1, 4, 2e3)],
+        fixed=[0, (5, direction)],
+        orientation=None if columns == 2 else (0.0, 0.3, 1.0),
+    )
 
 
 def zeros_of(model):
@@ -50,18 +58,26 @@ def zeros_of(model):
 
 
 MODELS = {
-    "chain": chain, "matrices": matrices, "frame": frame, "space frame": partial(frame, 3),
+    "chain": chain,
+    "matrices": matrices,
+    "frame": frame,
+    "space frame": partial(frame, 3),
     "updated chain": lambda: problem(chain()).model_at([0.9, 1.07]),
     "updated matrices": lambda: problem(matrices()).model_at([0.9, 1.07]),
     "updated frame": lambda: frame_problem().model_at([0.0011, 4.4e3]),
     "turned frame": lambda: bent_problem().model_at([3.0]),
     # Updated, and then looked at for damage.
-    "updated twice": lambda: problem(problem(chain()).model_at([0.9, 1.07])).model_at([1.02, 0.97])}
+    "updated twice": lambda: problem(problem(chain()).model_at([0.9, 1.07])).model_at([1.02, 0.97]),
+}
 
 
 def problem(model, measured=None, **options):
-    return ar.UpdatingProblem(model, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)),
-                              zeros_of(model) if measured is None else measured, **options)
+    return ar.UpdatingProblem(
+        model,
+        ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)),
+        zeros_of(model) if measured is None else measured,
+        **options,
+    )
 
 
 def frame_problem():
@@ -71,18 +87,22 @@ def frame_problem():
 
 def bent_problem():
     nodes = [(0.0, 0.0), (0.3, 0.0), (0.6, 0.1), (0.9, 0.1)]
-    model = ar.FrameModel(nodes, [(i, i + 1) for i in range(3)], ar.Tube(0.038, 0.0015, 2.1e11, 7850.0),
-                          fixed=[0])
+    model = ar.FrameModel(
+        nodes, [(i, i + 1) for i in range(3)], ar.Tube(0.038, 0.0015, 2.1e11, 7850.0), fixed=[0]
+    )
     return ar.UpdatingProblem(model, ar.angle([2], 2, bounds_deg=(-5.0, 5.0)), zeros_of(model))
 
 
 PROBLEMS = {
     "chain": lambda: problem(chain(), weights=np.linspace(0.5, 1.0, zeros_size(chain()))),
-    "frame": frame_problem, "angle": bent_problem,
+    "frame": frame_problem,
+    "angle": bent_problem,
     "modes": lambda: problem(matrices(), matrices().modes(2), misfit="largest"),
-    "damage": lambda: ar.UpdatingProblem(chain(), ar.stiffness_reduction([0, 2]), zeros_of(chain()),
-                                         penalty=(0.05, 0.02)),
-    "several forces": lambda: problem(chain(), [zeros_of(chain()), ar.AntiresonanceSet(0, {1: [40.0]})])}
+    "damage": lambda: ar.UpdatingProblem(
+        chain(), ar.stiffness_reduction([0, 2]), zeros_of(chain()), penalty=(0.05, 0.02)
+    ),
+    "several forces": lambda: problem(chain(), [zeros_of(chain()), ar.AntiresonanceSet(0, {1: [40.0]})]),
+}
 
 
 def zeros_size(model):
@@ -105,10 +125,12 @@ def test_a_model_has_the_same_bits(name, copied):
     dofs = list(range(model.n_dof))
     for one, other in zip(again.antiresonances(dofs, 1), model.antiresonances(dofs, 1), strict=True):
         assert same_bits(one, other)
-    assert same_bits(again.frf(0, 1, [10.0, 20.0], damping_ratio=0.01),
-                     model.frf(0, 1, [10.0, 20.0], damping_ratio=0.01))
+    assert same_bits(
+        again.frf(0, 1, [10.0, 20.0], damping_ratio=0.01), model.frf(0, 1, [10.0, 20.0], damping_ratio=0.01)
+    )
     assert [again.element_label(e) for e in again.default_elements] == [
-        model.element_label(e) for e in model.default_elements]
+        model.element_label(e) for e in model.default_elements
+    ]
     if isinstance(model, ar.FrameModel):
         assert again.sections == model.sections
         assert again.node_springs == model.node_springs
@@ -125,7 +147,12 @@ def test_a_problem_has_the_same_bits(name, copied):
     assert same_bits(again.evaluate_many(points), given.evaluate_many(points))
     assert same_bits(again.residuals(points[0]), given.residuals(points[0]))
     assert (again.names, again.misfit, again.penalty, again.parameters, again.objective) == (
-        given.names, given.misfit, given.penalty, given.parameters, given.objective)
+        given.names,
+        given.misfit,
+        given.penalty,
+        given.parameters,
+        given.objective,
+    )
     assert same_bits(again.bounds, given.bounds)
     assert again.cost(points[1]) == given.cost(points[1])
     assert same_bits(again.model_at(points[2]).stiffness(), given.model_at(points[2]).stiffness())
@@ -168,21 +195,36 @@ def measured():
     zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), second_opinion="aaa")
     edited = zeros.drop(0, zeros[0][0], reason="hum").add(1, 77.0)
     modes = ar.identify_modes(response, band_hz=(3, 130))
-    return {"recording": (record, lambda r: [r.responses, r.force]),
-            "response": (response, lambda r: [r.freq_hz, r.values, r.coherence, r.std]),
-            "zeros": (zeros, lambda z: [z[3], z.damping_ratio[3], z.std_hz[3], z.scores[3]["rows"]]),
-            "edited zeros": (edited, lambda z: [z[0], z.damping_ratio[1], z.original()[0]]),
-            "zeros by hand": (ar.AntiresonanceSet("tip", {"tip": [3.0], "root": []}),
-                              lambda z: [z["tip"], z["root"]]),
-            "modes": (modes, lambda m: [m.freq_hz, m.shapes, m.damping_ratio]),
-            "diagram": (zeros.diagrams[2], lambda d: [d.orders, d.freq_hz[3], d.background,
-                                                      d.accepted.freq_hz]),
-            "check": (zeros.data_check, lambda c: [c.freq_hz, c.eigenvalues]),
-            "opinion": (zeros.second_opinion, lambda o: [o.freq_hz[1], o.confirmed[1]])}
+    return {
+        "recording": (record, lambda r: [r.responses, r.force]),
+        "response": (response, lambda r: [r.freq_hz, r.values, r.coherence, r.std]),
+        "zeros": (zeros, lambda z: [z[3], z.damping_ratio[3], z.std_hz[3], z.scores[3]["rows"]]),
+        "edited zeros": (edited, lambda z: [z[0], z.damping_ratio[1], z.original()[0]]),
+        "zeros by hand": (
+            ar.AntiresonanceSet("tip", {"tip": [3.0], "root": []}),
+            lambda z: [z["tip"], z["root"]],
+        ),
+        "modes": (modes, lambda m: [m.freq_hz, m.shapes, m.damping_ratio]),
+        "diagram": (zeros.diagrams[2], lambda d: [d.orders, d.freq_hz[3], d.background, d.accepted.freq_hz]),
+        "check": (zeros.data_check, lambda c: [c.freq_hz, c.eigenvalues]),
+        "opinion": (zeros.second_opinion, lambda o: [o.freq_hz[1], o.confirmed[1]]),
+    }
 
 
-@pytest.mark.parametrize("name", ["recording", "response", "zeros", "edited zeros", "zeros by hand", "modes",
-                                  "diagram", "check", "opinion"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "recording",
+        "response",
+        "zeros",
+        "edited zeros",
+        "zeros by hand",
+        "modes",
+        "diagram",
+        "check",
+        "opinion",
+    ],
+)
 def test_data_stay_as_they_are(measured, name, copied):
     value, arrays = measured[name]
     again = copied(value)
@@ -202,8 +244,13 @@ def test_data_stay_as_they_are(measured, name, copied):
 
 
 def test_errors_and_warnings(copied):
-    for kind in (*map(partial(getattr, ar), ("InvalidInputError", "UnsuitableDataError", "NumericalError")),
-                 ar.ObjectiveError, ar.InternalError, ar.MissingDependencyError, ar.AntiresWarning):
+    for kind in (
+        *map(partial(getattr, ar), ("InvalidInputError", "UnsuitableDataError", "NumericalError")),
+        ar.ObjectiveError,
+        ar.InternalError,
+        ar.MissingDependencyError,
+        ar.AntiresWarning,
+    ):
         again = copied(kind("x: got 1; wanted 2."))
         assert type(again) is kind
         assert str(again) == "x: got 1; wanted 2."

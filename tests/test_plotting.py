@@ -84,6 +84,7 @@ def test_every_picture_draws_into_the_axes_given_and_labels_units(draw, ax, name
 def test_without_axes_a_pyplot_figure_is_made_and_no_setting_changed(draw, name):
     import matplotlib
     from matplotlib import pyplot
+
     before = dict(matplotlib.rcParams)
     made = draw[name](None)
     try:
@@ -95,6 +96,7 @@ def test_without_axes_a_pyplot_figure_is_made_and_no_setting_changed(draw, name)
 
 def test_with_axes_pyplot_learns_of_nothing(draw):
     from matplotlib import pyplot
+
     for function in draw.values():
         picture(function, (6.0, 4.0), dpi=50)
     assert pyplot.get_fignums() == []
@@ -222,9 +224,13 @@ def test_an_element_that_nothing_shows_is_marked(ax):
 def test_many_elements_stay_legible(ax):
     springs = np.full(24, 500.0)
     springs[7] *= 0.6
-    result = ar.assess_damage(ar.MassSpringChain(np.ones(25), np.full(24, 500.0)),
-                              exact(ar.MassSpringChain(np.ones(25), springs), [0, 6, 12]), rng=0, workers=1,
-                              optimizer=ar.IslandGA(max_evaluations=2000))
+    result = ar.assess_damage(
+        ar.MassSpringChain(np.ones(25), np.full(24, 500.0)),
+        exact(ar.MassSpringChain(np.ones(25), springs), [0, 6, 12]),
+        rng=0,
+        workers=1,
+        optimizer=ar.IslandGA(max_evaluations=2000),
+    )
     plotting.plot_damage(result, ax=ax)
     assert len(ax.containers[0]) == 24
     assert {tick.get_rotation() for tick in ax.get_xticklabels()} == {90.0}

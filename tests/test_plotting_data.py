@@ -36,22 +36,26 @@ def diagram(record):
 def drawn(record, damage, diagram):
     """Every picture by the names of its tables."""
     two = {"one": damage, "other": damage}
-    frame = ar.FrameModel([(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], ar.Tube(0.038, 0.0015, 2.1e11, 7850.0),
-                          fixed=[0])
+    frame = ar.FrameModel(
+        [(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], ar.Tube(0.038, 0.0015, 2.1e11, 7850.0), fixed=[0]
+    )
     t, check = ar.transmissibility(record, 0, nperseg=512), check_data(record, band_hz=BAND)
     return [
         (["poles", "values", "curve"], lambda ax: plotting.plot_stabilization(diagram, ax=ax)),
         (["poles", "values"], lambda ax: plotting.plot_damping_clusters(diagram, ax=ax)),
         (["coherence"], lambda ax: plotting.plot_coherence(ar.frf(record, nperseg=512), ax=ax)),
         (["singular_values"], lambda ax: plotting.plot_singular_values(check, ax=ax)),
-        (["transmissibility"],
-         lambda ax: plotting.plot_transmissibility(t, chain(), dof=2, excitation=0, ax=ax)),
+        (
+            ["transmissibility"],
+            lambda ax: plotting.plot_transmissibility(t, chain(), dof=2, excitation=0, ax=ax),
+        ),
         (["bars"], lambda ax: plotting.plot_differences(damage.table, ax=ax)),
         (["bars"], lambda ax: plotting.plot_damage(damage, ax=ax, truth={1: 0.4})),
         (["bars"], lambda ax: plotting.plot_damages(two, ax=ax)),
         (["elements"], lambda ax: plotting.plot_frame(frame, {1: 0.4}, ax=ax)),
         (["springs"], lambda ax: plotting.plot_chain(chain(), damage.severity, ax=ax)),
-        (["islands", "migrations"], lambda ax: plotting.plot_convergence(damage, ax=ax))]
+        (["islands", "migrations"], lambda ax: plotting.plot_convergence(damage, ax=ax)),
+    ]
 
 
 def test_every_public_picture_offers_its_numbers_in_whole_tables(record, damage, diagram):
@@ -124,8 +128,9 @@ def test_what_is_seen_only_above_the_axis_is_named_at_its_edge(damage, ax, monke
 def test_names_stand_upright_where_they_would_run_into_each_other(names, upright):
     springs = np.full(names, 500.0)
     model = ar.MassSpringChain(np.ones(names + 1), springs)
-    result = ar.assess_damage(model, exact(model, [0, 1]), rng=0, workers=1,
-                              optimizer=ar.IslandGA(max_evaluations=500))
+    result = ar.assess_damage(
+        model, exact(model, [0, 1]), rng=0, workers=1, optimizer=ar.IslandGA(max_evaluations=500)
+    )
     ax = Figure(figsize=(8.0, 4.0)).subplots()
     result.plot(ax=ax)
     ax.figure.draw_without_rendering()
@@ -137,8 +142,11 @@ def test_names_stand_upright_where_they_would_run_into_each_other(names, upright
 
 def test_many_differences_keep_room_between_the_names_of_responses(ax):
     model = ar.MassSpringChain(np.ones(31), np.full(30, 500.0))
-    problem = ar.UpdatingProblem(ar.MassSpringChain(np.ones(31), np.full(30, 520.0)),
-                                 ar.stiffness_factor([0], bounds=(0.8, 1.2)), exact(model, range(31)))
+    problem = ar.UpdatingProblem(
+        ar.MassSpringChain(np.ones(31), np.full(30, 520.0)),
+        ar.stiffness_factor([0], bounds=(0.8, 1.2)),
+        exact(model, range(31)),
+    )
     table = ar.update(problem, rng=0, workers=1, optimizer=ar.IslandGA(max_evaluations=200)).table
     plotting.plot_differences(table, ax=ax)
     ax.figure.draw_without_rendering()
@@ -157,7 +165,7 @@ def test_a_chain_shows_the_springs_it_has(ax, ground):
     springs = plotting.data_of(ax)["springs"]
     assert springs["element"].tolist() == ([0, 1, 2, 3] if ground else [0, 1])
     assert springs["name"][1] == "spring 2"
-    assert np.isfinite(springs["value"]).tolist() == [False, True, False, False][:len(springs["value"])]
+    assert np.isfinite(springs["value"]).tolist() == [False, True, False, False][: len(springs["value"])]
     names = [text.get_text() for text in ax.get_legend().get_texts()]
     assert set(names) == {"without a value", "accelerometer", "force"}
     assert [text.get_text() for text in ax.texts].count("ground") == len(ground)

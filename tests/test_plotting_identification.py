@@ -40,8 +40,12 @@ def verticals(ax, kind):
     colour, dashes = LOOKS[kind]["color"], ax.axvline(0.0, **LOOKS[kind])
     look = (colour, dashes.get_linestyle(), tuple(dashes._dash_pattern[1] or ()))
     dashes.remove()
-    return [line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2
-            and (line.get_color(), line.get_linestyle(), tuple(line._dash_pattern[1] or ())) == look]
+    return [
+        line.get_xdata()[0]
+        for line in ax.lines
+        if len(line.get_xdata()) == 2
+        and (line.get_color(), line.get_linestyle(), tuple(line._dash_pattern[1] or ())) == look
+    ]
 
 
 def colour_of(axes, name):
@@ -61,6 +65,7 @@ def test_it_draws_into_the_axes_given_and_labels_units(identified, ax, kind):
 def test_no_setting_is_changed_and_matplotlib_is_asked_for(identified, monkeypatch, kind):
     import matplotlib
     from matplotlib import pyplot
+
     before = dict(matplotlib.rcParams)
     made = DRAW[kind](identified.diagrams[0])
     assert pyplot.fignum_exists(made.figure.number)
@@ -134,8 +139,12 @@ def test_a_set_draws_what_was_edited_by_hand(identified, ax, kind):
     assert verticals(ax, "dropped by hand") == [identified[0][1]]
     assert verticals(ax, "added by hand") == [3.3]
     assert verticals(ax, "accepted") == [identified[0][0], identified[0][2]]
-    assert texts(ax) == [f"{identified[0][0]:.2f} Hz", "3.30 Hz", f"({identified[0][1]:.2f} Hz)",
-                         f"{identified[0][2]:.2f} Hz"]
+    assert texts(ax) == [
+        f"{identified[0][0]:.2f} Hz",
+        "3.30 Hz",
+        f"({identified[0][1]:.2f} Hz)",
+        f"{identified[0][2]:.2f} Hz",
+    ]
 
 
 @pytest.mark.parametrize("kind", DRAW)
@@ -150,6 +159,7 @@ def test_marks_differ_without_colour(identified, ax, kind):
 
 def test_the_curve_behind_is_paler_than_every_mark(identified, ax):
     from matplotlib.colors import to_rgb
+
     plot_stabilization(identified.diagrams[0], ax=ax)
     (behind,) = [other for other in ax.figure.axes if other is not ax]
 

@@ -32,8 +32,10 @@ def check(record):
 @pytest.fixture
 def draw(record, check):
     resp = ar.frf(record, nperseg=512)
-    return {"coherence": lambda ax: plot_coherence(resp, ax=ax),
-            "singular values": lambda ax: plot_singular_values(check, ax=ax)}
+    return {
+        "coherence": lambda ax: plot_coherence(resp, ax=ax),
+        "singular values": lambda ax: plot_singular_values(check, ax=ax),
+    }
 
 
 NAMES = ["coherence", "singular values"]
@@ -46,6 +48,7 @@ def labels(ax):
 @pytest.mark.parametrize("name", NAMES)
 def test_every_picture_draws_into_the_axes_given_and_labels_units(draw, ax, name):
     from matplotlib import pyplot
+
     assert draw[name](ax) is ax
     assert ax.get_xlabel() == "Frequency (Hz)"
     assert any(unit in ax.get_ylabel() for unit in ("(-)", "(dB re noise power)"))
@@ -56,6 +59,7 @@ def test_every_picture_draws_into_the_axes_given_and_labels_units(draw, ax, name
 @pytest.mark.parametrize("name", NAMES)
 def test_without_axes_a_pyplot_figure_is_made(draw, name):
     from matplotlib import pyplot
+
     made = draw[name](None)
     assert pyplot.fignum_exists(made.figure.number)
     pyplot.close(made.figure)
@@ -94,8 +98,9 @@ def test_singular_values_are_in_decibels_over_the_noise(check, ax):
     lines = {line.get_label(): line for line in ax.lines}
     np.testing.assert_allclose(lines["first"].get_ydata(), 10 * np.log10(check.eigenvalues[:, 0]))
     np.testing.assert_allclose(lines["second"].get_ydata(), 10 * np.log10(check.eigenvalues[:, 1]))
-    np.testing.assert_allclose(lines["second expected under one force"].get_ydata(),
-                               10 * np.log10(check.second_expected))
+    np.testing.assert_allclose(
+        lines["second expected under one force"].get_ydata(), 10 * np.log10(check.second_expected)
+    )
     assert len({line.get_linestyle() for line in lines.values()}) >= 3
     assert ax.get_title() == ""
     assert ax.get_xlim() == BAND

@@ -57,6 +57,7 @@ def test_on_a_terminal_it_is_shown_unasked(at_once, monkeypatch):
     class Terminal(io.StringIO):
         def isatty(self):
             return True
+
     screen = Terminal()
     monkeypatch.setattr(sys, "stderr", screen)
     record = CASE.experiment(0, rng=0)
@@ -64,10 +65,13 @@ def test_on_a_terminal_it_is_shown_unasked(at_once, monkeypatch):
     ar.identify_modes(record, band_hz=CASE.band_hz)
     ar.check_data(record, excitation=0, band_hz=CASE.band_hz)
     said = screen.getvalue()
-    for words in (r"recording the virtual test: response \d of 8",
-                  r"identifying antiresonances: response \d of 8",
-                  "identifying antiresonances: checking the data", "identifying modes",
-                  "\rchecking the data"):
+    for words in (
+        r"recording the virtual test: response \d of 8",
+        r"identifying antiresonances: response \d of 8",
+        "identifying antiresonances: checking the data",
+        "identifying modes",
+        "\rchecking the data",
+    ):
         assert re.search(words, said), words
     assert len(zeros) == 8
     shown = len(said)
@@ -81,8 +85,9 @@ def test_antiresonances_of_many_dofs_come_from_the_background_unchanged(at_once,
     chain = ar.MassSpringChain(np.ones(240), np.full(239, 1e4))
     calls = []
     work = _progress.interruptible
-    monkeypatch.setattr("antires_rs.models.structural_model.interruptible",
-                        lambda *a: calls.append(a[1]) or work(*a))
+    monkeypatch.setattr(
+        "antires_rs.models.structural_model.interruptible", lambda *a: calls.append(a[1]) or work(*a)
+    )
     many = chain.antiresonances([0, 120], 0)
     assert calls == ["antiresonances of 2 responses"]
     assert "antiresonances of 2 responses   0 s" in capsys.readouterr().err
@@ -94,13 +99,22 @@ def test_antiresonances_of_many_dofs_come_from_the_background_unchanged(at_once,
 def test_an_error_in_the_background_is_the_callers():
     def fail():
         raise ar.NumericalError("no such zero")
+
     with pytest.raises(ar.NumericalError, match="no such zero"):
         _progress.interruptible(fail, "failing")
 
 
-@pytest.mark.parametrize("call", [ar.identify_antiresonances, ar.identify_modes, ar.check_data,
-                                  ar.MassSpringChain.simulate, ar.cases.Chain8.experiment,
-                                  ar.cases.Exhaust.experiment])
+@pytest.mark.parametrize(
+    "call",
+    [
+        ar.identify_antiresonances,
+        ar.identify_modes,
+        ar.check_data,
+        ar.MassSpringChain.simulate,
+        ar.cases.Chain8.experiment,
+        ar.cases.Exhaust.experiment,
+    ],
+)
 def test_the_option_is_in_every_signature(call):
     assert inspect.signature(call).parameters["progress"].default is None
     assert call.__doc__

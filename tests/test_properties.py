@@ -8,8 +8,12 @@ from hypothesis import strategies as st
 import antires_rs as ar
 from tolerances import DIP, FACTORS, LAW, RIGID
 
-FEW = settings(max_examples=60, deadline=None, derandomize=True,
-               suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+FEW = settings(
+    max_examples=60,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
+)
 
 
 @st.composite
@@ -105,8 +109,9 @@ def test_scaling_stiffness_and_mass_together_changes_no_frequency(model, scale):
 def test_stiffening_moves_no_driving_point_zero_down(model, factor):
     """Rayleigh: an eigenvalue of the clamped structure grows with its stiffness."""
     stiffer = ar.MatrixModel(factor * model.stiffness(), model.mass())
-    np.testing.assert_allclose(stiffer.antiresonances(0, 0), np.sqrt(factor) * model.antiresonances(0, 0),
-                               rtol=LAW)
+    np.testing.assert_allclose(
+        stiffer.antiresonances(0, 0), np.sqrt(factor) * model.antiresonances(0, 0), rtol=LAW
+    )
 
 
 # ---- the objective ----------------------------------------------------------------------------------
@@ -136,8 +141,9 @@ def test_the_updating_objective_is_finite_and_not_negative_everywhere(x):
 
 def test_the_objective_is_finite_where_an_element_is_lost_altogether():
     """beta = 1 leaves two parts, of which the response may be on the far one."""
-    problem = ar.UpdatingProblem(CASE.model, ar.stiffness_reduction(range(7), bounds=(0.0, 1.0)),
-                                 CASE.exact(), penalty=(0.1, 0.1))
+    problem = ar.UpdatingProblem(
+        CASE.model, ar.stiffness_reduction(range(7), bounds=(0.0, 1.0)), CASE.exact(), penalty=(0.1, 0.1)
+    )
     for corner in np.vstack([np.eye(7), np.ones((1, 7)), np.zeros((1, 7))]):
         assert np.isfinite(problem.cost(corner))
 
@@ -174,8 +180,10 @@ def test_pairing_does_not_depend_on_the_order_of_the_measured_values(x, random):
 def test_factors_multiply_whatever_their_order(factor, beta, element):
     reduction = ar.stiffness_reduction(element)
     scale = ar.stiffness_factor(element, bounds=(0.5, 1.5))
-    both = [ar.UpdatingProblem(CASE.model, p, CASE.exact()).model_at(x).stiffness()
-            for p, x in (([reduction, scale], [beta, factor]), ([scale, reduction], [factor, beta]))]
+    both = [
+        ar.UpdatingProblem(CASE.model, p, CASE.exact()).model_at(x).stiffness()
+        for p, x in (([reduction, scale], [beta, factor]), ([scale, reduction], [factor, beta]))
+    ]
     np.testing.assert_array_equal(both[0], both[1])
     wanted = 56.7e3 * factor * (1 - beta)
     assert -both[0][element, element + 1] == pytest.approx(wanted, rel=FACTORS, abs=FACTORS * 56.7e3)

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.rational.forsythe import forsythe_basis, roots
 from antires_rs.rational.fit import fit_rational
+from antires_rs.rational.forsythe import forsythe_basis, roots
 
 
 def partial_fractions(freq, poles_hz, damping, residues):
@@ -108,21 +108,24 @@ def test_units_do_not_matter(scale, stretch):
 GOOD = (np.linspace(1.0, 10.0, 50), np.exp(1j * np.linspace(0, 1, 50)), 4)
 
 
-@pytest.mark.parametrize(("args", "kwargs", "name"), [
-    ((GOOD[0], GOOD[1], 0), {}, "order"),
-    ((GOOD[0], GOOD[1], 4.5), {}, "order"),
-    ((GOOD[0], GOOD[1], 50), {}, "order"),
-    ((GOOD[0][::-1], GOOD[1], 4), {}, "freq_hz"),
-    ((GOOD[0], GOOD[1][:-1], 4), {}, "values"),
-    ((GOOD[0], GOOD[1] * np.nan, 4), {}, "values"),
-    ((GOOD[0], GOOD[1] * 0, 4), {}, "values"),
-    (GOOD, {"band_hz": (5.0, 50.0)}, "band_hz"),
-    (GOOD, {"band_hz": (5.0, 2.0)}, "band_hz"),
-    (GOOD, {"weights": np.ones(3)}, "weights"),
-    (GOOD, {"weights": -np.ones(50)}, "weights"),
-    (GOOD, {"constraint": "monic"}, "constraint"),
-    (GOOD, {"reweightings": -1}, "reweightings"),
-])
+@pytest.mark.parametrize(
+    ("args", "kwargs", "name"),
+    [
+        ((GOOD[0], GOOD[1], 0), {}, "order"),
+        ((GOOD[0], GOOD[1], 4.5), {}, "order"),
+        ((GOOD[0], GOOD[1], 50), {}, "order"),
+        ((GOOD[0][::-1], GOOD[1], 4), {}, "freq_hz"),
+        ((GOOD[0], GOOD[1][:-1], 4), {}, "values"),
+        ((GOOD[0], GOOD[1] * np.nan, 4), {}, "values"),
+        ((GOOD[0], GOOD[1] * 0, 4), {}, "values"),
+        (GOOD, {"band_hz": (5.0, 50.0)}, "band_hz"),
+        (GOOD, {"band_hz": (5.0, 2.0)}, "band_hz"),
+        (GOOD, {"weights": np.ones(3)}, "weights"),
+        (GOOD, {"weights": -np.ones(50)}, "weights"),
+        (GOOD, {"constraint": "monic"}, "constraint"),
+        (GOOD, {"reweightings": -1}, "reweightings"),
+    ],
+)
 def test_bad_arguments_are_named(args, kwargs, name):
     with pytest.raises(InvalidInputError) as caught:
         fit_rational(*args, **kwargs)
@@ -135,10 +138,11 @@ def test_reweighting_never_makes_the_fit_much_worse():
     k_mat = np.diag(np.r_[springs, 0] + np.r_[0, springs]) - np.diag(springs, 1) - np.diag(springs, -1)
     freq = np.linspace(3.0, 130.0, 2000)
     damped = (1 + 0.02j) * k_mat
-    response = np.array([np.linalg.solve(damped - (2 * np.pi * f)**2 * np.diag(masses), np.eye(8)[0])
-                         for f in freq])
+    response = np.array(
+        [np.linalg.solve(damped - (2 * np.pi * f) ** 2 * np.diag(masses), np.eye(8)[0]) for f in freq]
+    )
     ratio = response[:, 1] / response[:, 0]
     for order in (12, 14, 16):
         residuals = [fit_rational(freq, ratio, order, reweightings=n).residual for n in range(4)]
         for n in range(4):
-            assert residuals[n] <= 2.0 * min(residuals[:n + 1]) + 1e-12
+            assert residuals[n] <= 2.0 * min(residuals[: n + 1]) + 1e-12

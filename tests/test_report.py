@@ -81,8 +81,15 @@ def test_updating_report_is_one_complete_self_contained_file(updated, tmp_path):
         assert f"{value:#.5g}" in text
     for note in updated.notes:
         assert note in text
-    for fact in (str(updated.seed), updated.message, f"{updated.nfev:,} evaluations", "numpy", "scipy",
-                 "python", f"antires_rs {ar.__version__}"):
+    for fact in (
+        str(updated.seed),
+        updated.message,
+        f"{updated.nfev:,} evaluations",
+        "numpy",
+        "scipy",
+        "python",
+        f"antires_rs {ar.__version__}",
+    ):
         assert fact in text
 
 
@@ -112,10 +119,15 @@ def test_no_damage_is_said_in_so_many_words(tmp_path):
 
 def test_evidence_and_measured_response_join_on_request(updated, tmp_path):
     rec = ar.MassSpringChain(np.ones(4), [500.0, 450.0, 520.0]).simulate(
-        excitation=0, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, rng=0)
+        excitation=0, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, rng=0
+    )
     found = ar.identify_antiresonances(rec, excitation=0, band_hz=(0.8, 9.0), dofs=[0], max_order=30)
-    path = write_report(updated, tmp_path / "run.html", diagrams=found.diagrams,
-                        response=ar.transmissibility(rec, 0, nperseg=512))
+    path = write_report(
+        updated,
+        tmp_path / "run.html",
+        diagrams=found.diagrams,
+        response=ar.transmissibility(rec, 0, nperseg=512),
+    )
     _, sources, text = read(path)
     assert len(sources) == 6
     assert "Stabilization diagram of dof 0" in text
@@ -125,8 +137,11 @@ def test_evidence_and_measured_response_join_on_request(updated, tmp_path):
 def test_several_positions_of_the_force(tmp_path):
     true = ar.MassSpringChain(np.ones(4), [500.0, 450.0, 520.0])
     sets = [ar.AntiresonanceSet(k, {1: true.antiresonances(1, k)}) for k in (0, 3)]
-    problem = ar.UpdatingProblem(ar.MassSpringChain(np.ones(4), np.full(3, 500.0)),
-                                 ar.stiffness_factor(range(3), bounds=(0.8, 1.2)), sets)
+    problem = ar.UpdatingProblem(
+        ar.MassSpringChain(np.ones(4), np.full(3, 500.0)),
+        ar.stiffness_factor(range(3), bounds=(0.8, 1.2)),
+        sets,
+    )
     result = ar.update(problem, rng=0, workers=1, optimizer=ar.IslandGA(max_evaluations=1000))
     html, _, text = read(write_report(result, tmp_path / "r.html"))
     assert "force at dof 0, 3;" in text
@@ -143,8 +158,9 @@ def test_a_model_without_partners_still_reports(tmp_path):
     # H_21 of this symmetric chain has its only antiresonance at a resonance that it does not see, and H_31
     # has none: nothing to pair with, until the springs differ.
     nominal = ar.MassSpringChain(np.ones(3), [500.0, 500.0])
-    problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)),
-                                 ar.AntiresonanceSet(0, {1: [3.5], 2: [4.0]}))
+    problem = ar.UpdatingProblem(
+        nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), ar.AntiresonanceSet(0, {1: [3.5], 2: [4.0]})
+    )
     result = ar.update(problem, rng=0, workers=1, optimizer=ar.IslandGA(max_evaluations=1000))
     assert np.isnan(result.table.largest_before_percent)
     assert np.isnan(result.table.after_hz[1])

@@ -15,8 +15,21 @@ from test_report import exact
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 #: Attributes by which a page makes a browser ask for something.
-LOADING = {"src", "srcset", "href", "data", "poster", "action", "formaction", "background", "manifest",
-           "ping", "cite", "longdesc", "xlink:href"}
+LOADING = {
+    "src",
+    "srcset",
+    "href",
+    "data",
+    "poster",
+    "action",
+    "formaction",
+    "background",
+    "manifest",
+    "ping",
+    "cite",
+    "longdesc",
+    "xlink:href",
+}
 
 
 class Page(HTMLParser):
@@ -49,25 +62,39 @@ def reports(tmp_path_factory):
     folder = tmp_path_factory.mktemp("reports")
     intact = ar.MassSpringChain(np.ones(4), np.full(3, 500.0))
     damaged = ar.MassSpringChain(np.ones(4), [500.0, 300.0, 500.0])
-    record = damaged.simulate(excitation=0, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, noise=1e-3,
-                              rng=0)
+    record = damaged.simulate(
+        excitation=0, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, noise=1e-3, rng=0
+    )
     found = ar.identify_antiresonances(record, excitation=0, band_hz=(0.8, 9.0), max_order=24)
     result = ar.assess_damage(intact, found, rng=0, workers=1)
     pipe = {"post": ar.Tube(0.03, 0.0015, 2.1e11, 7850.0)}
     frame = ar.FrameModel([(0, 0), (0, 0.5), (0.4, 0.5)], [(0, 1, "post"), (1, 2, "post")], pipe, fixed=[0])
     sensors = [frame.dof(1, "u"), frame.dof(2, "v")]
     zeros = frame.antiresonances(sensors, sensors[0])
-    update = ar.update(ar.UpdatingProblem(
-        frame, [ar.thickness("post", bounds=(0.001, 0.0014))],
-        ar.AntiresonanceSet(sensors[0], dict(zip(sensors, zeros, strict=True)))), rng=0, workers=1)
+    update = ar.update(
+        ar.UpdatingProblem(
+            frame,
+            [ar.thickness("post", bounds=(0.001, 0.0014))],
+            ar.AntiresonanceSet(sensors[0], dict(zip(sensors, zeros, strict=True))),
+        ),
+        rng=0,
+        workers=1,
+    )
     modes = damaged.modes(f_max_hz=9.0)
     modal = ar.assess_damage(intact, ar.ModalSet(modes.freq_hz[1:], modes.shapes[1:]), rng=0, workers=1)
     return {
-        "damage": write_report(result, folder / "damage.html", measurement=record, truth={1: 0.4},
-                               response=ar.transmissibility(record, 0, nperseg=512),
-                               warnings=["Mind the gap."], origin={"Repeat with": "antires damage job.toml"}),
+        "damage": write_report(
+            result,
+            folder / "damage.html",
+            measurement=record,
+            truth={1: 0.4},
+            response=ar.transmissibility(record, 0, nperseg=512),
+            warnings=["Mind the gap."],
+            origin={"Repeat with": "antires damage job.toml"},
+        ),
         "update": write_report(update, folder / "update.html"),
-        "modal": write_report(modal, folder / "modal.html")}
+        "modal": write_report(modal, folder / "modal.html"),
+    }
 
 
 @pytest.fixture(params=["damage", "update", "modal"])
@@ -86,8 +113,14 @@ def test_nothing_leaves_the_file(page):
         assert not re.search(r"url\(|@import|@font-face|image-set\(|https?:|//", style)
 
 
-@pytest.mark.parametrize(("leak", "says"), [('<img src="https://example.invalid/x.png">', True),
-                                            ('<img srcset="x.png 2x">', True), ("<p>https</p>", False)])
+@pytest.mark.parametrize(
+    ("leak", "says"),
+    [
+        ('<img src="https://example.invalid/x.png">', True),
+        ('<img srcset="x.png 2x">', True),
+        ("<p>https</p>", False),
+    ],
+)
 def test_the_search_for_leaks_finds_them(leak, says):
     asked = [value for _, attrs in Page(leak).tags for name, value in attrs.items() if name in LOADING]
     assert any(not value.startswith("data:") for value in asked) is says
@@ -96,10 +129,21 @@ def test_the_search_for_leaks_finds_them(leak, says):
 def loaded(file, folder):
     """URLs that a page asks for over any network, and what it says on the console."""
     log = folder / "net.json"
-    call = [CHROMIUM, "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run",
-            "--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={folder / 'profile'}",
-            f"--log-net-log={log}", "--enable-logging=stderr", "--v=0",
-            f"--screenshot={folder / 'page.png'}", "--window-size=1200,3000", file.as_uri()]
+    call = [
+        CHROMIUM,
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--no-first-run",
+        "--host-resolver-rules=MAP * ~NOTFOUND",
+        f"--user-data-dir={folder / 'profile'}",
+        f"--log-net-log={log}",
+        "--enable-logging=stderr",
+        "--v=0",
+        f"--screenshot={folder / 'page.png'}",
+        "--window-size=1200,3000",
+        file.as_uri(),
+    ]
     done = subprocess.run(call, capture_output=True, text=True, errors="replace", timeout=25, check=False)
     assert (folder / "page.png").stat().st_size > 1000, done.stderr
     events = json.loads(log.read_text(encoding="utf-8"))["events"]
@@ -141,8 +185,8 @@ def test_it_can_be_read_without_seeing_and_without_a_mouse(page):
 
 
 def luminance(colour):
-    parts = [int(colour[i:i + 2], 16) / 255 for i in (1, 3, 5)]
-    linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055)**2.4 for p in parts]
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
     return float(np.dot(linear, [0.2126, 0.7152, 0.0722]))
 
 
@@ -157,12 +201,29 @@ def test_text_stands_out_from_its_ground(page):
 def test_it_says_all_that_a_reader_needs(reports):
     html = reports["damage"].read_text(encoding="utf-8")
     text = " ".join(re.sub(r"<style.*?</style>|<[^>]+>", " ", html, flags=re.S).split())
-    for said in ("4 responses: 0, 1, 2, 3", "400 s at 25 Hz, 10,000 samples a channel", "force recorded",
-                 "stable over consecutive orders", "orders 2 to 24, 0.8 to 9 Hz", "Data check",
-                 "MassSpringChain(4 masses)", "4 of 1 kg, 4 kg in all", "3 of 500 N/m", "0 to 99",
-                 "gamma1 0.1", "islands 4; population 40", "Seed 0", "antires damage job.toml",
-                 "Warnings of the run Mind the gap.", f"antires_rs {ar.__version__}", "numpy", "scipy",
-                 "python", "system", "Stabilization diagram of dof 3"):
+    for said in (
+        "4 responses: 0, 1, 2, 3",
+        "400 s at 25 Hz, 10,000 samples a channel",
+        "force recorded",
+        "stable over consecutive orders",
+        "orders 2 to 24, 0.8 to 9 Hz",
+        "Data check",
+        "MassSpringChain(4 masses)",
+        "4 of 1 kg, 4 kg in all",
+        "3 of 500 N/m",
+        "0 to 99",
+        "gamma1 0.1",
+        "islands 4; population 40",
+        "Seed 0",
+        "antires damage job.toml",
+        "Warnings of the run Mind the gap.",
+        f"antires_rs {ar.__version__}",
+        "numpy",
+        "scipy",
+        "python",
+        "system",
+        "Stabilization diagram of dof 3",
+    ):
         assert said in text, said
 
 

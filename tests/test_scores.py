@@ -29,8 +29,9 @@ def test_a_plain_stretch_has_no_prominence_and_a_dip_a_negative_one():
 def test_prominence_has_no_unit():
     curve = np.abs(peak(10.0, 0.01))
     at = (np.array([10.0]), np.array([0.01]))
-    np.testing.assert_allclose(prominence_db(FREQ, 1e6 * curve, *at), prominence_db(FREQ, curve, *at),
-                               atol=1e-9)
+    np.testing.assert_allclose(
+        prominence_db(FREQ, 1e6 * curve, *at), prominence_db(FREQ, curve, *at), atol=1e-9
+    )
 
 
 def test_misfit_is_that_around_the_value_only():
@@ -49,8 +50,9 @@ def test_misfit_of_noise_is_the_noise():
 
 
 def test_a_sharp_value_is_judged_by_a_few_lines_at_least():
-    got = local_misfit(FREQ, peak(10.0, 0.01)[None, :], peak(10.0, 0.01)[None, :], np.array([10.0]),
-                       np.array([0.0]))
+    got = local_misfit(
+        FREQ, peak(10.0, 0.01)[None, :], peak(10.0, 0.01)[None, :], np.array([10.0]), np.array([0.0])
+    )
     assert got.tolist() == [0.0]
 
 

@@ -19,8 +19,10 @@ def rational(rng, freq, n_poles, n_outputs):
     s = 2 * np.pi * at * (-0.01 + 1j * np.sqrt(1 - 1e-4))
     line = 2j * np.pi * freq
     residue = rng.standard_normal((n_outputs, n_poles)) + 1j * rng.standard_normal((n_outputs, n_poles))
-    values = sum(residue[:, k, None] / (line - s[k]) + residue[:, k, None].conj() / (line - s[k].conj())
-                 for k in range(n_poles))
+    values = sum(
+        residue[:, k, None] / (line - s[k]) + residue[:, k, None].conj() / (line - s[k].conj())
+        for k in range(n_poles)
+    )
     return values + rng.standard_normal((n_outputs, 1)), s
 
 
@@ -103,15 +105,17 @@ def test_a_strong_antiresonance_that_is_missing_is_a_candidate(record, truth, me
     assert opinion.candidates_hz[1][0] == pytest.approx(truth[1][0], rel=5e-3)
     assert opinion.flagged == []
     complete = second_opinion(record, truth, band_hz=BAND, method=method)
-    assert not any(np.abs(f / truth[1][0] - 1.0).min(initial=1.0) < 0.02
-                   for f in complete.candidates_hz.values())
+    assert not any(
+        np.abs(f / truth[1][0] - 1.0).min(initial=1.0) < 0.02 for f in complete.candidates_hz.values()
+    )
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_nothing_of_where_the_values_lie_reaches_the_other_method(record, truth, method):
     more = {dof: np.sort(np.concatenate([f, 1.3 * f])) for dof, f in truth.items()}
-    few, many = (second_opinion(record, values, band_hz=BAND, method=method, n_poles=12)
-                 for values in (truth, more))
+    few, many = (
+        second_opinion(record, values, band_hz=BAND, method=method, n_poles=12) for values in (truth, more)
+    )
     for dof, f in truth.items():
         np.testing.assert_array_equal(few.nearest_hz[dof], many.nearest_hz[dof][np.isin(more[dof], f)])
 
@@ -138,6 +142,7 @@ def test_what_all_channels_share_is_no_candidate():
 
 def test_a_set_with_its_opinion_says_so_in_the_table(record, truth):
     from antires_rs.measured.columns import table
+
     found = ar.AntiresonanceSet(0, {dof: np.append(f, 3.0) for dof, f in truth.items()})
     found.second_opinion = second_opinion(record, found, band_hz=BAND)
     edited = found.add(3, 5.0)
@@ -158,16 +163,19 @@ def test_it_reads_like_a_sentence(record, truth):
     assert repr(opinion).startswith("SecondOpinion(method='vector_fitting', 2 of 3 values confirmed, ")
 
 
-@pytest.mark.parametrize(("change", "said"), [
-    ({"method": "guess"}, "^method"),
-    ({"averaging": "mean"}, "^averaging"),
-    ({"tol": 0.0}, "^tol"),
-    ({"band_hz": (5.0, 1.0)}, "^band_hz"),
-    ({"n_poles": 0}, "^n_poles"),
-    ({"identified": [1.0]}, "^identified: got list"),
-    ({"identified": {9: [1.0]}}, r"^identified: got dofs \[9\]"),
-    ({"source": 3}, "^source: got int"),
-])
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"method": "guess"}, "^method"),
+        ({"averaging": "mean"}, "^averaging"),
+        ({"tol": 0.0}, "^tol"),
+        ({"band_hz": (5.0, 1.0)}, "^band_hz"),
+        ({"n_poles": 0}, "^n_poles"),
+        ({"identified": [1.0]}, "^identified: got list"),
+        ({"identified": {9: [1.0]}}, r"^identified: got dofs \[9\]"),
+        ({"source": 3}, "^source: got int"),
+    ],
+)
 def test_bad_arguments_are_named(record, truth, change, said):
     call = {"source": record, "identified": truth, "band_hz": BAND} | change
     with pytest.raises(InvalidInputError, match=said):

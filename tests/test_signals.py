@@ -24,19 +24,22 @@ def test_recording_holds_copies_that_cannot_change():
         rec.fs_hz = 7.0
 
 
-@pytest.mark.parametrize(("kwargs", "name", "hint"), [
-    ({"responses": DATA[0]}, "responses", "n_channels"),
-    ({"responses": DATA.T}, "responses", "Transpose"),
-    ({"responses": np.where(DATA == 3, np.nan, DATA)}, "responses", "NaN"),
-    ({"responses": np.empty((0, 4))}, "responses", "empty"),
-    ({"responses": DATA + 1j}, "responses", "complex"),
-    ({"fs_hz": 0.0}, "fs_hz", "finite"),
-    ({"fs_hz": "fast"}, "fs_hz", "finite"),
-    ({"dofs": [1]}, "dofs", "1 labels"),
-    ({"dofs": [1, 1]}, "dofs", "more than once"),
-    ({"force": np.ones(9)}, "force", "9 samples"),
-    ({"force": np.full(10, np.inf)}, "force", "infinite"),
-])
+@pytest.mark.parametrize(
+    ("kwargs", "name", "hint"),
+    [
+        ({"responses": DATA[0]}, "responses", "n_channels"),
+        ({"responses": DATA.T}, "responses", "Transpose"),
+        ({"responses": np.where(DATA == 3, np.nan, DATA)}, "responses", "NaN"),
+        ({"responses": np.empty((0, 4))}, "responses", "empty"),
+        ({"responses": DATA + 1j}, "responses", "complex"),
+        ({"fs_hz": 0.0}, "fs_hz", "finite"),
+        ({"fs_hz": "fast"}, "fs_hz", "finite"),
+        ({"dofs": [1]}, "dofs", "1 labels"),
+        ({"dofs": [1, 1]}, "dofs", "more than once"),
+        ({"force": np.ones(9)}, "force", "9 samples"),
+        ({"force": np.full(10, np.inf)}, "force", "infinite"),
+    ],
+)
 def test_recording_refuses(kwargs, name, hint):
     arguments = {"responses": DATA, "fs_hz": 5.0} | kwargs
     with pytest.raises(InvalidInputError, match=hint) as caught:
@@ -50,24 +53,27 @@ def test_response_accepts_a_vector_as_one_output():
     assert (resp.kind, resp.n_outputs, resp.n_freq, resp.dofs) == ("frf", 1, 3, (0,))
 
 
-@pytest.mark.parametrize(("kwargs", "name", "hint"), [
-    ({"freq_hz": [1.0, 3.0, 2.0]}, "freq_hz", "Sort"),
-    ({"freq_hz": [1.0, 1.0, 2.0]}, "freq_hz", "repeated"),
-    ({"freq_hz": [-1.0, 1.0, 2.0]}, "freq_hz", "not negative"),
-    ({"values": np.ones((2, 4))}, "values", "n_outputs"),
-    ({"values": [1.0, np.nan, 2.0]}, "values", "NaN"),
-    ({"kind": "mobility"}, "kind", "transmissibility"),
-    ({"kind": "transmissibility"}, "reference", "row of ones"),
-    ({"reference": 0}, "reference", "Only transmissibilities"),
-    ({"values": [[2, 2, 2], [1, 1, 1]], "kind": "transmissibility", "reference": 0}, "values", "Divide"),
-    ({"coherence": [0.5, 1.2, 0.5]}, "coherence", "from 0 to 1"),
-    ({"coherence": [0.5, 0.5]}, "coherence", "shape"),
-    ({"n_averages": 0.5}, "n_averages", "finite number"),
-    ({"n_averages": "many"}, "n_averages", "finite number"),
-    ({"std": [0.1, 0.1]}, "std", "shape"),
-    ({"std": [0.1, -0.1, 0.1]}, "std", "not negative"),
-    ({"std": [0.1, np.inf, 0.1]}, "std", "infinite"),
-])
+@pytest.mark.parametrize(
+    ("kwargs", "name", "hint"),
+    [
+        ({"freq_hz": [1.0, 3.0, 2.0]}, "freq_hz", "Sort"),
+        ({"freq_hz": [1.0, 1.0, 2.0]}, "freq_hz", "repeated"),
+        ({"freq_hz": [-1.0, 1.0, 2.0]}, "freq_hz", "not negative"),
+        ({"values": np.ones((2, 4))}, "values", "n_outputs"),
+        ({"values": [1.0, np.nan, 2.0]}, "values", "NaN"),
+        ({"kind": "mobility"}, "kind", "transmissibility"),
+        ({"kind": "transmissibility"}, "reference", "row of ones"),
+        ({"reference": 0}, "reference", "Only transmissibilities"),
+        ({"values": [[2, 2, 2], [1, 1, 1]], "kind": "transmissibility", "reference": 0}, "values", "Divide"),
+        ({"coherence": [0.5, 1.2, 0.5]}, "coherence", "from 0 to 1"),
+        ({"coherence": [0.5, 0.5]}, "coherence", "shape"),
+        ({"n_averages": 0.5}, "n_averages", "finite number"),
+        ({"n_averages": "many"}, "n_averages", "finite number"),
+        ({"std": [0.1, 0.1]}, "std", "shape"),
+        ({"std": [0.1, -0.1, 0.1]}, "std", "not negative"),
+        ({"std": [0.1, np.inf, 0.1]}, "std", "infinite"),
+    ],
+)
 def test_response_refuses(kwargs, name, hint):
     arguments = {"freq_hz": FREQ, "values": np.ones(3)} | kwargs
     with pytest.raises(InvalidInputError, match=hint) as caught:
@@ -86,6 +92,10 @@ def test_the_deviation_follows_from_coherence_and_averages_unless_given():
     assert given.std.tolist() == [[0.1, 0.2, 0.3]]
     with pytest.raises(ValueError, match="read-only"):
         given.std[0, 0] = 1.0
-    for unknown in ({}, {"coherence": coherence}, {"n_averages": 5},
-                    {"coherence": coherence, "n_averages": 1}):
+    for unknown in (
+        {},
+        {"coherence": coherence},
+        {"n_averages": 5},
+        {"coherence": coherence, "n_averages": 1},
+    ):
         assert FrequencyResponse(FREQ, values, **unknown).std is None

@@ -106,8 +106,9 @@ def test_a_rigid_body_and_no_damping_can_be_simulated():
     free = ar.MassSpringChain([1.0, 1.0], [500.0])
     made = free.simulate(excitation=0, fs_hz=50.0, duration_s=20.0, damping_ratio=0.0, rng=0)
     assert np.all(np.isfinite(made.responses))
-    alone = ar.MassSpringChain([2.0], []).simulate(excitation=0, fs_hz=50.0, duration_s=20.0,
-                                                   damping_ratio=0.01, rng=0)
+    alone = ar.MassSpringChain([2.0], []).simulate(
+        excitation=0, fs_hz=50.0, duration_s=20.0, damping_ratio=0.01, rng=0
+    )
     np.testing.assert_allclose(alone.responses[0], alone.force / 2.0, atol=0.2)
 
 
@@ -115,9 +116,15 @@ def test_a_lightly_damped_structure_rings_at_its_full_level_in_a_short_record():
     """Mean variance over many short records against the integral of |H|^2 (the memory exceeds the record)."""
     chain = ar.MassSpringChain([1.0, 1.0], [500.0])
     fs_hz, zeta, seconds = 20.0, 0.002, 10.0
-    variance = np.mean([chain.simulate(excitation=0, fs_hz=fs_hz, duration_s=seconds, damping_ratio=zeta,
-                                       responses=[1], rng=seed).responses.var() for seed in range(150)])
+    variance = np.mean(
+        [
+            chain.simulate(
+                excitation=0, fs_hz=fs_hz, duration_s=seconds, damping_ratio=zeta, responses=[1], rng=seed
+            ).responses.var()
+            for seed in range(150)
+        ]
+    )
     freq = np.arange(1, 200_001) * (fs_hz / 2 / 200_000)
-    integral = np.mean(np.abs(chain.frf(1, 0, freq, damping_ratio=zeta))**2)
+    integral = np.mean(np.abs(chain.frf(1, 0, freq, damping_ratio=zeta)) ** 2)
     # 150 records of two or three correlation times each: a standard error of some 6 %.
     assert abs(variance / integral - 1.0) < 0.25

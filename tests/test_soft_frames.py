@@ -22,10 +22,13 @@ def pipe(beams, wave, spring):
     """2 m of tube, wavy or straight, on three springs and with a mass that breaks its symmetry."""
     nodes = [(2.0 * j / beams, wave * np.sin(j)) for j in range(beams + 1)]
     tenth = beams // 10
-    return ar.FrameModel(nodes, [(j, j + 1) for j in range(beams)], TUBE,
-                         ground_springs=[(tenth, "v", spring), (9 * tenth, "v", spring),
-                                         (tenth, "u", spring)],
-                         point_masses=[(3 * tenth, 2.0, 0.01)])
+    return ar.FrameModel(
+        nodes,
+        [(j, j + 1) for j in range(beams)],
+        TUBE,
+        ground_springs=[(tenth, "v", spring), (9 * tenth, "v", spring), (tenth, "u", spring)],
+        point_masses=[(3 * tenth, 2.0, 0.01)],
+    )
 
 
 def pairs(model, beams):
@@ -49,8 +52,13 @@ def missing(freq_hz, others_hz):
 def test_a_root_at_two_hertz_that_was_lost():
     """40 wavy beams: H changes its sign at 1.981 Hz."""
     nodes = [(0.05 * j, 0.02 * np.sin(j)) for j in range(41)]
-    model = ar.FrameModel(nodes, [(j, j + 1) for j in range(40)], TUBE, point_masses=[(12, 2.0, 0.01)],
-                          ground_springs=[(4, "v", 500.0), (36, "v", 500.0), (4, "u", 500.0)])
+    model = ar.FrameModel(
+        nodes,
+        [(j, j + 1) for j in range(40)],
+        TUBE,
+        point_masses=[(12, 2.0, 0.01)],
+        ground_springs=[(4, "v", 500.0), (36, "v", 500.0), (4, "u", 500.0)],
+    )
     i, k = model.dof(20, "u"), model.dof(2, "v")
     k_mat, m_mat = model.stiffness().toarray(), model.mass().toarray()
     load = np.eye(model.n_dof)[k]
@@ -62,9 +70,19 @@ def test_a_root_at_two_hertz_that_was_lost():
         assert np.count_nonzero(found < BAND_HZ) == 4
 
 
-@pytest.mark.parametrize(("beams", "wave", "spring"), [
-    (12, 0.02, 20.0), (40, 0.02, 500.0), (40, 0.02, 20.0), (60, 0.02, 20.0), (99, 0.02, 500.0),
-    (12, 0.0, 20.0), (40, 0.0, 500.0), (60, 0.0, 500.0)])
+@pytest.mark.parametrize(
+    ("beams", "wave", "spring"),
+    [
+        (12, 0.02, 20.0),
+        (40, 0.02, 500.0),
+        (40, 0.02, 20.0),
+        (60, 0.02, 20.0),
+        (99, 0.02, 500.0),
+        (12, 0.0, 20.0),
+        (40, 0.0, 500.0),
+        (60, 0.0, 500.0),
+    ],
+)
 def test_limit_and_method_do_not_change_the_set(beams, wave, spring):
     model = pipe(beams, wave, spring)
     k_mat, m_mat = model.stiffness().toarray(), model.mass().toarray()
@@ -74,9 +92,11 @@ def test_limit_and_method_do_not_change_the_set(beams, wave, spring):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ar.AntiresWarning)  # the straight pipe: u is not connected to v
             band = model.antiresonances(i, k, f_max_hz=BAND_HZ)
-            others = [model.antiresonances(i, k),
-                      model.antiresonances(i, k, f_max_hz=6.0 * BAND_HZ),
-                      model.antiresonances(i, k, f_max_hz=BAND_HZ, method="pencil")]
+            others = [
+                model.antiresonances(i, k),
+                model.antiresonances(i, k, f_max_hz=6.0 * BAND_HZ),
+                model.antiresonances(i, k, f_max_hz=BAND_HZ, method="pencil"),
+            ]
         assert_exact(exact, i, k, band)
         for other in others:
             other = other[other <= BAND_HZ]
@@ -99,8 +119,13 @@ def test_the_lowest_modes_are_those_of_all(beams, wave):
     # 1 / lambda from the flipped pair: LAPACK keeps the digits of the largest.
     want = np.sqrt(1.0 / scipy.linalg.eigvalsh(m_mat, k_mat)[::-1]) / (2 * np.pi)
     below = np.count_nonzero(want <= BAND_HZ)
-    for f_max_hz, n_modes, count in ((BAND_HZ, None, below), (None, 5, 5), (BAND_HZ, 3, 3),
-                                     (BAND_HZ, 99, below), (None, 2 * beams, 2 * beams)):
+    for f_max_hz, n_modes, count in (
+        (BAND_HZ, None, below),
+        (None, 5, 5),
+        (BAND_HZ, 3, 3),
+        (BAND_HZ, 99, below),
+        (None, 2 * beams, 2 * beams),
+    ):
         modes = model.modes(n_modes=n_modes, f_max_hz=f_max_hz)
         assert len(modes) == count
         np.testing.assert_allclose(modes.freq_hz, want[:count], rtol=AGAINST_SCIPY)

@@ -15,8 +15,9 @@ from antires_rs.signals.transfer_functions import frf, transmissibility, transmi
 from virtual_records import chain8_matrices, random_record
 
 RNG = np.random.default_rng(11)
-RECORD = Recording(RNG.standard_normal((3, 5000)).cumsum(axis=1) + 4.0, 200.0,
-                   force=RNG.standard_normal(5000))
+RECORD = Recording(
+    RNG.standard_normal((3, 5000)).cumsum(axis=1) + 4.0, 200.0, force=RNG.standard_normal(5000)
+)
 
 
 @pytest.mark.parametrize("nperseg", [256, 301])
@@ -27,8 +28,9 @@ def test_spectra_are_those_of_scipy(nperseg, window, noverlap):
     channels = np.vstack([RECORD.responses, RECORD.force])
     for a in range(4):
         for b in range(4):
-            freq, theirs = scipy.signal.csd(channels[a], channels[b], 200.0, window=window, nperseg=nperseg,
-                                            noverlap=noverlap)
+            freq, theirs = scipy.signal.csd(
+                channels[a], channels[b], 200.0, window=window, nperseg=nperseg, noverlap=noverlap
+            )
             assert np.array_equal(ours.freq_hz, freq)
             # Rounding of sums of some 40 segments; the means of a random walk cost digits at zero frequency.
             assert np.abs(ours.matrix[:, a, b] - theirs).max() <= 1e-12 * np.abs(theirs).max()
@@ -94,8 +96,9 @@ def test_coherence_tells_noise():
     assert got[1, 2:-2].mean() == pytest.approx(0.5, abs=0.01)
 
 
-@pytest.mark.parametrize(("window", "overlap"), [
-    ("hann", 0.5), ("hann", 0.75), ("hann", 0.0), ("boxcar", 0.5)])
+@pytest.mark.parametrize(
+    ("window", "overlap"), [("hann", 0.5), ("hann", 0.75), ("hann", 0.0), ("boxcar", 0.5)]
+)
 def test_effective_averages_are_those_of_the_observed_scatter(window, overlap):
     nperseg = 64
     noverlap = round(overlap * nperseg)
@@ -107,7 +110,7 @@ def test_effective_averages_are_those_of_the_observed_scatter(window, overlap):
     auto = np.concatenate(auto, axis=1)
     # The relative variance of a mean of n independent exponentials is 1/n; 400 records of 27 lines leave it a
     # scatter of 2 %.
-    observed = np.mean(auto.mean(axis=1)**2 / auto.var(axis=1))
+    observed = np.mean(auto.mean(axis=1) ** 2 / auto.var(axis=1))
     assert spectra.n_effective == pytest.approx(observed, rel=0.07)
     assert spectra.n_effective <= spectra.n_averages
     taper = scipy.signal.get_window(window, nperseg)
@@ -162,7 +165,7 @@ def test_predicted_deviations_hold_line_by_line_on_a_structure(estimator, refere
         predicted.append(np.delete(t.std[:, inside], reference, axis=0))
         values.append(np.delete(t.values[:, inside], reference, axis=0))
         assert np.all(t.std[reference] == 0.0)
-    observed = np.sqrt(0.5 * np.sum(np.abs(values - np.mean(values, axis=0))**2, axis=0) / 19)
+    observed = np.sqrt(0.5 * np.sum(np.abs(values - np.mean(values, axis=0)) ** 2, axis=0) / 19)
     ratio = np.median(predicted, axis=0) / observed
     np.testing.assert_allclose(np.median(ratio, axis=1), 1.0, atol=0.1)
 
@@ -180,8 +183,10 @@ def test_h1_is_biased_by_the_noise_of_its_reference_and_rank_one_is_not():
     x = rng.standard_normal(400_000)
     gains = np.array([1.0, 10.0, 10.0, 10.0])[:, None]
     rec = Recording(gains * x + rng.standard_normal((4, x.size)), 100.0)
-    mean = {e: abs(transmissibility(rec, 0, nperseg=256, estimator=e).values[1, 3:-3].mean())
-            for e in ("h1", "rank1")}
+    mean = {
+        e: abs(transmissibility(rec, 0, nperseg=256, estimator=e).values[1, 3:-3].mean())
+        for e in ("h1", "rank1")
+    }
     assert mean["h1"] == pytest.approx(5.0, rel=0.02)
     assert mean["rank1"] == pytest.approx(10.0, rel=0.02)
 
@@ -194,19 +199,22 @@ def test_sum_is_equation_10_as_printed():
         transmissibility_sum(FrequencyResponse([1.0, 2.0], values))
 
 
-@pytest.mark.parametrize(("call", "name"), [
-    (lambda: cross_spectra(RECORD, nperseg=6000), "nperseg"),
-    (lambda: cross_spectra(RECORD, nperseg=256.5), "nperseg"),
-    (lambda: cross_spectra(RECORD, nperseg=256, noverlap=256), "noverlap"),
-    (lambda: cross_spectra(RECORD, nperseg=256, window="rectangle of mine"), "window"),
-    (lambda: cross_spectra(RECORD, nperseg=256, window=np.ones(255)), "window"),
-    (lambda: cross_spectra(RECORD.responses, nperseg=256), "rec"),
-    (lambda: frf(RECORD, nperseg=256, estimator="h3"), "estimator"),
-    (lambda: frf(RECORD), "nperseg"),
-    (lambda: frf(Recording(RECORD.responses, 200.0), nperseg=256), "rec"),
-    (lambda: transmissibility(RECORD, 9, nperseg=256), "reference"),
-    (lambda: transmissibility(RECORD, 0, nperseg=256, method="fast"), "method"),
-])
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda: cross_spectra(RECORD, nperseg=6000), "nperseg"),
+        (lambda: cross_spectra(RECORD, nperseg=256.5), "nperseg"),
+        (lambda: cross_spectra(RECORD, nperseg=256, noverlap=256), "noverlap"),
+        (lambda: cross_spectra(RECORD, nperseg=256, window="rectangle of mine"), "window"),
+        (lambda: cross_spectra(RECORD, nperseg=256, window=np.ones(255)), "window"),
+        (lambda: cross_spectra(RECORD.responses, nperseg=256), "rec"),
+        (lambda: frf(RECORD, nperseg=256, estimator="h3"), "estimator"),
+        (lambda: frf(RECORD), "nperseg"),
+        (lambda: frf(Recording(RECORD.responses, 200.0), nperseg=256), "rec"),
+        (lambda: transmissibility(RECORD, 9, nperseg=256), "reference"),
+        (lambda: transmissibility(RECORD, 0, nperseg=256, method="fast"), "method"),
+    ],
+)
 def test_bad_arguments_are_named(call, name):
     with pytest.raises(InvalidInputError) as caught:
         call()
@@ -220,6 +228,8 @@ def test_a_dead_channel_is_named():
 
 
 def test_import_is_light():
-    code = ("import sys, antires_rs.identification.identify, antires_rs.signals.spectra; "
-            "sys.exit(any(m in sys.modules for m in ('scipy.signal', 'matplotlib', 'pandas')))")
+    code = (
+        "import sys, antires_rs.identification.identify, antires_rs.signals.spectra; "
+        "sys.exit(any(m in sys.modules for m in ('scipy.signal', 'matplotlib', 'pandas')))"
+    )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

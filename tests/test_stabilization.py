@@ -65,19 +65,22 @@ def test_dominance_tells_a_cancelled_pole():
     assert not np.any(np.abs(stabilization(FREQ, weak).identified - 30.0) < 0.3)
 
 
-@pytest.mark.parametrize(("kwargs", "name"), [
-    ({"max_order": 1}, "max_order"),
-    ({"max_order": 12, "min_order": 4}, "max_order"),
-    ({"min_order": 0}, "min_order"),
-    ({"freq_tol": 0.0}, "freq_tol"),
-    ({"damping_tol": -0.1}, "damping_tol"),
-    ({"min_rows": 0}, "min_rows"),
-    ({"max_damping": np.nan}, "max_damping"),
-    ({"min_dominance": -1.0}, "min_dominance"),
-    ({"band_hz": (1.0, 30.0)}, "band_hz"),
-    ({"band_hz": (20.0, 21.0)}, "max_order"),
-    ({"band_hz": 20.0}, "band_hz"),
-])
+@pytest.mark.parametrize(
+    ("kwargs", "name"),
+    [
+        ({"max_order": 1}, "max_order"),
+        ({"max_order": 12, "min_order": 4}, "max_order"),
+        ({"min_order": 0}, "min_order"),
+        ({"freq_tol": 0.0}, "freq_tol"),
+        ({"damping_tol": -0.1}, "damping_tol"),
+        ({"min_rows": 0}, "min_rows"),
+        ({"max_damping": np.nan}, "max_damping"),
+        ({"min_dominance": -1.0}, "min_dominance"),
+        ({"band_hz": (1.0, 30.0)}, "band_hz"),
+        ({"band_hz": (20.0, 21.0)}, "max_order"),
+        ({"band_hz": 20.0}, "band_hz"),
+    ],
+)
 def test_bad_arguments_are_named(kwargs, name):
     with pytest.raises(InvalidInputError) as caught:
         stabilization(FREQ, curves(), **kwargs)

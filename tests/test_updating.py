@@ -15,7 +15,7 @@ RNG = np.random.default_rng(20)
 
 def sub_chain_zeros(masses, springs, response):
     """Antiresonances of H_response,0 of a free chain: the masses beyond, clamped at the response."""
-    beyond = np.asarray(masses)[response + 1:]
+    beyond = np.asarray(masses)[response + 1 :]
     if beyond.size == 0:
         return np.empty(0)
     k = np.append(np.asarray(springs)[response:], 0.0)
@@ -55,8 +55,9 @@ def test_the_updating_objective_is_the_independent_one():
 def test_the_damage_objective_is_the_independent_one_with_its_penalties():
     masses, springs = masses_and_springs()
     measured = dict(CASE.exact(1))
-    problem = ar.UpdatingProblem(CASE.model, ar.stiffness_reduction(range(7)), CASE.exact(1),
-                                 penalty=(0.1, 0.3))
+    problem = ar.UpdatingProblem(
+        CASE.model, ar.stiffness_reduction(range(7)), CASE.exact(1), penalty=(0.1, 0.3)
+    )
     for beta in RNG.uniform(0.0, 0.99, (50, 7)) * (RNG.random((50, 7)) < 0.4):
         wanted = reference_cost(masses, springs * (1 - beta), measured, beta, (0.1, 0.3))
         assert problem.cost(beta) == pytest.approx(wanted, rel=COST)
@@ -74,9 +75,12 @@ def test_penalties_count_reductions_only_and_only_if_asked_for():
 def test_pairing_is_nearest_in_hz_with_ties_to_the_lower():
     """A tie needs two zeros whose middle has the same distance to both in floating point too."""
     zeros = CASE.model.antiresonances(range(8), 0)
-    dof, low, high = next((dof, a, b) for dof, freq in enumerate(zeros)
-                          for a, b in zip(freq[:-1], freq[1:], strict=True)
-                          if 0.5 * (a + b) - a == b - 0.5 * (a + b))
+    dof, low, high = next(
+        (dof, a, b)
+        for dof, freq in enumerate(zeros)
+        for a, b in zip(freq[:-1], freq[1:], strict=True)
+        if 0.5 * (a + b) - a == b - 0.5 * (a + b)
+    )
     middle = 0.5 * (low + high)
     for value, partner in ((middle, low), (middle * (1 + 1e-9), high), (middle * (1 - 1e-9), low)):
         problem = CASE.updating_problem(ar.AntiresonanceSet(0, {dof: [value]}))
@@ -113,13 +117,19 @@ def test_residuals_are_signed_and_add_up_to_the_cost():
     assert np.abs(residuals).sum() == pytest.approx(problem.cost(problem.nominal), rel=COST)
 
 
-@pytest.mark.parametrize(("misfit", "norm"), [
-    ("absolute", lambda e: np.abs(e).sum()), ("squared", lambda e: np.sum(e**2)),
-    ("largest", lambda e: np.abs(e).max())])
+@pytest.mark.parametrize(
+    ("misfit", "norm"),
+    [
+        ("absolute", lambda e: np.abs(e).sum()),
+        ("squared", lambda e: np.sum(e**2)),
+        ("largest", lambda e: np.abs(e).max()),
+    ],
+)
 def test_the_misfit_is_the_norm_that_was_asked_for(misfit, norm):
     measured = ar.AntiresonanceSet(0, {0: [12.0, 37.0], 3: [21.0], 7: [50.0]})
-    problem = ar.UpdatingProblem(CASE.model, ar.stiffness_factor(range(7), bounds=(0.9, 1.1)), measured,
-                                 misfit=misfit)
+    problem = ar.UpdatingProblem(
+        CASE.model, ar.stiffness_factor(range(7), bounds=(0.9, 1.1)), measured, misfit=misfit
+    )
     for x in RNG.uniform(0.9, 1.1, (5, 7)):
         assert problem.cost(x) == pytest.approx(norm(problem.residuals(x)), rel=COST)
 
@@ -129,8 +139,9 @@ def test_negligible_severities_are_evaluated_as_exactly_zero():
     x = np.array([0.0, 9e-4, 0, 0, 0.55, 0, 0])
     rounded = np.where(x < 1e-3, 0.0, x)
     assert problem.cost(x) == problem.cost(rounded)
-    as_printed = ar.UpdatingProblem(CASE.model, ar.stiffness_reduction(range(7)), CASE.exact(1),
-                                    penalty=ar.DamagePenalty(snap=0.0))
+    as_printed = ar.UpdatingProblem(
+        CASE.model, ar.stiffness_reduction(range(7)), CASE.exact(1), penalty=ar.DamagePenalty(snap=0.0)
+    )
     assert as_printed.cost(x) > as_printed.cost(rounded) + 0.1
 
 
@@ -146,6 +157,7 @@ def test_several_positions_of_the_force_add_up():
 
 
 # ---- results ---------------------------------------------------------------------------------------
+
 
 @pytest.fixture(scope="module")
 def updated():
@@ -203,8 +215,9 @@ def test_what_is_determined_is_found(updated):
     """Ratios to the last spring are free of the common scale."""
     case, result = updated
     truth = np.concatenate([case.truth()["mass_factor"], case.truth()["stiffness_factor"]])
-    np.testing.assert_allclose(result.x[1:] / result.x[-1], truth[1:] / truth[-1],
-                               rtol=20 * UPDATED_PERCENT / 100)
+    np.testing.assert_allclose(
+        result.x[1:] / result.x[-1], truth[1:] / truth[-1], rtol=20 * UPDATED_PERCENT / 100
+    )
 
 
 def test_damage_is_found_where_it_is_and_nowhere_else(damage):
@@ -257,8 +270,11 @@ def test_a_search_cut_short_says_so():
 def test_a_parameter_on_its_bound_is_named():
     narrow = ar.stiffness_factor(range(7), bounds=(0.99, 1.01))
     case = ar.cases.chain8(perturbation=0.08, rng=2)
-    result = ar.update(ar.UpdatingProblem(case.model, narrow, case.exact()), rng=0,
-                       optimizer=ar.IslandGA(max_evaluations=5000))
+    result = ar.update(
+        ar.UpdatingProblem(case.model, narrow, case.exact()),
+        rng=0,
+        optimizer=ar.IslandGA(max_evaluations=5000),
+    )
     assert result.at_bound
     assert "On a bound" in " ".join(result.notes)
 
@@ -288,9 +304,14 @@ def weighted_problem(**options):
     return ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured, **options)
 
 
-@pytest.mark.parametrize(("misfit", "norm"), [("absolute", lambda e: np.abs(e).sum()),
-                                              ("squared", lambda e: (e**2).sum()),
-                                              ("largest", lambda e: np.abs(e).max())])
+@pytest.mark.parametrize(
+    ("misfit", "norm"),
+    [
+        ("absolute", lambda e: np.abs(e).sum()),
+        ("squared", lambda e: (e**2).sum()),
+        ("largest", lambda e: np.abs(e).max()),
+    ],
+)
 def test_weights_multiply_the_residuals(misfit, norm):
     x = [0.9, 1.1]
     given = np.array([0.5, 2.0, 0.0])
@@ -315,8 +336,12 @@ def test_weights_that_cannot_be(weights):
 def test_std_weights_need_standard_deviations():
     chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
     with pytest.raises(ar.InvalidInputError, match="std_hz"):
-        ar.UpdatingProblem(chain, ar.stiffness_factor([0], bounds=(0.8, 1.2)),
-                           ar.AntiresonanceSet(0, {0: [1.6]}), weights="std")
+        ar.UpdatingProblem(
+            chain,
+            ar.stiffness_factor([0], bounds=(0.8, 1.2)),
+            ar.AntiresonanceSet(0, {0: [1.6]}),
+            weights="std",
+        )
 
 
 def test_standard_deviations_are_those_of_repeated_measurements():
@@ -328,8 +353,11 @@ def test_standard_deviations_are_those_of_repeated_measurements():
     exact = dict(enumerate(tested.antiresonances(range(6), 0)))
     rng, scores = np.random.default_rng(7), []
     for _ in range(40):
-        noisy = {dof: freq * (1 + 3e-3 * rng.standard_normal(freq.size))
-                 for dof, freq in exact.items() if freq.size}
+        noisy = {
+            dof: freq * (1 + 3e-3 * rng.standard_normal(freq.size))
+            for dof, freq in exact.items()
+            if freq.size
+        }
         problem = ar.UpdatingProblem(model, parameters, ar.AntiresonanceSet(0, noisy), misfit="squared")
         result = ar.update(problem, rng=0)
         assert not result.identifiability.weak.any()
@@ -352,10 +380,12 @@ def test_of_two_unknown_combinations_the_scale_is_one():
     """A chain on the ground, force at its end, whose mass is no parameter."""
     chain = ar.MassSpringChain([1.0] * 4, [500.0] * 3, ground_first_n_per_m=500.0)
     measured = ar.AntiresonanceSet(3, dict(enumerate(chain.antiresonances(range(4), 3))))
-    every = (ar.stiffness_factor(range(4), bounds=(0.9, 1.1)) + ar.mass_factor(range(3), bounds=(0.9, 1.1)))
+    every = ar.stiffness_factor(range(4), bounds=(0.9, 1.1)) + ar.mass_factor(range(3), bounds=(0.9, 1.1))
     result = ar.update(ar.UpdatingProblem(chain, every, measured), rng=0)
     assert result.identifiability.rank == 5
-    assert result.notes == ["2 combinations of all parameters that are seen cannot be told: no measured "
-                            "antiresonance moves with them, a common scale among them (5 of 7 combinations "
-                            "are)."]
+    assert result.notes == [
+        "2 combinations of all parameters that are seen cannot be told: no measured "
+        "antiresonance moves with them, a common scale among them (5 of 7 combinations "
+        "are)."
+    ]
     assert result.summary().count("not determined") == 7

@@ -1,5 +1,5 @@
 """Forty wrong calls of ``antires``: every message names the argument, what was got, what is wanted, a "
-  "remedy."""
+"remedy."""
 
 import pytest
 

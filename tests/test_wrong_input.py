@@ -51,8 +51,10 @@ WRONG = {
     "too many springs": ("springs_n_per_m", lambda: ar.MassSpringChain([1.0, 2.0], [1.0, 2.0])),
     "infinite spring": ("springs_n_per_m", lambda: ar.MassSpringChain([1.0, 2.0], [INF])),
     "negative spring": ("springs_n_per_m", lambda: ar.MassSpringChain([1.0, 2.0], [-1.0])),
-    "negative ground": ("ground_first_n_per_m",
-                        lambda: ar.MassSpringChain([1.0], [], ground_first_n_per_m=-1.0)),
+    "negative ground": (
+        "ground_first_n_per_m",
+        lambda: ar.MassSpringChain([1.0], [], ground_first_n_per_m=-1.0),
+    ),
     "NaN ground": ("ground_last_n_per_m", lambda: ar.MassSpringChain([1.0], [], ground_last_n_per_m=NAN)),
     "K not square": ("stiffness", lambda: ar.MatrixModel(np.ones((2, 3)), EYE)),
     "K empty": ("stiffness", lambda: ar.MatrixModel(np.ones((0, 0)), EYE)),
@@ -62,10 +64,14 @@ WRONG = {
     "K not symmetric": ("stiffness", lambda: ar.MatrixModel([[1.0, 2.0], [0.0, 1.0]], EYE)),
     "M of another size": ("mass", lambda: ar.MatrixModel(EYE, np.eye(3))),
     "M negative": ("mass", lambda: ar.MatrixModel(EYE, -EYE)),
-    "term of another size": ("stiffness_terms[1]",
-                             lambda: ar.MatrixModel(EYE, EYE, stiffness_terms=[EYE, np.eye(3)])),
-    "term not symmetric": ("mass_terms[0]",
-                           lambda: ar.MatrixModel(EYE, EYE, mass_terms=[[[0.0, 1.0], [0.0, 0.0]]])),
+    "term of another size": (
+        "stiffness_terms[1]",
+        lambda: ar.MatrixModel(EYE, EYE, stiffness_terms=[EYE, np.eye(3)]),
+    ),
+    "term not symmetric": (
+        "mass_terms[0]",
+        lambda: ar.MatrixModel(EYE, EYE, mass_terms=[[[0.0, 1.0], [0.0, 0.0]]]),
+    ),
     "no modes": ("n_modes", lambda: MODEL.modes(n_modes=0)),
     "modes to NaN": ("f_max_hz", lambda: MODEL.modes(f_max_hz=NAN)),
     "excitation out of range": ("excitation", lambda: MODEL.antiresonances(0, 8)),
@@ -115,18 +121,27 @@ WRONG = {
     "nested parameters": ("parameters[0]", lambda: ar.UpdatingProblem(MODEL, [FACTORS], SET)),
     "parameters of the wrong sort": ("parameters", lambda: ar.UpdatingProblem(MODEL, 3, SET)),
     "parameter twice": ("parameters", lambda: ar.UpdatingProblem(MODEL, [*FACTORS, FACTORS[0]], SET)),
-    "element outside": ("parameters[0]",
-                        lambda: ar.UpdatingProblem(MODEL, ar.stiffness_reduction(9), SET)),
-    "parameter without effect": ("parameters[0]",
-                                 lambda: ar.UpdatingProblem(MODEL, ar.stiffness_reduction(7), SET)),
-    "measured dof outside": ("measured dof", lambda: ar.UpdatingProblem(
-        MODEL, FACTORS, ar.AntiresonanceSet(0, {8: [1.0]}))),
-    "measured dof named": ("measured dof", lambda: ar.UpdatingProblem(
-        MODEL, FACTORS, ar.AntiresonanceSet(0, {"a": [1.0]}))),
-    "force outside": ("excitation", lambda: ar.UpdatingProblem(
-        MODEL, FACTORS, ar.AntiresonanceSet(9, {0: [1.0]}))),
-    "nothing measured": ("measured", lambda: ar.UpdatingProblem(
-        MODEL, FACTORS, ar.AntiresonanceSet(0, {0: []}))),
+    "element outside": ("parameters[0]", lambda: ar.UpdatingProblem(MODEL, ar.stiffness_reduction(9), SET)),
+    "parameter without effect": (
+        "parameters[0]",
+        lambda: ar.UpdatingProblem(MODEL, ar.stiffness_reduction(7), SET),
+    ),
+    "measured dof outside": (
+        "measured dof",
+        lambda: ar.UpdatingProblem(MODEL, FACTORS, ar.AntiresonanceSet(0, {8: [1.0]})),
+    ),
+    "measured dof named": (
+        "measured dof",
+        lambda: ar.UpdatingProblem(MODEL, FACTORS, ar.AntiresonanceSet(0, {"a": [1.0]})),
+    ),
+    "force outside": (
+        "excitation",
+        lambda: ar.UpdatingProblem(MODEL, FACTORS, ar.AntiresonanceSet(9, {0: [1.0]})),
+    ),
+    "nothing measured": (
+        "measured",
+        lambda: ar.UpdatingProblem(MODEL, FACTORS, ar.AntiresonanceSet(0, {0: []})),
+    ),
     "unknown misfit": ("misfit", lambda: ar.UpdatingProblem(MODEL, FACTORS, SET, misfit="median")),
     "negative penalty": ("gamma1", lambda: ar.DamagePenalty(-0.1)),
     "NaN penalty": ("gamma2", lambda: ar.UpdatingProblem(MODEL, FACTORS, SET, penalty=(0.1, NAN))),
@@ -176,12 +191,18 @@ WRONG = {
     "antiresonance of zero": ("freq_hz[0]", lambda: ar.AntiresonanceSet(0, {0: [0.0]})),
     "record with NaN": ("responses", lambda: ar.Recording([[1.0, NAN]], 10.0)),
     "record at no rate": ("fs_hz", lambda: ar.Recording(np.ones((1, 10)), 0.0)),
-    "band outside the data": ("band_hz", lambda: ar.identify_antiresonances(
-        RECORD, excitation=0, band_hz=(10.0, 60.0))),
-    "unknown route": ("route", lambda: ar.identify_antiresonances(
-        RECORD, excitation=0, band_hz=(1.0, 40.0), route="fastest")),
-    "dof that was not recorded": ("dofs", lambda: ar.identify_antiresonances(
-        RECORD, excitation=0, band_hz=(1.0, 40.0), dofs=[7])),
+    "band outside the data": (
+        "band_hz",
+        lambda: ar.identify_antiresonances(RECORD, excitation=0, band_hz=(10.0, 60.0)),
+    ),
+    "unknown route": (
+        "route",
+        lambda: ar.identify_antiresonances(RECORD, excitation=0, band_hz=(1.0, 40.0), route="fastest"),
+    ),
+    "dof that was not recorded": (
+        "dofs",
+        lambda: ar.identify_antiresonances(RECORD, excitation=0, band_hz=(1.0, 40.0), dofs=[7]),
+    ),
     "perturbation too large": ("perturbation", lambda: ar.cases.chain8(perturbation=0.9)),
     "no such level": ("level", lambda: CASE.experiment(level=2)),
     "no such spring": ("element", lambda: CASE.search_problem(7, 0.5)),
@@ -218,13 +239,17 @@ def test_no_wrong_call_panics():
 
 # ---- every class of the catalogue -------------------------------------------------------------------
 
+
 def numerical():
     ar.MatrixModel(np.diag([1.0, 0.0]), np.diag([1.0, 0.0])).modes()
 
 
 def unsuitable():
-    ar.identify_antiresonances(ar.Recording(np.random.default_rng(0).standard_normal((1, 4000)), 100.0),
-                               excitation=0, band_hz=(1.0, 40.0))
+    ar.identify_antiresonances(
+        ar.Recording(np.random.default_rng(0).standard_normal((1, 4000)), 100.0),
+        excitation=0,
+        band_hz=(1.0, 40.0),
+    )
 
 
 def objective():
@@ -246,10 +271,17 @@ def test_every_class_of_the_catalogue_is_raised(monkeypatch):
     assert raised == set(exceptions.catalogue()) - {"AntiresError", "InternalError"}
 
 
-@pytest.mark.parametrize(("name", "builtin"), [
-    ("InvalidInputError", ValueError), ("UnsuitableDataError", ValueError),
-    ("NumericalError", ArithmeticError), ("ObjectiveError", ValueError), ("InternalError", RuntimeError),
-    ("MissingDependencyError", ImportError)])
+@pytest.mark.parametrize(
+    ("name", "builtin"),
+    [
+        ("InvalidInputError", ValueError),
+        ("UnsuitableDataError", ValueError),
+        ("NumericalError", ArithmeticError),
+        ("ObjectiveError", ValueError),
+        ("InternalError", RuntimeError),
+        ("MissingDependencyError", ImportError),
+    ],
+)
 def test_every_class_is_also_the_fitting_builtin(name, builtin):
     assert issubclass(exceptions.catalogue()[name], ar.AntiresError)
     assert issubclass(exceptions.catalogue()[name], builtin)

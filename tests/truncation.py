@@ -50,7 +50,7 @@ def line_ends(data):
 def mat_ends(data):
     ends, at = [128], 128
     while at < len(data):
-        at += 8 + int.from_bytes(data[at + 4:at + 8], "little")
+        at += 8 + int.from_bytes(data[at + 4 : at + 8], "little")
         ends.append(at)
     return ends
 
@@ -59,6 +59,7 @@ def foreign_uff(binary):
     def write(path):
         ar.write_uff(path, recording(n=100), binary=binary)
         path.write_bytes(path.read_bytes().replace(b"antires_rs uff", b"other program."))
+
     return write
 
 
@@ -76,6 +77,7 @@ def foreign_mat(path):
 def mat73(path):
     """As MATLAB writes it: HDF5 after a block of 512 bytes, columns first."""
     import h5py
+
     with h5py.File(path, "w", userblock_size=512) as file:
         for name, value in (("fs", np.array([[512.0]])), ("a", recording(n=100).responses)):
             file.create_dataset(name, data=value.T).attrs["MATLAB_class"] = np.bytes_("double")
@@ -85,6 +87,7 @@ def mat73(path):
 
 def foreign_hdf5(path):
     import h5py
+
     with h5py.File(path, "w") as file:
         file["test/fs"], file["test/acc"] = 512.0, recording(n=100).responses
 
@@ -107,8 +110,9 @@ def result(path):
 
 FORMATS = {
     "UFF 58b, ours": Format(lambda p: ar.write_uff(p, recording(n=100)), ar.read_uff, uff_ends, partial=True),
-    "UFF 58, ours": Format(lambda p: ar.write_uff(p, response(n=60), binary=False), ar.read_uff, uff_ends,
-                           partial=True),
+    "UFF 58, ours": Format(
+        lambda p: ar.write_uff(p, response(n=60), binary=False), ar.read_uff, uff_ends, partial=True
+    ),
     "UFF 58b, other": Format(foreign_uff(True), ar.read_uff, uff_ends, states_size=False, partial=True),
     "UFF 58, other": Format(foreign_uff(False), ar.read_uff, uff_ends, states_size=False, partial=True),
     "CSV, ours": Format(lambda p: ar.write_csv(p, response(n=60)), ar.read_csv, line_ends, partial=True),
@@ -121,8 +125,9 @@ FORMATS = {
     "npz, ours": Format(lambda p: ar.write_npz(p, recording(n=100)), ar.read_npz),
     "npz, other": Format(foreign_npz, ar.read_npz),
     "Matrix Market": Format(market, lambda p: ar.read_matrices(p, np.eye(40)), line_ends, ending=".mtx"),
-    "matrices, npz": Format(lambda p: ar.write_matrices(p, ar.MatrixModel(DAMPED.stiffness(), np.eye(3))),
-                            ar.read_matrices),
+    "matrices, npz": Format(
+        lambda p: ar.write_matrices(p, ar.MatrixModel(DAMPED.stiffness(), np.eye(3))), ar.read_matrices
+    ),
     "result, npz": Format(result, ar.UpdateResult.load, ending=".npz"),
     "AntiresonanceSet": Format(MANY.save, ar.AntiresonanceSet.load, ending=".json"),
 }
@@ -175,8 +180,11 @@ def cut_at(name, folder, count, seed=0):
     for where, position in [("inside", i) for i in inside] + [("boundary", i) for i in on]:
         cut = folder / f"cut{form.ending}"
         cut.write_bytes(data[:position])
-        yield (where, outcome(form, cut, whole),
-               outcome(form, cut, whole, partial=True) if form.partial else None)
+        yield (
+            where,
+            outcome(form, cut, whole),
+            outcome(form, cut, whole, partial=True) if form.partial else None,
+        )
 
 
 def judged(name, folder, count, seed=0):

@@ -18,7 +18,7 @@ def chain_matrices(masses, springs):
     n = len(masses)
     stiffness = np.zeros((n, n))
     for i, k in enumerate(springs):
-        stiffness[i:i + 2, i:i + 2] += k * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        stiffness[i : i + 2, i : i + 2] += k * np.array([[1.0, -1.0], [-1.0, 1.0]])
     return stiffness, np.diag(np.asarray(masses, float))
 
 
@@ -46,7 +46,7 @@ def accelerance(stiffness, mass, excitation, freq_hz, damping_ratio):
     wn[wn < 1e-3 * wn.max()] = 0.0
     w = 2 * np.pi * np.asarray(freq_hz)
     with np.errstate(divide="ignore", invalid="ignore"):
-        q = -w**2 / (wn[:, None]**2 - w**2 + 2j * damping_ratio * wn[:, None] * w)
+        q = -(w**2) / (wn[:, None] ** 2 - w**2 + 2j * damping_ratio * wn[:, None] * w)
     q[:, w == 0] = (wn == 0)[:, None]
     return (phi * phi[excitation]) @ q
 
@@ -56,8 +56,18 @@ def _add_noise(responses, noise, rng):
     return responses + noise * rms * rng.standard_normal(responses.shape)
 
 
-def random_record(stiffness, mass, *, excitation=0, fs_hz=512.0, duration_s=256.0, damping_ratio=0.01,
-                  noise=0.0, seed=0, f_max_hz=200.0):
+def random_record(
+    stiffness,
+    mass,
+    *,
+    excitation=0,
+    fs_hz=512.0,
+    duration_s=256.0,
+    damping_ratio=0.01,
+    noise=0.0,
+    seed=0,
+    f_max_hz=200.0,
+):
     """(responses, force) under a band-limited white force; noise is a fraction of each channel's rms."""
     rng = np.random.default_rng(seed)
     n = round(duration_s * fs_hz)
@@ -68,11 +78,22 @@ def random_record(stiffness, mass, *, excitation=0, fs_hz=512.0, duration_s=256.
     x = np.fft.irfft(accelerance(stiffness, mass, excitation, freq, damping_ratio) * spectrum, n_long)
     f = np.fft.irfft(spectrum, n_long)
     start = n // 3
-    return _add_noise(x[:, start:start + n], noise, rng), f[start:start + n]
+    return _add_noise(x[:, start : start + n], noise, rng), f[start : start + n]
 
 
-def hit_record(stiffness, mass, *, excitation=0, fs_hz=512.0, hit_times_s=(0.5,), duration_s=8.0,
-               damping_ratio=0.01, noise=0.0, seed=0, pulse_s=4e-3):
+def hit_record(
+    stiffness,
+    mass,
+    *,
+    excitation=0,
+    fs_hz=512.0,
+    hit_times_s=(0.5,),
+    duration_s=8.0,
+    damping_ratio=0.01,
+    noise=0.0,
+    seed=0,
+    pulse_s=4e-3,
+):
     """Responses to half-sine hammer hits, from rest."""
     rng = np.random.default_rng(seed)
     # Long enough for the synthesis period to let the slowest mode die before it wraps around.

@@ -54,8 +54,9 @@ def transmissibilities(record, nperseg, estimator, low_hz=0.0):
         both = [ar.transmissibility(record, dof, nperseg=nperseg, estimator=estimator) for dof in record.dofs]
         one, tables = both[0], [resp.values for resp in both]
     keep = (one.freq_hz >= low_hz) & (one.freq_hz <= HIGH_HZ)
-    return one.freq_hz[keep], [_from_zero(np.delete(t, j, axis=0)[:, keep], low_hz)
-                               for j, t in enumerate(tables)]
+    return one.freq_hz[keep], [
+        _from_zero(np.delete(t, j, axis=0)[:, keep], low_hz) for j, t in enumerate(tables)
+    ]
 
 
 def responses_to_force(record, nperseg, low_hz=0.0):
@@ -63,7 +64,7 @@ def responses_to_force(record, nperseg, low_hz=0.0):
     resp = ar.frf(record, nperseg=nperseg, estimator="h1")
     keep = (resp.freq_hz >= low_hz) & (resp.freq_hz <= HIGH_HZ)
     values = _from_zero(resp.values[:, keep], low_hz)
-    return resp.freq_hz[keep], values / np.sqrt(np.mean(np.abs(values)**2, axis=1, keepdims=True))
+    return resp.freq_hz[keep], values / np.sqrt(np.mean(np.abs(values) ** 2, axis=1, keepdims=True))
 
 
 def _from_zero(values, low_hz):

@@ -14,19 +14,24 @@ def lsiir(record, highest, estimator, nperseg=1024, reciprocal=True):
     240, 4 s 233, 8 s 227. The zeros of fits to the FRF itself: 242 with 57 false, 242 with 20, 238 with none.
     """
     from PyDynamic.model_estimation.fit_filter import LSIIR
+
     freq, frfs = responses_to_force(record, nperseg, low_hz=LOW_HZ)
     rate_hz = 2.0 * HIGH_HZ
     sweeps = []
     for frf in frfs:
         orders = []
         for order in range(2, highest + 1):
-            b, a, *_ = LSIIR(frf, order, order, freq, rate_hz, tau=0, verbose=False, max_stab_iter=0,
-                             inv=reciprocal)
+            b, a, *_ = LSIIR(
+                frf, order, order, freq, rate_hz, tau=0, verbose=False, max_stab_iter=0, inv=reciprocal
+            )
             z = np.roots(a if reciprocal else b).astype(complex)
             orders.append(np.log(z[z != 0.0]) * rate_hz)
         sweeps.append(orders)
     return sweeps
 
 
-METHODS = (Method("PyDynamic LSIIR", "PyDynamic", "FRF, H1",
-                  "of the reciprocal, orders 2-60, segments of 2 s", lsiir),)
+METHODS = (
+    Method(
+        "PyDynamic LSIIR", "PyDynamic", "FRF, H1", "of the reciprocal, orders 2-60, segments of 2 s", lsiir
+    ),
+)

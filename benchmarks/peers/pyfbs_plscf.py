@@ -15,6 +15,7 @@ def plscf(record, highest, estimator, nperseg=1024):
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     os.environ.setdefault("QT_LOGGING_RULES", "*.warning=false")
     from pyfbs.modal_id import ModalID
+
     freq, tables = transmissibilities(record, nperseg, estimator)
     sweeps = []
     for values in tables:

@@ -16,6 +16,7 @@ def plscf(record, highest, estimator, nperseg=1024):
     Segments as for strid, whose pLSCF has the same normal equations.
     """
     from pyoma2.functions import plscf as functions
+
     freq, tables = transmissibilities(record, nperseg, estimator)
     step_s = 1.0 / (2.0 * freq[-1])
     sweeps = []
@@ -33,13 +34,14 @@ def ssi_iocov(record, highest, estimator, block_rows=60):
     """
     from pyoma2.functions import ssi
     from scipy.signal import decimate
+
     x = decimate(record.responses, DECIMATION, ftype="fir", axis=1)
     x = x / x.std(axis=1, keepdims=True)
     step_s = DECIMATION / record.fs_hz
     sweeps = []
     for j in range(len(x)):
         y = np.delete(x, j, axis=0)
-        hankel, _ = ssi.build_hank(y, y, block_rows, "IOcov", U=x[j:j + 1])
+        hankel, _ = ssi.build_hank(y, y, block_rows, "IOcov", U=x[j : j + 1])
         observability, a, c, _ = ssi.SSI_fast(hankel, block_rows, highest)
         poles = ssi.SSI_poles(observability, a, c, highest, step_s)[3]
         sweeps.append(list(poles.T[2:]))
@@ -48,6 +50,11 @@ def ssi_iocov(record, highest, estimator, block_rows=60):
 
 METHODS = (
     Method("pyOMA2 pLSCF", "pyoma-2", "T", "orders 1-60, segments of 2 s", plscf, slow=True),
-    Method("pyOMA2 SSI-IOcov", "pyoma-2", "responses",
-           "orders 2-60, 60 block rows, records decimated to 256 Hz", ssi_iocov),
+    Method(
+        "pyOMA2 SSI-IOcov",
+        "pyoma-2",
+        "responses",
+        "orders 2-60, 60 block rows, records decimated to 256 Hz",
+        ssi_iocov,
+    ),
 )

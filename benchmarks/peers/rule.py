@@ -29,8 +29,11 @@ def select(sweep, band_hz):
                 chains.append(now[i])
         before = now
     # n poles in a row are n - 1 stable orders and the one they start from.
-    values = sorted((float(np.median([f for f, _ in chain])), len(chain)) for chain in chains
-                    if len(chain) - 1 > MORE_ROWS_THAN)
+    values = sorted(
+        (float(np.median([f for f, _ in chain])), len(chain))
+        for chain in chains
+        if len(chain) - 1 > MORE_ROWS_THAN
+    )
     merged = []
     for value, length in values:
         if merged and value - merged[-1][0] <= FREQ_TOL * value:

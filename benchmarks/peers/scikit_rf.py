@@ -15,25 +15,38 @@ def vector_fitting(record, highest, estimator, nperseg=2048, iterations=5, norme
     """
     import skrf
     from skrf.vectorFitting import VectorFitting
+
     freq, tables = transmissibilities(record, nperseg, estimator, low_hz=LOW_HZ)
     axis = skrf.Frequency.from_f(freq, unit="Hz")
     sweeps = []
     for values in tables:
         entries = np.zeros((9, freq.size), dtype=complex)
-        rms = np.sqrt(np.mean(np.abs(values)**2, axis=1, keepdims=True))
-        entries[:len(values)] = values / rms if normed else values
+        rms = np.sqrt(np.mean(np.abs(values) ** 2, axis=1, keepdims=True))
+        entries[: len(values)] = values / rms if normed else values
         network = skrf.Network(frequency=axis, s=entries.T.reshape(-1, 3, 3), z0=50.0)
         orders = []
         for pairs in range(1, highest // 2 + 1):
             fit = VectorFitting(network)
             fit.max_iterations = iterations
-            fit.vector_fit(n_poles_real=0, n_poles_cmplx=pairs, fit_constant=True, fit_proportional=True,
-                           enforce_dc=False)
+            fit.vector_fit(
+                n_poles_real=0,
+                n_poles_cmplx=pairs,
+                fit_constant=True,
+                fit_proportional=True,
+                enforce_dc=False,
+            )
             orders.append(fit.poles)
         sweeps.append(orders)
     return sweeps
 
 
-METHODS = (Method("scikit-rf vector fitting", "scikit-rf", "T",
-                  "1-30 pole pairs, 5 relocations each because more take minutes, segments of 4 s",
-                  vector_fitting, slow=True),)
+METHODS = (
+    Method(
+        "scikit-rf vector fitting",
+        "scikit-rf",
+        "T",
+        "1-30 pole pairs, 5 relocations each because more take minutes, segments of 4 s",
+        vector_fitting,
+        slow=True,
+    ),
+)

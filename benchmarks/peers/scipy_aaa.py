@@ -17,10 +17,11 @@ def aaa(record, highest, estimator, nperseg=2048, step=2):
     A pole pair of T at s and its mirror image at -conj(s) make a conjugate pair in (f / SCALE_HZ)^2.
     """
     from scipy.interpolate import AAA
+
     freq, tables = transmissibilities(record, nperseg, estimator, low_hz=LOW_HZ)
     sweeps = []
     for values in tables:
-        x, y = (freq / SCALE_HZ)**2, np.sum(np.abs(values)**2, axis=0)
+        x, y = (freq / SCALE_HZ) ** 2, np.sum(np.abs(values) ** 2, axis=0)
         orders = []
         for terms in range(2, highest + 1, step):
             poles = AAA(x, y, rtol=0.0, max_terms=terms + 1).poles()
@@ -32,14 +33,16 @@ def aaa(record, highest, estimator, nperseg=2048, step=2):
 def aaa_complex(record, highest, estimator, nperseg=1024):
     """sum_p T_pj and its conjugate at -f; every second number of terms, for pairs."""
     from scipy.interpolate import AAA
+
     freq, tables = transmissibilities(record, nperseg, estimator, low_hz=LOW_HZ)
     s = 2j * np.pi * freq
     sweeps = []
     for values in tables:
         x, y = np.concatenate([s, -s]), values.sum(axis=0)
         y = np.concatenate([y, y.conj()])
-        sweeps.append([AAA(x, y, rtol=0.0, max_terms=terms + 1).poles()
-                       for terms in range(2, highest + 1, 2)])
+        sweeps.append(
+            [AAA(x, y, rtol=0.0, max_terms=terms + 1).poles() for terms in range(2, highest + 1, 2)]
+        )
     return sweeps
 
 

@@ -16,11 +16,18 @@ def lscf(record, highest, estimator, nperseg=1024, pairs=PAIRS):
     Its orders count pairs, and 30 of them give too few rows for the rule: 40 find more.
     """
     from sdypy import EMA
+
     freq, tables = transmissibilities(record, nperseg, estimator)
     sweeps = []
     for values in tables:
-        model = EMA.Model(frf=values, freq=freq, lower=LOW_HZ, upper=HIGH_HZ, frf_form="receptance",
-                          pol_order_high=min(pairs, highest))
+        model = EMA.Model(
+            frf=values,
+            freq=freq,
+            lower=LOW_HZ,
+            upper=HIGH_HZ,
+            frf_form="receptance",
+            pol_order_high=min(pairs, highest),
+        )
         model.get_poles(method="lscf", show_progress=False)
         sweeps.append(model.all_poles)
     return sweeps
@@ -32,6 +39,7 @@ def rfp(record, highest, estimator, nperseg=2048, width_hz=RFP_WIDTH_HZ):
     Windows of 60 Hz find twice as much as those of 30 Hz or as the whole band.
     """
     from sdypy import EMA
+
     freq, tables = transmissibilities(record, nperseg, estimator)
     starts = np.arange(LOW_HZ, HIGH_HZ - width_hz / 2, width_hz / 2)
     sweeps = []
@@ -40,8 +48,14 @@ def rfp(record, highest, estimator, nperseg=2048, width_hz=RFP_WIDTH_HZ):
         for start in starts:
             stop = min(start + width_hz, HIGH_HZ)
             inside = freq <= stop
-            model = EMA.Model(frf=values[:, inside], freq=freq[inside], lower=start, upper=stop,
-                              frf_form="receptance", pol_order_high=min(RFP_ORDER, highest))
+            model = EMA.Model(
+                frf=values[:, inside],
+                freq=freq[inside],
+                lower=start,
+                upper=stop,
+                frf_form="receptance",
+                pol_order_high=min(RFP_ORDER, highest),
+            )
             model.get_poles(method="rfp", show_progress=False)
             low = start + width_hz / 4 if start > starts[0] else LOW_HZ
             high = start + 3 * width_hz / 4 if start < starts[-1] else HIGH_HZ
@@ -53,8 +67,18 @@ def rfp(record, highest, estimator, nperseg=2048, width_hz=RFP_WIDTH_HZ):
 
 
 METHODS = (
-    Method("sdypy-EMA LSCF", "sdypy-EMA", "T",
-           f"1-{PAIRS} pole pairs: 30 are too few rows for the rule; segments of 2 s", lscf),
-    Method("sdypy-EMA RFP", "sdypy-EMA", "T",
-           f"orders 1-{RFP_ORDER}, its limit, in windows of {RFP_WIDTH_HZ:g} Hz; segments of 4 s", rfp),
+    Method(
+        "sdypy-EMA LSCF",
+        "sdypy-EMA",
+        "T",
+        f"1-{PAIRS} pole pairs: 30 are too few rows for the rule; segments of 2 s",
+        lscf,
+    ),
+    Method(
+        "sdypy-EMA RFP",
+        "sdypy-EMA",
+        "T",
+        f"orders 1-{RFP_ORDER}, its limit, in windows of {RFP_WIDTH_HZ:g} Hz; segments of 4 s",
+        rfp,
+    ),
 )

@@ -15,6 +15,7 @@ def plscf(record, highest, estimator, nperseg=1024, sign=-1):
     better than those of 4 s (78) and 8 s (75), those of 1 s bring false values.
     """
     import strid
+
     freq, tables = transmissibilities(record, nperseg, estimator)
     rate_hz = 2.0 * freq[-1]
     sweeps = []

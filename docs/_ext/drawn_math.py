@@ -27,12 +27,19 @@ def drawn(latex, css):
     box = path.get_extents()
     left, low, wide, high = box.x0 - 3.0, box.y0 - 3.0, box.width + 6.0, box.height + 6.0
     strokes = "".join(
-        LETTERS[code] + ("" if code == Path.CLOSEPOLY else " ".join(
-            f"{x - left:.0f} {high + low - y:.0f}" for x, y in points.reshape(-1, 2)))
-        for points, code in path.iter_segments(simplify=False, curves=True))
+        LETTERS[code]
+        + (
+            ""
+            if code == Path.CLOSEPOLY
+            else " ".join(f"{x - left:.0f} {high + low - y:.0f}" for x, y in points.reshape(-1, 2))
+        )
+        for points, code in path.iter_segments(simplify=False, curves=True)
+    )
     style = f"width:{wide / EM:.2f}em;height:{high / EM:.2f}em;vertical-align:{low / EM:.2f}em"
-    return (f'<svg class="{css}" role="img" aria-label="{escape(latex)}" viewBox="0 0 {wide:.0f} {high:.0f}" '
-            f'style="{style}"><path fill="currentColor" d="{strokes}"/></svg>')
+    return (
+        f'<svg class="{css}" role="img" aria-label="{escape(latex)}" viewBox="0 0 {wide:.0f} {high:.0f}" '
+        f'style="{style}"><path fill="currentColor" d="{strokes}"/></svg>'
+    )
 
 
 def formula(self, node, css, display):
@@ -54,6 +61,7 @@ def formula(self, node, css, display):
 def inline(self, node):
     """A formula in a line of text."""
     from docutils.nodes import SkipNode
+
     self.body.append(formula(self, node, "math", display=False)[0])
     raise SkipNode
 
@@ -61,6 +69,7 @@ def inline(self, node):
 def display(self, node):
     """A formula in lines of its own."""
     from docutils.nodes import SkipNode
+
     svg, number = formula(self, node, "math-block", display=True)
     self.body.append(f'<div class="math-display">{svg}{number}</div>')
     raise SkipNode

@@ -1,8 +1,23 @@
 """Order of the gallery: the cases of the paper, measured structures, then one idea each."""
 
-STORY = ("chain8_damage", "chain8_update", "exhaust_update", "exhaust_damage", "southampton_frame",
-         "brake_reuss_beam", "transmissibility", "estimators", "stabilization", "data_check", "uncertainty",
-         "what_is_not_seen", "two_objectives", "own_matrices", "frame_model", "optimizer")
+STORY = (
+    "chain8_damage",
+    "chain8_update",
+    "exhaust_update",
+    "exhaust_damage",
+    "southampton_frame",
+    "brake_reuss_beam",
+    "transmissibility",
+    "estimators",
+    "stabilization",
+    "data_check",
+    "uncertainty",
+    "what_is_not_seen",
+    "two_objectives",
+    "own_matrices",
+    "frame_model",
+    "optimizer",
+)
 
 
 class Story:

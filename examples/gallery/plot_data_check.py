@@ -25,8 +25,12 @@ print(checked)
 # The second singular value tells: under one force it lies where noise and leakage put it (below), here it
 # does not.
 fig, axes = plt.subplots(2, 1, sharex=True, figsize=(9, 7), layout="constrained")
-for ax, check, name in zip(axes, (ar.check_data(good, excitation=0, band_hz=(3, 130)), checked),
-                           ("one force", "two forces"), strict=True):
+for ax, check, name in zip(
+    axes,
+    (ar.check_data(good, excitation=0, band_hz=(3, 130)), checked),
+    ("one force", "two forces"),
+    strict=True,
+):
     check.plot(ax=ax)
     ax.set_title(name)
 

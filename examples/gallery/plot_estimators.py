@@ -14,8 +14,9 @@ import antires_rs as ar
 
 case = ar.cases.chain8()
 record = case.experiment(noise=0.05, duration_s=400.0, rng=3)
-estimates = {name: ar.transmissibility(record, 0, nperseg=4096, estimator=name)
-             for name in ("h1", "h2", "hv", "rank1")}
+estimates = {
+    name: ar.transmissibility(record, 0, nperseg=4096, estimator=name) for name in ("h1", "h2", "hv", "rank1")
+}
 
 # %%
 # Left the second antiresonance of the reference, mass 1; right the second of the response, mass 3.

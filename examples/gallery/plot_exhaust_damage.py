@@ -14,9 +14,14 @@ import antires_rs as ar
 from antires_rs import plotting
 
 case = ar.cases.exhaust()
-intact, cracked = (ar.identify_antiresonances(
-    case.experiment(level, noise=0.01, duration_s=60.0, rng=level), excitation=case.excitation,
-    band_hz=case.damage_band_hz) for level in (0, 2))
+intact, cracked = (
+    ar.identify_antiresonances(
+        case.experiment(level, noise=0.01, duration_s=60.0, rng=level),
+        excitation=case.excitation,
+        band_hz=case.damage_band_hz,
+    )
+    for level in (0, 2)
+)
 
 # %%
 # The baseline: 21 parameters, all 16 accelerometers.

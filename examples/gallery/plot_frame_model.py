@@ -31,8 +31,11 @@ plotting.plot_frame(model, ax=ax, sensors=sensors, excitation=sensors[3])
 # Three unknowns of different kind, each with bounds in its own unit.
 zeros = tested.antiresonances(sensors, sensors[3], f_max_hz=400.0)
 measured = ar.AntiresonanceSet(sensors[3], dict(zip(sensors, zeros, strict=True)))
-parameters = [ar.thickness("post", bounds=(0.001, 0.002)), ar.point_mass(0, bounds=(0.5, 1.2)),
-              ar.angle([5], pivot=5, bounds_deg=(-8.0, 8.0))]
+parameters = [
+    ar.thickness("post", bounds=(0.001, 0.002)),
+    ar.point_mass(0, bounds=(0.5, 1.2)),
+    ar.angle([5], pivot=5, bounds_deg=(-8.0, 8.0)),
+]
 result = ar.update(ar.UpdatingProblem(model, parameters, measured), rng=0)
 for name, value in zip(result.problem.names, result.x, strict=True):
     print(f"{name:24s} {value:.6g}")

@@ -13,16 +13,37 @@ import antires_rs as ar
 
 E_I, RHO_A, LENGTH, N = 12.0, 0.8, 1.0, 20
 h = LENGTH / N
-k_e = E_I / h**3 * np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2],
-                             [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h**2, -6 * h, 4 * h**2]])
-m_e = RHO_A * h / 420 * np.array([[156, 22 * h, 54, -13 * h], [22 * h, 4 * h**2, 13 * h, -3 * h**2],
-                                  [54, 13 * h, 156, -22 * h], [-13 * h, -3 * h**2, -22 * h, 4 * h**2]])
+k_e = (
+    E_I
+    / h**3
+    * np.array(
+        [
+            [12, 6 * h, -12, 6 * h],
+            [6 * h, 4 * h**2, -6 * h, 2 * h**2],
+            [-12, -6 * h, 12, -6 * h],
+            [6 * h, 2 * h**2, -6 * h, 4 * h**2],
+        ]
+    )
+)
+m_e = (
+    RHO_A
+    * h
+    / 420
+    * np.array(
+        [
+            [156, 22 * h, 54, -13 * h],
+            [22 * h, 4 * h**2, 13 * h, -3 * h**2],
+            [54, 13 * h, 156, -22 * h],
+            [-13 * h, -3 * h**2, -22 * h, 4 * h**2],
+        ]
+    )
+)
 terms, mass = np.zeros((N, 2 * N + 2, 2 * N + 2)), np.zeros((2 * N + 2, 2 * N + 2))
 for e in range(N):
     rows = slice(2 * e, 2 * e + 4)
     terms[e, rows, rows] = k_e
     mass[rows, rows] += m_e
-free = slice(2, None)                                        # the clamped end is dofs 0 and 1
+free = slice(2, None)  # the clamped end is dofs 0 and 1
 terms = terms[:, free, free]
 model = ar.MatrixModel(terms.sum(axis=0), mass[free, free], stiffness_terms=terms)
 print(model)

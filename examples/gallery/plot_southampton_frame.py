@@ -38,7 +38,7 @@ if folder.is_dir():
     for k, (ax, (response, zeros)) in enumerate(zip(axes, measured, strict=True)):
         for dof, style in enumerate(("-", "--", ":")):
             size = abs(response.values[dof])
-            line, = ax.semilogy(response.freq_hz, size, style, label=f"$H_{{{dof + 1}{k + 1}}}$")
+            (line,) = ax.semilogy(response.freq_hz, size, style, label=f"$H_{{{dof + 1}{k + 1}}}$")
             ax.plot(zeros[dof], np.interp(zeros[dof], response.freq_hz, size), "v", color=line.get_color())
         ax.set(xlim=(3, 35), ylabel="Accelerance (1/kg)")
         ax.legend(ncols=3)

@@ -35,8 +35,13 @@ measured = ar.transmissibility(record, 0, nperseg=8192, estimator="rank1")
 inside = (measured.freq_hz > 3) & (measured.freq_hz < 125)
 fig, ax = plt.subplots(figsize=(9, 3.6), layout="constrained")
 for row, dof in zip(measured.values[1:], measured.dofs[1:], strict=True):
-    ax.semilogy(measured.freq_hz[inside], abs(row[inside]), lw=0.6, color="0.6",
-                label="each $T_{p1}$" if dof == 1 else None)
+    ax.semilogy(
+        measured.freq_hz[inside],
+        abs(row[inside]),
+        lw=0.6,
+        color="0.6",
+        label="each $T_{p1}$" if dof == 1 else None,
+    )
 ax.semilogy(measured.freq_hz[inside], abs(ar.transmissibility_sum(measured)[inside]), label="sum, Eq. 10")
 ax.set(xlabel="Frequency (Hz)", ylabel="Transmissibility (-)")
 ax.legend(loc="lower left")

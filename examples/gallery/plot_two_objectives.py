@@ -14,12 +14,14 @@ from antires_rs import plotting
 case = ar.cases.chain8()
 record = case.experiment(level=1, noise=0.05, duration_s=128.0, rng=5)
 zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130))
-modes = ar.identify_modes(record, band_hz=(3, 130))              # FRFs, since this record has its force
+modes = ar.identify_modes(record, band_hz=(3, 130))  # FRFs, since this record has its force
 print(modes)
 
 # %%
-damages = {"antiresonances": ar.assess_damage(case.model, zeros, rng=0),
-           "resonances, shapes": ar.assess_damage(case.model, modes, rng=0)}
+damages = {
+    "antiresonances": ar.assess_damage(case.model, zeros, rng=0),
+    "resonances, shapes": ar.assess_damage(case.model, modes, rng=0),
+}
 fig, ax = plt.subplots(figsize=(9, 4), layout="constrained")
 plotting.plot_damages(damages, ax=ax, truth=case.truth(level=1)["severity"])
 for name, damage in damages.items():

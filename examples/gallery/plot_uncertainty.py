@@ -13,8 +13,16 @@ import antires_rs as ar
 
 case = ar.cases.chain8()
 truth = case.truth()["freq_hz"][5]
-found = [ar.identify_antiresonances(case.experiment(noise=0.03, duration_s=60.0, rng=seed), excitation=0,
-                                    band_hz=(3, 130), max_order=40, check="off") for seed in range(8)]
+found = [
+    ar.identify_antiresonances(
+        case.experiment(noise=0.03, duration_s=60.0, rng=seed),
+        excitation=0,
+        band_hz=(3, 130),
+        max_order=40,
+        check="off",
+    )
+    for seed in range(8)
+]
 
 fig, axes = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
 for ax, true in zip(axes, truth, strict=True):

@@ -15,31 +15,64 @@ from ._core import __version__ as __version__
 # Where each public name lives. It is imported at first use, so that `antires --help` waits for no numpy.
 # No name may be that of a module, which would take its place once imported.
 _NAMES = {
-    "data_check": ("DataCheck", "Finding", "check_data",),
-    "exceptions": ("AntiresError", "AntiresWarning", "InternalError", "InvalidInputError", "MissingDependencyError", "NumericalError", "ObjectiveError", "UnsuitableDataError",),
+    "data_check": ("DataCheck", "Finding", "check_data"),
+    "exceptions": (
+        "AntiresError",
+        "AntiresWarning",
+        "InternalError",
+        "InvalidInputError",
+        "MissingDependencyError",
+        "NumericalError",
+        "ObjectiveError",
+        "UnsuitableDataError",
+    ),
     "identification.identify": ("identify_antiresonances",),
     "identification.modes": ("identify_modes",),
-    "io": ("from_sep005", "read_csv", "read_hdf5", "read_mat", "read_matrices", "read_npz", "read_uff", "to_sep005", "write_csv", "write_hdf5", "write_mat", "write_matrices", "write_npz", "write_uff",),
+    "io": (
+        "from_sep005",
+        "read_csv",
+        "read_hdf5",
+        "read_mat",
+        "read_matrices",
+        "read_npz",
+        "read_uff",
+        "to_sep005",
+        "write_csv",
+        "write_hdf5",
+        "write_mat",
+        "write_matrices",
+        "write_npz",
+        "write_uff",
+    ),
     "measured.antiresonance_set": ("AntiresonanceSet",),
     "measured.modal_set": ("ModalSet",),
     "models.chain": ("MassSpringChain",),
     "models.frame": ("FrameModel",),
-    "models.frame_parameters": ("angle", "density", "diameter", "inertia", "point_mass", "support_stiffness", "thickness", "youngs_modulus",),
-    "models.frame_parts": ("GroundSpring", "NodeSpring", "PointMass",),
+    "models.frame_parameters": (
+        "angle",
+        "density",
+        "diameter",
+        "inertia",
+        "point_mass",
+        "support_stiffness",
+        "thickness",
+        "youngs_modulus",
+    ),
+    "models.frame_parts": ("GroundSpring", "NodeSpring", "PointMass"),
     "models.matrix_model": ("MatrixModel",),
-    "models.parameters": ("Parameter", "mass_factor", "stiffness_factor", "stiffness_reduction",),
-    "models.sections": ("Rectangle", "Section", "Tube",),
-    "optimize.island_ga": ("History", "IslandGA", "OptimizeResult",),
-    "order_sweep.diagram": ("StabilizationDiagram", "stabilization",),
-    "rational.fit": ("RationalFit", "fit_rational",),
+    "models.parameters": ("Parameter", "mass_factor", "stiffness_factor", "stiffness_reduction"),
+    "models.sections": ("Rectangle", "Section", "Tube"),
+    "optimize.island_ga": ("History", "IslandGA", "OptimizeResult"),
+    "order_sweep.diagram": ("StabilizationDiagram", "stabilization"),
+    "rational.fit": ("RationalFit", "fit_rational"),
     "signals.frequency_response": ("FrequencyResponse",),
     "signals.recording": ("Recording",),
-    "signals.transfer_functions": ("frf", "transmissibility", "transmissibility_sum",),
+    "signals.transfer_functions": ("frf", "transmissibility", "transmissibility_sum"),
     "updating.damage": ("assess_damage",),
-    "updating.problem": ("DamagePenalty", "UpdatingProblem",),
-    "updating.results": ("DamageResult", "UpdateResult",),
+    "updating.problem": ("DamagePenalty", "UpdatingProblem"),
+    "updating.results": ("DamageResult", "UpdateResult"),
     "updating.search": ("update",),
-    "updating.tables": ("FrequencyTable", "ModalTable",),
+    "updating.tables": ("FrequencyTable", "ModalTable"),
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names}
 # Modules to be found by completion; every other module is an attribute as well.
@@ -61,8 +94,9 @@ def __getattr__(name: str) -> object:
             if exc.name != module:  # one that the module itself asks for
                 raise
     # With name and obj, Python proposes what was meant.
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name,
-                         obj=_import_module(__name__))
+    raise AttributeError(
+        f"module {__name__!r} has no attribute {name!r}", name=name, obj=_import_module(__name__)
+    )
 
 
 def __dir__() -> list[str]:

@@ -34,17 +34,11 @@ __version__: str
 class Model:
     @staticmethod
     def chain(
-        masses_kg: _Floats,
-        springs_n_per_m: _Floats,
-        ground_first_n_per_m: float,
-        ground_last_n_per_m: float,
+        masses_kg: _Floats, springs_n_per_m: _Floats, ground_first_n_per_m: float, ground_last_n_per_m: float
     ) -> Model: ...
     @staticmethod
     def from_matrices(
-        stiffness: _Floats,
-        mass: _Floats,
-        stiffness_terms: Sequence[_Term],
-        mass_terms: Sequence[_Term],
+        stiffness: _Floats, mass: _Floats, stiffness_terms: Sequence[_Term], mass_terms: Sequence[_Term]
     ) -> Model: ...
     @staticmethod
     def from_frame(frame: Frame) -> Model: ...
@@ -60,20 +54,10 @@ class Model:
     def modes(self, f_max_hz: float | None = None, n_modes: int | None = None) -> tuple[_Floats, _Floats]: ...
     def n_modes(self) -> int: ...
     def frf(
-        self,
-        responses: Sequence[int],
-        excitation: int,
-        freq_hz: _Floats,
-        damping_ratio: _Floats,
-        kind: str,
+        self, responses: Sequence[int], excitation: int, freq_hz: _Floats, damping_ratio: _Floats, kind: str
     ) -> NDArray[np.complex128]: ...
     def antiresonances(
-        self,
-        responses: Sequence[int],
-        excitation: int,
-        f_max_hz: float,
-        method: str,
-        include_cancelled: bool,
+        self, responses: Sequence[int], excitation: int, f_max_hz: float, method: str, include_cancelled: bool
     ) -> list[tuple[_Floats, bool]]: ...
 
 @final
@@ -149,6 +133,4 @@ def minimize(
 ) -> dict[str, Any]: ...
 def island_options(options: dict[str, Any]) -> dict[str, Any]: ...
 def nominal_values(model: Model, parameters: Sequence[_Parameter]) -> _Floats: ...
-def check_bounds(
-    model: Model, parameters: Sequence[_Parameter], lower: _Floats, upper: _Floats
-) -> None: ...
+def check_bounds(model: Model, parameters: Sequence[_Parameter], lower: _Floats, upper: _Floats) -> None: ...

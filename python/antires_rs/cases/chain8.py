@@ -57,31 +57,48 @@ class Chain8:
 
     def true_model(self, level: int = 0) -> MassSpringChain:
         """The structure that is tested: ``level`` 0 undamaged, 1 with spring 5 at 55 % loss."""
-        return MassSpringChain(MASSES_KG * self._mass_factors,
-                               SPRINGS_N_PER_M * self._spring_factors * self._intact(level))
+        return MassSpringChain(
+            MASSES_KG * self._mass_factors, SPRINGS_N_PER_M * self._spring_factors * self._intact(level)
+        )
 
     def truth(self, level: int = 0) -> dict[str, Any]:
         """True values: ``mass_factor``, ``stiffness_factor``, ``severity``, ``freq_hz`` by dof."""
         zeros = self.true_model(level).antiresonances(self.responses, self.excitation)
-        return {"mass_factor": self._mass_factors.copy(), "stiffness_factor": self._spring_factors.copy(),
-                "severity": {element: float(1.0 - s) for element, s in enumerate(self._intact(level))},
-                "freq_hz": dict(zip(self.responses, zeros, strict=True))}
+        return {
+            "mass_factor": self._mass_factors.copy(),
+            "stiffness_factor": self._spring_factors.copy(),
+            "severity": {element: float(1.0 - s) for element, s in enumerate(self._intact(level))},
+            "freq_hz": dict(zip(self.responses, zeros, strict=True)),
+        }
 
     def exact(self, level: int = 0) -> AntiresonanceSet:
         """The true antiresonances, without a measurement."""
         return AntiresonanceSet(self.excitation, self.truth(level)["freq_hz"])
 
-    def experiment(self, level: int = 0, *, noise: float = 0.0, duration_s: float = DURATION_S,
-                   damping_ratio: Any = DAMPING_RATIO,
-                   rng: int | np.random.Generator | None = None,
-                   progress: bool | None = None) -> Recording:
+    def experiment(
+        self,
+        level: int = 0,
+        *,
+        noise: float = 0.0,
+        duration_s: float = DURATION_S,
+        damping_ratio: Any = DAMPING_RATIO,
+        rng: int | np.random.Generator | None = None,
+        progress: bool | None = None,
+    ) -> Recording:
         """Record of a virtual test at 512 Hz: random force at mass 1, accelerations of all masses.
 
         ``noise`` is white sensor noise as a fraction of each channel's own rms.
         """
         return self.true_model(level).simulate(
-            excitation=self.excitation, fs_hz=FS_HZ, duration_s=duration_s, damping_ratio=damping_ratio,
-            noise=noise, responses=self.responses, rng=rng, progress=progress)
+            excitation=self.excitation,
+            fs_hz=FS_HZ,
+            duration_s=duration_s,
+            damping_ratio=damping_ratio,
+            noise=noise,
+            responses=self.responses,
+            rng=rng,
+            progress=progress,
+        )
 
     def exact_modes(self, level: int = 0) -> ModalSet:
         """The seven resonances and shapes of the undamped structure, rigid-body mode left out."""
@@ -93,25 +110,30 @@ class Chain8:
 
         With a :class:`~antires_rs.ModalSet` the objective is that of resonances and shapes.
         """
-        parameters = (mass_factor(range(8), bounds=(0.9, 1.1))
-                      + stiffness_factor(range(7), bounds=(0.9, 1.1)))
+        parameters = mass_factor(range(8), bounds=(0.9, 1.1)) + stiffness_factor(range(7), bounds=(0.9, 1.1))
         return UpdatingProblem(self.model, parameters, self.exact(0) if measured is None else measured)
 
-    def damage_problem(self, measured: AntiresonanceSet | ModalSet | None = None, *, level: int = 1,
-                       elements: Any = None) -> UpdatingProblem:
+    def damage_problem(
+        self, measured: AntiresonanceSet | ModalSet | None = None, *, level: int = 1, elements: Any = None
+    ) -> UpdatingProblem:
         """Stiffness losses of the springs, with the paper's penalties; default: exact values of ``level``.
 
         With a :class:`~antires_rs.ModalSet` the objective is that of resonances and shapes.
         """
         chosen = range(7) if elements is None else elements
-        return UpdatingProblem(self.model, stiffness_reduction(list(chosen)),
-                               self.exact(level) if measured is None else measured, penalty=DamagePenalty())
+        return UpdatingProblem(
+            self.model,
+            stiffness_reduction(list(chosen)),
+            self.exact(level) if measured is None else measured,
+            penalty=DamagePenalty(),
+        )
 
     def search_problem(self, element: int, beta: float) -> UpdatingProblem:
         """Exact targets of this very model with one damage: for studies of optimizers only."""
         springs: FloatArray = SPRINGS_N_PER_M.copy()
         springs[integer("element", element, low=0, high=6)] *= 1.0 - finite_scalar(
-            "beta", beta, low=0.0, high=0.99)
+            "beta", beta, low=0.0, high=0.99
+        )
         zeros = MassSpringChain(MASSES_KG, springs).antiresonances(self.responses, self.excitation)
         return self.damage_problem(AntiresonanceSet(self.excitation, dict(enumerate(zeros))))
 

@@ -39,6 +39,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:  # Ctrl-C may come while modules are loaded, so all but this file is loaded in here
         with _noticed(came):
             from .command import run
+
             return run(argv)
     except KeyboardInterrupt:
         pass

@@ -44,12 +44,20 @@ def _refused(exc: OSError) -> str:
     path = Path(exc.filename)
     beside = re.fullmatch(r"\.(.+)\.\d+\.tmp", path.name)
     shown = path.with_name(beside[1]) if beside else path
-    return (f"{str(shown)!r}: got '{exc.strerror}' from the system; wanted a place that this user may read "
-            "and write. Choose another folder, or change its permissions.")
+    return (
+        f"{str(shown)!r}: got '{exc.strerror}' from the system; wanted a place that this user may read "
+        "and write. Choose another folder, or change its permissions."
+    )
 
 
-def _warn(message: Warning | str, category: type[Warning], filename: str, lineno: int, file: Any = None,
-          line: str | None = None) -> None:
+def _warn(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: Any = None,
+    line: str | None = None,
+) -> None:
     """One line for a warning of ours; others as Python has them."""
     if issubclass(category, AntiresWarning):
         print(f"antires: warning: {message}", file=sys.stderr)

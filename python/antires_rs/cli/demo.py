@@ -61,8 +61,14 @@ class Story:
     seconds: dict[str, float]
 
 
-def tell(*, seed: int = 0, noise: float = 0.01, workers: int | None = None,
-         max_evaluations: int = MAX_EVALUATIONS, say: Callable[[str], Any] = str) -> Story:
+def tell(
+    *,
+    seed: int = 0,
+    noise: float = 0.01,
+    workers: int | None = None,
+    max_evaluations: int = MAX_EVALUATIONS,
+    say: Callable[[str], Any] = str,
+) -> Story:
     """Run the whole chain: two virtual tests, two identifications, one updating, two damage searches.
 
     Parameters
@@ -113,17 +119,25 @@ def tell(*, seed: int = 0, noise: float = 0.01, workers: int | None = None,
     def assess(model: Any, rng: Any) -> DamageResult:
         return assess_damage(model, damaged, rng=rng, workers=workers)
 
-    record = timed("recording", "recording the undamaged structure",
-                   lambda: case.experiment(0, noise=noise, rng=first))
+    record = timed(
+        "recording", "recording the undamaged structure", lambda: case.experiment(0, noise=noise, rng=first)
+    )
     undamaged = timed("identification", "identifying its antiresonances", lambda: identify(record))
     ga = IslandGA(max_evaluations=max_evaluations)
-    updated = timed("updating", "updating 15 parameters of the model", lambda: update(
-        case.updating_problem(undamaged), optimizer=ga, rng=searches[0], workers=workers))
-    damaged = timed("damaged", "recording and identifying the damaged structure", lambda: identify(
-        case.experiment(1, noise=noise, rng=second)))
+    updated = timed(
+        "updating",
+        "updating 15 parameters of the model",
+        lambda: update(case.updating_problem(undamaged), optimizer=ga, rng=searches[0], workers=workers),
+    )
+    damaged = timed(
+        "damaged",
+        "recording and identifying the damaged structure",
+        lambda: identify(case.experiment(1, noise=noise, rng=second)),
+    )
     damage = timed("damage", "looking for the damage", lambda: assess(updated.model, searches[1]))
-    nominal = timed("damage_nominal", "... and once more without the updating", lambda: assess(
-        case.model, searches[2]))
+    nominal = timed(
+        "damage_nominal", "... and once more without the updating", lambda: assess(case.model, searches[2])
+    )
     return Story(case, seed, noise, record, undamaged, updated, damaged, damage, nominal, seconds)
 
 
@@ -148,8 +162,9 @@ def compare(found: AntiresonanceSet, truth: dict[int, FloatArray]) -> list[Match
             i, k = divmod(int(np.argmin(error)), error.shape[1])
             pairs.append(100.0 * float(error[i, k]))
             error[i, :], error[:, k] = np.inf, np.inf
-        matches.append(Match(dof, len(true_hz), len(pairs), len(found[dof]) - len(pairs),
-                             max(pairs, default=None)))
+        matches.append(
+            Match(dof, len(true_hz), len(pairs), len(found[dof]) - len(pairs), max(pairs, default=None))
+        )
     return matches
 
 
@@ -173,16 +188,20 @@ def text(story: Story) -> str:
         f"status {updated.status!r}",
         "   (a short budget, for the demo; the default of 200,000 comes closer).",
         *(fill(note, 100, initial_indent="   note: ", subsequent_indent=9 * " ") for note in updated.notes),
-        "", str(updated.table), "",
+        "",
+        str(updated.table),
+        "",
         "3. Damaged: recorded and identified again, searched with the updated model",
         _matches(story.damaged, story.case.truth(1)["freq_hz"]),
         "",
         "   stiffness loss in %     found    truth    smallest    found without",
         "                                              visible     the updating",
     ]
-    lines += [f"   {label(e):<20} {_percent(story.damage.severity[e]):>8} {_percent(severity[e]):>8}"
-              f" {_percent(story.damage.detectable[e]):>11} {_percent(story.damage_nominal.severity[e]):>16}"
-              for e in story.damage.elements]
+    lines += [
+        f"   {label(e):<20} {_percent(story.damage.severity[e]):>8} {_percent(severity[e]):>8}"
+        f" {_percent(story.damage.detectable[e]):>11} {_percent(story.damage_nominal.severity[e]):>16}"
+        for e in story.damage.elements
+    ]
     return "\n".join(lines)
 
 
@@ -193,8 +212,10 @@ def _matches(found: AntiresonanceSet, truth: dict[int, FloatArray]) -> str:
         error = "-" if m.largest_percent is None else f"{m.largest_percent:.2f} %"
         rows.append(f"   dof {m.dof:<6} {m.true:5d} {m.found:6d} {m.false:6d} {error:>15}")
     largest = max((m.largest_percent for m in matches if m.largest_percent is not None), default=float("nan"))
-    rows.append(f"   in all     {sum(m.true for m in matches):5d} {sum(m.found for m in matches):6d} "
-                f"{sum(m.false for m in matches):6d} {largest:13.2f} %")
+    rows.append(
+        f"   in all     {sum(m.true for m in matches):5d} {sum(m.found for m in matches):6d} "
+        f"{sum(m.false for m in matches):6d} {largest:13.2f} %"
+    )
     return "\n".join(rows)
 
 
@@ -212,29 +233,49 @@ def summary(story: Story) -> dict[str, Any]:
 
     def identified(found: AntiresonanceSet, level: int) -> list[dict[str, Any]]:
         truth = story.case.truth(level)["freq_hz"]
-        return [{"dof": m.dof, "true": m.true, "found": m.found, "false": m.false,
-                 "largest_error_percent": m.largest_percent, "freq_hz": found[m.dof].tolist(),
-                 "true_freq_hz": truth[m.dof].tolist()} for m in compare(found, truth)]
+        return [
+            {
+                "dof": m.dof,
+                "true": m.true,
+                "found": m.found,
+                "false": m.false,
+                "largest_error_percent": m.largest_percent,
+                "freq_hz": found[m.dof].tolist(),
+                "true_freq_hz": truth[m.dof].tolist(),
+            }
+            for m in compare(found, truth)
+        ]
 
     def searched(result: UpdateResult) -> dict[str, Any]:
-        return {"status": result.status, "evaluations": result.nfev, "generations": result.nit,
-                "J": result.fun,
-                "largest_before_percent": number(result.table.largest_before_percent),
-                "largest_after_percent": number(result.table.largest_after_percent), "notes": result.notes}
+        return {
+            "status": result.status,
+            "evaluations": result.nfev,
+            "generations": result.nit,
+            "J": result.fun,
+            "largest_before_percent": number(result.table.largest_before_percent),
+            "largest_after_percent": number(result.table.largest_after_percent),
+            "notes": result.notes,
+        }
 
     def losses(result: DamageResult) -> dict[str, float]:
         return {label(e): beta for e, beta in result.severity.items()}
 
     return {
-        "antires_rs": __version__, "seed": story.seed, "noise": story.noise, "seconds": story.seconds,
+        "antires_rs": __version__,
+        "seed": story.seed,
+        "noise": story.noise,
+        "seconds": story.seconds,
         "identification": identified(story.undamaged, 0),
-        "updating": searched(story.updated) | {
-            "parameters": dict(zip(story.updated.problem.names, story.updated.x.tolist(), strict=True))},
+        "updating": searched(story.updated)
+        | {"parameters": dict(zip(story.updated.problem.names, story.updated.x.tolist(), strict=True))},
         "identification_damaged": identified(story.damaged, 1),
-        "damage": searched(story.damage) | {
-            "severity": losses(story.damage), "truth": {label(e): beta for e, beta in severity.items()},
+        "damage": searched(story.damage)
+        | {
+            "severity": losses(story.damage),
+            "truth": {label(e): beta for e, beta in severity.items()},
             "smallest_visible": {label(e): number(beta) for e, beta in story.damage.detectable.items()},
-            "severity_without_updating": losses(story.damage_nominal)},
+            "severity_without_updating": losses(story.damage_nominal),
+        },
     }
 
 
@@ -242,6 +283,7 @@ def write_pictures(story: Story, folder: Path) -> None:
     """The paper's pictures, as PNG."""
     from .. import plotting
     from ..plotting.canvas import picture
+
     case, updated = story.case, story.updated
     table: Any = updated.table  # of antiresonances
     worst = int(table.dof[np.argmax(np.nan_to_num(np.abs(table.before_percent)))])
@@ -250,8 +292,14 @@ def write_pictures(story: Story, folder: Path) -> None:
     def transmissibilities(axes: Any) -> None:
         for ax, reference, dof in zip(axes, (0, worst), (None, neighbour), strict=True):
             plotting.plot_transmissibility(
-                _drawn(story.record, reference), case.model, updated.model, dof=dof,
-                excitation=case.excitation, band_hz=case.band_hz, ax=ax)
+                _drawn(story.record, reference),
+                case.model,
+                updated.model,
+                dof=dof,
+                excitation=case.excitation,
+                band_hz=case.band_hz,
+                ax=ax,
+            )
 
     truth = case.truth(1)["severity"]
     for name, png in {
@@ -267,18 +315,29 @@ def write_pictures(story: Story, folder: Path) -> None:
 def write_reports(story: Story, folder: Path) -> None:
     """``updating.html`` and ``damage.html``."""
     from ..report import write_report
-    write_report(story.updated, folder / "updating.html", title="antires demo: the updated model",
-                 response=_drawn(story.record, 0))
-    write_report(story.damage, folder / "damage.html", title="antires demo: the damaged spring",
-                 truth=story.case.truth(1)["severity"], diagrams={0: story.damaged.diagrams[0]})
+
+    write_report(
+        story.updated,
+        folder / "updating.html",
+        title="antires demo: the updated model",
+        response=_drawn(story.record, 0),
+    )
+    write_report(
+        story.damage,
+        folder / "damage.html",
+        title="antires demo: the damaged spring",
+        truth=story.case.truth(1)["severity"],
+        diagrams={0: story.damaged.diagrams[0]},
+    )
 
 
 def _drawn(record: Recording, reference: int) -> Any:
     return transmissibility(record, reference, nperseg=NPERSEG, estimator="rank1")
 
 
-def command(out: Path, *, seed: int, noise: float, workers: int | None, as_json: bool,
-            say: Callable[[str], Any] = str) -> int:
+def command(
+    out: Path, *, seed: int, noise: float, workers: int | None, as_json: bool, say: Callable[[str], Any] = str
+) -> int:
     """What ``antires demo`` does; returns its exit code."""
     out.mkdir(parents=True, exist_ok=True)
     story = tell(seed=seed, noise=noise, workers=workers, max_evaluations=MAX_EVALUATIONS, say=say)
@@ -292,8 +351,10 @@ def command(out: Path, *, seed: int, noise: float, workers: int | None, as_json:
         write_reports(story, out)
     except MissingDependencyError as exc:
         missing = str(exc)
-    closing = [f"Open {out / 'damage.html'} (where the damage is) and {out / 'updating.html'} (the model).",
-               f"The pictures are beside them as PNG, all numbers in {out / 'summary.json'}."]
+    closing = [
+        f"Open {out / 'damage.html'} (where the damage is) and {out / 'updating.html'} (the model).",
+        f"The pictures are beside them as PNG, all numbers in {out / 'summary.json'}.",
+    ]
     if missing:
         closing = [f"All numbers are in {out / 'summary.json'}. Not everything was drawn:", missing]
     print("", *closing, sep="\n", file=sys.stderr if as_json else sys.stdout)

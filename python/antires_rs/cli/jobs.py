@@ -22,17 +22,24 @@ def init(args: argparse.Namespace) -> int:
     """Write a commented job."""
     job: Path = args.job
     if job.suffix != ".toml":
-        reject("JOB", repr(str(job)), "a file that ends in .toml",
-               f"As in 'antires init {job.stem or 'job'}.toml'.")
+        reject(
+            "JOB",
+            repr(str(job)),
+            "a file that ends in .toml",
+            f"As in 'antires init {job.stem or 'job'}.toml'.",
+        )
     if job.exists() and not args.overwrite:
-        reject("JOB", f"{str(job)!r}, which exists", "a new file",
-               "Choose another name, or pass --overwrite.")
+        reject(
+            "JOB", f"{str(job)!r}, which exists", "a new file", "Choose another name, or pass --overwrite."
+        )
     if not job.parent.is_dir():
         reject("JOB", repr(str(job)), "a file in a folder that exists", f"Make {str(job.parent)!r} first.")
     options: dict[str, Any] = {}
     if args.data is not None:
-        options = {"data": Path(os.path.relpath(args.data, job.parent)).as_posix(),
-                   "dofs": _channels(args.data)}
+        options = {
+            "data": Path(os.path.relpath(args.data, job.parent)).as_posix(),
+            "dofs": _channels(args.data),
+        }
     text = template(args.task, args.model, name=job.name, **options)
     write_atomically(job, text.encode())
     print(f"Wrote {job}. Fill it in, then: antires {args.task} {job}")
@@ -44,16 +51,26 @@ def _channels(file: Path) -> dict[str, object] | None:
     existing("--data", file, "Name the file of the measurement.")
     kind = format_of(file.name)
     if kind is None:
-        reject("--data", repr(str(file)), "a file that ends in " + ", ".join(e for ends in FORMATS.values()
-                                                                             for e in ends),
-               "Convert it first, or write the job without --data and name its format there.")
+        reject(
+            "--data",
+            repr(str(file)),
+            "a file that ends in " + ", ".join(e for ends in FORMATS.values() for e in ends),
+            "Convert it first, or write the job without --data and name its format there.",
+        )
     from ..jobs.reading import read_signal
     from ..measured.antiresonance_set import AntiresonanceSet
+
     with arguments({"path": "--data"}, "Write the job without --data, and fill in [data] by hand."):
-        names = list(AntiresonanceSet.load(file)) if kind == "antiresonances" else list(
-            read_signal(file, kind, {}).dofs)
-    return None if all(isinstance(name, int) for name in names) else {
-        str(name): i for i, name in enumerate(names)}
+        names = (
+            list(AntiresonanceSet.load(file))
+            if kind == "antiresonances"
+            else list(read_signal(file, kind, {}).dofs)
+        )
+    return (
+        None
+        if all(isinstance(name, int) for name in names)
+        else {str(name): i for i, name in enumerate(names)}
+    )
 
 
 def search(args: argparse.Namespace) -> int:
@@ -61,9 +78,12 @@ def search(args: argparse.Namespace) -> int:
     job = read_job(args.job)
     if job.task != args.task:
         sections = {"damage": "[damage]", "update": "[[parameters]]"}
-        reject("JOB", f"{str(args.job)!r}, which has {sections[job.task]}",
-               f"a job with {sections[args.task]}",
-               f"Use 'antires {job.task} {args.job}'.")
+        reject(
+            "JOB",
+            f"{str(args.job)!r}, which has {sections[job.task]}",
+            f"a job with {sections[args.task]}",
+            f"Use 'antires {job.task} {args.job}'.",
+        )
     return _run(job, args, fresh=args.fresh)
 
 
@@ -74,13 +94,18 @@ def resume(args: argparse.Namespace) -> int:
     if not folder.unfinished and folder.state not in (None, "searching") and folder.result.is_file():
         from ..jobs.run import out_of_time
         from ..updating.results import UpdateResult
+
         done = UpdateResult.load(folder.result)
         interrupted = folder.state == "interrupted"
         if interrupted or out_of_time(done):
             how = "was interrupted" if interrupted else "ran out of time"
-            reject("JOB", f"{str(args.target)!r}, whose search {how} and kept no checkpoint",
-                   "a search that is kept on disk", f"Begin anew with 'antires {job.task} "
-                   f"{_shown(job.path)}', and checkpoint = true under [search].")
+            reject(
+                "JOB",
+                f"{str(args.target)!r}, whose search {how} and kept no checkpoint",
+                "a search that is kept on disk",
+                f"Begin anew with 'antires {job.task} "
+                f"{_shown(job.path)}', and checkpoint = true under [search].",
+            )
         print(f"antires: this search has finished ({done.status}); nothing is left to do", file=sys.stderr)
         if job.section("output").get("report", True) and not folder.report.exists():
             print(f"antires: for its report: antires report {_shown(folder.folder)}", file=sys.stderr)
@@ -100,19 +125,27 @@ def _job_of(target: Path) -> Path:
     record = folder.read_record()
     if not record or "job" not in record:
         what = "where no job has run" if target.exists() else "which does not exist"
-        reject("JOB", f"{str(target)!r}, {what}", "a job file, its results folder or its checkpoint",
-               "The folder of a run holds run.json.")
+        reject(
+            "JOB",
+            f"{str(target)!r}, {what}",
+            "a job file, its results folder or its checkpoint",
+            "The folder of a run holds run.json.",
+        )
     job = folder.job_path(record)
     if not job.is_file():
-        reject("JOB", f"{str(target)!r}, whose job {job.name!r} is gone",
-               "a run whose job file is where it was",
-               "Put the job file back, or pass it by its new name.")
+        reject(
+            "JOB",
+            f"{str(target)!r}, whose job {job.name!r} is gone",
+            "a run whose job file is where it was",
+            "Put the job file back, or pass it by its new name.",
+        )
     return job
 
 
 def _run(job: Job, args: argparse.Namespace, **how: bool) -> int:
     from ..jobs.run import run
     from ..jobs.summary import text_of
+
     outcome = run(job, workers=args.workers, say=say, **how)
     if args.json:
         print_json(outcome.summary)
@@ -124,9 +157,11 @@ def _run(job: Job, args: argparse.Namespace, **how: bool) -> int:
         print(f"antires: warning: {note}", file=sys.stderr)
     if outcome.interrupted:
         waits = outcome.folder.unfinished
-        print("antires: interrupted, the best so far is kept; "
-              + (f"go on with: antires resume {_shown(job.path)}" if waits else "without a checkpoint"),
-              file=sys.stderr)
+        print(
+            "antires: interrupted, the best so far is kept; "
+            + (f"go on with: antires resume {_shown(job.path)}" if waits else "without a checkpoint"),
+            file=sys.stderr,
+        )
         return 130
     if outcome.folder.unfinished:
         print(f"antires: out of time; go on with: antires resume {_shown(job.path)}", file=sys.stderr)

@@ -16,10 +16,17 @@ from .terminal import arguments, existing, print_json, say
 __all__ = ["demo", "identify", "report"]
 
 #: Options of ``identify`` by the arguments of the functions behind it.
-_NAMES = {"path": "FILE", "signal": "FILE", "source": "FILE", "band_hz": "--band", "dofs": "--dof",
-          "fs_hz": "--fs", "second_opinion": "--second-opinion", "max_order": "--max-order",
-          **{name: f"--{name}" for name in ("excitation", "unit", "force", "kind", "first", "reference",
-                                            "preset")}}
+_NAMES = {
+    "path": "FILE",
+    "signal": "FILE",
+    "source": "FILE",
+    "band_hz": "--band",
+    "dofs": "--dof",
+    "fs_hz": "--fs",
+    "second_opinion": "--second-opinion",
+    "max_order": "--max-order",
+    **{name: f"--{name}" for name in ("excitation", "unit", "force", "kind", "first", "reference", "preset")},
+}
 _READING = ("kind", "reference", "force", "fs_hz", "unit", "first")
 _CHOICES = ("preset", "max_order", "second_opinion")
 _SEE = "See 'antires identify --help'."
@@ -28,8 +35,10 @@ _SEE = "See 'antires identify --help'."
 def demo(args: argparse.Namespace) -> int:
     """The whole study of the eight-mass chain."""
     from . import demo as story
-    return story.command(args.out, seed=args.seed, noise=args.noise, workers=args.workers, as_json=args.json,
-                         say=say)
+
+    return story.command(
+        args.out, seed=args.seed, noise=args.noise, workers=args.workers, as_json=args.json, say=say
+    )
 
 
 def identify(args: argparse.Namespace) -> int:
@@ -37,8 +46,12 @@ def identify(args: argparse.Namespace) -> int:
     existing("FILE", args.file, "Name a measurement, or a job.")
     out: Path | None = args.out
     if out is not None and (out.suffix != ".json" or not out.parent.is_dir()):
-        reject("--out", repr(str(out)), "a file that ends in .json, in a folder that exists",
-               "Choose another name.")
+        reject(
+            "--out",
+            repr(str(out)),
+            "a file that ends in .json, in a folder that exists",
+            "Choose another name.",
+        )
     found = _of_job(args) if args.file.suffix == ".toml" else [_of_file(args)]
     for i, each in enumerate(found):
         if out is not None:
@@ -59,11 +72,16 @@ def _of_job(args: argparse.Namespace) -> list[AntiresonanceSet]:
     from ..jobs import read_job
     from ..jobs.measured import measured_of
     from ..jobs.model import model_of
+
     for name in ("band", "excitation", "format", "dofs", *_READING, *_CHOICES):
         if getattr(args, name) is not None:
             option = {"dofs": "--dof", "fs_hz": "--fs"}.get(name, "--" + name.replace("_", "-"))
-            reject(option, "it beside a job", "it with a measurement alone",
-                   "Put it under [data] or [identification] of the job.")
+            reject(
+                option,
+                "it beside a job",
+                "it with a measurement alone",
+                "Put it under [data] or [identification] of the job.",
+            )
     job = read_job(args.file)
     return [each.found for each in measured_of(job, model_of(job), say)]
 
@@ -71,19 +89,25 @@ def _of_job(args: argparse.Namespace) -> list[AntiresonanceSet]:
 def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
     kind = format_of(args.file.name, args.format)
     if kind is None:
-        reject("FILE", repr(str(args.file)), "an ending out of " + " ".join(e for ends in FORMATS.values()
-                                                                            for e in ends),
-               "Say by --format what it is.")
+        reject(
+            "FILE",
+            repr(str(args.file)),
+            "an ending out of " + " ".join(e for ends in FORMATS.values() for e in ends),
+            "Say by --format what it is.",
+        )
     if kind == "antiresonances":
         with arguments(_NAMES, _SEE):
             return AntiresonanceSet.load(args.file)
     for name in ("band", "excitation"):
         if getattr(args, name) is None:
-            wanted = {"band": "--band LOW HIGH, in Hz",
-                      "excitation": "--excitation DOF, where the force acts"}[name]
+            wanted = {
+                "band": "--band LOW HIGH, in Hz",
+                "excitation": "--excitation DOF, where the force acts",
+            }[name]
             reject(f"--{name}", "nothing", wanted, _SEE)
     from ..identification.identify import identify_antiresonances
     from ..jobs.reading import read_signal
+
     options = {name: getattr(args, name) for name in _READING if getattr(args, name) is not None}
     if args.dofs:
         options["dofs"] = dict(args.dofs)
@@ -103,10 +127,14 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
 def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
     """The antiresonances do not depend on the name, so that a slip of the pen would pass in silence."""
     from ..jobs.job import nearest
+
     hint = nearest(str(force), map(str, dofs))
-    warnings.warn(f"--excitation: {force!r} is none of the channels {', '.join(map(repr, dofs))}, so that "
-                  f"the place of the force cannot be tested.{' ' * bool(hint)}{hint}", AntiresWarning,
-                  stacklevel=2)
+    warnings.warn(
+        f"--excitation: {force!r} is none of the channels {', '.join(map(repr, dofs))}, so that "
+        f"the place of the force cannot be tested.{' ' * bool(hint)}{hint}",
+        AntiresWarning,
+        stacklevel=2,
+    )
 
 
 def _as_option(name: str, value: str | None) -> str:
@@ -121,22 +149,31 @@ def _diagrams(found: AntiresonanceSet, folder: Path, prefix: str) -> None:
     from ..jobs.files import picture_name
     from ..plotting.canvas import picture
     from ..support.files import write_atomically
+
     folder.mkdir(parents=True, exist_ok=True)
     for dof, diagram in found.diagrams.items():
         name = f"dof {dof}" if isinstance(dof, int) else str(dof)
-        write_atomically(folder / picture_name(f"{prefix}stabilization_{name}"),
-                         picture(lambda ax, d=diagram: d.plot(ax=ax), (9.0, 5.0)))
+        write_atomically(
+            folder / picture_name(f"{prefix}stabilization_{name}"),
+            picture(lambda ax, d=diagram: d.plot(ax=ax), (9.0, 5.0)),
+        )
 
 
 def _numbers(found: AntiresonanceSet) -> dict[str, Any]:
     """A set as JSON; null where a value is not known."""
+
     def plain(values: Any) -> list[float | None]:
         return [float(v) if v == v else None for v in values]
+
     checked = found.data_check
-    rows = [{"dof": dof, **{name: plain(column) for name, column in found.columns(dof).items()}}
-            for dof in found]
-    return {"excitation": found.excitation, "antiresonances": rows,
-            "data_check": None if checked is None else checked.warnings}
+    rows = [
+        {"dof": dof, **{name: plain(column) for name, column in found.columns(dof).items()}} for dof in found
+    ]
+    return {
+        "excitation": found.excitation,
+        "antiresonances": rows,
+        "data_check": None if checked is None else checked.warnings,
+    }
 
 
 def report(args: argparse.Namespace) -> int:
@@ -145,12 +182,17 @@ def report(args: argparse.Namespace) -> int:
     from ..jobs.drawing import report as write
     from ..jobs.files import RunFolder
     from ..updating.results import UpdateResult
+
     file: Path = args.result / "result.npz" if args.result.is_dir() else args.result
     existing("RESULT", file, "'antires update' and 'antires damage' write result.npz into their folder.")
     out: Path = args.out or file.with_name("report.html")
     if out.suffix not in (".html", ".htm") or not out.parent.is_dir():
-        reject("--out", repr(str(out)), "a file that ends in .html, in a folder that exists",
-               "Choose another name.")
+        reject(
+            "--out",
+            repr(str(out)),
+            "a file that ends in .html, in a folder that exists",
+            "Choose another name.",
+        )
     with arguments({"path": "RESULT"}, "Name the result.npz of a run."):
         result = UpdateResult.load(file)
     say("writing the report")

@@ -43,9 +43,10 @@ def arguments(names: Mapping[str, str], remedy: str) -> Iterator[None]:
         yield
     except InvalidInputError as exc:
         from ..jobs.job import has_remedy
+
         found = re.match(r"(\w+)((?:\[[^\]]+\])*): ", str(exc))
         name = names.get(found[1]) if found else None
         if found is None or name is None:
             raise
-        said = str(exc)[found.end():]
+        said = str(exc)[found.end() :]
         raise type(exc)(f"{name}: {said}{'' if has_remedy(said) else ' ' + remedy}") from exc

@@ -38,9 +38,18 @@ BURIED = 0.25
 def constant(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], list[int]]:
     """Channels that never move; also their rows."""
     still = [p for p, x in enumerate(data) if x.max() == x.min()]
-    return [Finding(DEAD, "fatal", (labels[p],), 0.0, 0.0,
-                    f"Dof {labels[p]!r} gives the constant {data[p, 0]:.3g}: no signal at all.",
-                    "Check cable and amplifier; leave the channel out.") for p in still], still
+    return [
+        Finding(
+            DEAD,
+            "fatal",
+            (labels[p],),
+            0.0,
+            0.0,
+            f"Dof {labels[p]!r} gives the constant {data[p, 0]:.3g}: no signal at all.",
+            "Check cable and amplifier; leave the channel out.",
+        )
+        for p in still
+    ], still
 
 
 def clipped(data: FloatArray, labels: tuple[Any, ...]) -> Said:
@@ -54,8 +63,10 @@ def clipped(data: FloatArray, labels: tuple[Any, ...]) -> Said:
         share = count / x.size
         where = " and ".join(f"{value:.4g}" for value, pile in piles.items() if pile)
         text = f"Channel {label!r} is clipped at {where}: {count} samples, {100 * share:.2g} % of the record."
-        advice = ("Lower the gain or the force and record again; clipping adds harmonics that look like "
-                  "noise of the channel.")
+        advice = (
+            "Lower the gain or the force and record again; clipping adds harmonics that look like "
+            "noise of the channel."
+        )
         found.append(Finding(CLIPPED, "warning", (label,), share, PILE / x.size, text, advice))
     return found
 
@@ -86,10 +97,19 @@ def duplicated(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding]
         if q in extra:
             continue
         extra.append(int(q))
-        factor = float(moved[p] @ moved[q]) / float(norm[p])**2
+        factor = float(moved[p] @ moved[q]) / float(norm[p]) ** 2
         text = f"Channels {labels[p]!r} and {labels[q]!r} hold one signal, up to a factor of {factor:.4g}."
-        found.append(Finding(DUPLICATED, "warning", (labels[p], labels[q]), float(same[p, q]), SAME, text,
-                             "Check the wiring and the channel list; leave one of them out."))
+        found.append(
+            Finding(
+                DUPLICATED,
+                "warning",
+                (labels[p], labels[q]),
+                float(same[p, q]),
+                SAME,
+                text,
+                "Check the wiring and the channel list; leave one of them out.",
+            )
+        )
     return found, extra
 
 
@@ -103,19 +123,38 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said
         at_extreme = np.isin(x[run[0]], (x.max(), x.min()))
         if run[1] >= RUN and still.mean() < max(REPEATED, 2.0 * run[1] / x.size) and not at_extreme:
             text = f"Channel {label!r} stands still for {run[1]} samples at {run[0] / fs_hz:.3g} s."
-            found.append(Finding(DROPOUTS, "warning", (label,), float(run[1]), RUN, text,
-                                 "Look for a loose contact or lost data; use the part of the record without "
-                                 "it."))
+            found.append(
+                Finding(
+                    DROPOUTS,
+                    "warning",
+                    (label,),
+                    float(run[1]),
+                    RUN,
+                    text,
+                    "Look for a loose contact or lost data; use the part of the record without it.",
+                )
+            )
         second = np.abs(np.diff(step))
         scale = float(np.median(second)) / 0.6745
         far = np.flatnonzero(second > SPIKE_SIGMAS * scale) if scale > 0.0 else np.empty(0, dtype=int)
         if far.size:
-            text = (f"Channel {label!r} jumps: {far.size} second differences lie beyond {SPIKE_SIGMAS:g} "
-                    f"standard deviations, the largest at {second.max() / scale:.0f}, "
-                    f"{int(np.argmax(second)) / fs_hz:.3g} s into the record.")
-            found.append(Finding(SPIKES, "warning", (label,), float(second.max() / scale), SPIKE_SIGMAS, text,
-                                 "Look for loose contacts, electric switching or blows; use the part of the "
-                                 "record without them."))
+            text = (
+                f"Channel {label!r} jumps: {far.size} second differences lie beyond {SPIKE_SIGMAS:g} "
+                f"standard deviations, the largest at {second.max() / scale:.0f}, "
+                f"{int(np.argmax(second)) / fs_hz:.3g} s into the record."
+            )
+            found.append(
+                Finding(
+                    SPIKES,
+                    "warning",
+                    (label,),
+                    float(second.max() / scale),
+                    SPIKE_SIGMAS,
+                    text,
+                    "Look for loose contacts, electric switching or blows; use the part of the "
+                    "record without them.",
+                )
+            )
     return found
 
 
@@ -132,30 +171,57 @@ def _longest_run(still: Any) -> tuple[int, int]:
 def unrelated(seen: Evidence) -> Said:
     """Channels that share nothing with any other in the band: only noise."""
     if seen.explained is None:
-        return [NotTested(DEAD, "one average does not tell a response from noise; constant channels are "
-                                "found")]
+        return [
+            NotTested(DEAD, "one average does not tell a response from noise; constant channels are found")
+        ]
     if len(seen.dofs) < 2:
         return [NotTested(DEAD, "a single channel has nothing to be compared with; a constant one is found")]
     if seen.n_averages < LEAST_AVERAGES:
-        return [NotTested(DEAD, f"{seen.n_averages:.1f} independent averages explain noise by noise; "
-                                "constant channels are found")]
+        return [
+            NotTested(
+                DEAD,
+                f"{seen.n_averages:.1f} independent averages explain noise by noise; "
+                "constant channels are found",
+            )
+        ]
     # Noise explains 1/n of noise.
     limit = max(EXPLAINED, 2.0 / seen.n_averages)
     lost = [p for p, share in enumerate(seen.explained) if share < limit]
     if len(lost) == 2 and len(seen.dofs) == 2:
-        text = (f"Dofs {seen.dofs[0]!r} and {seen.dofs[1]!r} have nothing in common in the band: either "
-                f"explains {100 * seen.explained.max():.0f} % of the other's power. One of them, or both, "
-                "hold only noise.")
-        return [Finding(DEAD, "fatal", seen.dofs, float(seen.explained.max()), limit, text,
-                        "Check cables, sensors and the band.")]
-    return [Finding(DEAD, "fatal", (seen.dofs[p],), float(seen.explained[p]), limit,
-                    f"Dof {seen.dofs[p]!r} holds only noise in the band: no other channel explains more than "
-                    f"{100 * seen.explained[p]:.0f} % of its power (limit {100 * limit:.0f} %).",
-                    "Check sensor, cable and gain; leave the channel out.") for p in lost]
+        text = (
+            f"Dofs {seen.dofs[0]!r} and {seen.dofs[1]!r} have nothing in common in the band: either "
+            f"explains {100 * seen.explained.max():.0f} % of the other's power. One of them, or both, "
+            "hold only noise."
+        )
+        return [
+            Finding(
+                DEAD,
+                "fatal",
+                seen.dofs,
+                float(seen.explained.max()),
+                limit,
+                text,
+                "Check cables, sensors and the band.",
+            )
+        ]
+    return [
+        Finding(
+            DEAD,
+            "fatal",
+            (seen.dofs[p],),
+            float(seen.explained[p]),
+            limit,
+            f"Dof {seen.dofs[p]!r} holds only noise in the band: no other channel explains more than "
+            f"{100 * seen.explained[p]:.0f} % of its power (limit {100 * limit:.0f} %).",
+            "Check sensor, cable and gain; leave the channel out.",
+        )
+        for p in lost
+    ]
 
 
-BURIED_ADVICE = ("Antiresonances there come from the other channels or not at all; force harder or average "
-                 "longer.")
+BURIED_ADVICE = (
+    "Antiresonances there come from the other channels or not at all; force harder or average longer."
+)
 
 
 def buried(seen: Evidence, skip: set[Any]) -> Said:
@@ -163,7 +229,16 @@ def buried(seen: Evidence, skip: set[Any]) -> Said:
     if seen.signal is None:
         return [NotTested(NOISE, "the noise of a single average is not known")]
     share = np.mean(seen.signal < 1.0, axis=1)
-    return [Finding(NOISE, "note", (dof,), float(part), BURIED,
-                    f"Dof {dof!r} lies under its own noise in {100 * part:.0f} % of the band.",
-                    BURIED_ADVICE) for dof, part in zip(seen.dofs, share, strict=True)
-            if part > BURIED and dof not in skip]
+    return [
+        Finding(
+            NOISE,
+            "note",
+            (dof,),
+            float(part),
+            BURIED,
+            f"Dof {dof!r} lies under its own noise in {100 * part:.0f} % of the band.",
+            BURIED_ADVICE,
+        )
+        for dof, part in zip(seen.dofs, share, strict=True)
+        if part > BURIED and dof not in skip
+    ]

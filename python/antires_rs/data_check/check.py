@@ -22,15 +22,33 @@ from .responses import of_response
 __all__ = ["check_data"]
 
 #: The order in which the tests that could not be made are listed.
-TESTS = (channels.DEAD, channels.CLIPPED, channels.DUPLICATED, channels.DROPOUTS, channels.SPIKES,
-         phase.TIME_SHIFT, phase.QUADRATURE, channels.NOISE, resolution.RESOLUTION, one_force.NAME,
-         force_location.NAME)
+TESTS = (
+    channels.DEAD,
+    channels.CLIPPED,
+    channels.DUPLICATED,
+    channels.DROPOUTS,
+    channels.SPIKES,
+    phase.TIME_SHIFT,
+    phase.QUADRATURE,
+    channels.NOISE,
+    resolution.RESOLUTION,
+    one_force.NAME,
+    force_location.NAME,
+)
 
 
 @patient("checking the data")
-def check_data(source: Recording | FrequencyResponse, *, excitation: Any = None, band_hz: Sequence[float],
-               nperseg: int | None = None, noverlap: int | None = None, window: Any = "hann",
-               method: str = "auto", progress: bool | None = None) -> DataCheck:
+def check_data(
+    source: Recording | FrequencyResponse,
+    *,
+    excitation: Any = None,
+    band_hz: Sequence[float],
+    nperseg: int | None = None,
+    noverlap: int | None = None,
+    window: Any = "hann",
+    method: str = "auto",
+    progress: bool | None = None,
+) -> DataCheck:
     """Ask whether data are fit for identification before anything is fitted to them.
 
     Parameters
@@ -89,8 +107,9 @@ def check_data(source: Recording | FrequencyResponse, *, excitation: Any = None,
     fatal force_location | Dof 0 would fit: check which dof was excited, and the order of the channels.
     """
     choice("method", method, ("auto", "welch", "transient"))
-    if excitation is not None and (isinstance(excitation, bool) or not isinstance(
-            excitation, int | np.integer | str)):
+    if excitation is not None and (
+        isinstance(excitation, bool) or not isinstance(excitation, int | np.integer | str)
+    ):
         reject("excitation", excitation, "a dof named by an integer or a string, or None")
     band = band_of(source, band_hz)
     if isinstance(source, Recording):
@@ -100,10 +119,15 @@ def check_data(source: Recording | FrequencyResponse, *, excitation: Any = None,
     return _result(said, seen, source.dofs, excitation, band)
 
 
-def _result(said: Said, seen: Evidence | None, dofs: tuple[Any, ...], excitation: Any,
-            band: tuple[float, float]) -> DataCheck:
-    found = tuple(sorted((one for one in said if isinstance(one, Finding)),
-                         key=lambda finding: SEVERITIES.index(finding.severity)))
+def _result(
+    said: Said, seen: Evidence | None, dofs: tuple[Any, ...], excitation: Any, band: tuple[float, float]
+) -> DataCheck:
+    found = tuple(
+        sorted(
+            (one for one in said if isinstance(one, Finding)),
+            key=lambda finding: SEVERITIES.index(finding.severity),
+        )
+    )
     # A test that found something was made, even if a part of it could not be.
     named = {finding.name for finding in found}
     why = {one.name: one.why for one in reversed(said) if isinstance(one, NotTested)}
@@ -111,10 +135,26 @@ def _result(said: Said, seen: Evidence | None, dofs: tuple[Any, ...], excitation
     if seen is None:
         return DataCheck(found, untested, dofs, excitation, band)
     if seen.eigenvalues is None:
-        return DataCheck(found, untested, seen.dofs, excitation, band, frozen(seen.freq_hz),
-                         coherence=None if seen.coherence is None else frozen(seen.coherence))
+        return DataCheck(
+            found,
+            untested,
+            seen.dofs,
+            excitation,
+            band,
+            frozen(seen.freq_hz),
+            coherence=None if seen.coherence is None else frozen(seen.coherence),
+        )
     expected = one_force.expected(seen) if len(seen.dofs) > 2 else None
-    return DataCheck(found, untested, seen.dofs, excitation, band, frozen(seen.freq_hz),
-                     frozen(seen.eigenvalues), None if expected is None else frozen(expected),
-                     None if seen.coherence is None else frozen(seen.coherence), seen.n_averages,
-                     seen.nperseg)
+    return DataCheck(
+        found,
+        untested,
+        seen.dofs,
+        excitation,
+        band,
+        frozen(seen.freq_hz),
+        frozen(seen.eigenvalues),
+        None if expected is None else frozen(expected),
+        None if seen.coherence is None else frozen(seen.coherence),
+        seen.n_averages,
+        seen.nperseg,
+    )

@@ -64,8 +64,15 @@ class Evidence:
     spread: tuple[float, ...] = HANN_SPREAD
 
 
-def of_spectra(spectra: CrossSpectra, inside: Any, dofs: tuple[Any, ...], *, nperseg: int | None,
-               fs_hz: float, taper: FloatArray | None) -> Evidence:
+def of_spectra(
+    spectra: CrossSpectra,
+    inside: Any,
+    dofs: tuple[Any, ...],
+    *,
+    nperseg: int | None,
+    fs_hz: float,
+    taper: FloatArray | None,
+) -> Evidence:
     """Evidence of a record's spectra; ``inside`` selects the lines of the band."""
     matrix, freq = spectra.matrix[inside], spectra.freq_hz[inside]
     if spectra.n_averages == 1:
@@ -79,27 +86,41 @@ def of_spectra(spectra: CrossSpectra, inside: Any, dofs: tuple[Any, ...], *, npe
     values, vectors = np.linalg.eigh(scaled)
     first = np.maximum(values[:, -1], 0.0)
     coherence, explained = _best_partners(matrix, auto)
-    return Evidence(dofs, freq, vectors[:, :, -1] * np.sqrt(first)[:, None], first, scaled,
-                    np.maximum(values[:, ::-1], 0.0), spectra.n_effective,
-                    np.maximum(auto / noise[:, None] - 1.0, 0.0), coherence, explained, nperseg, fs_hz,
-                    _spread(taper))
+    return Evidence(
+        dofs,
+        freq,
+        vectors[:, :, -1] * np.sqrt(first)[:, None],
+        first,
+        scaled,
+        np.maximum(values[:, ::-1], 0.0),
+        spectra.n_effective,
+        np.maximum(auto / noise[:, None] - 1.0, 0.0),
+        coherence,
+        explained,
+        nperseg,
+        fs_hz,
+        _spread(taper),
+    )
 
 
-def of_curves(freq_hz: FloatArray, values: ComplexArray, dofs: tuple[Any, ...],
-              coherence: FloatArray | None = None) -> Evidence:
+def of_curves(
+    freq_hz: FloatArray, values: ComplexArray, dofs: tuple[Any, ...], coherence: FloatArray | None = None
+) -> Evidence:
     """Evidence of measured frequency responses, (n, n_freq): no averages, noise from roughness."""
-    rough = np.abs(values[:, 2:] - 2.0 * values[:, 1:-1] + values[:, :-2])**2 / (6.0 * np.log(2.0))
-    mean = np.mean(np.abs(values)**2, axis=1)
+    rough = np.abs(values[:, 2:] - 2.0 * values[:, 1:-1] + values[:, :-2]) ** 2 / (6.0 * np.log(2.0))
+    mean = np.mean(np.abs(values) ** 2, axis=1)
     noise = np.maximum(np.median(rough, axis=1), 1e-12 * mean)
     noise[noise <= 0.0] = 1.0
     scaled = values / np.sqrt(noise)[:, None]
-    size = np.abs(scaled)**2
-    return Evidence(dofs, freq_hz, np.ascontiguousarray(scaled.T), size.sum(axis=0), signal=size,
-                    coherence=coherence)
+    size = np.abs(scaled) ** 2
+    return Evidence(
+        dofs, freq_hz, np.ascontiguousarray(scaled.T), size.sum(axis=0), signal=size, coherence=coherence
+    )
 
 
-def _of_one_average(spectra: CrossSpectra, matrix: ComplexArray, freq: FloatArray, dofs: tuple[Any, ...],
-                    fs_hz: float) -> Evidence:
+def _of_one_average(
+    spectra: CrossSpectra, matrix: ComplexArray, freq: FloatArray, dofs: tuple[Any, ...], fs_hz: float
+) -> Evidence:
     """A single hit: the matrix is exactly of rank one, and nothing else can be read from it."""
     auto = np.einsum("fii->if", matrix).real
     noise = spectra.noise if spectra.noise is not None else 1e-6 * auto.mean(axis=1)
@@ -108,8 +129,8 @@ def _of_one_average(spectra: CrossSpectra, matrix: ComplexArray, freq: FloatArra
     # Column of the strongest channel over its root: the spectra themselves, up to a phase a line.
     size = np.sqrt(np.maximum(auto[row], 1e-300))
     vectors = (matrix[:, row, :] / size[:, None]) / np.sqrt(noise)
-    power = np.sum(np.abs(vectors)**2, axis=1)
-    return Evidence(dofs, freq, vectors, power, signal=np.abs(vectors.T)**2, fs_hz=fs_hz)
+    power = np.sum(np.abs(vectors) ** 2, axis=1)
+    return Evidence(dofs, freq, vectors, power, signal=np.abs(vectors.T) ** 2, fs_hz=fs_hz)
 
 
 def _best_partners(matrix: ComplexArray, auto: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -117,7 +138,7 @@ def _best_partners(matrix: ComplexArray, auto: FloatArray) -> tuple[FloatArray, 
     n = auto.shape[0]
     if n == 1:
         return np.zeros_like(auto), np.ones(1)
-    coherence = np.abs(matrix.transpose(1, 2, 0))**2 / np.maximum(auto[:, None] * auto[None, :], 1e-300)
+    coherence = np.abs(matrix.transpose(1, 2, 0)) ** 2 / np.maximum(auto[:, None] * auto[None, :], 1e-300)
     coherence = np.clip(coherence, 0.0, 1.0)
     coherence[np.arange(n), np.arange(n)] = 0.0
     explained = np.einsum("pqf,pf->pq", coherence, auto) / np.maximum(auto.sum(axis=1), 1e-300)[:, None]
@@ -128,7 +149,7 @@ def _spread(taper: FloatArray | None) -> tuple[float, ...]:
     """Power of the window's transform at 0, 1, ... 3 lines, over that at zero."""
     if taper is None:
         return HANN_SPREAD
-    power = np.abs(np.fft.rfft(taper)[:4])**2
+    power = np.abs(np.fft.rfft(taper)[:4]) ** 2
     power = power / power[0]
     power[:2] = np.maximum(power[:2], HANN_SPREAD)
     return tuple(float(p) for p in power)

@@ -145,6 +145,7 @@ class DataCheck(ReadOnly):
     def plot(self, ax: Any | None = None) -> Any:
         """Draw the eigenvalues of the spectral matrix by line with matplotlib; returns the axes."""
         from ..plotting.spectra import plot_singular_values  # matplotlib only when a picture is wanted
+
         return plot_singular_values(self, ax=ax)
 
     def __repr__(self) -> str:
@@ -153,8 +154,10 @@ class DataCheck(ReadOnly):
 
     def __str__(self) -> str:
         low, high = self.band_hz
-        lines = [f"data check, {low:g}-{high:g} Hz" + (
-            "" if self.n_averages is None else f", {self.n_averages:.1f} independent averages")]
+        lines = [
+            f"data check, {low:g}-{high:g} Hz"
+            + ("" if self.n_averages is None else f", {self.n_averages:.1f} independent averages")
+        ]
         if not self.findings:
             lines.append("nothing found")
         for finding in self.findings:

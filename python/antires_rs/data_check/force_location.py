@@ -70,34 +70,60 @@ def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = 
     row = seen.dofs.index(excitation)
     if frfs is not None:
         pairs = _residues(_over_peaks(seen, frfs, peaks))
-        found = _judge(seen, excitation, peaks, pairs,
-                       "its residues change their sign, as those of a driving point never do,")
+        found = _judge(
+            seen,
+            excitation,
+            peaks,
+            pairs,
+            "its residues change their sign, as those of a driving point never do,",
+        )
         if found or len(seen.dofs) < LEAST_CHANNELS:
             return found
     elif len(seen.dofs) < LEAST_CHANNELS:
-        return [NotTested(NAME, f"without the force {LEAST_CHANNELS} channels are needed, of which "
-                                f"{len(seen.dofs)} are there")]
+        return [
+            NotTested(
+                NAME,
+                f"without the force {LEAST_CHANNELS} channels are needed, of which "
+                f"{len(seen.dofs)} are there",
+            )
+        ]
     pairs = followed(seen, peaks)
     if not pairs[row]:
-        return [NotTested(NAME, f"the signs of dof {excitation!r} at the {peaks.size} resonances of the band "
-                                "could not be followed from one to the next: the lines are too far apart or "
-                                "too noisy")]
-    return _judge(seen, excitation, peaks, pairs,
-                  "it lacks an antiresonance, of which a driving point has one between any two resonances,")
+        return [
+            NotTested(
+                NAME,
+                f"the signs of dof {excitation!r} at the {peaks.size} resonances of the band "
+                "could not be followed from one to the next: the lines are too far apart or "
+                "too noisy",
+            )
+        ]
+    return _judge(
+        seen,
+        excitation,
+        peaks,
+        pairs,
+        "it lacks an antiresonance, of which a driving point has one between any two resonances,",
+    )
 
 
-def _judge(seen: Evidence, excitation: Any, peaks: Any, pairs: list[list[tuple[int, int, bool]]],
-           lack: str) -> Said:
+def _judge(
+    seen: Evidence, excitation: Any, peaks: Any, pairs: list[list[tuple[int, int, bool]]], lack: str
+) -> Said:
     """The finding, if any pair of resonances speaks against the stated dof."""
     own = pairs[seen.dofs.index(excitation)]
     wrong = [pair for pair in own if not pair[2]]
     if not wrong:
         return []
     low, high = (float(seen.freq_hz[peaks[i]]) for i in wrong[0][:2])
-    others = [dof for dof, of_dof in zip(seen.dofs, pairs, strict=True)
-              if len(of_dof) >= max(1, (peaks.size - 1) // 2) and all(same for _, _, same in of_dof)]
-    text = (f"The force does not seem to act at dof {excitation!r}: {lack} in {len(wrong)} of {len(own)} "
-            f"gaps, the first being {low:.4g}-{high:.4g} Hz.")
+    others = [
+        dof
+        for dof, of_dof in zip(seen.dofs, pairs, strict=True)
+        if len(of_dof) >= max(1, (peaks.size - 1) // 2) and all(same for _, _, same in of_dof)
+    ]
+    text = (
+        f"The force does not seem to act at dof {excitation!r}: {lack} in {len(wrong)} of {len(own)} "
+        f"gaps, the first being {low:.4g}-{high:.4g} Hz."
+    )
     if others:
         names = " or ".join(repr(dof) for dof in others)
         advice = f"Dof {names} would fit: check which dof was excited, and the order of the channels."
@@ -130,26 +156,31 @@ def _residues(over_peaks: ComplexArray) -> list[list[tuple[int, int, bool]]]:
     if np.abs(mean) >= IN_PHASE:
         for p, row in enumerate(along):
             sure = np.flatnonzero(np.abs(row) >= IN_PHASE)
-            pairs[p] = [(int(a), int(b), bool(row[a] * row[b] > 0.0))
-                        for a, b in zip(sure[:-1], sure[1:], strict=True)]
+            pairs[p] = [
+                (int(a), int(b), bool(row[a] * row[b] > 0.0))
+                for a, b in zip(sure[:-1], sure[1:], strict=True)
+            ]
     return pairs
 
 
 def resonances(seen: Evidence) -> Any:
     """Indices of the lines of the resonances, ascending."""
     from scipy.signal import find_peaks  # slow to import
+
     half = _half_width(seen)
     smooth = _smoothed(seen.power, half)
     level = 10.0 * np.log10(np.maximum(smooth, 1e-12 * smooth.max()))
     peaks = find_peaks(level, prominence=PROMINENCE_DB)[0]
     peaks = peaks[smooth[peaks] >= PEAK_SNR]
     # A mode moves most channels; what one of them alone has is its own affair.
-    each = np.array([_smoothed(power, half) for power in (np.abs(seen.vectors)**2).T])
+    each = np.array([_smoothed(power, half) for power in (np.abs(seen.vectors) ** 2).T])
     distance = np.diff(peaks, prepend=-level.size, append=2 * level.size)
     shared = []
     for i, peak in enumerate(peaks):
-        aside = min(PEAK_WIDTH * float(seen.freq_hz[peak]) / float(seen.freq_hz[1] - seen.freq_hz[0]),
-                    0.4 * min(distance[i], distance[i + 1]))
+        aside = min(
+            PEAK_WIDTH * float(seen.freq_hz[peak]) / float(seen.freq_hz[1] - seen.freq_hz[0]),
+            0.4 * min(distance[i], distance[i + 1]),
+        )
         low, high = max(peak - max(round(aside), 1), 0), min(peak + max(round(aside), 1), level.size - 1)
         around = np.maximum(np.maximum(each[:, low], each[:, high]), 1e-300)
         shared.append(np.median(each[:, peak] / around) >= SHARED)
@@ -174,7 +205,7 @@ def _dips(power: FloatArray, freq_hz: FloatArray) -> bool:
     if power.size <= 2 * lines:
         return True
     level = _smoothed(power, max(lines // DIP_SMOOTHING, 1))
-    ratio = np.minimum(level[:-2 * lines], level[2 * lines:]) / np.maximum(level[lines:-lines], 1e-300)
+    ratio = np.minimum(level[: -2 * lines], level[2 * lines :]) / np.maximum(level[lines:-lines], 1e-300)
     return bool(ratio.max() > DIP)
 
 
@@ -186,7 +217,7 @@ def followed(seen: Evidence, peaks: Any) -> list[list[tuple[int, int, bool]]]:
     the component dip, as in an antiresonance that all channels share, through which no direction can be
     followed.
     """
-    power = np.abs(seen.vectors)**2
+    power = np.abs(seen.vectors) ** 2
     pairs: list[list[tuple[int, int, bool]]] = [[] for _ in seen.dofs]
     for i, (a, b) in enumerate(zip(peaks[:-1], peaks[1:], strict=True)):
         track = _track(seen, slice(a, b + 1))
@@ -195,8 +226,11 @@ def followed(seen: Evidence, peaks: Any) -> list[list[tuple[int, int, bool]]]:
         for p, signs in enumerate(track.T):
             if signs[0] * signs[-1] < 0.0:
                 pairs[p].append((i, i + 1, True))
-            elif (signs[0] != 0.0 and (signs == signs[0]).all()
-                  and not _dips(power[a:b + 1, p], seen.freq_hz[a:b + 1])):
+            elif (
+                signs[0] != 0.0
+                and (signs == signs[0]).all()
+                and not _dips(power[a : b + 1, p], seen.freq_hz[a : b + 1])
+            ):
                 pairs[p].append((i, i + 1, False))
     return pairs
 

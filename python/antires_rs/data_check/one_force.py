@@ -47,11 +47,21 @@ def one_force(seen: Evidence) -> Said:
     """Second eigenvalue against the first, the noise and the leakage."""
     n = len(seen.dofs)
     if seen.eigenvalues is None:
-        return [NotTested(NAME, "measured responses and single hits hold one vector a line, which one force "
-                                "always explains; a record with several averages is needed")]
+        return [
+            NotTested(
+                NAME,
+                "measured responses and single hits hold one vector a line, which one force "
+                "always explains; a record with several averages is needed",
+            )
+        ]
     if seen.n_averages < LEAST_AVERAGES:
-        return [NotTested(NAME, f"{seen.n_averages:.1f} independent averages; {LEAST_AVERAGES:g} are needed "
-                                "to tell a second force from noise")]
+        return [
+            NotTested(
+                NAME,
+                f"{seen.n_averages:.1f} independent averages; {LEAST_AVERAGES:g} are needed "
+                "to tell a second force from noise",
+            )
+        ]
     if n == 1:
         return [NotTested(NAME, "a single channel has one eigenvalue")]
     if n == 2:
@@ -63,18 +73,24 @@ def one_force(seen: Evidence) -> Said:
     lines = float(counts.mean())
     if lines > LINES:
         middle = float(np.median((second - 0.5 * limit)[counts] / first[counts]))
-        text = (f"The responses need more than one force: at {100 * lines:.0f} % of the lines the second "
-                "eigenvalue of the spectral matrix stands clear of noise and leakage, at "
-                f"{rounded(100 * middle)} % of the first (median of these lines).")
-        advice = ("Stop the other source (a second shaker, machines, wind, people), or record while only the "
-                  "known force acts.")
+        text = (
+            f"The responses need more than one force: at {100 * lines:.0f} % of the lines the second "
+            "eigenvalue of the spectral matrix stands clear of noise and leakage, at "
+            f"{rounded(100 * middle)} % of the first (median of these lines)."
+        )
+        advice = (
+            "Stop the other source (a second shaker, machines, wind, people), or record while only the "
+            "known force acts."
+        )
         severity: Severity = "fatal" if lines > FATAL_LINES and middle > FATAL else "warning"
         return [Finding(NAME, severity, (), lines, LINES, text, advice)]
     middle = float(np.median(share))
     if middle > UNEXPLAINED:
-        text = (f"One force does not explain the responses: at the median line the second eigenvalue of the "
-                f"spectral matrix is {100 * middle:.0f} % of the first, {100 * UNEXPLAINED:.0f} % being the "
-                "limit. Noise and many forces at once look alike here.")
+        text = (
+            f"One force does not explain the responses: at the median line the second eigenvalue of the "
+            f"spectral matrix is {100 * middle:.0f} % of the first, {100 * UNEXPLAINED:.0f} % being the "
+            "limit. Noise and many forces at once look alike here."
+        )
         advice = "Force harder, use quieter sensors, narrow the band, or stop other sources."
         return [Finding(NAME, "warning", (), middle, UNEXPLAINED, text, advice)]
     return []
@@ -100,7 +116,7 @@ def noise_ratio(n: int, n_averages: float) -> float:
     """
     p, m = n - 1.0, max(n_averages - 1.0, 1.0)
     a, b = np.sqrt(m), np.sqrt(p)
-    largest = ((a + b)**2 - 1.7711 * (a + b) * (1.0 / a + 1.0 / b)**(1.0 / 3.0)) / m
+    largest = ((a + b) ** 2 - 1.7711 * (a + b) * (1.0 / a + 1.0 / b) ** (1.0 / 3.0)) / m
     largest = min(max(largest, 1.0), 0.95 * p)
     return float(largest * (p - 1.0) / (p - largest))
 
@@ -119,8 +135,11 @@ def leakage(seen: Evidence) -> FloatArray:
 def _two_channels(seen: Evidence) -> NotTested:
     assert seen.coherence is not None
     level = float(np.median(seen.coherence))
-    return NotTested(NAME, "two channels cannot tell a second force from noise; their coherence is "
-                           f"{level:.3g} at the median line, and what lacks to one is either")
+    return NotTested(
+        NAME,
+        "two channels cannot tell a second force from noise; their coherence is "
+        f"{level:.3g} at the median line, and what lacks to one is either",
+    )
 
 
 def _smoothed(values: FloatArray) -> FloatArray:

@@ -83,15 +83,15 @@ def in_phase(seen: Evidence) -> Said:
 def _votes(seen: Evidence) -> ComplexArray:
     """Squared phase factors of all pairs, (n_freq, n, n), zero where two channels are not coherent."""
     if seen.matrix is None:
-        noisy = np.abs(seen.vectors)**2 < SINGLE_SNR
+        noisy = np.abs(seen.vectors) ** 2 < SINGLE_SNR
         cross = seen.vectors[:, :, None] * seen.vectors[:, None, :].conj()
         deaf = noisy[:, :, None] | noisy[:, None, :]
     else:
         cross = seen.matrix
         auto = np.einsum("fii->fi", cross).real
-        deaf = np.abs(cross)**2 < LEAST_COHERENCE * auto[:, :, None] * auto[:, None, :]
+        deaf = np.abs(cross) ** 2 < LEAST_COHERENCE * auto[:, :, None] * auto[:, None, :]
     size = np.maximum(np.abs(cross), 1e-300)
-    return np.asarray(np.where(deaf, 0.0, (cross / size)**2), dtype=np.complex128)
+    return np.asarray(np.where(deaf, 0.0, (cross / size) ** 2), dtype=np.complex128)
 
 
 def _fit(seen: Evidence, votes: ComplexArray, p: int, others: list[int]) -> _Fit | None:
@@ -121,7 +121,7 @@ def _delay(freq: FloatArray, z: ComplexArray) -> float:
     grid = np.zeros(n, dtype=np.complex128)
     np.add.at(grid, index, z)
     size = np.abs(np.fft.ifft(grid))
-    size[int(SPAN * n):n - int(SPAN * n)] = 0.0
+    size[int(SPAN * n) : n - int(SPAN * n)] = 0.0
     best = int(np.argmax(size))
     step = 1.0 / (2.0 * spacing * n)
     delay = step * (best - n if best > n // 2 else best)
@@ -147,14 +147,32 @@ def _finding(seen: Evidence, where: tuple[int, ...], fit: _Fit) -> Finding:
     who = f"Dof {name} is" if len(dofs) == 1 else f"One of dofs {name} is"
     delay, offset = fit.delay, fit.offset
     if abs(offset) > QUADRATURE_DEG:
-        text = (f"{who} at right angles to the other channels (phase {offset:+.0f} degrees, delay "
-                f"{1e3 * delay:+.3g} ms): it looks like another kind of quantity, a velocity among "
-                "accelerations.")
-        return Finding(QUADRATURE, "warning", dofs, abs(offset), QUADRATURE_DEG, text,
-                       "Check the sensor and its conditioning; convert all channels to one kind.")
+        text = (
+            f"{who} at right angles to the other channels (phase {offset:+.0f} degrees, delay "
+            f"{1e3 * delay:+.3g} ms): it looks like another kind of quantity, a velocity among "
+            "accelerations."
+        )
+        return Finding(
+            QUADRATURE,
+            "warning",
+            dofs,
+            abs(offset),
+            QUADRATURE_DEG,
+            text,
+            "Check the sensor and its conditioning; convert all channels to one kind.",
+        )
     samples = "" if seen.fs_hz is None else f", {delay * seen.fs_hz:+.2f} samples"
     sense = "late" if delay > 0 else "early"
-    text = (f"{who} {sense} against the other channels by {1e3 * abs(delay):.3g} ms{samples}: "
-            f"{_shift_deg(fit, seen):.0f} degrees at {seen.freq_hz[-1]:g} Hz.")
-    return Finding(TIME_SHIFT, "warning", dofs, delay, SHIFT_DEG / 360.0 / float(seen.freq_hz[-1]), text,
-                   "Check that all channels share one clock and one filter, or shift it back.")
+    text = (
+        f"{who} {sense} against the other channels by {1e3 * abs(delay):.3g} ms{samples}: "
+        f"{_shift_deg(fit, seen):.0f} degrees at {seen.freq_hz[-1]:g} Hz."
+    )
+    return Finding(
+        TIME_SHIFT,
+        "warning",
+        dofs,
+        delay,
+        SHIFT_DEG / 360.0 / float(seen.freq_hz[-1]),
+        text,
+        "Check that all channels share one clock and one filter, or shift it back.",
+    )

@@ -17,16 +17,30 @@ from . import channels, force_location, one_force, phase, resolution
 from .evidence import Evidence, of_spectra
 from .findings import Finding, NotTested, Said
 
-BY_LINE = (channels.DEAD, phase.TIME_SHIFT, phase.QUADRATURE, channels.NOISE, resolution.RESOLUTION,
-           one_force.NAME, force_location.NAME)
+BY_LINE = (
+    channels.DEAD,
+    phase.TIME_SHIFT,
+    phase.QUADRATURE,
+    channels.NOISE,
+    resolution.RESOLUTION,
+    one_force.NAME,
+    force_location.NAME,
+)
 SINGLE_HIT, MISSED_HIT = "single_hit", "missed_hit"
 FORCE = "force"
 # The force explains so much of a response at a resonance, or its FRF there is not believed.
 LEAST_COHERENCE = 0.8
 
 
-def of_recording(rec: Recording, excitation: Any, band: tuple[float, float], nperseg: int | None,
-                 noverlap: int | None, window: Any, method: str) -> tuple[Said, Evidence | None]:
+def of_recording(
+    rec: Recording,
+    excitation: Any,
+    band: tuple[float, float],
+    nperseg: int | None,
+    noverlap: int | None,
+    window: Any,
+    method: str,
+) -> tuple[Said, Evidence | None]:
     """What the tests say, and the evidence of those by line, if there is any."""
     hits = method == "transient" or (method == "auto" and is_transient(rec))
     said, live = _in_time(rec, hits)
@@ -46,13 +60,15 @@ def of_recording(rec: Recording, excitation: Any, band: tuple[float, float], npe
         except InvalidInputError:
             return said + [_hopeless(live)] + _none_by_line("the record is too short for a spectrum"), None
         taper = window_values(window, length)
-        spectra = cross_spectra(live, nperseg=length, noverlap=noverlap, window=window,
-                                include_force=live.force is not None)
+        spectra = cross_spectra(
+            live, nperseg=length, noverlap=noverlap, window=window, include_force=live.force is not None
+        )
         said += resolution.averages(spectra.n_effective, live.duration_s, length)
     inside = (spectra.freq_hz >= band[0]) & (spectra.freq_hz <= band[1]) & (spectra.freq_hz > 0.0)
     if inside.sum() < resolution.LEAST_LINES:
         return said + [resolution.too_few_lines(int(inside.sum()), band)] + _none_by_line(
-            "too few lines in the band"), None
+            "too few lines in the band"
+        ), None
     spectra, frfs = _without_force(spectra, inside, live)
     said += _resolution(live, spectra, inside, band, length, chosen=nperseg is None)
     seen = of_spectra(spectra, inside, live.dofs, nperseg=length, fs_hz=live.fs_hz, taper=taper)
@@ -62,10 +78,17 @@ def of_recording(rec: Recording, excitation: Any, band: tuple[float, float], npe
     if 0 < len(rows) < len(live.dofs):
         # What holds only noise must not speak in the other tests.
         spectra, frfs = _some(spectra, rows), None if frfs is None else frfs[rows]
-        seen = of_spectra(spectra, inside, tuple(live.dofs[p] for p in rows), nperseg=length,
-                          fs_hz=live.fs_hz, taper=taper)
-    return [*said, *dead, *phase.in_phase(seen), *channels.buried(seen, lost), *one_force.one_force(seen),
-            *force_location.force_location(seen, excitation, frfs)], seen
+        seen = of_spectra(
+            spectra, inside, tuple(live.dofs[p] for p in rows), nperseg=length, fs_hz=live.fs_hz, taper=taper
+        )
+    return [
+        *said,
+        *dead,
+        *phase.in_phase(seen),
+        *channels.buried(seen, lost),
+        *one_force.one_force(seen),
+        *force_location.force_location(seen, excitation, frfs),
+    ], seen
 
 
 def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
@@ -76,9 +99,17 @@ def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
     said: Said = list(found)
     force = rec.force
     if force is not None and force.max() == force.min():
-        said.append(Finding(channels.DEAD, "warning", (FORCE,), 0.0, 0.0,
-                            "The force is recorded as a constant.",
-                            "Check its cable; antiresonances do not need it."))
+        said.append(
+            Finding(
+                channels.DEAD,
+                "warning",
+                (FORCE,),
+                0.0,
+                0.0,
+                "The force is recorded as a constant.",
+                "Check its cable; antiresonances do not need it.",
+            )
+        )
         force = None
     if not rows:
         return said, None
@@ -100,8 +131,9 @@ def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
     return said, Recording(moving[keep], rec.fs_hz, [names[p] for p in keep], force)
 
 
-def _without_force(spectra: CrossSpectra, inside: Any, rec: Recording,
-                   ) -> tuple[CrossSpectra, ComplexArray | None]:
+def _without_force(
+    spectra: CrossSpectra, inside: Any, rec: Recording
+) -> tuple[CrossSpectra, ComplexArray | None]:
     """Spectra of the responses alone, and their FRFs where the force was recorded and is believed."""
     if rec.force is None:
         return spectra, None
@@ -109,7 +141,7 @@ def _without_force(spectra: CrossSpectra, inside: Any, rec: Recording,
     auto = np.einsum("fii->if", matrix).real
     to_force = matrix[:, -1, :-1].T
     power = np.maximum(auto[-1], 1e-300)
-    coherence = np.abs(to_force)**2 / np.maximum(power * auto[:-1], 1e-300)
+    coherence = np.abs(to_force) ** 2 / np.maximum(power * auto[:-1], 1e-300)
     # Where the force does not explain the response, no sign: zero.
     frfs = np.where(coherence >= LEAST_COHERENCE, to_force / power, 0.0)
     return _some(spectra, list(range(rec.n_channels))), frfs
@@ -117,20 +149,32 @@ def _without_force(spectra: CrossSpectra, inside: Any, rec: Recording,
 
 def _some(spectra: CrossSpectra, rows: list[int]) -> CrossSpectra:
     """Spectra of some of the channels."""
-    return replace(spectra, matrix=spectra.matrix[:, rows][:, :, rows], segments=None,
-                   noise=None if spectra.noise is None else spectra.noise[rows])
+    return replace(
+        spectra,
+        matrix=spectra.matrix[:, rows][:, :, rows],
+        segments=None,
+        noise=None if spectra.noise is None else spectra.noise[rows],
+    )
 
 
-def _resolution(rec: Recording, spectra: CrossSpectra, inside: Any, band: tuple[float, float],
-                length: int | None, *, chosen: bool) -> Said:
+def _resolution(
+    rec: Recording,
+    spectra: CrossSpectra,
+    inside: Any,
+    band: tuple[float, float],
+    length: int | None,
+    *,
+    chosen: bool,
+) -> Said:
     """Lines per bandwidth, the bandwidth being measured with the longest segments if need be."""
     spacing = float(spectra.freq_hz[1] - spectra.freq_hz[0])
     lines = resolution.sharpest_lines(_power(spectra, inside), leakage=length is not None)
     if length is None:
         # An exponential window has widened the resonances by a known amount.
         widened = spectra.added_decay_per_s / np.pi
-        return resolution.without_leakage(None if lines is None else max(lines * spacing - widened, 0.0),
-                                          spacing, hit=True)
+        return resolution.without_leakage(
+            None if lines is None else max(lines * spacing - widened, 0.0), spacing, hit=True
+        )
     longest, bandwidth = _power_of_two(rec.n_samples / SEGMENTS), None
     if lines is not None:
         bandwidth = lines * spacing
@@ -139,8 +183,14 @@ def _resolution(rec: Recording, spectra: CrossSpectra, inside: Any, band: tuple[
         finer = resolution.sharpest_lines(_power(long, (long.freq_hz >= band[0]) & (long.freq_hz <= band[1])))
         if finer is not None:
             lines, bandwidth = finer, finer * float(long.freq_hz[1])
-    return resolution.of_segments(bandwidth, spacing, rec.duration_s, longer=longest > length,
-                                  chosen=chosen, known=lines is not None and lines >= 1.0)
+    return resolution.of_segments(
+        bandwidth,
+        spacing,
+        rec.duration_s,
+        longer=longest > length,
+        chosen=chosen,
+        known=lines is not None and lines >= 1.0,
+    )
 
 
 def _power(spectra: CrossSpectra, inside: Any) -> FloatArray:
@@ -153,16 +203,32 @@ def _power(spectra: CrossSpectra, inside: Any) -> FloatArray:
 def _single_hit(n_hits: int) -> Said:
     if n_hits > 1:
         return []
-    return [Finding(SINGLE_HIT, "note", (), 1.0, 2.0,
-                    "A single hit: no averages. Coherence, the noise by line and whether one force is enough "
-                    "cannot be told.", "Hit the same point several times and record all hits together.")]
+    return [
+        Finding(
+            SINGLE_HIT,
+            "note",
+            (),
+            1.0,
+            2.0,
+            "A single hit: no averages. Coherence, the noise by line and whether one force is enough "
+            "cannot be told.",
+            "Hit the same point several times and record all hits together.",
+        )
+    ]
 
 
 def _hopeless(rec: Recording) -> Finding:
     least = LEAST_SAMPLES * SEGMENTS
-    return Finding(resolution.LENGTH, "fatal", (), float(rec.n_samples), least,
-                   f"The record of {rec.n_samples} samples ({rec.duration_s:.3g} s) is too short for "
-                   f"averaged spectra, which need {least:.0f}.", "Record for longer, or give nperseg.")
+    return Finding(
+        resolution.LENGTH,
+        "fatal",
+        (),
+        float(rec.n_samples),
+        least,
+        f"The record of {rec.n_samples} samples ({rec.duration_s:.3g} s) is too short for "
+        f"averaged spectra, which need {least:.0f}.",
+        "Record for longer, or give nperseg.",
+    )
 
 
 def _none_by_line(why: str) -> Said:

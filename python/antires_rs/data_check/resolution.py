@@ -35,8 +35,15 @@ def sharpest_lines(power: FloatArray, leakage: bool = True) -> float | None:
     return float(max(TOP * (np.quantile(widths, NARROWEST) - (TONE if leakage else SINGLE_LINE)), 0.0))
 
 
-def of_segments(bandwidth_hz: float | None, spacing_hz: float, duration_s: float, *, longer: bool,
-                chosen: bool, known: bool) -> Said:
+def of_segments(
+    bandwidth_hz: float | None,
+    spacing_hz: float,
+    duration_s: float,
+    *,
+    longer: bool,
+    chosen: bool,
+    known: bool,
+) -> Said:
     """Lines per bandwidth of averaged segments, and what would mend it.
 
     ``longer``: the record allows longer segments. ``chosen``: these were not the user's, so that leaving the
@@ -48,26 +55,51 @@ def of_segments(bandwidth_hz: float | None, spacing_hz: float, duration_s: float
     if lines >= ENOUGH:
         return []
     severity: Severity = "fatal" if lines < TOO_FEW else "warning"
-    width = (f"{rounded(bandwidth_hz)} Hz wide at half power" if known else
-             f"not resolved (narrower than about {rounded(max(bandwidth_hz, spacing_hz))} Hz at half power)")
-    seen = (f"the sharp resonances are {width}, the lines {spacing_hz:.3g} Hz apart. That is "
-            f"{'' if known else 'at most '}{lines:.1f} lines per bandwidth; {ENOUGH:g} are needed, "
-            f"{BANDWIDTHS:g} are good.")
+    width = (
+        f"{rounded(bandwidth_hz)} Hz wide at half power"
+        if known
+        else f"not resolved (narrower than about {rounded(max(bandwidth_hz, spacing_hz))} Hz at half power)"
+    )
+    seen = (
+        f"the sharp resonances are {width}, the lines {spacing_hz:.3g} Hz apart. That is "
+        f"{'' if known else 'at most '}{lines:.1f} lines per bandwidth; {ENOUGH:g} are needed, "
+        f"{BANDWIDTHS:g} are good."
+    )
     wanted_s = BANDWIDTHS / max(bandwidth_hz, 0.5 * spacing_hz)
     if longer:
         leave_it = "" if chosen else ", or let nperseg=None choose"
-        return [Finding(RESOLUTION, severity, (), lines, ENOUGH, "The resolution is too coarse: " + seen,
-                        f"Use longer segments, of {rounded(wanted_s)} s{leave_it}.")]
+        return [
+            Finding(
+                RESOLUTION,
+                severity,
+                (),
+                lines,
+                ENOUGH,
+                "The resolution is too coarse: " + seen,
+                f"Use longer segments, of {rounded(wanted_s)} s{leave_it}.",
+            )
+        ]
     constants = np.pi * bandwidth_hz * duration_s
     # With as few lines as are needed; more are better. Segments are powers of two, which may fall short of a
     # record that is long enough by this count.
     least_s = SEGMENTS * wanted_s * ENOUGH / BANDWIDTHS
-    return [Finding(LENGTH, severity, (), lines, ENOUGH,
-                    f"The record of {duration_s:.3g} s is too short: {seen} It holds {constants:.0f} time "
-                    "constants of these resonances.",
-                    (f"Record {'' if known else 'at least '}{rounded(least_s)} s, better "
-                     if least_s > duration_s else "Record for longer, at best ")
-                    + f"{rounded(SEGMENTS * wanted_s)} s.")]
+    return [
+        Finding(
+            LENGTH,
+            severity,
+            (),
+            lines,
+            ENOUGH,
+            f"The record of {duration_s:.3g} s is too short: {seen} It holds {constants:.0f} time "
+            "constants of these resonances.",
+            (
+                f"Record {'' if known else 'at least '}{rounded(least_s)} s, better "
+                if least_s > duration_s
+                else "Record for longer, at best "
+            )
+            + f"{rounded(SEGMENTS * wanted_s)} s.",
+        )
+    ]
 
 
 def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool) -> Said:
@@ -79,32 +111,65 @@ def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool)
         return []
     limit = ENOUGH_WITHOUT_LEAKAGE
     wanted_hz = max(bandwidth_hz, 0.25 * spacing_hz) / ENOUGH
-    seen = (f"the sharp resonances are about {rounded(bandwidth_hz)} Hz wide at half power, the lines "
-            f"{spacing_hz:.3g} Hz apart; {limit:g} lines per bandwidth is the least.")
+    seen = (
+        f"the sharp resonances are about {rounded(bandwidth_hz)} Hz wide at half power, the lines "
+        f"{spacing_hz:.3g} Hz apart; {limit:g} lines per bandwidth is the least."
+    )
     if hit:
-        return [Finding(LENGTH, "warning", (), lines, limit,
-                        f"The record after the hit ({1.0 / spacing_hz:.3g} s) is too short: {seen}",
-                        f"Record until the response has died, for some {rounded(1.0 / wanted_hz)} s.")]
-    return [Finding(RESOLUTION, "warning", (), lines, limit, f"The resolution is too coarse: {seen}",
-                    f"Measure with lines {rounded(wanted_hz)} Hz apart.")]
+        return [
+            Finding(
+                LENGTH,
+                "warning",
+                (),
+                lines,
+                limit,
+                f"The record after the hit ({1.0 / spacing_hz:.3g} s) is too short: {seen}",
+                f"Record until the response has died, for some {rounded(1.0 / wanted_hz)} s.",
+            )
+        ]
+    return [
+        Finding(
+            RESOLUTION,
+            "warning",
+            (),
+            lines,
+            limit,
+            f"The resolution is too coarse: {seen}",
+            f"Measure with lines {rounded(wanted_hz)} Hz apart.",
+        )
+    ]
 
 
 def averages(n_averages: float, duration_s: float, nperseg: int) -> Said:
     """Enough averages to tell noise from signal?"""
     if n_averages >= LEAST_AVERAGES:
         return []
-    return [Finding(AVERAGES, "warning", (), n_averages, LEAST_AVERAGES,
-                    f"Segments of {nperseg} samples leave {n_averages:.1f} independent averages in "
-                    f"{duration_s:.3g} s; {LEAST_AVERAGES:g} are needed for noise and coherence to mean "
-                    "something.",
-                    "Use shorter segments, or record for longer.")]
+    return [
+        Finding(
+            AVERAGES,
+            "warning",
+            (),
+            n_averages,
+            LEAST_AVERAGES,
+            f"Segments of {nperseg} samples leave {n_averages:.1f} independent averages in "
+            f"{duration_s:.3g} s; {LEAST_AVERAGES:g} are needed for noise and coherence to mean "
+            "something.",
+            "Use shorter segments, or record for longer.",
+        )
+    ]
 
 
 def too_few_lines(n_lines: int, band: tuple[float, float]) -> Finding:
     """A band with hardly a line in it."""
-    return Finding(RESOLUTION, "fatal", (), float(n_lines), LEAST_LINES,
-                   f"Only {n_lines} lines lie in {band[0]:g}-{band[1]:g} Hz, {LEAST_LINES} being the least.",
-                   "Widen the band, or use longer segments.")
+    return Finding(
+        RESOLUTION,
+        "fatal",
+        (),
+        float(n_lines),
+        LEAST_LINES,
+        f"Only {n_lines} lines lie in {band[0]:g}-{band[1]:g} Hz, {LEAST_LINES} being the least.",
+        "Widen the band, or use longer segments.",
+    )
 
 
 def _nothing_sharp() -> NotTested:

@@ -19,14 +19,21 @@ ROUGH, SMOOTH = 0.5, 0.1
 COHERENT = 0.5
 
 
-def of_response(resp: FrequencyResponse, excitation: Any, band: tuple[float, float],
-                ) -> tuple[Said, Evidence | None]:
+def of_response(
+    resp: FrequencyResponse, excitation: Any, band: tuple[float, float]
+) -> tuple[Said, Evidence | None]:
     """What the tests say, and the evidence of those by line, if there is any."""
     why = "needs time records"
     said: Said = [NotTested(name, why) for name in (channels.CLIPPED, channels.DROPOUTS, channels.SPIKES)]
     inside = (resp.freq_hz >= band[0]) & (resp.freq_hz <= band[1]) & (resp.freq_hz > 0.0)
-    by_line = (phase.TIME_SHIFT, phase.QUADRATURE, channels.NOISE, resolution.RESOLUTION, one_force.NAME,
-               force_location.NAME)
+    by_line = (
+        phase.TIME_SHIFT,
+        phase.QUADRATURE,
+        channels.NOISE,
+        resolution.RESOLUTION,
+        one_force.NAME,
+        force_location.NAME,
+    )
     if inside.sum() < resolution.LEAST_LINES:
         said.append(resolution.too_few_lines(int(inside.sum()), band))
         return said + [NotTested(name, "too few lines in the band") for name in by_line], None
@@ -35,30 +42,67 @@ def of_response(resp: FrequencyResponse, excitation: Any, band: tuple[float, flo
     live = []
     for p, dof in enumerate(resp.dofs):
         if not values[p].any():
-            said.append(Finding(channels.DEAD, "fatal", (dof,), 0.0, 0.0,
-                                f"Dof {dof!r} is zero throughout the band.", "Leave the channel out."))
+            said.append(
+                Finding(
+                    channels.DEAD,
+                    "fatal",
+                    (dof,),
+                    0.0,
+                    0.0,
+                    f"Dof {dof!r} is zero throughout the band.",
+                    "Leave the channel out.",
+                )
+            )
         elif rough[p] > ROUGH and rough.min() < SMOOTH:
-            text = (f"Dof {dof!r} holds only noise in the band: from line to line it changes as much as "
-                    f"white noise does ({rough[p]:.2f} of its power, limit {ROUGH:g}).")
-            said.append(Finding(channels.DEAD, "fatal", (dof,), float(rough[p]), ROUGH, text,
-                                "Check sensor, cable and gain; leave the channel out."))
+            text = (
+                f"Dof {dof!r} holds only noise in the band: from line to line it changes as much as "
+                f"white noise does ({rough[p]:.2f} of its power, limit {ROUGH:g})."
+            )
+            said.append(
+                Finding(
+                    channels.DEAD,
+                    "fatal",
+                    (dof,),
+                    float(rough[p]),
+                    ROUGH,
+                    text,
+                    "Check sensor, cable and gain; leave the channel out.",
+                )
+            )
         else:
             live.append(p)
     if rough.min() >= SMOOTH and np.median(rough) > ROUGH:
-        text = (f"The curves change from line to line as white noise does ({np.median(rough):.2f} of their "
-                f"power, limit {ROUGH:g}): they are noise, or their lines too far apart.")
-        said.append(Finding(resolution.RESOLUTION, "fatal", (), float(np.median(rough)), ROUGH, text,
-                            "Measure with a finer resolution, or force harder."))
+        text = (
+            f"The curves change from line to line as white noise does ({np.median(rough):.2f} of their "
+            f"power, limit {ROUGH:g}): they are noise, or their lines too far apart."
+        )
+        said.append(
+            Finding(
+                resolution.RESOLUTION,
+                "fatal",
+                (),
+                float(np.median(rough)),
+                ROUGH,
+                text,
+                "Measure with a finer resolution, or force harder.",
+            )
+        )
     if not live:
         return said + [NotTested(name, "no channel holds a response") for name in by_line], None
     dofs = tuple(resp.dofs[p] for p in live)
-    seen = of_curves(resp.freq_hz[inside], values[live], dofs,
-                     None if resp.coherence is None else resp.coherence[live][:, inside])
+    seen = of_curves(
+        resp.freq_hz[inside],
+        values[live],
+        dofs,
+        None if resp.coherence is None else resp.coherence[live][:, inside],
+    )
     twice, _ = channels.duplicated(np.hstack([values[live].real, values[live].imag]), dofs)
     said += [*twice, *phase.in_phase(seen), *_incoherent(seen), *one_force.one_force(seen)]
     spacing = float(np.median(np.diff(seen.freq_hz)))
-    lines = resolution.sharpest_lines(np.sum(np.abs(values[live])**2 / np.mean(
-        np.abs(values[live])**2, axis=1, keepdims=True), axis=0), leakage=False)
+    lines = resolution.sharpest_lines(
+        np.sum(np.abs(values[live]) ** 2 / np.mean(np.abs(values[live]) ** 2, axis=1, keepdims=True), axis=0),
+        leakage=False,
+    )
     said += resolution.without_leakage(None if lines is None else lines * spacing, spacing, hit=False)
     if resp.kind == "transmissibility":
         said.append(NotTested(force_location.NAME, "transmissibilities do not show the resonances"))
@@ -69,8 +113,8 @@ def of_response(resp: FrequencyResponse, excitation: Any, band: tuple[float, flo
 
 def _roughness(curve: ComplexArray) -> float:
     """Second differences over the power, by medians: the few lines of a sharp resonance are rough too."""
-    power = float(np.median(np.abs(curve)**2))
-    second = float(np.median(np.abs(curve[2:] - 2.0 * curve[1:-1] + curve[:-2])**2)) / 6.0
+    power = float(np.median(np.abs(curve) ** 2))
+    second = float(np.median(np.abs(curve[2:] - 2.0 * curve[1:-1] + curve[:-2]) ** 2)) / 6.0
     return second / power if power > 0.0 else 0.0
 
 
@@ -78,7 +122,16 @@ def _incoherent(seen: Evidence) -> Said:
     if seen.coherence is None:
         return [NotTested(channels.NOISE, "no coherence is given with the responses")]
     share = np.mean(seen.coherence < COHERENT, axis=1)
-    return [Finding(channels.NOISE, "note", (dof,), float(part), channels.BURIED,
-                    f"Dof {dof!r} has a coherence under {COHERENT:g} in {100 * part:.0f} % of the band.",
-                    channels.BURIED_ADVICE)
-            for dof, part in zip(seen.dofs, share, strict=True) if part > channels.BURIED]
+    return [
+        Finding(
+            channels.NOISE,
+            "note",
+            (dof,),
+            float(part),
+            channels.BURIED,
+            f"Dof {dof!r} has a coherence under {COHERENT:g} in {100 * part:.0f} % of the band.",
+            channels.BURIED_ADVICE,
+        )
+        for dof, part in zip(seen.dofs, share, strict=True)
+        if part > channels.BURIED
+    ]

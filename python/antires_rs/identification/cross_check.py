@@ -41,7 +41,9 @@ from .response_lines import Lines, lines_of
 __all__ = ["METHODS", "SecondOpinion", "judge", "second_opinion"]
 
 METHODS: dict[str, Callable[..., tuple[ComplexArray, FloatArray]]] = {
-    "aaa": set_valued_aaa, "vector_fitting": vector_fitting}
+    "aaa": set_valued_aaa,
+    "vector_fitting": vector_fitting,
+}
 #: Poles: this many more than the dof with most values has, and never fewer than the second number.
 MORE_POLES, LEAST_POLES = 8, 12
 #: A pole that owns less of the curve confirms nothing, one that owns less than the second is no candidate.
@@ -91,19 +93,26 @@ class SecondOpinion(ReadOnly):
     def __repr__(self) -> str:
         total = sum(f.size for f in self.freq_hz.values())
         more = sum(f.size for f in self.candidates_hz.values())
-        return (f"SecondOpinion(method={self.method!r}, {total - len(self.flagged)} of {total} values "
-                f"confirmed, {more} candidates)")
+        return (
+            f"SecondOpinion(method={self.method!r}, {total - len(self.flagged)} of {total} values "
+            f"confirmed, {more} candidates)"
+        )
 
     def __str__(self) -> str:
         total = sum(f.size for f in self.freq_hz.values())
         name = {"aaa": "AAA", "vector_fitting": "vector fitting"}[self.method]
-        lines = [f"second opinion by {name}: {total - len(self.flagged)} of {total} values confirmed "
-                 f"within {100 * self.tol:g} %"]
+        lines = [
+            f"second opinion by {name}: {total - len(self.flagged)} of {total} values confirmed "
+            f"within {100 * self.tol:g} %"
+        ]
         for dof, ok in self.confirmed.items():
             for i in np.flatnonzero(~ok):
                 near = self.nearest_hz[dof][i]
-                said = (f"its nearest pole is {near:.3f} Hz, {100 * self.distance[dof][i]:.1f} % away"
-                        if np.isfinite(near) else "it has no pole in the band")
+                said = (
+                    f"its nearest pole is {near:.3f} Hz, {100 * self.distance[dof][i]:.1f} % away"
+                    if np.isfinite(near)
+                    else "it has no pole in the band"
+                )
                 lines.append(f"  dof {dof}: {self.freq_hz[dof][i]:.3f} Hz not confirmed: {said}")
         for dof, more in self.candidates_hz.items():
             if more.size:
@@ -111,10 +120,19 @@ class SecondOpinion(ReadOnly):
         return "\n".join(lines)
 
 
-def second_opinion(source: Recording | FrequencyResponse, identified: Mapping[Any, FloatArray], *,
-                   band_hz: Sequence[float], method: str = "vector_fitting", tol: float = 0.01,
-                   n_poles: int | None = None, nperseg: int | None = None, noverlap: int | None = None,
-                   window: Any = "hann", averaging: str = "auto") -> SecondOpinion:
+def second_opinion(
+    source: Recording | FrequencyResponse,
+    identified: Mapping[Any, FloatArray],
+    *,
+    band_hz: Sequence[float],
+    method: str = "vector_fitting",
+    tol: float = 0.01,
+    n_poles: int | None = None,
+    nperseg: int | None = None,
+    noverlap: int | None = None,
+    window: Any = "hann",
+    averaging: str = "auto",
+) -> SecondOpinion:
     """Judge identified antiresonances by a method that had no part in finding them.
 
     Parameters
@@ -200,16 +218,31 @@ def second_opinion(source: Recording | FrequencyResponse, identified: Mapping[An
     if force and isinstance(source, Recording) and source.force is None:
         raise UnsuitableDataError(
             "source: got a single channel and no force; wanted two or more channels, or a force, so that "
-            "there is a quotient to fit. Add a channel.")
-    lines_for = lines_of(source, band, use_force=force, nperseg=nperseg, noverlap=noverlap, window=window,
-                         method=averaging, estimator="rank1")
+            "there is a quotient to fit. Add a channel."
+        )
+    lines_for = lines_of(
+        source,
+        band,
+        use_force=force,
+        nperseg=nperseg,
+        noverlap=noverlap,
+        window=window,
+        method=averaging,
+        estimator="rank1",
+    )
     values = {dof: np.sort(np.atleast_1d(np.asarray(f, dtype=np.float64))) for dof, f in identified.items()}
     return judge(lines_for, source.dofs, values, band, method, tol, n_poles)
 
 
-def judge(lines_for: Callable[[int], Lines], dofs: Sequence[Any], values: Mapping[Any, FloatArray],
-          band_hz: tuple[float, float], method: str, tol: float = 0.01, n_poles: int | None = None,
-          ) -> SecondOpinion:
+def judge(
+    lines_for: Callable[[int], Lines],
+    dofs: Sequence[Any],
+    values: Mapping[Any, FloatArray],
+    band_hz: tuple[float, float],
+    method: str,
+    tol: float = 0.01,
+    n_poles: int | None = None,
+) -> SecondOpinion:
     """The opinion on lines that are there already; ``dofs`` name their rows in order."""
     if n_poles is None:
         n_poles = max([LEAST_POLES, *(f.size + MORE_POLES for f in values.values())])
@@ -218,22 +251,30 @@ def judge(lines_for: Callable[[int], Lines], dofs: Sequence[Any], values: Mappin
     for row, dof in enumerate(dofs):
         if dof in values:
             lines = lines_for(row)
-            parts = [_poles(lines.part(w.first, w.last), row, w, method, n_poles)
-                     for w in windows(lines.freq_hz, band_hz)]
+            parts = [
+                _poles(lines.part(w.first, w.last), row, w, method, n_poles)
+                for w in windows(lines.freq_hz, band_hz)
+            ]
             found[dof] = [np.concatenate(column) for column in zip(*parts, strict=True)]
     strong = {dof: _apart(freq[candidate], values[dof], tol) for dof, (freq, candidate) in found.items()}
     if 3 <= len(dofs) == len(found):
         # What all channels share is the zero beside a mode that the force hardly excites.
         everywhere = [np.concatenate([found[dof][0], values[dof]]) for dof in found]
-        strong = {dof: np.array([f for f in freq if not all(_near(every, f, tol) for every in everywhere)])
-                  for dof, freq in strong.items()}
+        strong = {
+            dof: np.array([f for f in freq if not all(_near(every, f, tol) for every in everywhere)])
+            for dof, freq in strong.items()
+        }
     nearest = {dof: _nearest(found[dof][0], f) for dof, f in values.items()}
     distance = {dof: np.abs(nearest[dof] / f - 1.0) for dof, f in values.items()}
     return SecondOpinion(
-        method, float(tol), {dof: frozen(f) for dof, f in values.items()},
-        {dof: frozen(f) for dof, f in nearest.items()}, {dof: frozen(d) for dof, d in distance.items()},
+        method,
+        float(tol),
+        {dof: frozen(f) for dof, f in values.items()},
+        {dof: frozen(f) for dof, f in nearest.items()},
+        {dof: frozen(d) for dof, d in distance.items()},
         {dof: frozen(d <= tol) for dof, d in distance.items()},
-        {dof: frozen(np.asarray(strong[dof], dtype=np.float64)) for dof in values})
+        {dof: frozen(np.asarray(strong[dof], dtype=np.float64)) for dof in values},
+    )
 
 
 def _poles(lines: Lines, row: int, window: Window, method: str, n_poles: int) -> tuple[FloatArray, Any]:
@@ -259,8 +300,10 @@ def _poles(lines: Lines, row: int, window: Window, method: str, n_poles: int) ->
 
 def _rises(freq_hz: FloatArray, snr: FloatArray, at_hz: float) -> bool:
     """Whether the response rises out of its noise on both sides; at the band's edge it cannot be told: no."""
-    sides = [(at_hz * (1.0 - FLANK[1]), at_hz * (1.0 - FLANK[0])),
-             (at_hz * (1.0 + FLANK[0]), at_hz * (1.0 + FLANK[1]))]
+    sides = [
+        (at_hz * (1.0 - FLANK[1]), at_hz * (1.0 - FLANK[0])),
+        (at_hz * (1.0 + FLANK[0]), at_hz * (1.0 + FLANK[1])),
+    ]
     flanks = [snr[(freq_hz >= low) & (freq_hz <= high)] for low, high in sides]
     return all(flank.size and float(np.median(flank)) >= FLANK_SNR for flank in flanks)
 

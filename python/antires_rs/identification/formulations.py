@@ -59,8 +59,9 @@ FORMULATIONS = ("joint", "sum", "power", "eq10")
 GUESS_ORDER = 4
 
 
-def sweep_of(lines: Lines, row: int, min_order: int, max_order: int, rule: Rule, formulation: str = "joint",
-             ) -> tuple[PoleSweep, range, FloatArray]:
+def sweep_of(
+    lines: Lines, row: int, min_order: int, max_order: int, rule: Rule, formulation: str = "joint"
+) -> tuple[PoleSweep, range, FloatArray]:
     """Sweep whose poles are the antiresonances of one row.
 
     Parameters
@@ -117,7 +118,7 @@ def sweep_of(lines: Lines, row: int, min_order: int, max_order: int, rule: Rule,
         fit = PowerFit(lines.freq_hz, squares, weights * guess**2 / (1.0 + power), orders[-1])
         return PowerSweep(fit), orders, power
     target = _target(quotients, formulation)
-    own = power if formulation == "joint" else np.abs(target[0])**2
+    own = power if formulation == "joint" else np.abs(target[0]) ** 2
     nested = NestedFit(lines.freq_hz, target, weights * guess / (1.0 + own), orders[-1])
     return PoleSweep(nested), orders, np.abs(target.sum(axis=0))
 
@@ -140,4 +141,6 @@ def warn_of_formulation(formulation: str) -> None:
             "rational function; on the eight-mass chain 4 to 6 of 28 values come out, 0.4 to 0.7 % off, and "
             "three to nine false ones with them. Look at its peaks, and take the values from "
             "formulation='joint'.",
-            AntiresWarning, stacklevel=4)
+            AntiresWarning,
+            stacklevel=4,
+        )

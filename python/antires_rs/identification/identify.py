@@ -51,14 +51,32 @@ CHOICES = ("auto", "numerators", *FORMULATIONS)
 
 @patient("identifying antiresonances")
 def identify_antiresonances(
-        source: Recording | FrequencyResponse, *, excitation: Any, band_hz: Sequence[float],
-        dofs: Iterable[Any] | None = None, route: str = "transmissibility", nperseg: int | None = None,
-        noverlap: int | None = None, window: Any = "hann", method: str = "auto", estimator: str = "rank1",
-        preset: str | None = None, formulation: str | None = None, max_order: int = 60, min_order: int = 2,
-        freq_tol: float | None = None, damping_tol: float | None = None, min_rows: int | None = None,
-        max_damping: float | None = None, min_dominance: float | None = None, persistent: bool | None = None,
-        keep_common: bool = False, second_opinion: str | None = None,
-        check: str = "warn", progress: bool | None = None) -> AntiresonanceSet:
+    source: Recording | FrequencyResponse,
+    *,
+    excitation: Any,
+    band_hz: Sequence[float],
+    dofs: Iterable[Any] | None = None,
+    route: str = "transmissibility",
+    nperseg: int | None = None,
+    noverlap: int | None = None,
+    window: Any = "hann",
+    method: str = "auto",
+    estimator: str = "rank1",
+    preset: str | None = None,
+    formulation: str | None = None,
+    max_order: int = 60,
+    min_order: int = 2,
+    freq_tol: float | None = None,
+    damping_tol: float | None = None,
+    min_rows: int | None = None,
+    max_damping: float | None = None,
+    min_dominance: float | None = None,
+    persistent: bool | None = None,
+    keep_common: bool = False,
+    second_opinion: str | None = None,
+    check: str = "warn",
+    progress: bool | None = None,
+) -> AntiresonanceSet:
     """Identify the antiresonances of every response, automatically.
 
     Parameters
@@ -151,16 +169,31 @@ def identify_antiresonances(
     choice("keep_common", keep_common, (True, False))
     choice("persistent", persistent, (None, True, False))
     choice("second_opinion", second_opinion, (None, "aaa", "vector_fitting"))
-    options = rule_options(preset, formulation=formulation, freq_tol=freq_tol, damping_tol=damping_tol,
-                           min_rows=min_rows, max_damping=max_damping, min_dominance=min_dominance,
-                           persistent=persistent)
+    options = rule_options(
+        preset,
+        formulation=formulation,
+        freq_tol=freq_tol,
+        damping_tol=damping_tol,
+        min_rows=min_rows,
+        max_damping=max_damping,
+        min_dominance=min_dominance,
+        persistent=persistent,
+    )
     formulation = choice("formulation", options.pop("formulation"), CHOICES)
     if formulation == "numerators" and estimator != "rank1":
-        reject("estimator", estimator, "'rank1' with formulation='numerators'",
-               "That fit uses the whole spectral matrix; formulation='joint' takes any estimator.")
+        reject(
+            "estimator",
+            estimator,
+            "'rank1' with formulation='numerators'",
+            "That fit uses the whole spectral matrix; formulation='joint' takes any estimator.",
+        )
     if route == "frf" and formulation in ("sum", "power", "eq10"):
-        reject("formulation", formulation, "'numerators' or 'joint' with route='frf'",
-               "Sums and magnitudes are those of transmissibilities.")
+        reject(
+            "formulation",
+            formulation,
+            "'numerators' or 'joint' with route='frf'",
+            "Sums and magnitudes are those of transmissibilities.",
+        )
     warn_of_formulation(formulation)
     rule = Rule(**options).checked()
     band = band_of(source, band_hz)
@@ -171,13 +204,32 @@ def identify_antiresonances(
     use_force = route == "frf"
     _can_answer(source, use_force)
     step("spectra")
-    lines_for = lines_of(source, band, use_force=use_force, nperseg=nperseg, noverlap=noverlap, window=window,
-                         method=method, estimator=estimator)
+    lines_for = lines_of(
+        source,
+        band,
+        use_force=use_force,
+        nperseg=nperseg,
+        noverlap=noverlap,
+        window=window,
+        method=method,
+        estimator=estimator,
+    )
     orders = (min_order, max_order)
     first = lines_for(FORCE if use_force else 0)
-    checked = None if check == "off" else _checked(
-        source if use_force or isinstance(source, FrequencyResponse) else without_force(source), excitation,
-        band, nperseg, noverlap, window, method, strict=check == "raise")
+    checked = (
+        None
+        if check == "off"
+        else _checked(
+            source if use_force or isinstance(source, FrequencyResponse) else without_force(source),
+            excitation,
+            band,
+            nperseg,
+            noverlap,
+            window,
+            method,
+            strict=check == "raise",
+        )
+    )
     if formulation == "auto":
         formulation = "numerators" if first.segments is not None and estimator == "rank1" else "joint"
     step("fit")
@@ -189,36 +241,51 @@ def identify_antiresonances(
         found = without_common(found)
     found = {dof: found[dof] for dof in wanted}
     identified = AntiresonanceSet(
-        excitation, {dof: d.identified for dof, d in found.items()},
+        excitation,
+        {dof: d.identified for dof, d in found.items()},
         {dof: d.identified_damping for dof, d in found.items()},
         {dof: d.accepted.std_hz for dof, d in found.items()} if formulation == "numerators" else None,
         diagrams=found,
-        scores={dof: d.accepted.scores(graded=formulation == "numerators") for dof, d in found.items()})
+        scores={dof: d.accepted.scores(graded=formulation == "numerators") for dof, d in found.items()},
+    )
     identified.data_check = checked
     if second_opinion is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
         from .cross_check import judge
+
         step("second opinion")
         values = {dof: identified[dof] for dof in wanted}
         identified.second_opinion = judge(lines_for, source.dofs, values, band, second_opinion)
     return identified
 
 
-def _from_numerators(dofs: tuple[Any, ...], lines: Lines, band: tuple[float, float],
-                     orders: tuple[int, int], rule: Rule,
-                     keep_common: bool) -> dict[Any, StabilizationDiagram]:
+def _from_numerators(
+    dofs: tuple[Any, ...],
+    lines: Lines,
+    band: tuple[float, float],
+    orders: tuple[int, int],
+    rule: Rule,
+    keep_common: bool,
+) -> dict[Any, StabilizationDiagram]:
     """All dofs from one fit a window."""
     cut = windows(lines.freq_hz, band)
     parts = [lines.part(w.first, w.last) for w in cut]
-    found = [select(part, len(dofs), w, rule.orders(orders, part.freq_hz.size), rule,
-                    keep_common)
-             for part, w in zip(parts, cut, strict=True)]
+    found = [
+        select(part, len(dofs), w, rule.orders(orders, part.freq_hz.size), rule, keep_common)
+        for part, w in zip(parts, cut, strict=True)
+    ]
     return {dof: join([d[row] for d in found], cut, band, rule.freq_tol) for row, dof in enumerate(dofs)}
 
 
-def _one_by_one(dofs: tuple[Any, ...], lines_for: Callable[[int], Lines], band: tuple[float, float],
-                orders: tuple[int, int], rule: Rule, use_force: bool, formulation: str,
-                ) -> dict[Any, StabilizationDiagram]:
+def _one_by_one(
+    dofs: tuple[Any, ...],
+    lines_for: Callable[[int], Lines],
+    band: tuple[float, float],
+    orders: tuple[int, int],
+    rule: Rule,
+    use_force: bool,
+    formulation: str,
+) -> dict[Any, StabilizationDiagram]:
     """Every dof from its own joint fit of all T_pj; with a force, from one joint fit of all H_jk."""
     found: dict[Any, StabilizationDiagram] = {}
     shared: dict[int, tuple[PoleSweep, range, FloatArray]] = {}
@@ -238,8 +305,9 @@ def _one_by_one(dofs: tuple[Any, ...], lines_for: Callable[[int], Lines], band: 
             if use_force:
                 background = 1.0 / np.maximum(np.abs(parent.nested.values[row]), 1e-300)
                 sweep = ZeroSweep(parent, row)
-            one = diagram(sweep, swept, window.report_hz, rule, part.freq_hz, background,
-                          part.added_decay_per_s)
+            one = diagram(
+                sweep, swept, window.report_hz, rule, part.freq_hz, background, part.added_decay_per_s
+            )
             if part.snr_known and rule.persistent:
                 one = add_persistent(one, sweep, rule, part.channel_snr(row), part.added_decay_per_s)
             curves = sweep.curves(swept[len(swept) // 2])
@@ -248,12 +316,27 @@ def _one_by_one(dofs: tuple[Any, ...], lines_for: Callable[[int], Lines], band: 
     return found
 
 
-def _checked(source: Recording | FrequencyResponse, excitation: Any, band: tuple[float, float],
-             nperseg: int | None, noverlap: int | None, window: Any, method: str, *,
-             strict: bool) -> DataCheck:
+def _checked(
+    source: Recording | FrequencyResponse,
+    excitation: Any,
+    band: tuple[float, float],
+    nperseg: int | None,
+    noverlap: int | None,
+    window: Any,
+    method: str,
+    *,
+    strict: bool,
+) -> DataCheck:
     """The data check, with a warning or an error if there is cause."""
-    checked = check_data(source, excitation=excitation, band_hz=band, nperseg=nperseg, noverlap=noverlap,
-                         window=window, method=method)
+    checked = check_data(
+        source,
+        excitation=excitation,
+        band_hz=band,
+        nperseg=nperseg,
+        noverlap=noverlap,
+        window=window,
+        method=method,
+    )
     if strict and checked.fatal:
         fatal = [str(f) for f in checked.findings if f.severity == "fatal"]
         raise UnsuitableDataError("source: " + " ".join(fatal))
@@ -267,11 +350,13 @@ def _can_answer(source: Recording | FrequencyResponse, use_force: bool) -> None:
     if not use_force and len(source.dofs) < 2:
         raise UnsuitableDataError(
             "source: got a single channel; wanted two or more for route='transmissibility', whose poles are "
-            "the antiresonances. Add a channel, or measure the force and use route='frf'.")
+            "the antiresonances. Add a channel, or measure the force and use route='frf'."
+        )
     if use_force and isinstance(source, Recording) and source.force is None:
         raise UnsuitableDataError(
             "route: got 'frf' for a Recording without force; wanted a measured force. Use "
-            "route='transmissibility': it needs none.")
+            "route='transmissibility': it needs none."
+        )
 
 
 def _wanted_dofs(dofs: Iterable[Any] | None, known: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -50,8 +50,9 @@ class Likeliest:
     misfit: float
 
 
-def likeliest(freq_hz: FloatArray, covariance: ComplexArray, cap: float, independent: float,
-              max_order: int) -> Likeliest:
+def likeliest(
+    freq_hz: FloatArray, covariance: ComplexArray, cap: float, independent: float, max_order: int
+) -> Likeliest:
     """Turn weights and order until they stand.
 
     ``cap`` bounds the signal-to-noise power a line may count with; ``independent`` is the number of
@@ -84,7 +85,7 @@ def likeliest(freq_hz: FloatArray, covariance: ComplexArray, cap: float, indepen
         last = (int(orders[first]), int(orders[pick]))
         middle = int(orders[source])
         at = fit.basis.at(np.asarray(1j * freq_hz / fit.scale_hz, dtype=np.complex128), middle)
-        size = np.sum(np.abs(at @ solutions[source])**2, axis=1)
+        size = np.sum(np.abs(at @ solutions[source]) ** 2, axis=1)
         size = np.maximum(size, LEAST_SIZE * size.max())
         orders = np.arange(max(middle - BELOW, LEAST_ORDER), min(middle + ABOVE, max_order) + 1)
     _, order, size = best
@@ -92,16 +93,21 @@ def likeliest(freq_hz: FloatArray, covariance: ComplexArray, cap: float, indepen
     return Likeliest(fit, order, *fit.likeliest(order))
 
 
-def _misfits(fit: NumeratorFit, solutions: list[FloatArray], covariance: ComplexArray, largest: FloatArray,
-             capped: FloatArray) -> FloatArray:
+def _misfits(
+    fit: NumeratorFit,
+    solutions: list[FloatArray],
+    covariance: ComplexArray,
+    largest: FloatArray,
+    capped: FloatArray,
+) -> FloatArray:
     """Q of every solution."""
     terms = fit.max_order + 1
     stack = np.zeros((terms, fit.n, len(solutions)))
     for i, c in enumerate(solutions):
-        stack[:c.shape[0], :, i] = c
+        stack[: c.shape[0], :, i] = c
     turned = (1j ** np.arange(terms))[:, None] * stack.reshape(terms, -1)
     values = (fit.basis.p @ turned).reshape(largest.size, fit.n, -1)
     seen = np.sum(values.conj() * (covariance @ values), axis=1).real
-    total = np.sum(np.abs(values)**2, axis=1)
+    total = np.sum(np.abs(values) ** 2, axis=1)
     share = seen / np.maximum(total, 1e-300)
     return np.asarray(np.maximum(capped @ (largest[:, None] - share), 1e-300))

@@ -68,11 +68,22 @@ class Curves:
 
 @patient("identifying modes")
 def identify_modes(
-        source: Recording | FrequencyResponse, *, band_hz: Sequence[float], route: str = "auto",
-        method: str = "auto", nperseg: int | None = None, estimator: str = "h1", max_order: int = 60,
-        min_order: int = 2, freq_tol: float = 0.01, damping_tol: float = 0.10, min_rows: int = 10,
-        max_damping: float = 0.10, min_dominance: float = 0.05,
-        progress: bool | None = None) -> ModalSet:
+    source: Recording | FrequencyResponse,
+    *,
+    band_hz: Sequence[float],
+    route: str = "auto",
+    method: str = "auto",
+    nperseg: int | None = None,
+    estimator: str = "h1",
+    max_order: int = 60,
+    min_order: int = 2,
+    freq_tol: float = 0.01,
+    damping_tol: float = 0.10,
+    min_rows: int = 10,
+    max_damping: float = 0.10,
+    min_dominance: float = 0.05,
+    progress: bool | None = None,
+) -> ModalSet:
     """Identify resonances, damping and mode shapes, automatically.
 
     Parameters
@@ -148,12 +159,14 @@ def identify_modes(
         if source.kind != "frf":
             raise UnsuitableDataError(
                 "source: got transmissibilities; wanted FRFs or a Recording. The resonances cancel in a "
-                "quotient of responses: transmissibilities hold the antiresonances only.")
+                "quotient of responses: transmissibilities hold the antiresonances only."
+            )
         if route == "responses":
             reject("route", "'responses' with a source of FRFs", "'auto' or 'frf'")
 
         def curves_in(lines_hz: tuple[float, float]) -> Curves:
             return _of_frfs(source, lines_hz, 0.0)
+
     found = _stabilized(curves_in(band), band, (min_order, max_order), rule)
     around = (max(band[0] / BELOW, available[0]), min(band[1] * ABOVE, available[1]))
     shapes = np.empty((0, len(source.dofs)), dtype=np.complex128)
@@ -164,12 +177,15 @@ def identify_modes(
     return ModalSet(found.identified, shapes, source.dofs, found.identified_damping, diagram=found)
 
 
-def _of_recording(rec: Recording, band: tuple[float, float], route: str, method: str, nperseg: int | None,
-                  estimator: str) -> Callable[[tuple[float, float]], Curves]:
+def _of_recording(
+    rec: Recording, band: tuple[float, float], route: str, method: str, nperseg: int | None, estimator: str
+) -> Callable[[tuple[float, float]], Curves]:
     """Curves of a record by one of the routes; segments as the band wants them, lines as asked for."""
     if route == "frf" and rec.force is None:
-        raise UnsuitableDataError("route: got 'frf' for a Recording without force; wanted a measured force. "
-                                  "Use route='responses', for a force that is broadband.")
+        raise UnsuitableDataError(
+            "route: got 'frf' for a Recording without force; wanted a measured force. "
+            "Use route='responses', for a force that is broadband."
+        )
     transient = method == "transient" or (method == "auto" and is_transient(rec))
     if nperseg is not None:
         nperseg = integer("nperseg", nperseg, low=32, high=rec.n_samples)
@@ -210,23 +226,26 @@ def _of_responses(rec: Recording, nperseg: int | None) -> Callable[[tuple[float,
     scale = rec.responses.std(axis=1)
     if not scale.all():
         dead = rec.dofs[int(np.flatnonzero(scale == 0.0)[0])]
-        raise UnsuitableDataError(f"source: got no signal at all from dof {dead!r}; wanted a live channel. "
-                                  "Leave the dead channel out of the Recording.")
+        raise UnsuitableDataError(
+            f"source: got no signal at all from dof {dead!r}; wanted a live channel. "
+            "Leave the dead channel out of the Recording."
+        )
     half = half_spectra(rec, nperseg=nperseg)
     units = scale[np.array(half.references)][:, None] * scale
 
     def curves(lines_hz: tuple[float, float]) -> Curves:
         inside = (half.freq_hz >= lines_hz[0]) & (half.freq_hz <= lines_hz[1]) & (half.freq_hz > 0.0)
         values = half.values[:, :, inside] / units[:, :, None]
-        power = np.sum(np.abs(values)**2, axis=(0, 1))
+        power = np.sum(np.abs(values) ** 2, axis=(0, 1))
         weights = 1.0 / (np.median(power) + power)
         return Curves(half.freq_hz[inside], values, weights, scale, half.added_decay_per_s)
 
     return curves
 
 
-def _stabilized(curves: Curves, band: tuple[float, float], orders: tuple[int, int], rule: Rule,
-                ) -> StabilizationDiagram:
+def _stabilized(
+    curves: Curves, band: tuple[float, float], orders: tuple[int, int], rule: Rule
+) -> StabilizationDiagram:
     """Poles of the joint fit that stay, window by window where the band has many lines."""
     parts = []
     cut = windows(curves.freq_hz, band)
@@ -235,14 +254,16 @@ def _stabilized(curves: Curves, band: tuple[float, float], orders: tuple[int, in
         freq, values = curves.freq_hz[some], curves.flat[:, some]
         within = rule.orders(orders, freq.size)
         sweep = PoleSweep(NestedFit(freq, values, curves.weights[some], within[-1]))
-        background = np.sqrt(np.sum(np.abs(values)**2, axis=0))
-        parts.append(diagram(sweep, within, window.report_hz, rule, freq, background,
-                             curves.added_decay_per_s))
+        background = np.sqrt(np.sum(np.abs(values) ** 2, axis=0))
+        parts.append(
+            diagram(sweep, within, window.report_hz, rule, freq, background, curves.added_decay_per_s)
+        )
     return join(parts, cut, band, rule.freq_tol)
 
 
-def _shapes(curves: Curves, found: StabilizationDiagram, wider: StabilizationDiagram,
-            freq_tol: float) -> ComplexArray:
+def _shapes(
+    curves: Curves, found: StabilizationDiagram, wider: StabilizationDiagram, freq_tol: float
+) -> ComplexArray:
     """Shapes at the accepted poles, largest component one; ``wider`` has further poles of the curves."""
     n_references, n_dofs, _ = curves.values.shape
     hz, zeta = found.identified, found.identified_damping
@@ -251,7 +272,7 @@ def _shapes(curves: Curves, found: StabilizationDiagram, wider: StabilizationDia
     zeta = np.concatenate([zeta, wider.identified_damping[new]])
     poles = 2 * np.pi * hz * (-zeta + 1j * np.sqrt(1.0 - zeta**2)) - curves.added_decay_per_s
     weights = curves.weights * _taper(curves.freq_hz, found.band_hz)
-    residue = residues(curves.freq_hz, curves.flat, weights, poles)[:found.identified.size]
+    residue = residues(curves.freq_hz, curves.flat, weights, poles)[: found.identified.size]
     shapes = dominant_shapes(residue.reshape(-1, n_references, n_dofs)) * curves.scale
     largest = np.take_along_axis(shapes, np.argmax(np.abs(shapes), axis=1)[:, None], axis=1)
     return np.asarray(shapes / largest, dtype=np.complex128)
@@ -261,4 +282,4 @@ def _taper(freq_hz: FloatArray, band: tuple[float, float]) -> FloatArray:
     """One in the band, falling to nil at the last lines around it: there the next modes reach in."""
     below = (band[0] - freq_hz) / max(band[0] - freq_hz[0], 1e-300)
     above = (freq_hz - band[1]) / max(freq_hz[-1] - band[1], 1e-300)
-    return np.asarray(np.cos(0.5 * np.pi * np.clip(np.maximum(below, above), 0.0, 1.0))**2)
+    return np.asarray(np.cos(0.5 * np.pi * np.clip(np.maximum(below, above), 0.0, 1.0)) ** 2)

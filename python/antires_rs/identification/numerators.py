@@ -52,8 +52,14 @@ class NumeratorFit:
     and the weights of the turn, all checked by the caller.
     """
 
-    def __init__(self, freq_hz: FloatArray, covariance: ComplexArray, largest: FloatArray,
-                 weights: FloatArray, max_order: int) -> None:
+    def __init__(
+        self,
+        freq_hz: FloatArray,
+        covariance: ComplexArray,
+        largest: FloatArray,
+        weights: FloatArray,
+        max_order: int,
+    ) -> None:
         self.scale_hz = float(freq_hz[-1])
         self.n = covariance.shape[1]
         self.max_order = max_order
@@ -65,8 +71,9 @@ class NumeratorFit:
         # A direction without any misfit at all is left to the ridge.
         self._root = np.linalg.cholesky(self.form + max(ridge, 1e-300) * np.eye(size))
         from scipy.linalg import solve_triangular  # slow to import
+
         self._solve = solve_triangular
-        self._first = solve_triangular(self._root, np.eye(size)[:, :self.n], lower=True)
+        self._first = solve_triangular(self._root, np.eye(size)[:, : self.n], lower=True)
 
     def _form(self, covariance: ComplexArray, largest: FloatArray) -> FloatArray:
         """A of Q = c' A c, ordered by degree, then by channel."""
@@ -116,7 +123,7 @@ class NumeratorFit:
 
     def zeros(self, c: FloatArray, row: int) -> ComplexArray:
         """Roots of one numerator in rad/s."""
-        return roots(c[:, row], self.basis.b[:c.shape[0]]) * (2 * np.pi * self.scale_hz)
+        return roots(c[:, row], self.basis.b[: c.shape[0]]) * (2 * np.pi * self.scale_hz)
 
     def slopes(self, c: FloatArray, row: int, s: ComplexArray) -> ComplexArray:
         """Derivatives of simple roots (rad/s) of one numerator by its coefficients, (n_roots, order + 1)."""
@@ -135,8 +142,9 @@ class NumeratorFit:
 class NumeratorSweep:
     """Zeros of one response's numerator, order by order: what the stabilization diagram asks for."""
 
-    def __init__(self, fit: NumeratorFit, row: int, others: Sequence[int], solutions: dict[int, FloatArray]
-                 ) -> None:
+    def __init__(
+        self, fit: NumeratorFit, row: int, others: Sequence[int], solutions: dict[int, FloatArray]
+    ) -> None:
         self.fit, self.row, self.others = fit, row, tuple(others)
         self._solutions = solutions  # shared by the rows of one fit
         self._roots: dict[int, ComplexArray] = {}

@@ -69,7 +69,7 @@ def real_basis(t: FloatArray, weight: FloatArray, order: int) -> RealBasis:
         v = t * p[k]
         a[k] = weight @ (v * p[k])
         v -= a[k] * p[k] + (b[k] * p[k - 1] if k else 0.0)
-        v -= (p[:k + 1] @ (weight * v)) @ p[:k + 1]
+        v -= (p[: k + 1] @ (weight * v)) @ p[: k + 1]
         b[k + 1] = np.sqrt(weight @ (v * v))
         p[k + 1] = v / b[k + 1]
     return RealBasis(a, b, np.ascontiguousarray(p.T))
@@ -112,16 +112,16 @@ class PowerFit(CommonDenominator):
 
     def peak_shares(self, d: FloatArray, s: ComplexArray) -> FloatArray:
         """The poles' own peaks in z, 2 norm(residues) / Im z, over the norm of the fitted curves at Re z."""
-        t = (-(s / (2 * np.pi))**2 - self.middle) / self.half
+        t = (-((s / (2 * np.pi)) ** 2) - self.middle) / self.half
         step = 1e-6 * np.maximum(np.abs(t.imag), 1e-9)
         n, n1 = t.size, d.size
         points = np.concatenate([t, t.real + 0j, t + step, t - step])
-        numerators = self.numerator_basis.at(points[:2 * n], n1 - 1) @ (self.x[:, :n1, :n1] @ d).T
+        numerators = self.numerator_basis.at(points[: 2 * n], n1 - 1) @ (self.x[:, :n1, :n1] @ d).T
         above = np.linalg.norm(numerators, axis=1)
         below = self.denominator_basis.at(points, n1 - 1) @ d
-        slope = np.abs(below[2 * n:3 * n] - below[3 * n:]) / (2 * step)
+        slope = np.abs(below[2 * n : 3 * n] - below[3 * n :]) / (2 * step)
         residue = above[:n] / np.maximum(slope, 1e-300)
-        curve = above[n:] / np.maximum(np.abs(below[n:2 * n]), 1e-300)
+        curve = above[n:] / np.maximum(np.abs(below[n : 2 * n]), 1e-300)
         return share_of_curve(2.0 * residue, t.imag, curve)
 
 
@@ -135,8 +135,8 @@ class PowerSweep(PoleSweep):
     def curves(self, order: int) -> tuple[ComplexArray, ComplexArray]:
         """Data and fit on the lines, (n_outputs, n_freq) each; squared magnitudes, scaled."""
         d = self._solution(order, False)
-        above = self.fit.numerator_basis.p[:, :order + 1] @ (self.fit.x[:, :order + 1, :order + 1] @ d).T
-        below = self.fit.denominator_basis.p[:, :order + 1] @ d
+        above = self.fit.numerator_basis.p[:, : order + 1] @ (self.fit.x[:, : order + 1, : order + 1] @ d).T
+        below = self.fit.denominator_basis.p[:, : order + 1] @ d
         return self.fit.values + 0j, np.asarray(above.T / below + 0j)
 
     def dominances(self, order: int, s: ComplexArray) -> FloatArray:

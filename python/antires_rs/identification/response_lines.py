@@ -57,14 +57,21 @@ class Lines:
     def part(self, first: int, last: int) -> Lines:
         """Some of the lines."""
         some = None if self.segments is None else self.segments[first:last]
-        return replace(self, freq_hz=self.freq_hz[first:last], vectors=self.vectors[:, first:last],
-                       snr=self.snr[first:last], segments=some)
+        return replace(
+            self,
+            freq_hz=self.freq_hz[first:last],
+            vectors=self.vectors[:, first:last],
+            snr=self.snr[first:last],
+            segments=some,
+        )
 
     def covariance(self) -> ComplexArray:
         """Covariance of the rows at every line, (n_freq, n_rows, n_rows), in units of the noise."""
         if self.segments is not None:
-            return np.asarray(self.segments @ self.segments.conj().transpose(0, 2, 1)
-                              / self.segments.shape[2], dtype=np.complex128)
+            return np.asarray(
+                self.segments @ self.segments.conj().transpose(0, 2, 1) / self.segments.shape[2],
+                dtype=np.complex128,
+            )
         v = self.vectors.T
         return np.asarray(self.snr[:, None, None] * v[:, :, None] * v[:, None, :].conj())
 
@@ -80,7 +87,7 @@ class Lines:
 
     def channel_snr(self, row: int) -> FloatArray:
         """Signal-to-noise power of one row."""
-        return np.asarray(self.snr * np.abs(self.vectors[row])**2, dtype=np.float64)
+        return np.asarray(self.snr * np.abs(self.vectors[row]) ** 2, dtype=np.float64)
 
     def quotients(self, row: int) -> tuple[ComplexArray, FloatArray]:
         """All other rows over one row, and the sum of their squared magnitudes."""
@@ -88,26 +95,50 @@ class Lines:
         # A line at which the row vanishes would divide by zero; its weight will be nil.
         own = np.where(np.abs(own) < 1e-12, 1e-12, own)
         others = np.delete(self.vectors, row, axis=0) / own
-        return others, np.sum(np.abs(others)**2, axis=0)
+        return others, np.sum(np.abs(others) ** 2, axis=0)
 
 
-def lines_of(source: Recording | FrequencyResponse, band_hz: tuple[float, float], *, use_force: bool,
-             nperseg: int | None, noverlap: int | None, window: Any, method: str, estimator: str,
-             ) -> Callable[[int], Lines]:
+def lines_of(
+    source: Recording | FrequencyResponse,
+    band_hz: tuple[float, float],
+    *,
+    use_force: bool,
+    nperseg: int | None,
+    noverlap: int | None,
+    window: Any,
+    method: str,
+    estimator: str,
+) -> Callable[[int], Lines]:
     """Response vectors of either source; the argument is the row that will be divided by.
 
     The options of averaging are a record's.
     """
     if isinstance(source, Recording):
-        return lines_of_recording(source, band_hz, use_force=use_force, nperseg=nperseg, noverlap=noverlap,
-                                  window=window, method=method, estimator=estimator)
+        return lines_of_recording(
+            source,
+            band_hz,
+            use_force=use_force,
+            nperseg=nperseg,
+            noverlap=noverlap,
+            window=window,
+            method=method,
+            estimator=estimator,
+        )
     same = lines_of_response(source, band_hz, use_force=use_force)
     return lambda row: same
 
 
-def lines_of_recording(rec: Recording, band_hz: tuple[float, float], *, use_force: bool, nperseg: int | None,
-                       noverlap: int | None, window: Any, method: str, estimator: str,
-                       ) -> Callable[[int], Lines]:
+def lines_of_recording(
+    rec: Recording,
+    band_hz: tuple[float, float],
+    *,
+    use_force: bool,
+    nperseg: int | None,
+    noverlap: int | None,
+    window: Any,
+    method: str,
+    estimator: str,
+) -> Callable[[int], Lines]:
     """Response vectors of a record; the argument is the row that will be divided by."""
     transient = method == "transient" or (method == "auto" and is_transient(rec))
     if transient:
@@ -125,8 +156,10 @@ def lines_of_recording(rec: Recording, band_hz: tuple[float, float], *, use_forc
     if not auto.all():
         dead = int(np.flatnonzero(auto == 0.0)[0])
         name = f"dof {rec.dofs[dead]!r}" if dead < rec.n_channels else "the force"
-        raise UnsuitableDataError(f"source: got no signal at all from {name} in the band; wanted a live "
-                                  "channel. Leave the dead channel out of the Recording.")
+        raise UnsuitableDataError(
+            f"source: got no signal at all from {name} in the band; wanted a live "
+            "channel. Leave the dead channel out of the Recording."
+        )
     vectors, snr = response_vectors(spectra.matrix, spectra.noise)
     if transient:
         noise, snr = _noise_of_curves(_joined(vectors, auto_by_line=np.einsum("fii->f", spectra.matrix).real))
@@ -143,10 +176,20 @@ def lines_of_recording(rec: Recording, band_hz: tuple[float, float], *, use_forc
     independent = 1.0 if transient else min(1.0, rec.n_samples / length / spectra.n_effective)
 
     def lines(row: int) -> Lines:
-        own = vectors if estimator == "rank1" else two_channel(
-            spectra.matrix, row % vectors.shape[0], estimator)[0]
-        return Lines(spectra.freq_hz, _unit(own * unit[:, None]), snr, spectra.added_decay_per_s, segments,
-                     independent, spectra.n_averages / spectra.n_effective)
+        own = (
+            vectors
+            if estimator == "rank1"
+            else two_channel(spectra.matrix, row % vectors.shape[0], estimator)[0]
+        )
+        return Lines(
+            spectra.freq_hz,
+            _unit(own * unit[:, None]),
+            snr,
+            spectra.added_decay_per_s,
+            segments,
+            independent,
+            spectra.n_averages / spectra.n_effective,
+        )
 
     return lines
 
@@ -156,7 +199,7 @@ def _segments(spectra: CrossSpectra, unit: FloatArray, use_force: bool) -> Compl
     if spectra.segments is None or spectra.n_averages < 2:
         return None
     scaled = np.ascontiguousarray((spectra.segments * unit[:, None, None]).transpose(2, 0, 1))
-    some = scaled[:, :FORCE if use_force else None]
+    some = scaled[:, : FORCE if use_force else None]
     values = np.linalg.eigvalsh(some @ some.conj().transpose(0, 2, 1) / scaled.shape[2])
     return np.asarray(scaled / np.sqrt(_floors(values))[:, None, None])
 
@@ -167,6 +210,7 @@ def _floors(values: FloatArray) -> FloatArray:
     Noise that is not white would otherwise bias the eigenvector of smallest misfit, which takes it for even.
     """
     from scipy.ndimage import median_filter  # slow to import
+
     if values.shape[1] < 2:
         return np.ones(values.shape[0])
     left = median_filter(values[:, :-1].mean(axis=1), size=FLOOR_LINES, mode="nearest")
@@ -177,15 +221,21 @@ def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, 
     """Response vectors of measured FRFs or transmissibilities."""
     inside = _inside(resp.freq_hz, band_hz)
     freq, values = resp.freq_hz[inside], resp.values[:, inside]
-    power = np.mean(np.abs(values)**2, axis=1)
+    power = np.mean(np.abs(values) ** 2, axis=1)
     if not power.all():
         dead = resp.dofs[int(np.flatnonzero(power == 0.0)[0])]
-        raise UnsuitableDataError(f"source: got zeros only for dof {dead!r} in the band; wanted a live "
-                                  "channel. Leave the dead channel out of the FrequencyResponse.")
+        raise UnsuitableDataError(
+            f"source: got zeros only for dof {dead!r} in the band; wanted a live "
+            "channel. Leave the dead channel out of the FrequencyResponse."
+        )
     if resp.kind == "transmissibility":
         if use_force:
-            reject("route", "'frf' with a source of transmissibilities", "'transmissibility'",
-                   "Transmissibilities do not hold the FRFs.")
+            reject(
+                "route",
+                "'frf' with a source of transmissibilities",
+                "'transmissibility'",
+                "Transmissibilities do not hold the FRFs.",
+            )
         # A transmissibility's own magnitude says nothing about its signal-to-noise ratio.
         return Lines(freq, _unit(values), np.full(freq.size, UNKNOWN_SNR))
     noise, snr = _noise_of_curves(values)
@@ -214,9 +264,9 @@ def _noise_of_curves(values: ComplexArray) -> tuple[FloatArray, FloatArray]:
     A single hit, or a given FRF, has no averages to tell its noise. What is rough from line to line is noise,
     or an error of another kind that the fit should not follow either (a joint that slips, a drifting mode).
     """
-    local = _roughness(values, np.mean(np.abs(values)**2, axis=1))
+    local = _roughness(values, np.mean(np.abs(values) ** 2, axis=1))
     noise = np.median(local, axis=1)
-    snr = np.sum(np.abs(values)**2 / noise[:, None], axis=0) / np.sum(local / noise[:, None], axis=0)
+    snr = np.sum(np.abs(values) ** 2 / noise[:, None], axis=0) / np.sum(local / noise[:, None], axis=0)
     return noise, snr
 
 
@@ -227,9 +277,10 @@ def _roughness(values: ComplexArray, power: FloatArray) -> FloatArray:
     keeps the few lines of the peak from ruling the fit.
     """
     from scipy.ndimage import median_filter  # slow to import
+
     if values.shape[1] < NOISE_LINES:
         return np.repeat(power[:, None], values.shape[1], axis=1)
-    second = np.abs(values[:, 2:] - 2.0 * values[:, 1:-1] + values[:, :-2])**2
+    second = np.abs(values[:, 2:] - 2.0 * values[:, 1:-1] + values[:, :-2]) ** 2
     second = np.concatenate([second[:, :1], second, second[:, -1:]], axis=1)
     # The median of abs()**2 of complex Gaussian noise is ln 2 of its mean.
     noise = median_filter(second, size=(1, NOISE_LINES), mode="nearest") / (6.0 * np.log(2.0))
@@ -245,8 +296,12 @@ def _inside(freq_hz: FloatArray, band_hz: tuple[float, float]) -> Any:
     # Zero frequency is no line of a vibration test: means are removed, accelerations vanish.
     inside = (freq_hz >= band_hz[0]) & (freq_hz <= band_hz[1]) & (freq_hz > 0.0)
     if inside.sum() < 8:
-        reject("band_hz", f"({band_hz[0]:g}, {band_hz[1]:g}) Hz with {int(inside.sum())} lines in it",
-               "a band with at least 8 frequency lines", "Widen the band, or use longer segments.")
+        reject(
+            "band_hz",
+            f"({band_hz[0]:g}, {band_hz[1]:g}) Hz with {int(inside.sum())} lines in it",
+            "a band with at least 8 frequency lines",
+            "Widen the band, or use longer segments.",
+        )
     return inside
 
 

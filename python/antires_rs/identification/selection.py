@@ -69,8 +69,9 @@ class Zero(NamedTuple):
         return float(abs(self.s) / (2 * np.pi))
 
 
-def select(lines: Lines, n_responses: int, window: Window, orders: range, rule: Rule,
-           keep_common: bool) -> list[StabilizationDiagram]:
+def select(
+    lines: Lines, n_responses: int, window: Window, orders: range, rule: Rule, keep_common: bool
+) -> list[StabilizationDiagram]:
     """One diagram for each of the first ``n_responses`` rows of ``lines``."""
     rule = replace(rule, both_sides=True)
     best = likeliest(lines.freq_hz, lines.covariance(), SNR_CAP, lines.independent, orders[-1])
@@ -90,8 +91,9 @@ def select(lines: Lines, n_responses: int, window: Window, orders: range, rule: 
         sweep.companions = [] if keep_common else [sweeps[k] for k in sweep.others]
         quotients = lines.quotients(row)[0]
         background = np.abs(quotients.sum(axis=0))
-        one = diagram(sweep, orders, window.report_hz, rule, lines.freq_hz, background,
-                      lines.added_decay_per_s)
+        one = diagram(
+            sweep, orders, window.report_hz, rule, lines.freq_hz, background, lines.added_decay_per_s
+        )
         own = roots[row][~shared(roots[row], others)]
         zeros = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
         higher = sum(m > best.order for m in orders)
@@ -108,13 +110,24 @@ def select(lines: Lines, n_responses: int, window: Window, orders: range, rule: 
     return diagrams
 
 
-def _candidates(best: Likeliest, influence: Influence, sweep: NumeratorSweep, s: ComplexArray,
-                lines: Lines, report_hz: tuple[float, float], rule: Rule) -> list[Zero]:
+def _candidates(
+    best: Likeliest,
+    influence: Influence,
+    sweep: NumeratorSweep,
+    s: ComplexArray,
+    lines: Lines,
+    report_hz: tuple[float, float],
+    rule: Rule,
+) -> list[Zero]:
     """Zeros in the band, lightly damped, well known, and not half of a complex pair."""
     size = np.abs(s)
     damping = -(s.real + lines.added_decay_per_s) / size
-    s = s[(s.imag > 0) & (size >= 2 * np.pi * 0.98 * report_hz[0]) & (size <= 2 * np.pi * 1.02 * report_hz[1])
-          & (np.abs(damping) <= WIDEST)]
+    s = s[
+        (s.imag > 0)
+        & (size >= 2 * np.pi * 0.98 * report_hz[0])
+        & (size <= 2 * np.pi * 1.02 * report_hz[1])
+        & (np.abs(damping) <= WIDEST)
+    ]
     if not s.size:
         return []
     share = best.fit.dominances(best.coefficients, sweep.row, s, sweep.others)
@@ -125,11 +138,17 @@ def _candidates(best: Likeliest, influence: Influence, sweep: NumeratorSweep, s:
     s, share, std = s[known], share[known], std[known]
     size = np.abs(s)
     freq, damping = size / (2 * np.pi), -(s.real + lines.added_decay_per_s) / size
-    keep = ((freq >= report_hz[0]) & (freq <= report_hz[1]) & (damping >= -MOST_NEGATIVE)
-            & (damping <= rule.max_damping) & (share >= rule.min_dominance)
-            & ~_paired(freq, damping, std / freq))
-    return [Zero(complex(z), float(d), float(e))
-            for z, d, e in zip(s[keep], share[keep], std[keep], strict=True)]
+    keep = (
+        (freq >= report_hz[0])
+        & (freq <= report_hz[1])
+        & (damping >= -MOST_NEGATIVE)
+        & (damping <= rule.max_damping)
+        & (share >= rule.min_dominance)
+        & ~_paired(freq, damping, std / freq)
+    )
+    return [
+        Zero(complex(z), float(d), float(e)) for z, d, e in zip(s[keep], share[keep], std[keep], strict=True)
+    ]
 
 
 def _paired(freq: FloatArray, damping: FloatArray, std: FloatArray) -> Any:
@@ -145,8 +164,9 @@ def _of(s: complex, added: float) -> tuple[float, float]:
     return float(abs(moved) / (2 * np.pi)), float(-moved.real / abs(moved))
 
 
-def _credible(zero: Zero, seen: int, higher: int, others: list[ComplexArray], rule: Rule,
-              added: float) -> bool:
+def _credible(
+    zero: Zero, seen: int, higher: int, others: list[ComplexArray], rule: Rule, added: float
+) -> bool:
     """Whether a zero may be accepted: at once, or because the higher orders have it too."""
     # With fewer than two others nothing can be told of what all rows share: the higher orders decide.
     unknown = len(others) < 2
@@ -167,8 +187,10 @@ def _seen(zero: Zero, sweep: NumeratorSweep, order: int, orders: range, rule: Ru
         s = sweep.roots(m)
         s = s[s.imag > 0]
         own = np.abs(s)
-        s = s[(np.abs(own / size - 1.0) <= rule.freq_tol)
-              & (np.abs(-s.real / own - damping) <= rule.damping_tol * abs(damping) + SAME_DAMPING)]
+        s = s[
+            (np.abs(own / size - 1.0) <= rule.freq_tol)
+            & (np.abs(-s.real / own - damping) <= rule.damping_tol * abs(damping) + SAME_DAMPING)
+        ]
         if s.size:
             seen.append(float(np.abs(s[np.argmin(np.abs(s - zero.s))])))
     return seen
@@ -188,7 +210,8 @@ def _value(zero: Zero, seen: list[float], chain: Value | None, added: float) -> 
     """The value, with the scores of its chain if it has one."""
     freq, damping = _of(zero.s, added)
     if chain is not None:
-        return chain._replace(freq_hz=freq, damping_ratio=damping, dominance=zero.dominance,
-                              std_hz=zero.std_hz)
+        return chain._replace(
+            freq_hz=freq, damping_ratio=damping, dominance=zero.dominance, std_hz=zero.std_hz
+        )
     spread = float(np.std(seen) / abs(zero.s)) if seen else float("nan")
     return Value(freq, damping, len(seen), spread, zero.dominance, "persistent", zero.std_hz)

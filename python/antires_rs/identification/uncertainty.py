@@ -70,10 +70,10 @@ class Influence:
         """What every line of every segment adds, (n_zeros, n_freq, n_segments)."""
         n = self.directions
         along = n.conj()[:, None, :] @ segments
-        length = np.sum(np.abs(n)**2, axis=1)
+        length = np.sum(np.abs(n) ** 2, axis=1)
         across = fields.conj().transpose(1, 0, 2) @ segments
         slip = np.einsum("zfa,fa->fz", fields.conj(), n).real / length[:, None]
-        moves = (across * along.conj()).real - slip[:, :, None] * np.abs(along)**2
+        moves = (across * along.conj()).real - slip[:, :, None] * np.abs(along) ** 2
         return np.asarray(moves.transpose(1, 0, 2))
 
 
@@ -82,7 +82,7 @@ def standard_deviations(influence: Influence, row: int, s: ComplexArray, lines: 
     fields = influence.fields(row, s)
     if lines.segments is not None:
         moved = influence.of_segments(fields, lines.segments)
-        scale = lines.averages_ratio / moved.shape[1]**2
+        scale = lines.averages_ratio / moved.shape[1] ** 2
     else:
         single = (np.sqrt(lines.snr) * lines.vectors).T[:, :, None]
         by_line = influence.by_line(fields, single)

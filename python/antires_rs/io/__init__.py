@@ -14,6 +14,22 @@ from .sep005 import from_sep005, to_sep005
 from .uff import list_uff, read_uff
 from .uff_write import write_uff
 
-__all__ = ["from_sep005", "list_uff", "mat_arrays", "read_csv", "read_dof_map", "read_hdf5", "read_mat",
-           "read_matrices", "read_npz", "read_uff", "to_sep005", "write_csv", "write_hdf5", "write_mat",
-           "write_matrices", "write_npz", "write_uff"]
+__all__ = [
+    "from_sep005",
+    "list_uff",
+    "mat_arrays",
+    "read_csv",
+    "read_dof_map",
+    "read_hdf5",
+    "read_mat",
+    "read_matrices",
+    "read_npz",
+    "read_uff",
+    "to_sep005",
+    "write_csv",
+    "write_hdf5",
+    "write_mat",
+    "write_matrices",
+    "write_npz",
+    "write_uff",
+]

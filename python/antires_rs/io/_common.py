@@ -15,8 +15,17 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.validation import reject
 
-__all__ = ["Signal", "existing_file", "missing_package", "missing_part", "rate_of", "signal_given",
-           "simplest_rate", "unsuitable", "warn"]
+__all__ = [
+    "Signal",
+    "existing_file",
+    "missing_package",
+    "missing_part",
+    "rate_of",
+    "signal_given",
+    "simplest_rate",
+    "unsuitable",
+    "warn",
+]
 
 Signal = Recording | FrequencyResponse
 
@@ -35,8 +44,9 @@ def existing_file(path: str | os.PathLike[str]) -> Path:
 
 def unsuitable(path: Path, found: str, wanted: str, remedy: str = "") -> NoReturn:
     """Raise for a file that is damaged or of another kind."""
-    raise UnsuitableDataError(f"path: got {str(path)!r}, {found}; wanted {wanted}."
-                              f"{' ' + remedy if remedy else ''}")
+    raise UnsuitableDataError(
+        f"path: got {str(path)!r}, {found}; wanted {wanted}.{' ' + remedy if remedy else ''}"
+    )
 
 
 def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) -> None:
@@ -58,8 +68,10 @@ def warn(message: str) -> None:
 
 def missing_package(what: str, package: str, extra: str, cause: ImportError) -> MissingDependencyError:
     """The error that names the extra to install."""
-    error = MissingDependencyError(f'{what} needs {package}; install it with: '
-                                   f'pip install "antires-rs[{extra}]", or: pip install {package}')
+    error = MissingDependencyError(
+        f"{what} needs {package}; install it with: "
+        f'pip install "antires-rs[{extra}]", or: pip install {package}'
+    )
     error.__cause__ = cause
     return error
 
@@ -75,8 +87,10 @@ def simplest_rate(low: float, high: float) -> float:
     """The rate in [low, high] that is the simplest number, or whose step is."""
     rate, step = _simplest(low, high), _simplest(1.0 / high, 1.0 / low)
     # Of equally simple ones, the nearer to the middle.
-    found = [(_digits(rate), abs(rate - 0.5 * (low + high)), rate),
-             (_digits(step), abs(1.0 / step - 0.5 * (low + high)), 1.0 / step)]
+    found = [
+        (_digits(rate), abs(rate - 0.5 * (low + high)), rate),
+        (_digits(step), abs(1.0 / step - 0.5 * (low + high)), 1.0 / step),
+    ]
     return min(found)[2]
 
 
@@ -111,8 +125,12 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
     if late.size:
         i = int(late[0])
-        unsuitable(path, f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of "
-                   f"{step:.6g} s ({late.size} such gaps)", wanted,
-                   "Samples are missing, or the sampling was uneven.")
+        unsuitable(
+            path,
+            f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of "
+            f"{step:.6g} s ({late.size} such gaps)",
+            wanted,
+            "Samples are missing, or the sampling was uneven.",
+        )
     count = times.size - 1
     return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))

@@ -28,6 +28,7 @@ def limit_memory(gigabytes: float) -> None:
 def flatten(name: str, value: Any, arrays: dict[str, Any], texts: dict[str, str], depth: int = 0) -> None:
     """Numeric arrays and texts of a variable by name: ``struct.field``, ``struct[1].field``, ``cell[2]``."""
     import numpy as np
+
     if depth > DEEPEST or len(arrays) >= MOST_ARRAYS or not isinstance(value, np.ndarray):
         return
     if value.dtype.names:
@@ -50,6 +51,7 @@ def main(path: str, out: str, gigabytes: str) -> None:
     limit_memory(float(gigabytes))
     import numpy as np
     from scipy.io import loadmat
+
     variables = loadmat(path, chars_as_strings=True)
     arrays: dict[str, Any] = {}
     texts: dict[str, str] = {}

@@ -53,18 +53,33 @@ def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
             unsuitable(path, f"of version {data['version']!r}", WANTED, "Update antires_rs.")
         lost = [name for name in data["arrays"] if name not in arrays]
         if lost:
-            unsuitable(path, f"without {', '.join(lost)} of its {len(data['arrays'])} arrays", WANTED,
-                       "It was cut: copy it again.")
+            unsuitable(
+                path,
+                f"without {', '.join(lost)} of its {len(data['arrays'])} arrays",
+                WANTED,
+                "It was cut: copy it again.",
+            )
         made = {name: np.asarray(arrays[name]) for name in data["arrays"]}
         for name, (dtype, *shape) in data["arrays"].items():
             if made[name].dtype != np.dtype(dtype) or made[name].shape != tuple(shape):
-                unsuitable(path, f"whose {name} has shape {made[name].shape} of {made[name].dtype}",
-                           f"{tuple(shape)} of {dtype}, as the file itself states", "It was damaged.")
+                unsuitable(
+                    path,
+                    f"whose {name} has shape {made[name].shape} of {made[name].dtype}",
+                    f"{tuple(shape)} of {dtype}, as the file itself states",
+                    "It was damaged.",
+                )
         if data["kind"] == "recording":
             return Recording(made["responses"], data["fs_hz"], data["dofs"], made.get("force"))
-        return FrequencyResponse(made["freq_hz"], made["values"], data["dofs"], data["kind"],
-                                 data["reference"], made.get("coherence"), data["n_averages"],
-                                 made.get("std"))
+        return FrequencyResponse(
+            made["freq_hz"],
+            made["values"],
+            data["dofs"],
+            data["kind"],
+            data["reference"],
+            made.get("coherence"),
+            data["n_averages"],
+            made.get("std"),
+        )
     except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as exc:
         unsuitable(path, f"which is damaged ({type(exc).__name__}: {exc})", WANTED)
 

@@ -53,9 +53,13 @@ def write_store(path: str | os.PathLike[str], data: dict[str, Any], store: Store
     return write_archive(path, text, {**store.arrays, "text_sha256": own})
 
 
-def read_store(path: str | os.PathLike[str], form: str, version: int, wanted: str,
-               remedy: str = "It was cut, or is another file: copy it again, or name the right one.",
-               ) -> tuple[Path, dict[str, Any]]:
+def read_store(
+    path: str | os.PathLike[str],
+    form: str,
+    version: int,
+    wanted: str,
+    remedy: str = "It was cut, or is another file: copy it again, or name the right one.",
+) -> tuple[Path, dict[str, Any]]:
     """The text with its arrays in place, after all hashes were compared.
 
     ``wanted`` and ``remedy`` are said of a file that is no archive.
@@ -71,12 +75,17 @@ def read_store(path: str | os.PathLike[str], form: str, version: int, wanted: st
     if data.get("format") != form:
         unsuitable(file, f"which holds {data.get('format')!r}", wanted)
     if not isinstance(data.get("version"), int) or data["version"] > version:
-        unsuitable(file, f"of version {data.get('version')!r}", f"version {version} or older",
-                   "Update antires_rs.")
+        unsuitable(
+            file, f"of version {data.get('version')!r}", f"version {version} or older", "Update antires_rs."
+        )
     for name, digest in data["sha256"].items():
         if name not in arrays or _digest(arrays[name]) != digest:
-            unsuitable(file, f"whose array {name} is missing or does not have its checksum", wanted,
-                       "It was damaged or edited.")
+            unsuitable(
+                file,
+                f"whose array {name} is missing or does not have its checksum",
+                wanted,
+                "It was damaged or edited.",
+            )
     return file, _filled(data, arrays)
 
 
@@ -95,4 +104,5 @@ def _digest(array: NDArray[Any]) -> str:
 
 def _sha256(data: bytes) -> str:
     import hashlib  # slow to load
+
     return hashlib.sha256(data).hexdigest()

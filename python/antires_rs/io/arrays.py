@@ -28,10 +28,20 @@ _COHERENCE = {"coherence", "coh", "gamma2"}
 Kind = Literal["frf", "transmissibility"]
 
 
-def signal_of_arrays(path: Path, arrays: Mapping[str, NDArray[Any]], *, responses: Any = None,
-                     time: str | None = None, freq: str | None = None, force: Any = "auto",
-                     fs_hz: float | None = None, dofs: Dofs = None, unit: str | None = None,
-                     kind: str = "frf", reference: Any = None) -> Signal:
+def signal_of_arrays(
+    path: Path,
+    arrays: Mapping[str, NDArray[Any]],
+    *,
+    responses: Any = None,
+    time: str | None = None,
+    freq: str | None = None,
+    force: Any = "auto",
+    fs_hz: float | None = None,
+    dofs: Dofs = None,
+    unit: str | None = None,
+    kind: str = "frf",
+    reference: Any = None,
+) -> Signal:
     """A Recording, or a FrequencyResponse where the arrays lie over a frequency.
 
     Roles that are not named are taken from the arrays' own names; what remains ambiguous is refused, with the
@@ -40,16 +50,22 @@ def signal_of_arrays(path: Path, arrays: Mapping[str, NDArray[Any]], *, response
     numeric = {name: _vectors(value) for name, value in arrays.items() if _usable(value)}
     cubes = [name for name, value in arrays.items() if value.dtype.kind in "iufc" and value.ndim > 2]
     if cubes and responses is None:
-        warn(f"path: {str(path)!r} has arrays of three and more axes, {', '.join(cubes)}, which are not "
-             "read. Slice them to (n_channels, n_samples) if they are responses.")
+        warn(
+            f"path: {str(path)!r} has arrays of three and more axes, {', '.join(cubes)}, which are not "
+            "read. Slice them to (n_channels, n_samples) if they are responses."
+        )
     if not numeric:
         unsuitable(path, f"with no numeric array ({_listed(arrays)})", "arrays of numbers")
     freq = _role(path, "freq", freq, numeric, _FREQ)
     time = _role(path, "time", time, numeric, _TIME)
     taken = {name for name in (freq, time) if name}
     if freq is not None and time is not None:
-        unsuitable(path, f"with both {time!r} and {freq!r} ({_listed(arrays)})", "one of them",
-                   "Name the responses=, and the time= or freq= that belongs to them.")
+        unsuitable(
+            path,
+            f"with both {time!r} and {freq!r} ({_listed(arrays)})",
+            "one of them",
+            "Name the responses=, and the time= or freq= that belongs to them.",
+        )
     if freq is not None:
         return _response(path, numeric, freq, responses, dofs, unit, kind, reference)
     rate = _rate(path, numeric, time, fs_hz)
@@ -66,31 +82,48 @@ def signal_of_arrays(path: Path, arrays: Mapping[str, NDArray[Any]], *, response
     instants = None if time is None or fs_hz is not None else numeric[time].shape[1]
     for c in channels:
         if instants not in (None, c.values.size):
-            unsuitable(path, f"with {c.values.size} samples of {c.name!r} over {instants} instants of "
-                       f"{time!r}", "as many", "Name the time= that belongs to them, or give fs_hz=.")
+            unsuitable(
+                path,
+                f"with {c.values.size} samples of {c.name!r} over {instants} instants of {time!r}",
+                "as many",
+                "Name the time= that belongs to them, or give fs_hz=.",
+            )
     if pushed is not None:
         channels.append(Channel(pushed, numeric[pushed][0], "N", "force"))
-    return recording_of(path, channels, rate, dofs=dofs, unit=unit,
-                        force=None if force is None else "auto")
+    return recording_of(path, channels, rate, dofs=dofs, unit=unit, force=None if force is None else "auto")
 
 
-def _response(path: Path, numeric: dict[str, NDArray[Any]], freq: str, responses: Any, dofs: Dofs,
-              unit: str | None, kind: str, reference: Any) -> FrequencyResponse:
+def _response(
+    path: Path,
+    numeric: dict[str, NDArray[Any]],
+    freq: str,
+    responses: Any,
+    dofs: Dofs,
+    unit: str | None,
+    kind: str,
+    reference: Any,
+) -> FrequencyResponse:
     """FRFs or transmissibilities over ``freq``."""
     choice("kind", kind, ("frf", "transmissibility"))
     lines = numeric[freq][0].real
     seen = [n for n in numeric if _last(n) in _COHERENCE]
     complex_ones = {name: values for name, values in numeric.items() if np.iscomplexobj(values)}
-    rows = _chosen(path, complex_ones if responses is None and complex_ones else numeric, responses,
-                   {freq, *seen})
+    rows = _chosen(
+        path, complex_ones if responses is None and complex_ones else numeric, responses, {freq, *seen}
+    )
     real = next((name for name, values in rows if not np.iscomplexobj(values)), None)
     if real is not None:
-        unsuitable(path, f"whose {real} is real", "complex FRFs or transmissibilities",
-                   "Magnitudes alone have lost the phase; combine magnitude and phase first.")
+        unsuitable(
+            path,
+            f"whose {real} is real",
+            "complex FRFs or transmissibilities",
+            "Magnitudes alone have lost the phase; combine magnitude and phase first.",
+        )
     for name, values in rows:
         if values.size != lines.size:
-            unsuitable(path, f"with {values.size} values of {name!r} over {lines.size} frequencies",
-                       "as many")
+            unsuitable(
+                path, f"with {values.size} values of {name!r} over {lines.size} frequencies", "as many"
+            )
     labels = renamed("dofs", [name for name, _ in rows], dofs)
     kept = [i for i, label in enumerate(labels) if label is not None]
     values = np.stack([rows[i][1] for i in kept])
@@ -112,17 +145,26 @@ def _rate(path: Path, numeric: dict[str, NDArray[Any]], time: str | None, fs_hz:
         rate = rate_of(path, numeric[time][0].real)
         stated = float(numeric[rates[0]][0, 0].real) if len(rates) == 1 else rate
         if abs(stated - rate) > 1e-3 * rate:
-            unsuitable(path, f"with {rates[0]} of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s",
-                       "one rate", "Give the true one by fs_hz=.")
+            unsuitable(
+                path,
+                f"with {rates[0]} of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s",
+                "one rate",
+                "Give the true one by fs_hz=.",
+            )
         return rate
     if len(rates) != 1:
-        unsuitable(path, f"without a sampling rate or a time ({_listed(numeric)})", "one of them",
-                   "Name time= or give fs_hz=; for responses over frequency name freq=.")
+        unsuitable(
+            path,
+            f"without a sampling rate or a time ({_listed(numeric)})",
+            "one of them",
+            "Name time= or give fs_hz=; for responses over frequency name freq=.",
+        )
     return finite_scalar(rates[0], float(numeric[rates[0]][0, 0].real), low=0.0, low_open=True, unit="Hz")
 
 
-def _role(path: Path, argument: str, given: str | None, numeric: dict[str, NDArray[Any]],
-          names: set[str]) -> str | None:
+def _role(
+    path: Path, argument: str, given: str | None, numeric: dict[str, NDArray[Any]], names: set[str]
+) -> str | None:
     """The array the user names for a role, or the only one whose name says it."""
     if given is not None:
         if given not in numeric:
@@ -130,37 +172,60 @@ def _role(path: Path, argument: str, given: str | None, numeric: dict[str, NDArr
         return given
     found = [n for n in numeric if _last(n) in names and len(numeric[n]) == 1 and numeric[n].size > 1]
     if len(found) > 1:
-        unsuitable(path, f"with several candidates for {argument}=, {found}", f"one {argument}",
-                   f"Name it: {argument}={found[0]!r}.")
+        unsuitable(
+            path,
+            f"with several candidates for {argument}=, {found}",
+            f"one {argument}",
+            f"Name it: {argument}={found[0]!r}.",
+        )
     return found[0] if found else None
 
 
-def _chosen(path: Path, numeric: dict[str, NDArray[Any]], responses: Any, taken: set[str],
-            ) -> list[tuple[str, NDArray[Any]]]:
+def _chosen(
+    path: Path, numeric: dict[str, NDArray[Any]], responses: Any, taken: set[str]
+) -> list[tuple[str, NDArray[Any]]]:
     """(name, values) of every response row; rows of a matrix are named ``name[0]``, ``name[1]``..."""
     if responses is None:
         longest = max((v.shape[1] for n, v in numeric.items() if n not in taken), default=0)
         names = [n for n, v in numeric.items() if n not in taken and v.shape[1] == longest and longest > 1]
         # Tables of settings are short; what is nearly as long is a channel that was cut.
-        short = [f"{n} ({v.shape[1]})" for n, v in numeric.items()
-                 if n not in taken and longest > v.shape[1] > longest // 2]
+        short = [
+            f"{n} ({v.shape[1]})"
+            for n, v in numeric.items()
+            if n not in taken and longest > v.shape[1] > longest // 2
+        ]
         if short:
-            warn(f"path: {str(path)!r} has arrays shorter than the {longest} samples of the longest, "
-                 f"{', '.join(short)}, which are left out. Name the responses= to choose.")
+            warn(
+                f"path: {str(path)!r} has arrays shorter than the {longest} samples of the longest, "
+                f"{', '.join(short)}, which are left out. Name the responses= to choose."
+            )
     else:
         asked: Sequence[Any] = [responses] if shape_of(responses) == () else list(responses)
         names = []
         for pattern in asked:
             # Names of struct arrays have brackets, which are no patterns.
-            hits = [pattern] if pattern in numeric else [
-                n for n in numeric if isinstance(pattern, str) and "*" in pattern
-                and fnmatchcase(n, pattern.replace("[", "[[]")) and n not in taken]
+            hits = (
+                [pattern]
+                if pattern in numeric
+                else [
+                    n
+                    for n in numeric
+                    if isinstance(pattern, str)
+                    and "*" in pattern
+                    and fnmatchcase(n, pattern.replace("[", "[[]"))
+                    and n not in taken
+                ]
+            )
             if not hits:
                 reject("responses", repr(pattern), f"arrays of {str(path)!r}: {_listed(numeric)}")
             names += [n for n in hits if n not in names]
     if not names:
-        unsuitable(path, f"with {_listed(numeric)}, none of which is a response", "arrays of samples",
-                   "Name them: responses=[...].")
+        unsuitable(
+            path,
+            f"with {_listed(numeric)}, none of which is a response",
+            "arrays of samples",
+            "Name them: responses=[...].",
+        )
     rows = []
     for name in names:
         several = len(numeric[name]) > 1

@@ -41,8 +41,15 @@ class Channel:
     role: str = ""
 
 
-def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, *, dofs: Dofs = None,
-                 force: Any = "auto", unit: str | None = None) -> Recording:
+def recording_of(
+    path: Path,
+    channels: Sequence[Channel],
+    fs_hz: float,
+    *,
+    dofs: Dofs = None,
+    force: Any = "auto",
+    unit: str | None = None,
+) -> Recording:
     """The recording, in SI, its force told from its responses.
 
     A channel is a force where the file says so, by role or unit. ``force`` is "auto" (the only one there is),
@@ -65,19 +72,30 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, *, dofs:
     used = [c for _, c in kept]
     lengths = {c.values.size for c in (*used, *([] if chosen is None else [chosen]))}
     if len(lengths) > 1:
-        unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length",
-                   "Leave out those of other lengths by dofs=.")
+        unsuitable(
+            path,
+            f"with channels of {sorted(lengths)} samples",
+            "channels of one length",
+            "Leave out those of other lengths by dofs=.",
+        )
     if unit is not None:
         units |= {id(c): named_unit("unit", unit) for c in used}
     else:
         _warn_unknown(path, used)
     if len({units[id(c)].quantity for c in used}) > 1:
-        unsuitable(path, "with responses of several kinds, " + ", ".join(
-            f"{c.name!r} in {c.unit or 'no unit'}" for c in used), "accelerations, velocities or "
-            "displacements alone", "Leave out those of other kinds by dofs=, or name the unit= of all.")
-    return Recording(np.stack([in_si(c.values, units[id(c)]) for c in used]), fs_hz,
-                     [label for label, _ in kept],
-                     None if chosen is None else in_si(chosen.values, units[id(chosen)]))
+        unsuitable(
+            path,
+            "with responses of several kinds, "
+            + ", ".join(f"{c.name!r} in {c.unit or 'no unit'}" for c in used),
+            "accelerations, velocities or displacements alone",
+            "Leave out those of other kinds by dofs=, or name the unit= of all.",
+        )
+    return Recording(
+        np.stack([in_si(c.values, units[id(c)]) for c in used]),
+        fs_hz,
+        [label for label, _ in kept],
+        None if chosen is None else in_si(chosen.values, units[id(chosen)]),
+    )
 
 
 def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
@@ -87,8 +105,12 @@ def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
     if isinstance(dofs, Mapping):
         lost = [name for name in names if name not in dofs]
         if lost:
-            reject(argument, f"no dof for {lost}", f"a dof for each of {list(names)}",
-                   "Map a channel to None to leave it out.")
+            reject(
+                argument,
+                f"no dof for {lost}",
+                f"a dof for each of {list(names)}",
+                "Map a channel to None to leave it out.",
+            )
         return [dofs[name] for name in names]
     if callable(dofs):
         return [dofs(name) for name in names]
@@ -119,8 +141,10 @@ def unit_or_warning(path: Path, text: str) -> Unit:
     """The unit of that name; one that is not known leaves values as they are, with a warning."""
     unit = parse_unit(text)
     if unit is None:
-        warn(f"path: {str(path)!r} has responses in {text!r}, which is no unit known "
-             "here; values are as they are in the file. Name it by unit= if they should be converted.")
+        warn(
+            f"path: {str(path)!r} has responses in {text!r}, which is no unit known "
+            "here; values are as they are in the file. Name it by unit= if they should be converted."
+        )
     return unit or Unit()
 
 
@@ -130,8 +154,12 @@ def _force(forces: list[Channel], force: Any) -> Channel | None:
     names = [c.name for c in forces]
     if isinstance(force, str) and force == "auto":
         if len(forces) > 1:
-            reject("force", f"'auto' for a file with {len(forces)} force channels, {names}",
-                   "the name of one, or None", "The theory is that of one force.")
+            reject(
+                "force",
+                f"'auto' for a file with {len(forces)} force channels, {names}",
+                "the name of one, or None",
+                "The theory is that of one force.",
+            )
         return forces[0]
     if force not in names:
         reject("force", repr(force), f"'auto', None or a channel of the file, {names or 'it has no force'}")

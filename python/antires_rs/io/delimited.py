@@ -29,10 +29,20 @@ _TIME, _FREQ = ("time", "t", "s", "time_s", "seconds"), ("freq", "f", "hz", "fre
 _SAME_RATE = 1e-3
 
 
-def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: float | None = None,
-             dofs: Dofs = None, force: Any = "auto", unit: str | None = None, kind: str | None = None,
-             reference: Any = None, delimiter: str | None = None, decimal: str | None = None,
-             partial: bool = False) -> Signal:
+def read_csv(
+    path: str | os.PathLike[str],
+    *,
+    first: str | None = None,
+    fs_hz: float | None = None,
+    dofs: Dofs = None,
+    force: Any = "auto",
+    unit: str | None = None,
+    kind: str | None = None,
+    reference: Any = None,
+    delimiter: str | None = None,
+    decimal: str | None = None,
+    partial: bool = False,
+) -> Signal:
     """Read columns of text: one of our files as it was, any other by the names of its columns.
 
     Options for a file of ours: as in :func:`read_npz`.
@@ -101,21 +111,39 @@ def read_csv(path: str | os.PathLike[str], *, first: str | None = None, fs_hz: f
         choice("first", first, ("time", "freq", "channel"))
     table = table_of(file, delimiter, decimal)
     if table.problem:
-        missing_part(file, table.problem, "a line end after the last row and every row whole", partial,
-                     len(table.values))
+        missing_part(
+            file,
+            table.problem,
+            "a line end after the last row and every row whole",
+            partial,
+            len(table.values),
+        )
     if "rows" in table.header and len(table.values) != table.header["rows"]:
         stated = table.header["rows"]
         if not table.problem:
             kept = len(table.values) if len(table.values) < stated else 0
-            missing_part(file, f"{len(table.values)} of {stated} rows are there",
-                         f"{stated} rows, as its header states", partial, kept)
+            missing_part(
+                file,
+                f"{len(table.values)} of {stated} rows are there",
+                f"{stated} rows, as its header states",
+                partial,
+                kept,
+            )
     if len(table.values) < 2:
         unsuitable(file, f"with {len(table.values)} rows of numbers", "at least two")
     if "kind" in table.header:
-        return own_signal(file, _own(file, table), first=first, fs_hz=fs_hz, dofs=dofs, force=force,
-                          unit=unit, kind=kind, reference=reference)
-    return _foreign(file, table, first, fs_hz, dofs, force, unit,
-                    "frf" if kind is None else kind, reference)
+        return own_signal(
+            file,
+            _own(file, table),
+            first=first,
+            fs_hz=fs_hz,
+            dofs=dofs,
+            force=force,
+            unit=unit,
+            kind=kind,
+            reference=reference,
+        )
+    return _foreign(file, table, first, fs_hz, dofs, force, unit, "frf" if kind is None else kind, reference)
 
 
 def _own(file: Path, table: Table) -> Signal:
@@ -124,36 +152,66 @@ def _own(file: Path, table: Table) -> Signal:
     try:
         dofs, n = list(head["dofs"]), len(head["dofs"])
         if head["kind"] == "recording":
-            channels = [Channel(dof, column, head["unit"]) for dof, column in zip(dofs, columns[1:n + 1],
-                                                                                  strict=True)]
+            channels = [
+                Channel(dof, column, head["unit"])
+                for dof, column in zip(dofs, columns[1 : n + 1], strict=True)
+            ]
             if head["force"]:
                 channels.append(Channel("force", columns[n + 1], "N", "force"))
             return recording_of(file, channels, float(head["fs_hz"]))
-        values = columns[1:2 * n + 1:2] + 1j * columns[2:2 * n + 2:2]
-        rest = columns[2 * n + 1:].reshape(-1, n, columns.shape[1])
+        values = columns[1 : 2 * n + 1 : 2] + 1j * columns[2 : 2 * n + 2 : 2]
+        rest = columns[2 * n + 1 :].reshape(-1, n, columns.shape[1])
         more = dict(zip(head["more"], rest, strict=True))
-        return FrequencyResponse(columns[0], in_si(values, named_unit("unit", head["unit"])), dofs,
-                                 head["kind"], head["reference"], more.get("coherence"), head["n_averages"],
-                                 more.get("std"))
+        return FrequencyResponse(
+            columns[0],
+            in_si(values, named_unit("unit", head["unit"])),
+            dofs,
+            head["kind"],
+            head["reference"],
+            more.get("coherence"),
+            head["n_averages"],
+            more.get("std"),
+        )
     except AntiresError:
         raise
     except (KeyError, TypeError, ValueError, IndexError) as exc:
         unsuitable(file, f"whose header is damaged ({type(exc).__name__}: {exc})", "a file of write_csv")
 
 
-def _foreign(file: Path, table: Table, first: str | None, fs_hz: float | None, dofs: Dofs, force: Any,
-             unit: str | None, kind: str, reference: Any) -> Signal:
+def _foreign(
+    file: Path,
+    table: Table,
+    first: str | None,
+    fs_hz: float | None,
+    dofs: Dofs,
+    force: Any,
+    unit: str | None,
+    kind: str,
+    reference: Any,
+) -> Signal:
     names, units, columns = table.complex_columns()
     if first is None:
         said = names[0].lower() if table.names else ""
         hertz = is_frequency(units[0])
         seconds = not hertz and (units[0].lower() == "s" or abscissa_factor(units[0]) != 1.0)
-        first = ("time" if said in _TIME or seconds else "freq" if said in _FREQ or hertz
-                 else "freq" if any(np.iscomplexobj(c) for c in columns)
-                 else "channel" if table.names and fs_hz is not None else None)
+        first = (
+            "time"
+            if said in _TIME or seconds
+            else "freq"
+            if said in _FREQ or hertz
+            else "freq"
+            if any(np.iscomplexobj(c) for c in columns)
+            else "channel"
+            if table.names and fs_hz is not None
+            else None
+        )
     if first is None:
-        unsuitable(file, f"whose first column, {names[0]!r}, is neither called time nor frequency",
-                   "to know what it is", "Pass first='time', first='freq' or, with fs_hz=, first='channel'.")
+        unsuitable(
+            file,
+            f"whose first column, {names[0]!r}, is neither called time nor frequency",
+            "to know what it is",
+            "Pass first='time', first='freq' or, with fs_hz=, first='channel'.",
+        )
     skip = 0 if first == "channel" else 1
     if len(columns) <= skip:
         unsuitable(file, "with no column of values", "at least one beside the first")
@@ -169,8 +227,10 @@ def _foreign(file: Path, table: Table, first: str | None, fs_hz: float | None, d
         rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
         if instants is not None:
             _warn_other_rate(file, instants, rate, table.digits)
-    channels = [Channel(name, values, its, "force" if str(name).lower() == "force" else "")
-                for name, values, its in zip(labels[skip:], columns[skip:], units[skip:], strict=True)]
+    channels = [
+        Channel(name, values, its, "force" if str(name).lower() == "force" else "")
+        for name, values, its in zip(labels[skip:], columns[skip:], units[skip:], strict=True)
+    ]
     return recording_of(file, channels, rate, dofs=dofs, force=force, unit=unit)
 
 
@@ -179,16 +239,30 @@ def _warn_other_rate(file: Path, times: Any, rate: float, digits: float) -> None
     with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
         own = rate_of(file, times, digits=digits)
         if abs(own - rate) > _SAME_RATE * rate:
-            warn(f"path: {str(file)!r} has instants at {own:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
-                 "Leave fs_hz= out if the file is right.")
+            warn(
+                f"path: {str(file)!r} has instants at {own:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
+                "Leave fs_hz= out if the file is right."
+            )
 
 
-def _response(file: Path, columns: list[Any], labels: list[Any], units: list[str], dofs: Dofs,
-              unit: str | None, kind: str, reference: Any) -> FrequencyResponse:
+def _response(
+    file: Path,
+    columns: list[Any],
+    labels: list[Any],
+    units: list[str],
+    dofs: Dofs,
+    unit: str | None,
+    kind: str,
+    reference: Any,
+) -> FrequencyResponse:
     choice("kind", kind, ("frf", "transmissibility"))
     if not all(np.iscomplexobj(c) for c in columns[1:]):
-        unsuitable(file, "with real columns over frequency", "complex ones, or pairs re(x), im(x)",
-                   "Magnitudes alone have lost the phase.")
+        unsuitable(
+            file,
+            "with real columns over frequency",
+            "complex ones, or pairs re(x), im(x)",
+            "Magnitudes alone have lost the phase.",
+        )
     lines = columns[0].real * abscissa_factor(units[0])
     named = renamed("dofs", labels[1:], dofs)
     kept = [i for i, label in enumerate(named) if label is not None]
@@ -196,5 +270,10 @@ def _response(file: Path, columns: list[Any], labels: list[Any], units: list[str
     for i in kept:
         own = named_unit("unit", unit) if unit is not None else unit_or_warning(file, units[i + 1])
         rows.append(in_si(columns[i + 1], own))
-    return FrequencyResponse(lines, np.stack(rows), [named[i] for i in kept],
-                             "frf" if kind == "frf" else "transmissibility", reference)
+    return FrequencyResponse(
+        lines,
+        np.stack(rows),
+        [named[i] for i in kept],
+        "frf" if kind == "frf" else "transmissibility",
+        reference,
+    )

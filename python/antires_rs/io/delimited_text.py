@@ -63,8 +63,7 @@ class Table:
         while i < n:
             here, after = (_PAIR.match(names[j]) if j < n else None for j in (i, i + 1))
             name, unit, column, step = names[i], units[i], columns[i], 1
-            if (here and after and (_part(here), _part(after)) == ("re", "im")
-                    and _base(here) == _base(after)):
+            if here and after and (_part(here), _part(after)) == ("re", "im") and _base(here) == _base(after):
                 name, column, step = _base(here), columns[i] + 1j * columns[i + 1], 2
             for one, value in zip(out, (name, unit, column), strict=True):
                 one.append(value)
@@ -102,15 +101,20 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
-        unsuitable(file, "without a row of numbers", "columns of numbers",
-                   "Name the delimiter= and decimal=.")
+        unsuitable(
+            file, "without a row of numbers", "columns of numbers", "Name the delimiter= and decimal=."
+        )
     rows = body[start:]
     width = len(_split(rows[0], between))
     for line in body[:start]:
         parts = _split(line, between)
         if len(parts) == width > 1 and _numeric(parts[0], None, point):  # a row, not names
-            unsuitable(file, f"whose row {line.strip()[:60]!r} is not numeric throughout", "numbers in every "
-                       "column", "Mend or remove that row.")
+            unsuitable(
+                file,
+                f"whose row {line.strip()[:60]!r} is not numeric throughout",
+                "numbers in every column",
+                "Mend or remove that row.",
+            )
     _names(table, body[:start] or _commented_names(lines, between, width), between)
     if not ended:
         # A number that lost its last digits still is one, so that only a line end proves the row whole.
@@ -127,13 +131,21 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
 
 def _fill(file: Path, table: Table, rows: list[str], between: str | None, point: str, width: int) -> None:
     if table.names and len(table.names) != width:
-        unsuitable(file, f"with {len(table.names)} names over {width} columns", "a name for each column",
-                   "Put names that hold the delimiter in double quotes.")
+        unsuitable(
+            file,
+            f"with {len(table.names)} names over {width} columns",
+            "a name for each column",
+            "Put names that hold the delimiter in double quotes.",
+        )
     for i, row in enumerate(rows):
         got = len(_split(row, between))
         if got != width:
-            unsuitable(file, f"whose row {i + 1} has {got} columns", f"{width}, as the first row",
-                       "It was cut or damaged.")
+            unsuitable(
+                file,
+                f"whose row {i + 1} has {got} columns",
+                f"{width}, as the first row",
+                "It was cut or damaged.",
+            )
     plain = "\n".join(between.join(_split(row, between)) if between and '"' in row else row for row in rows)
     if point == ",":
         plain = plain.replace(",", ".")
@@ -141,8 +153,13 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
     if is_complex:
         plain = re.sub(r"(?<=[0-9.])i\b", "j", plain)
     try:
-        values = np.loadtxt(plain.splitlines(), delimiter=between, ndmin=2, comments=None,
-                            dtype=np.complex128 if is_complex else np.float64)
+        values = np.loadtxt(
+            plain.splitlines(),
+            delimiter=between,
+            ndmin=2,
+            comments=None,
+            dtype=np.complex128 if is_complex else np.float64,
+        )
     except ValueError as exc:
         unsuitable(file, f"with a value that is no number ({exc})", "numbers in every column")
     table.values = values if rows else np.empty((0, width))
@@ -160,7 +177,7 @@ def _places(number: str, point: str) -> int:
 
 def _header(file: Path, lines: list[str], table: Table) -> None:
     """Our own ``# name: JSON`` lines."""
-    version = lines[0][len(MARK):].strip()
+    version = lines[0][len(MARK) :].strip()
     if version != str(VERSION):
         unsuitable(file, f"of version {version!r}", f"version {VERSION} or older", "Update antires_rs.")
     for line in lines[1:]:
@@ -186,8 +203,10 @@ def _delimiter(body: list[str]) -> str | None:
 
 def _decimal_commas(body: list[str], between: str | None) -> bool:
     """Whether the numbers have commas and no points; every row is asked, as some programs print 1 for 1,0."""
+
     def any_with(sign: str) -> bool:
         return any(sign in line and _numeric(line, between, ",") for line in body)
+
     return between != "," and any_with(",") and not any_with(".")
 
 
@@ -216,15 +235,23 @@ def _names(table: Table, head: list[str], between: str | None) -> None:
     second = rows[-2] if len(rows) > 1 else []
     bracketed = [_UNIT.match(part) for part in names]
     # A line of units under the names: every part is one, in brackets or not.
-    if second and len(second) == len(names) and all(
+    if (
+        second
+        and len(second) == len(names)
+        and all(
             parse_unit(part) is not None or _bare(part).lower() in ("s", "hz") or abscissa_factor(part) != 1.0
-            for part in names):
+            for part in names
+        )
+    ):
         table.names, table.units = second, [_bare(part) for part in names]
         return
-    table.names = [m[1] if m and m[1] and not _PAIR.match(part) else part
-                   for m, part in zip(bracketed, names, strict=True)]
-    table.units = [m[2] if m and m[1] and not _PAIR.match(part) else ""
-                   for m, part in zip(bracketed, names, strict=True)]
+    table.names = [
+        m[1] if m and m[1] and not _PAIR.match(part) else part
+        for m, part in zip(bracketed, names, strict=True)
+    ]
+    table.units = [
+        m[2] if m and m[1] and not _PAIR.match(part) else "" for m, part in zip(bracketed, names, strict=True)
+    ]
 
 
 def _commented_names(lines: list[str], between: str | None, width: int) -> list[str]:
@@ -240,5 +267,7 @@ def _bare(part: str) -> str:
 
 
 def _warn_end(file: Path) -> None:
-    warn(f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
-         "If it is whole, add one.")
+    warn(
+        f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
+        "If it is whole, add one."
+    )

@@ -19,8 +19,9 @@ from .units import named_unit
 __all__ = ["write_csv"]
 
 
-def write_csv(path: str | os.PathLike[str], signal: Signal, *, unit: str | None = None,
-              delimiter: str = ",") -> Path:
+def write_csv(
+    path: str | os.PathLike[str], signal: Signal, *, unit: str | None = None, delimiter: str = ","
+) -> Path:
     """Write columns of text, whole or not at all; every float comes back bit for bit.
 
     Parameters
@@ -67,8 +68,14 @@ def write_csv(path: str | os.PathLike[str], signal: Signal, *, unit: str | None 
     head: dict[str, object] = {}
     if isinstance(signal, Recording):
         unit = "m/s2" if unit is None else unit
-        head = {"kind": "recording", "dofs": dofs, "rows": signal.n_samples, "unit": unit,
-                "fs_hz": signal.fs_hz, "force": signal.force is not None}
+        head = {
+            "kind": "recording",
+            "dofs": dofs,
+            "rows": signal.n_samples,
+            "unit": unit,
+            "fs_hz": signal.fs_hz,
+            "force": signal.force is not None,
+        }
         columns = [np.arange(signal.n_samples) / signal.fs_hz, *signal.responses]
         names = ["time [s]", *(f"{dof} [{unit}]" for dof in dofs)]
         if signal.force is not None:
@@ -77,8 +84,15 @@ def write_csv(path: str | os.PathLike[str], signal: Signal, *, unit: str | None 
     else:
         unit = ("m/s2/N" if signal.kind == "frf" else "1") if unit is None else unit
         more = [name for name in ("coherence", "std") if getattr(signal, name) is not None]
-        head = {"kind": signal.kind, "dofs": dofs, "rows": signal.n_freq, "unit": unit,
-                "reference": signal.reference, "n_averages": signal.n_averages, "more": more}
+        head = {
+            "kind": signal.kind,
+            "dofs": dofs,
+            "rows": signal.n_freq,
+            "unit": unit,
+            "reference": signal.reference,
+            "n_averages": signal.n_averages,
+            "more": more,
+        }
         columns = [signal.freq_hz, *(part for row in signal.values for part in (row.real, row.imag))]
         names = ["freq [Hz]", *(f"{part}({dof})" for dof in dofs for part in ("re", "im"))]
         for name in more:
@@ -86,8 +100,11 @@ def write_csv(path: str | os.PathLike[str], signal: Signal, *, unit: str | None 
             names += [f"{name}({dof})" for dof in dofs]
     if named_unit("unit", unit).factor != 1.0:
         reject("unit", repr(unit), "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI")
-    lines = [f"{MARK} {VERSION}", *(f"# {name}: {json.dumps(value)}" for name, value in head.items()),
-             delimiter.join(_safe(name, delimiter) for name in names)]
+    lines = [
+        f"{MARK} {VERSION}",
+        *(f"# {name}: {json.dumps(value)}" for name, value in head.items()),
+        delimiter.join(_safe(name, delimiter) for name in names),
+    ]
     lines += [delimiter.join(map(repr, row)) for row in np.column_stack(columns).tolist()]
     return write_atomically(path, ("\n".join(lines) + "\n").encode())
 

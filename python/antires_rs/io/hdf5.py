@@ -25,9 +25,19 @@ DEEPEST = 8
 TEXT = "antires_rs"
 
 
-def read_hdf5(path: str | os.PathLike[str], *, responses: Any = None, time: str | None = None,
-              freq: str | None = None, force: Any = "auto", fs_hz: float | None = None, dofs: Dofs = None,
-              unit: str | None = None, kind: str | None = None, reference: Any = None) -> Signal:
+def read_hdf5(
+    path: str | os.PathLike[str],
+    *,
+    responses: Any = None,
+    time: str | None = None,
+    freq: str | None = None,
+    force: Any = "auto",
+    fs_hz: float | None = None,
+    dofs: Dofs = None,
+    unit: str | None = None,
+    kind: str | None = None,
+    reference: Any = None,
+) -> Signal:
     """Read an HDF5 file: one of ours as it was, any other by the names of its datasets.
 
     Parameters
@@ -61,11 +71,32 @@ def read_hdf5(path: str | os.PathLike[str], *, responses: Any = None, time: str 
     file = existing_file(path)
     text, arrays = datasets_of(file, "read_hdf5")
     if text is not None:
-        return own_signal(file, unpack(file, text, arrays), responses=responses, time=time, freq=freq,
-                          force=force, fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
-    return signal_of_arrays(file, arrays, responses=responses, time=time, freq=freq, force=force,
-                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind="frf" if kind is None else kind,
-                            reference=reference)
+        return own_signal(
+            file,
+            unpack(file, text, arrays),
+            responses=responses,
+            time=time,
+            freq=freq,
+            force=force,
+            fs_hz=fs_hz,
+            dofs=dofs,
+            unit=unit,
+            kind=kind,
+            reference=reference,
+        )
+    return signal_of_arrays(
+        file,
+        arrays,
+        responses=responses,
+        time=time,
+        freq=freq,
+        force=force,
+        fs_hz=fs_hz,
+        dofs=dofs,
+        unit=unit,
+        kind="frf" if kind is None else kind,
+        reference=reference,
+    )
 
 
 def write_hdf5(path: str | os.PathLike[str], signal: Signal) -> Path:
@@ -132,8 +163,12 @@ def datasets_of(file: Path, reader: str) -> tuple[str | None, dict[str, NDArray[
             text = opened.attrs.get(TEXT)
             opened.visititems(keep)
     except (OSError, RuntimeError, ValueError, KeyError, TypeError, MemoryError) as exc:
-        unsuitable(file, f"which cannot be read ({str(exc).splitlines()[0]})", "a whole HDF5 file",
-                   "It was cut or damaged: copy it again.")
+        unsuitable(
+            file,
+            f"which cannot be read ({str(exc).splitlines()[0]})",
+            "a whole HDF5 file",
+            "It was cut or damaged: copy it again.",
+        )
     return (None if text is None else str(text)), arrays
 
 

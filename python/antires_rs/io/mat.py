@@ -29,10 +29,21 @@ TEXT = "antires_rs"
 WANTED = "a whole MAT file, version 5 or 7.3"
 
 
-def read_mat(path: str | os.PathLike[str], *, responses: Any = None, time: str | None = None,
-             freq: str | None = None, force: Any = "auto", fs_hz: float | None = None, dofs: Dofs = None,
-             unit: str | None = None, kind: str | None = None, reference: Any = None,
-             time_limit_s: float = 60.0, memory_limit_gb: float = 8.0) -> Signal:
+def read_mat(
+    path: str | os.PathLike[str],
+    *,
+    responses: Any = None,
+    time: str | None = None,
+    freq: str | None = None,
+    force: Any = "auto",
+    fs_hz: float | None = None,
+    dofs: Dofs = None,
+    unit: str | None = None,
+    kind: str | None = None,
+    reference: Any = None,
+    time_limit_s: float = 60.0,
+    memory_limit_gb: float = 8.0,
+) -> Signal:
     """Read a MATLAB file: one of ours as it was, any other by the names of its variables.
 
     Parameters
@@ -72,15 +83,37 @@ def read_mat(path: str | os.PathLike[str], *, responses: Any = None, time: str |
     if text is not None:
         # MATLAB has no vectors: a row stands for one.
         shapes = {n: a.ravel() if n in ("force", "freq_hz") else a for n, a in arrays.items()}
-        return own_signal(file, unpack(file, text, shapes), responses=responses, time=time, freq=freq,
-                          force=force, fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
-    return signal_of_arrays(file, arrays, responses=responses, time=time, freq=freq, force=force,
-                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind="frf" if kind is None else kind,
-                            reference=reference)
+        return own_signal(
+            file,
+            unpack(file, text, shapes),
+            responses=responses,
+            time=time,
+            freq=freq,
+            force=force,
+            fs_hz=fs_hz,
+            dofs=dofs,
+            unit=unit,
+            kind=kind,
+            reference=reference,
+        )
+    return signal_of_arrays(
+        file,
+        arrays,
+        responses=responses,
+        time=time,
+        freq=freq,
+        force=force,
+        fs_hz=fs_hz,
+        dofs=dofs,
+        unit=unit,
+        kind="frf" if kind is None else kind,
+        reference=reference,
+    )
 
 
-def mat_arrays(path: str | os.PathLike[str], *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0,
-               ) -> dict[str, NDArray[Any]]:
+def mat_arrays(
+    path: str | os.PathLike[str], *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0
+) -> dict[str, NDArray[Any]]:
     """Every numeric array of a MATLAB file by its name, structs and cells taken apart.
 
     Parameters
@@ -142,14 +175,16 @@ def write_mat(path: str | os.PathLike[str], signal: Signal) -> Path:
     'a.mat'
     """
     from scipy.io import savemat
+
     text, arrays = pack(signal_given(signal))
     buffer = io.BytesIO()
     savemat(buffer, {TEXT: text, **arrays}, format="5", oned_as="row")
     return write_atomically(path, buffer.getvalue())
 
 
-def _variables(file: Path, time_limit_s: float, memory_limit_gb: float,
-               ) -> tuple[str | None, dict[str, NDArray[Any]]]:
+def _variables(
+    file: Path, time_limit_s: float, memory_limit_gb: float
+) -> tuple[str | None, dict[str, NDArray[Any]]]:
     """Our JSON text, where there is one, and the numeric variables."""
     with open(file, "rb") as opened:
         head = opened.read(1024)
@@ -160,8 +195,11 @@ def _variables(file: Path, time_limit_s: float, memory_limit_gb: float,
     if head[:10] == b"MATLAB 7.3":
         unsuitable(file, "which announces version 7.3 and is cut in its head", WANTED, "Copy it again.")
     _check_length(file)
-    return _in_a_child(file, finite_scalar("time_limit_s", time_limit_s, low=0.0, low_open=True, unit="s"),
-                       finite_scalar("memory_limit_gb", memory_limit_gb, low=0.0, low_open=True, unit="GB"))
+    return _in_a_child(
+        file,
+        finite_scalar("time_limit_s", time_limit_s, low=0.0, low_open=True, unit="s"),
+        finite_scalar("memory_limit_gb", memory_limit_gb, low=0.0, low_open=True, unit="GB"),
+    )
 
 
 def _check_length(file: Path) -> None:
@@ -177,37 +215,61 @@ def _check_length(file: Path) -> None:
             tag = opened.read(8)
             length = int.from_bytes(tag[4:8], order)  # type: ignore[arg-type]
             if len(tag) < 8 or position + 8 + length > size:
-                unsuitable(file, f"cut in its variable {count + 1}: {size - position} of at least "
-                           f"{8 + length if len(tag) == 8 else 8} bytes are there", WANTED, "Copy it again.")
+                unsuitable(
+                    file,
+                    f"cut in its variable {count + 1}: {size - position} of at least "
+                    f"{8 + length if len(tag) == 8 else 8} bytes are there",
+                    WANTED,
+                    "Copy it again.",
+                )
             position += 8 + length
             count += 1
     if not count:
         unsuitable(file, "a MAT file without any variable", WANTED, "It may be cut after its head.")
 
 
-def _in_a_child(file: Path, time_limit_s: float, memory_limit_gb: float,
-                ) -> tuple[str | None, dict[str, NDArray[Any]]]:
+def _in_a_child(
+    file: Path, time_limit_s: float, memory_limit_gb: float
+) -> tuple[str | None, dict[str, NDArray[Any]]]:
     """What the child makes of the file, handed over as an archive of plain arrays."""
     import subprocess
     import tempfile
+
     reader = Path(__file__).with_name("_mat_child.py")
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
-                   "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMP_NUM_THREADS": "1",
+    }
     with tempfile.TemporaryDirectory(prefix="antires_mat_") as folder:
         out = Path(folder) / "arrays.npz"
         # -P: the folder of the reader must not hide standard modules.
         call = [sys.executable, "-P", str(reader), str(file.resolve()), str(out), str(memory_limit_gb)]
         try:
-            done = subprocess.run(call, env=environment, capture_output=True, text=True, errors="replace",
-                                  timeout=time_limit_s, stdin=subprocess.DEVNULL, check=False)
+            done = subprocess.run(
+                call,
+                env=environment,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                timeout=time_limit_s,
+                stdin=subprocess.DEVNULL,
+                check=False,
+            )
         except subprocess.TimeoutExpired:
-            unsuitable(file, f"which was not read within {time_limit_s:g} s", WANTED,
-                       "Raise time_limit_s if it is large; otherwise it is damaged.")
+            unsuitable(
+                file,
+                f"which was not read within {time_limit_s:g} s",
+                WANTED,
+                "Raise time_limit_s if it is large; otherwise it is damaged.",
+            )
         if done.returncode != 0 or not out.is_file():
             said = done.stderr.strip().splitlines()
             reason = said[-1] if said else f"the reader ended with code {done.returncode}"
-            unsuitable(file, f"which cannot be read ({reason})", WANTED,
-                       "It was cut or damaged, or is no MAT file.")
+            unsuitable(
+                file, f"which cannot be read ({reason})", WANTED, "It was cut or damaged, or is no MAT file."
+            )
         arrays = read_archive(out)
     names = json.loads(bytes(arrays.pop("names")).decode())
     found = {name: np.asarray(arrays[key]) for key, name in names["arrays"].items()}

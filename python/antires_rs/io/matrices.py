@@ -24,13 +24,21 @@ __all__ = ["read_dof_map", "read_matrices", "write_matrices"]
 
 FORMAT, VERSION = "antires_rs.matrices", 1
 #: As finite-element programs call directions.
-_NAMES = {**CODES, **{name: code for code, names in enumerate(
-    ("1 UX T1 X", "2 UY T2 Y", "3 UZ T3 Z", "4 ROTX R1 RX", "5 ROTY R2 RY", "6 ROTZ R3 RZ"), 1)
-    for name in names.split()}}
+_NAMES = {
+    **CODES,
+    **{
+        name: code
+        for code, names in enumerate(
+            ("1 UX T1 X", "2 UY T2 Y", "3 UZ T3 Z", "4 ROTX R1 RX", "5 ROTY R2 RY", "6 ROTZ R3 RZ"), 1
+        )
+        for name in names.split()
+    },
+}
 
 
-def read_matrices(stiffness: Any, mass: Any = None, *, stiffness_terms: Iterable[Any] = (),
-                  mass_terms: Iterable[Any] = ()) -> MatrixModel:
+def read_matrices(
+    stiffness: Any, mass: Any = None, *, stiffness_terms: Iterable[Any] = (), mass_terms: Iterable[Any] = ()
+) -> MatrixModel:
     """A model from matrices in files.
 
     Parameters
@@ -72,10 +80,13 @@ def read_matrices(stiffness: Any, mass: Any = None, *, stiffness_terms: Iterable
         if not isinstance(stiffness, str | os.PathLike):
             reject("mass", None, "the mass matrix", "Only a file of write_matrices holds both.")
         return _own(stiffness)
-    terms = [[_matrix(f"{name}[{i}]", term) for i, term in enumerate(each)]
-             for name, each in (("stiffness_terms", stiffness_terms), ("mass_terms", mass_terms))]
-    return MatrixModel(_matrix("stiffness", stiffness), _matrix("mass", mass), stiffness_terms=terms[0],
-                       mass_terms=terms[1])
+    terms = [
+        [_matrix(f"{name}[{i}]", term) for i, term in enumerate(each)]
+        for name, each in (("stiffness_terms", stiffness_terms), ("mass_terms", mass_terms))
+    ]
+    return MatrixModel(
+        _matrix("stiffness", stiffness), _matrix("mass", mass), stiffness_terms=terms[0], mass_terms=terms[1]
+    )
 
 
 def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
@@ -107,13 +118,20 @@ def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
     2
     """
     if not isinstance(model, MatrixModel) or model._origin is not None:
-        reject("model", "an updated model" if isinstance(model, MatrixModel) else type(model).__name__,
-               "a MatrixModel as it was made", "Save the result of an updating with result.save.")
+        reject(
+            "model",
+            "an updated model" if isinstance(model, MatrixModel) else type(model).__name__,
+            "a MatrixModel as it was made",
+            "Save the result of an updating with result.save.",
+        )
     store = Store()
     matrices = [store.put_matrix(np.asarray(m)) for m in (model._core.stiffness(), model._core.mass())]
     terms = [[[store.put(part) for part in term] for term in each] for each in model._made]
-    return write_store(path, {"format": FORMAT, "version": VERSION, "n_dof": model.n_dof,
-                              "matrices": matrices, "terms": terms}, store)
+    return write_store(
+        path,
+        {"format": FORMAT, "version": VERSION, "n_dof": model.n_dof, "matrices": matrices, "terms": terms},
+        store,
+    )
 
 
 def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tuple[int, str], int]:
@@ -163,8 +181,11 @@ def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tu
         row = int(parts[0]) - first_row if len(parts) == 3 else len(found)
         point = (int(parts[-2]), DIRECTIONS[code])  # type: ignore[index]
         if point in found or row in found.values() or row < 0:
-            unsuitable(file, f"with {point} or row {row + first_row} twice or out of range in line {number}",
-                       "each once, rows from first_row on")
+            unsuitable(
+                file,
+                f"with {point} or row {row + first_row} twice or out of range in line {number}",
+                "each once, rows from first_row on",
+            )
         found[point] = row
     if not found:
         unsuitable(file, "without such a line", wanted)
@@ -193,6 +214,7 @@ def _matrix(name: str, given: Any) -> Any:
 
 def _sparse_npz(file: Path) -> Any:
     from scipy.sparse import load_npz
+
     arrays = read_archive(file)  # every checksum is compared before scipy sees it
     if "format" not in arrays or "shape" not in arrays:
         unsuitable(file, f"with the arrays {', '.join(arrays)}", "a file of scipy.sparse.save_npz")
@@ -204,6 +226,7 @@ def _matrix_market(file: Path) -> Any:
     import gzip
 
     from scipy.io import mmread
+
     wanted = "a whole Matrix Market file"
     try:
         with (gzip.open if file.suffix == ".gz" else open)(file, "rb") as opened:

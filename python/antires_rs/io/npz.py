@@ -24,9 +24,19 @@ __all__ = ["read_archive", "read_npz", "write_archive", "write_npz"]
 TEXT = "antires_rs"
 
 
-def read_npz(path: str | os.PathLike[str], *, responses: Any = None, time: str | None = None,
-             freq: str | None = None, force: Any = "auto", fs_hz: float | None = None, dofs: Dofs = None,
-             unit: str | None = None, kind: str | None = None, reference: Any = None) -> Signal:
+def read_npz(
+    path: str | os.PathLike[str],
+    *,
+    responses: Any = None,
+    time: str | None = None,
+    freq: str | None = None,
+    force: Any = "auto",
+    fs_hz: float | None = None,
+    dofs: Dofs = None,
+    unit: str | None = None,
+    kind: str | None = None,
+    reference: Any = None,
+) -> Signal:
     """Read a NumPy archive: one of ours as it was, any other by the names of its arrays.
 
     A file of ours states everything itself: ``dofs=`` renames its channels or leaves some out, ``force=None``
@@ -79,11 +89,32 @@ def read_npz(path: str | os.PathLike[str], *, responses: Any = None, time: str |
     arrays = read_archive(file)
     if TEXT in arrays:
         signal = unpack(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays)
-        return own_signal(file, signal, responses=responses, time=time, freq=freq, force=force,
-                          fs_hz=fs_hz, dofs=dofs, unit=unit, kind=kind, reference=reference)
-    return signal_of_arrays(file, arrays, responses=responses, time=time, freq=freq, force=force,
-                            fs_hz=fs_hz, dofs=dofs, unit=unit, kind="frf" if kind is None else kind,
-                            reference=reference)
+        return own_signal(
+            file,
+            signal,
+            responses=responses,
+            time=time,
+            freq=freq,
+            force=force,
+            fs_hz=fs_hz,
+            dofs=dofs,
+            unit=unit,
+            kind=kind,
+            reference=reference,
+        )
+    return signal_of_arrays(
+        file,
+        arrays,
+        responses=responses,
+        time=time,
+        freq=freq,
+        force=force,
+        fs_hz=fs_hz,
+        dofs=dofs,
+        unit=unit,
+        kind="frf" if kind is None else kind,
+        reference=reference,
+    )
 
 
 def write_npz(path: str | os.PathLike[str], signal: Signal) -> Path:
@@ -124,15 +155,18 @@ def write_archive(path: str | os.PathLike[str], text: str, arrays: dict[str, NDA
     return write_atomically(path, buffer.getvalue())
 
 
-def read_archive(file: Path, wanted: str = "a whole NumPy archive (.npz) of plain arrays",
-                 remedy: str = "It was cut, or is a single array: use numpy.load.",
-                 ) -> dict[str, NDArray[Any]]:
+def read_archive(
+    file: Path,
+    wanted: str = "a whole NumPy archive (.npz) of plain arrays",
+    remedy: str = "It was cut, or is a single array: use numpy.load.",
+) -> dict[str, NDArray[Any]]:
     """Every array of an archive; the checksums of zip are compared.
 
     ``wanted`` and ``remedy`` are said of a file that is no archive.
     """
     import zipfile
     import zlib
+
     try:
         if not zipfile.is_zipfile(file):
             unsuitable(file, "which is no archive", wanted, remedy)
@@ -140,10 +174,26 @@ def read_archive(file: Path, wanted: str = "a whole NumPy archive (.npz) of plai
             return {name: archive[name] for name in archive.files}
     except AntiresError:
         raise
-    except (zipfile.BadZipFile, zlib.error, ValueError, KeyError, OSError, EOFError, NotImplementedError,
-            MemoryError) as exc:
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        ValueError,
+        KeyError,
+        OSError,
+        EOFError,
+        NotImplementedError,
+        MemoryError,
+    ) as exc:
         if "pickle" in str(exc) and zipfile.is_zipfile(file):
-            unsuitable(file, "which holds objects, which only pickle reads", wanted,
-                       "A pickle can run any code. Save arrays of numbers alone.")
-        unsuitable(file, f"which cannot be read ({str(exc) or type(exc).__name__})", wanted,
-                   "It was cut or damaged: copy it again.")
+            unsuitable(
+                file,
+                "which holds objects, which only pickle reads",
+                wanted,
+                "A pickle can run any code. Save arrays of numbers alone.",
+            )
+        unsuitable(
+            file,
+            f"which cannot be read ({str(exc) or type(exc).__name__})",
+            wanted,
+            "It was cut or damaged: copy it again.",
+        )

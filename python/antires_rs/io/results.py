@@ -36,15 +36,25 @@ def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
         reject("path", str(path), "a file that ends in .npz")
     store, search = Store(), result.search
     data = {
-        "format": FORMAT, "version": VERSION, "class": type(result).__name__, "seed": result.seed,
+        "format": FORMAT,
+        "version": VERSION,
+        "class": type(result).__name__,
+        "seed": result.seed,
         "problem": describe_problem(result.problem, store),
-        "search": {**{name: getattr(search, name) for name in _PLAIN},
-                   **{name: store.put(getattr(search, name)) for name in _ARRAYS},
-                   "history": {name: store.put(getattr(search.history, name))
-                               for name in ("nfev", "cost", "migrations")},
-                   "options": search.options},
-        "made_with": {"antires_rs": __version__, "numpy": np.__version__,
-                      "python": platform.python_version(), "system": platform.platform()},
+        "search": {
+            **{name: getattr(search, name) for name in _PLAIN},
+            **{name: store.put(getattr(search, name)) for name in _ARRAYS},
+            "history": {
+                name: store.put(getattr(search.history, name)) for name in ("nfev", "cost", "migrations")
+            },
+            "options": search.options,
+        },
+        "made_with": {
+            "antires_rs": __version__,
+            "numpy": np.__version__,
+            "python": platform.python_version(),
+            "system": platform.platform(),
+        },
     }
     return write_store(path, data, store)
 
@@ -52,8 +62,9 @@ def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
 def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateResult) -> Any:
     """Read what :func:`save_result` wrote; see :meth:`UpdateResult.load`."""
     wanted = f"a file written by {kind.__name__}.save, version {VERSION} or older"
-    file, data = read_store(path, FORMAT, VERSION, wanted,
-                            "It was cut, or is another file: name the result.npz of a run.")
+    file, data = read_store(
+        path, FORMAT, VERSION, wanted, "It was cut, or is another file: name the result.npz of a run."
+    )
     try:
         made = _CLASSES[data["class"]]
         if not issubclass(made, kind):
@@ -66,6 +77,8 @@ def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateR
     cost = problem.cost(search.x)
     if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
         maker = data["made_with"]["antires_rs"]
-        warn(f"path: {str(file)!r} was made by antires_rs {maker}; its objective was {search.fun:.9g} where "
-             f"this version computes {cost:.9g}.")
+        warn(
+            f"path: {str(file)!r} was made by antires_rs {maker}; its objective was {search.fun:.9g} where "
+            f"this version computes {cost:.9g}."
+        )
     return made(problem, search, data["seed"])

@@ -21,8 +21,9 @@ _SPELLED = ("data", "name", "unit_str", "fs", "time", "unit_tex", "start_timesta
 _PROHIBITED = ("unit", "timestamp", "signal", "sample_frequency")
 
 
-def from_sep005(channels: Any, *, dofs: Dofs = None, force: Any = "auto", unit: str | None = None,
-                ) -> Recording:
+def from_sep005(
+    channels: Any, *, dofs: Dofs = None, force: Any = "auto", unit: str | None = None
+) -> Recording:
     """A recording of the channels of SEP 5.
 
     Parameters
@@ -75,11 +76,15 @@ def from_sep005(channels: Any, *, dofs: Dofs = None, force: Any = "auto", unit: 
         rates.append(_rate(i, row, data.size))
     names = [c.name for c in made]
     if len(set(names)) != len(names):
-        reject("channels", f"the name {next(n for n in names if names.count(n) > 1)!r} twice",
-               "names that differ")
+        reject(
+            "channels",
+            f"the name {next(n for n in names if names.count(n) > 1)!r} twice",
+            "names that differ",
+        )
     if max(rates) - min(rates) > 1e-9 * max(rates):
-        reject("channels", f"rates from {min(rates):g} to {max(rates):g} Hz", "one rate",
-               "Resample them first.")
+        reject(
+            "channels", f"rates from {min(rates):g} to {max(rates):g} Hz", "one rate", "Resample them first."
+        )
     starts = {row["start_timestamp"] for row in rows if row.get("start_timestamp")}
     if len(starts) > 1:
         reject("channels", f"{len(starts)} different start_timestamp", "channels recorded together")
@@ -119,8 +124,10 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
     taken = [*names, "force"] if rec.force is not None else names
     if len(set(taken)) != len(taken):
         reject("rec", f"dofs {rec.dofs}", "dofs that differ as text, and from 'force' where there is one")
-    out = [{"name": name, "data": np.array(row), "fs": rec.fs_hz, "unit_str": unit, "dof": dof}
-           for name, row, dof in zip(names, rec.responses, rec.dofs, strict=True)]
+    out = [
+        {"name": name, "data": np.array(row), "fs": rec.fs_hz, "unit_str": unit, "dof": dof}
+        for name, row, dof in zip(names, rec.responses, rec.dofs, strict=True)
+    ]
     if rec.force is not None:
         out.append({"name": "force", "data": np.array(rec.force), "fs": rec.fs_hz, "unit_str": "N"})
     return out
@@ -135,8 +142,11 @@ def _check_keys(i: int, row: Any) -> None:
         if near:
             reject(here, f"the key {key!r}", f"{near[0]!r}, as SEP 5 spells it")
         if str(key).lower().replace("_", "") in (k.replace("_", "") for k in _PROHIBITED):
-            reject(here, f"the key {key!r}, which SEP 5 prohibits",
-                   "'unit_str', 'start_timestamp', 'data' or 'fs'")
+            reject(
+                here,
+                f"the key {key!r}, which SEP 5 prohibits",
+                "'unit_str', 'start_timestamp', 'data' or 'fs'",
+            )
     for key in _COMPULSORY:
         if key not in row:
             reject(here, f"no {key!r}", f"the keys {', '.join(map(repr, _COMPULSORY))}, and 'fs' or 'time'")
@@ -159,6 +169,10 @@ def _rate(i: int, row: Mapping[str, Any], size: int) -> float:
         reject(f"channels[{i}]['time']", f"{time.size} instants", f"{size}, as the data")
     rate = rate_of(Path(f"SEP-005 channels[{i}]"), time)
     if fs is not None and abs(rate / fs - 1.0) > 1e-3:
-        reject(f"channels[{i}]['fs']", f"{fs:g} Hz beside a 'time' of {rate:g} Hz", "one rate",
-               "Correct one of them, or leave it out.")
+        reject(
+            f"channels[{i}]['fs']",
+            f"{fs:g} Hz beside a 'time' of {rate:g} Hz",
+            "one rate",
+            "Correct one of them, or leave it out.",
+        )
     return rate if fs is None else fs

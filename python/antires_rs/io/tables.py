@@ -25,14 +25,18 @@ def to_dataframe(source: Recording | FrequencyResponse | AntiresonanceSet) -> An
         raise missing_package("to_dataframe", "pandas", "tables", exc) from exc
     if isinstance(source, Recording):
         index = pd.Index(_instants(source), name="time_s")
-        frame = pd.DataFrame(source.responses.T, index=index,
-                             columns=pd.Index(list(source.dofs), dtype=object))
+        frame = pd.DataFrame(
+            source.responses.T, index=index, columns=pd.Index(list(source.dofs), dtype=object)
+        )
         if source.force is not None:
             frame["force"] = source.force
         return frame
     if isinstance(source, FrequencyResponse):
-        return pd.DataFrame(source.values.T, index=pd.Index(source.freq_hz, name="freq_hz"),
-                            columns=pd.Index(list(source.dofs), dtype=object))
+        return pd.DataFrame(
+            source.values.T,
+            index=pd.Index(source.freq_hz, name="freq_hz"),
+            columns=pd.Index(list(source.dofs), dtype=object),
+        )
     names, rows = table(source)
     return pd.DataFrame(rows, columns=names)
 
@@ -51,21 +55,31 @@ def to_xarray(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:
         return xr.Dataset(data, {"dof": labels, "time_s": _instants(source)}, {"fs_hz": source.fs_hz})
     if isinstance(source, FrequencyResponse):
         labels = _labels(source.dofs)
-        data = {name: (("dof", "freq_hz"), np.array(getattr(source, name)))
-                for name in ("values", "coherence", "std") if getattr(source, name) is not None}
+        data = {
+            name: (("dof", "freq_hz"), np.array(getattr(source, name)))
+            for name in ("values", "coherence", "std")
+            if getattr(source, name) is not None
+        }
         # Attributes that netCDF can hold: what is not known is left out.
         known = {"kind": source.kind, "reference": source.reference, "n_averages": source.n_averages}
-        return xr.Dataset(data, {"dof": labels, "freq_hz": np.array(source.freq_hz)},
-                          {name: value for name, value in known.items() if value is not None})
+        return xr.Dataset(
+            data,
+            {"dof": labels, "freq_hz": np.array(source.freq_hz)},
+            {name: value for name, value in known.items() if value is not None},
+        )
     labels = _labels(source)
     longest = max(freq.size for freq in source.values())
-    padded = {name: np.full((len(source), longest), np.nan)
-              for name in ("freq_hz", "damping_ratio", "std_hz")}
+    padded = {
+        name: np.full((len(source), longest), np.nan) for name in ("freq_hz", "damping_ratio", "std_hz")
+    }
     for i, dof in enumerate(source):
         for name, column in source.columns(dof).items():
-            padded[name][i, :column.size] = column
-    return xr.Dataset({name: (("dof", "rank"), rows) for name, rows in padded.items()},
-                      {"dof": labels, "rank": np.arange(longest)}, {"excitation": source.excitation})
+            padded[name][i, : column.size] = column
+    return xr.Dataset(
+        {name: (("dof", "rank"), rows) for name, rows in padded.items()},
+        {"dof": labels, "rank": np.arange(longest)},
+        {"excitation": source.excitation},
+    )
 
 
 def _labels(dofs: Any) -> Any:

@@ -25,9 +25,16 @@ Kind = Literal["time", "frf", "transmissibility", "spectra"]
 _KIND_OF = {"auto spectrum": "spectra", "cross spectrum": "spectra"}
 
 
-def read_uff(path: str | os.PathLike[str], *, kind: Kind | None = None, dofs: Any = None,
-             reference: Any = None, force: Any = "auto", unit: str | None = None,
-             partial: bool = False) -> Signal:
+def read_uff(
+    path: str | os.PathLike[str],
+    *,
+    kind: Kind | None = None,
+    dofs: Any = None,
+    reference: Any = None,
+    force: Any = "auto",
+    unit: str | None = None,
+    partial: bool = False,
+) -> Signal:
     """Read dataset 58 of a universal file, in text or binary form.
 
     Parameters
@@ -87,13 +94,22 @@ def read_uff(path: str | os.PathLike[str], *, kind: Kind | None = None, dofs: An
     if kind is not None:
         choice("kind", kind, ("time", "frf", "transmissibility", "spectra"))
     functions = functions_of(file, partial)
-    there = list(dict.fromkeys(_KIND_OF.get(f.what, f.what) for f in functions
-                               if f.what != "coherence" and not f.what.startswith("function type")))
+    there = list(
+        dict.fromkeys(
+            _KIND_OF.get(f.what, f.what)
+            for f in functions
+            if f.what != "coherence" and not f.what.startswith("function type")
+        )
+    )
     found = ", ".join(there) or "no function that can be read"
     if kind is None:
         if len(there) != 1:
-            unsuitable(file, f"with {found}", "one kind of function",
-                       f"Pass kind={there[0]!r} or another of them." if there else _listed(functions))
+            unsuitable(
+                file,
+                f"with {found}",
+                "one kind of function",
+                f"Pass kind={there[0]!r} or another of them." if there else _listed(functions),
+            )
         kind = there[0]  # type: ignore[assignment]
     elif kind not in there:
         unsuitable(file, f"with {found}", f"kind={kind!r}")
@@ -139,14 +155,22 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
     rates = {_rate(file, f) for f in functions}
     starts = {round(float(f.x[0]), 9) for f in functions}
     if len(rates) > 1 or len(starts) > 1:
-        unsuitable(file, f"with records of rates {sorted(rates)} Hz that begin at {sorted(starts)} s",
-                   "channels recorded together", "Read them one by one.")
+        unsuitable(
+            file,
+            f"with records of rates {sorted(rates)} Hz that begin at {sorted(starts)} s",
+            "channels recorded together",
+            "Read them one by one.",
+        )
     # Force and acceleration of the driving point share their node and direction.
     twice = [(f.response, f.role) for f in functions]
     if len(set(twice)) != len(twice):
         again = next(p for p in twice if twice.count(p) > 1)[0]
-        unsuitable(file, f"with several records of {label_of(again)}", "one for each point",
-                   "Split the file by runs.")
+        unsuitable(
+            file,
+            f"with several records of {label_of(again)}",
+            "one for each point",
+            "Split the file by runs.",
+        )
     channels, signs = [], {}
     for f in functions:
         if np.iscomplexobj(f.values):
@@ -181,5 +205,3 @@ def _rate(file: Path, f: Function) -> float:
 
 def _listed(functions: list[Function]) -> str:
     return "It holds " + "; ".join(map(str, functions[:10])) + "."
-
-

@@ -11,8 +11,21 @@ from ..support.validation import reject
 __all__ = ["CODES", "DIRECTIONS", "Point", "as_point", "dof_of", "label_of", "points_of"]
 
 #: Direction codes of record 6: translations, then rotations; 0 is a scalar.
-DIRECTIONS = {0: "S", 1: "+X", -1: "-X", 2: "+Y", -2: "-Y", 3: "+Z", -3: "-Z",
-              4: "+RX", -4: "-RX", 5: "+RY", -5: "-RY", 6: "+RZ", -6: "-RZ"}
+DIRECTIONS = {
+    0: "S",
+    1: "+X",
+    -1: "-X",
+    2: "+Y",
+    -2: "-Y",
+    3: "+Z",
+    -3: "-Z",
+    4: "+RX",
+    -4: "-RX",
+    5: "+RY",
+    -5: "-RY",
+    6: "+RZ",
+    -6: "-RZ",
+}
 CODES = {name: code for code, name in DIRECTIONS.items()}
 _LABEL = re.compile(r"^(\d+)(S|[+-]R?[XYZ])$")
 
@@ -57,8 +70,13 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
             opposite = (point[0], -point[1])
             if opposite in table:
                 return table[opposite], -1.0
-            reject("dofs", f"no dof for {label_of(point)}", "a dof for every response of the file",
-                   "Map a point to None to leave it out; antires_rs.io.list_uff shows all points.")
+            reject(
+                "dofs",
+                f"no dof for {label_of(point)}",
+                "a dof for every response of the file",
+                "Map a point to None to leave it out; antires_rs.io.list_uff shows all points.",
+            )
+
         return look_up
     if callable(dofs):
         return lambda point: (dofs(point[0], DIRECTIONS.get(point[1], "?")), 1.0)
@@ -76,8 +94,9 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
         elif callable(given):
             points[dof] = as_point("dofs", given(dof))
         elif given is not None:
-            reject("dofs", type(given).__name__,
-                   "a mapping {dof: (node, direction)} or a function of the dof")
+            reject(
+                "dofs", type(given).__name__, "a mapping {dof: (node, direction)} or a function of the dof"
+            )
         elif isinstance(dof, str) and (match := _LABEL.match(dof)):
             points[dof] = int(match[1]), CODES[match[2]]
         elif isinstance(dof, int) and 0 <= dof < 999_999_999:

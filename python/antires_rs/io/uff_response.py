@@ -22,8 +22,9 @@ __all__ = ["half_digit", "response_of"]
 Named = Callable[[Point], tuple[Any, float]]
 
 
-def response_of(file: Path, functions: list[Function], kind: str, named: Named, reference: Any,
-                unit: str | None) -> FrequencyResponse:
+def response_of(
+    file: Path, functions: list[Function], kind: str, named: Named, reference: Any, unit: str | None
+) -> FrequencyResponse:
     """The response of all points to one reference; its kind, coherence and averages."""
     names = ("auto spectrum", "cross spectrum") if kind == "spectra" else (kind,)
     wanted = [f for f in functions if f.what in names]
@@ -37,17 +38,28 @@ def response_of(file: Path, functions: list[Function], kind: str, named: Named, 
     twice = [f.response for f in wanted]
     if len(set(twice)) != len(twice):
         again = next(p for p in twice if twice.count(p) > 1)
-        unsuitable(file, f"with several functions of {label_of(again)} / {label_of(point)}", "one for each",
-                   "Split the file by runs.")
+        unsuitable(
+            file,
+            f"with several functions of {label_of(again)} / {label_of(point)}",
+            "one for each",
+            "Split the file by runs.",
+        )
     lines = frequencies(wanted[0])
     for f in (*wanted, *beside):
         if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:
-            unsuitable(file, f"with other frequencies at {label_of(f.response)} than at "
-                       f"{label_of(wanted[0].response)}", "one frequency axis for all")
+            unsuitable(
+                file,
+                f"with other frequencies at {label_of(f.response)} than at {label_of(wanted[0].response)}",
+                "one frequency axis for all",
+            )
     for f in wanted:
         if not np.iscomplexobj(f.values):
-            unsuitable(file, f"whose {f.what} of {label_of(f.response)} is real", "complex functions",
-                       "Magnitudes alone have lost the phase; export real and imaginary part.")
+            unsuitable(
+                file,
+                f"whose {f.what} of {label_of(f.response)} is real",
+                "complex functions",
+                "Magnitudes alone have lost the phase; export real and imaginary part.",
+            )
     if unit is None:
         _check_kinds(file, [f for f in wanted if named(f.response)[0] is not None])
     rows = {f.response: _values(file, f, unit) for f in wanted}
@@ -56,13 +68,26 @@ def response_of(file: Path, functions: list[Function], kind: str, named: Named, 
         rows[point] = np.ones(lines.size, dtype=np.complex128)
         if coherence is not None:
             coherence = {**coherence, point: np.ones(lines.size)}
-    return _response(rows, lines, kind, point, coherence, named,
-                     next((f.own["n_averages"] for f in wanted if "n_averages" in f.own), None))
+    return _response(
+        rows,
+        lines,
+        kind,
+        point,
+        coherence,
+        named,
+        next((f.own["n_averages"] for f in wanted if "n_averages" in f.own), None),
+    )
 
 
-def _response(rows: dict[Point, NDArray[Any]], lines: FloatArray, kind: str, point: Point,
-              coherence: dict[Point, FloatArray] | None, named: Named, averages: float | None,
-              ) -> FrequencyResponse:
+def _response(
+    rows: dict[Point, NDArray[Any]],
+    lines: FloatArray,
+    kind: str,
+    point: Point,
+    coherence: dict[Point, FloatArray] | None,
+    named: Named,
+    averages: float | None,
+) -> FrequencyResponse:
     labelled = [(p, *named(p)) for p in rows]
     kept = [(p, dof, sign) for p, dof, sign in labelled if dof is not None]
     turn = 1.0
@@ -70,9 +95,14 @@ def _response(rows: dict[Point, NDArray[Any]], lines: FloatArray, kind: str, poi
         turn = next((sign for p, _, sign in kept if p == point), 1.0)
     made: Literal["frf", "transmissibility"] = "frf" if kind == "frf" else "transmissibility"
     return FrequencyResponse(
-        lines, np.stack([rows[p] * (sign * turn) for p, _, sign in kept]), [dof for _, dof, _ in kept], made,
+        lines,
+        np.stack([rows[p] * (sign * turn) for p, _, sign in kept]),
+        [dof for _, dof, _ in kept],
+        made,
         named(point)[0] if kind == "transmissibility" else None,
-        None if coherence is None else np.stack([coherence[p] for p, _, _ in kept]), averages)
+        None if coherence is None else np.stack([coherence[p] for p, _, _ in kept]),
+        averages,
+    )
 
 
 def frequencies(f: Function) -> FloatArray:
@@ -93,7 +123,7 @@ def half_digit(value: float, unit: float = 1.0) -> float:
     """
     if value == 0.0:
         return 0.0
-    digit: float = 10.0**(float(np.floor(np.log10(abs(value / unit)))) - 5.0)
+    digit: float = 10.0 ** (float(np.floor(np.log10(abs(value / unit)))) - 5.0)
     return unit * 0.50001 * digit
 
 
@@ -118,8 +148,10 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
         above, below = parse_unit(f.unit), parse_unit(f.reference_unit)
         if above is None or below is None:
             odd = f.unit if above is None else f.reference_unit
-            warn(f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit known here; "
-                 "its values are as in the file. Name unit= to convert them.")
+            warn(
+                f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit known here; "
+                "its values are as in the file. Name unit= to convert them."
+            )
         above, below = above or Unit(), below or Unit()
         # Some programs write the whole quotient into the numerator's label.
         factor = f.scale * above.factor / (1.0 if above.per else below.factor)
@@ -131,10 +163,13 @@ def _check_kinds(file: Path, wanted: list[Function]) -> None:
     """Refuse receptances beside accelerances: their quotients are no transmissibilities."""
     kinds = {f.response: (parse_unit(f.unit) or Unit()).quantity for f in wanted}
     if len(set(kinds.values())) > 1:
-        unsuitable(file, "with responses of several kinds, " + ", ".join(
-            f"{label_of(point)} {kind or 'in no known unit'}" for point, kind in kinds.items()),
+        unsuitable(
+            file,
+            "with responses of several kinds, "
+            + ", ".join(f"{label_of(point)} {kind or 'in no known unit'}" for point, kind in kinds.items()),
             "accelerations, velocities or displacements alone",
-            "Leave out those of other kinds by dofs=, or name the unit= of all.")
+            "Leave out those of other kinds by dofs=, or name the unit= of all.",
+        )
 
 
 def _beside(file: Path, functions: list[Function], point: Point, responses: set[Point]) -> list[Function]:
@@ -143,12 +178,20 @@ def _beside(file: Path, functions: list[Function], point: Point, responses: set[
     own = {f.reference for f in functions if f.what in ("frf", "transmissibility", "cross spectrum")}
     near = {(0, 0), (point[0], -point[1])} - own  # those with a reference of other functions belong to them
     turned = {(node, -way) for node, way in responses} - responses
-    odd = [f for f in coherences if f.response in responses | turned and f.reference in near
-           or f.response in turned and f.reference == point]
+    odd = [
+        f
+        for f in coherences
+        if f.response in responses | turned
+        and f.reference in near
+        or f.response in turned
+        and f.reference == point
+    ]
     if odd:
-        warn(f"path: {str(file)!r} has coherences of other points than its functions, "
-             f"{', '.join(f'{label_of(f.response)} / {label_of(f.reference)}' for f in odd)}; they are left "
-             f"out. Wanted are the directions of the functions and the reference {label_of(point)}.")
+        warn(
+            f"path: {str(file)!r} has coherences of other points than its functions, "
+            f"{', '.join(f'{label_of(f.response)} / {label_of(f.reference)}' for f in odd)}; they are left "
+            f"out. Wanted are the directions of the functions and the reference {label_of(point)}."
+        )
     return [f for f in coherences if f.reference == point]
 
 
@@ -156,34 +199,55 @@ def _coherence(file: Path, rows: dict[Point, Any], beside: list[Function]) -> di
     found = {f.response: f.values.real for f in beside if f.response in rows}
     lost = [p for p in rows if p not in found]
     if found and lost:
-        warn(f"path: {str(file)!r} has coherences of {len(found)} of {len(rows)} responses, not of "
-             f"{', '.join(map(label_of, lost))}; they are left out.")
+        warn(
+            f"path: {str(file)!r} has coherences of {len(found)} of {len(rows)} responses, not of "
+            f"{', '.join(map(label_of, lost))}; they are left out."
+        )
     return found if found and not lost else None
 
 
-def _over_auto(file: Path, spectra: list[Function], point: Point, unit: str | None,
-               ) -> tuple[list[Function], bool]:
+def _over_auto(
+    file: Path, spectra: list[Function], point: Point, unit: str | None
+) -> tuple[list[Function], bool]:
     """Cross spectra over the auto spectrum of their reference."""
-    autos = [f for f in spectra if f.response == point and f.reference in (point, (0, 0))
-             and f.what == "auto spectrum"]
-    crosses = [f for f in spectra
-               if f.reference == point and f.response != point and f.what == "cross spectrum"]
+    autos = [
+        f
+        for f in spectra
+        if f.response == point and f.reference in (point, (0, 0)) and f.what == "auto spectrum"
+    ]
+    crosses = [
+        f for f in spectra if f.reference == point and f.response != point and f.what == "cross spectrum"
+    ]
     if len(autos) != 1 or not crosses:
-        unsuitable(file, f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of the reference "
-                   f"{label_of(point)}", "cross spectra, and one auto spectrum of their reference")
+        unsuitable(
+            file,
+            f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of the reference "
+            f"{label_of(point)}",
+            "cross spectra, and one auto spectrum of their reference",
+        )
     power = autos[0].values.real
     if power.min() <= 0.0:
-        unsuitable(file, f"with an auto spectrum of {label_of(point)} that is not positive everywhere",
-                   "a positive one")
+        unsuitable(
+            file,
+            f"with an auto spectrum of {label_of(point)} that is not positive everywhere",
+            "a positive one",
+        )
     single = autos[0].unit or crosses[0].reference_unit
     is_force = autos[0].role == "force" or (parse_unit(single) or Unit()).quantity == "force"
     if is_force and unit is None and any(f.scale != 1.0 for f in (*autos, *crosses)):
-        unsuitable(file, "with spectra without units where dataset 164 names others than SI",
-                   "the unit of their quotient", "Pass unit=, such as 'mm/s2/N'.")
+        unsuitable(
+            file,
+            "with spectra without units where dataset 164 names others than SI",
+            "the unit of their quotient",
+            "Pass unit=, such as 'mm/s2/N'.",
+        )
     made = []
     for f in crosses:
         if f.values.shape != power.shape:
-            unsuitable(file, f"with {f.values.size} lines at {label_of(f.response)} and {power.size} of the "
-                       "reference", "one frequency axis")
+            unsuitable(
+                file,
+                f"with {f.values.size} lines at {label_of(f.response)} and {power.size} of the reference",
+                "one frequency axis",
+            )
         made.append(replace(f, values=f.values / power, reference_unit=single, scale=1.0))
     return made, is_force

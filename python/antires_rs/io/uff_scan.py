@@ -54,7 +54,7 @@ def scan(data: bytes) -> list[Dataset]:
     position = 0
     while data[position:].strip(b" \r\n\t\x1a\x00"):
         begin = _MARKER.search(data, position)
-        stray = data[position:begin.start() if begin else len(data)]
+        stray = data[position : begin.start() if begin else len(data)]
         if stray.strip(b" \r\n\t\x1a\x00"):
             problem = f"{len(stray)} bytes at byte {position} belong to no dataset"
             found.append(Dataset(0, position, position + len(stray), problem=problem))
@@ -73,14 +73,15 @@ def scan(data: bytes) -> list[Dataset]:
 
 def plain_exponents(data: bytes, dataset: Dataset) -> bytes:
     """The bytes of a dataset; in a 58 of text, Fortran's 1.5D+03 as 1.5E+03, which has the same width."""
-    part = data[dataset.start:dataset.stop]
+    part = data[dataset.start : dataset.stop]
     lines = part.splitlines(keepends=True)
     if dataset.number != 58 or len(lines) < 3 or lines[1][6:7].lower() == b"b":
         return part
     # After marker and type: five lines of text, points, the abscissa, four axes with labels, numbers.
     numbers = 2 + _HEADER_LINES
-    return b"".join(_FORTRAN.sub(b"E", line) if i == 8 or i >= numbers else line
-                    for i, line in enumerate(lines))
+    return b"".join(
+        _FORTRAN.sub(b"E", line) if i == 8 or i >= numbers else line for i, line in enumerate(lines)
+    )
 
 
 def _dataset(data: bytes, start: int, after: int) -> Dataset:
@@ -98,7 +99,7 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
         at, line = _line(data, at)
         lines.append(line)
     try:
-        kind, points, even = (int(lines[6][i:i + 10]) for i in (0, 10, 20))
+        kind, points, even = (int(lines[6][i : i + 10]) for i in (0, 10, 20))
         form = _FORMS[kind]
     except (ValueError, KeyError):
         end = _MARKER.search(data, min(at, len(data)))
@@ -107,7 +108,7 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
     if binary:
         return _binary(data, start, at, points, numbers, form[2])
     end = _MARKER.search(data, at)
-    body = data[at:end.start() if end else len(data)]
+    body = data[at : end.start() if end else len(data)]
     # Fields are 13 or 20 wide; an abscissa, where there is one, has 13.
     width = form[1] * form[0] + (0 if even else 13)
     there = sum(len(line.rstrip()) for line in body.splitlines()) // width
@@ -127,8 +128,9 @@ def _binary(data: bytes, start: int, at: int, points: int, numbers: int, size: i
     return _judged(start, marker, len(data), points, min(there, points), short=True)
 
 
-def _judged(start: int, end: re.Match[bytes] | None, size: int, points: int, there: int, short: bool = False,
-            ) -> Dataset:
+def _judged(
+    start: int, end: re.Match[bytes] | None, size: int, points: int, there: int, short: bool = False
+) -> Dataset:
     problem = ""
     if end is None:
         problem = f"it has no end and {min(there, points)} of {points} points"
@@ -138,10 +140,10 @@ def _judged(start: int, end: re.Match[bytes] | None, size: int, points: int, the
 
 
 def _next_line(data: bytes, at: int) -> int:
-    while data[at:at + 1] == b" ":
+    while data[at : at + 1] == b" ":
         at += 1
-    at += data[at:at + 1] == b"\r"
-    return at + (data[at:at + 1] == b"\n")
+    at += data[at : at + 1] == b"\r"
+    return at + (data[at : at + 1] == b"\n")
 
 
 def _line(data: bytes, at: int) -> tuple[int, bytes]:
@@ -150,4 +152,4 @@ def _line(data: bytes, at: int) -> tuple[int, bytes]:
     if not ends:
         return len(data), data[at:]
     stop = min(ends)
-    return stop + (2 if data[stop:stop + 2] == b"\r\n" else 1), data[at:stop]
+    return stop + (2 if data[stop : stop + 2] == b"\r\n" else 1), data[at:stop]

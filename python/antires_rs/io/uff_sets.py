@@ -19,8 +19,15 @@ from .units import abscissa_factor
 __all__ = ["FUNCTIONS", "MARK", "Function", "functions_of"]
 
 #: Function types of record 6 that are read.
-FUNCTIONS = {1: "time", 2: "auto spectrum", 3: "cross spectrum", 4: "frf", 5: "transmissibility",
-             6: "coherence", 9: "auto spectrum"}
+FUNCTIONS = {
+    1: "time",
+    2: "auto spectrum",
+    3: "cross spectrum",
+    4: "frf",
+    5: "transmissibility",
+    6: "coherence",
+    9: "auto spectrum",
+}
 #: Specific data types of a force.
 FORCES = (9, 13)
 #: What a function without labels is in, by its specific data type, after dataset 164 was heeded.
@@ -82,8 +89,9 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
     data = file.read_bytes()
     datasets = scan(data)
     if not datasets or all(d.number == 0 for d in datasets):
-        unsuitable(file, "without a dataset between lines '    -1'", WANTED,
-                   "It is no universal file, or was cut.")
+        unsuitable(
+            file, "without a dataset between lines '    -1'", WANTED, "It is no universal file, or was cut."
+        )
     whole = [d for d in datasets if not d.problem]
     kept = sum(d.number == 58 for d in whole)
     functions = _read(pyuff, file, data, datasets, whole)
@@ -91,8 +99,14 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
     if bad:
         i, first = bad[0]
         of = next((f" of {f.own['of']}" for f in functions if "of" in f.own), "")
-        missing_part(file, f"dataset {i + 1} ({first.number or 'unknown'}) is damaged: {first.problem}; "
-                     f"{kept}{of} functions are whole", WANTED, partial, kept)
+        missing_part(
+            file,
+            f"dataset {i + 1} ({first.number or 'unknown'}) is damaged: {first.problem}; "
+            f"{kept}{of} functions are whole",
+            WANTED,
+            partial,
+            kept,
+        )
     else:
         _check_marks(file, functions, partial)
     if not functions:
@@ -100,13 +114,16 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
     return functions
 
 
-def _read(pyuff: Any, file: Path, data: bytes, datasets: list[Dataset], whole: list[Dataset],
-          ) -> list[Function]:
+def _read(
+    pyuff: Any, file: Path, data: bytes, datasets: list[Dataset], whole: list[Dataset]
+) -> list[Function]:
     parts = [plain_exponents(data, d) for d in whole]
     if len(whole) == len(datasets) and all(
-            part == data[d.start:d.stop] for part, d in zip(parts, whole, strict=True)):
+        part == data[d.start : d.stop] for part, d in zip(parts, whole, strict=True)
+    ):
         return _through_pyuff(pyuff, file, file, whole)
     import tempfile
+
     with tempfile.TemporaryDirectory(prefix="antires_uff_") as folder:
         # pyuff pairs markers by their order, so that a damaged set would shift all that follow.
         only = Path(folder) / "whole.uff"
@@ -118,8 +135,12 @@ def _through_pyuff(pyuff: Any, file: Path, source: Path, whole: list[Dataset]) -
     opened = pyuff.UFF(str(source))
     types = [int(t) for t in opened.get_set_types()] if opened.get_n_sets() else []
     if types != [d.number for d in whole]:
-        unsuitable(file, f"in which pyuff sees {len(types)} datasets and we {len(whole)}", WANTED,
-                   "Its markers are damaged.")
+        unsuitable(
+            file,
+            f"in which pyuff sees {len(types)} datasets and we {len(whole)}",
+            WANTED,
+            "Its markers are damaged.",
+        )
     functions, factors = [], (1.0, 1.0)
     for i, dataset in enumerate(whole):
         if dataset.number not in (58, 164):
@@ -133,8 +154,12 @@ def _through_pyuff(pyuff: Any, file: Path, source: Path, whole: list[Dataset]) -
             continue
         got = np.asarray(made["data"])
         if got.size != dataset.points or len(made["x"]) != dataset.points:
-            unsuitable(file, f"whose dataset {i + 1} has {got.size} points of the {dataset.points} that its "
-                       "header states", WANTED, "It was damaged.")
+            unsuitable(
+                file,
+                f"whose dataset {i + 1} has {got.size} points of the {dataset.points} that its header states",
+                WANTED,
+                "It was damaged.",
+            )
         if not (np.isfinite(got).all() and np.isfinite(made["x"]).all()):
             unsuitable(file, f"whose dataset {i + 1} has values that are not finite", WANTED)
         functions.append(_function(made, got, factors))
@@ -174,9 +199,21 @@ def _function(made: dict[str, Any], values: NDArray[Any], factors: tuple[float, 
     scale = 1.0 if unit or per else _si(above, factors) / _si(below, factors)
     if not (unit or per):
         unit, per = _SI.get(above, ""), _SI.get(below, "")
-    return Function(what, (int(made["rsp_node"]), int(made["rsp_dir"])),
-                    (int(made["ref_node"]), int(made["ref_dir"])), x, values, unit, per,
-                    "force" if above in FORCES else "", even, step, scale, into_si, own)
+    return Function(
+        what,
+        (int(made["rsp_node"]), int(made["rsp_dir"])),
+        (int(made["ref_node"]), int(made["ref_dir"])),
+        x,
+        values,
+        unit,
+        per,
+        "force" if above in FORCES else "",
+        even,
+        step,
+        scale,
+        into_si,
+        own,
+    )
 
 
 def _own(made: dict[str, Any], step: float) -> dict[str, Any]:
@@ -193,10 +230,14 @@ def _own(made: dict[str, Any], step: float) -> dict[str, Any]:
     numbers = [own.get(name, 0.0) for name in ("start", "step", "rate_hz", "n_averages")]
     agree = all(isinstance(n, int | float) for n in numbers) and all(
         f"{own.get(name, stated):.5e}" == f"{stated:.5e}"
-        for name, stated in (("start", float(made["abscissa_min"])), ("step", step)))
+        for name, stated in (("start", float(made["abscissa_min"])), ("step", step))
+    )
     exact = ("start", "step", "rate_hz")
-    return own if agree and ("start" in own) == ("step" in own) == (step > 0.0) else {
-        name: value for name, value in own.items() if name not in (*exact, "n_averages")}
+    return (
+        own
+        if agree and ("start" in own) == ("step" in own) == (step > 0.0)
+        else {name: value for name, value in own.items() if name not in (*exact, "n_averages")}
+    )
 
 
 def _check_marks(file: Path, functions: list[Function], partial: bool) -> None:
@@ -205,8 +246,9 @@ def _check_marks(file: Path, functions: list[Function], partial: bool) -> None:
     for f in functions:
         if "set" in f.own:
             if f.own["set"] != expected:
-                missing_part(file, f"set {expected} of {f.own['of']} is missing", WANTED, partial,
-                             len(functions))
+                missing_part(
+                    file, f"set {expected} of {f.own['of']} is missing", WANTED, partial, len(functions)
+                )
             expected = 1 if f.own["set"] == f.own["of"] else f.own["set"] + 1
     marked = [f for f in functions if "set" in f.own]
     if marked and expected != 1:

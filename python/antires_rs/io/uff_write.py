@@ -30,8 +30,15 @@ _DATA = {"": 0, "displacement": 8, "velocity": 11, "acceleration": 12, "force": 
 _OF_TIME, _OF_FREQUENCY = 17, 18
 
 
-def write_uff(path: str | os.PathLike[str], signal: Signal, *, binary: bool = True, unit: str | None = None,
-              dofs: Mapping[Any, Any] | Callable[[Any], Any] | None = None, excitation: Any = None) -> Path:
+def write_uff(
+    path: str | os.PathLike[str],
+    signal: Signal,
+    *,
+    binary: bool = True,
+    unit: str | None = None,
+    dofs: Mapping[Any, Any] | Callable[[Any], Any] | None = None,
+    excitation: Any = None,
+) -> Path:
     """Write dataset 58 for every channel, whole or not at all.
 
     Parameters
@@ -81,31 +88,62 @@ def write_uff(path: str | os.PathLike[str], signal: Signal, *, binary: bool = Tr
     check_dofs(signal)
     points = points_of(signal.dofs, dofs)
     force = _excitation(excitation, points)
-    sets = _recorded(signal, points, force, unit) if isinstance(signal, Recording) \
+    sets = (
+        _recorded(signal, points, force, unit)
+        if isinstance(signal, Recording)
         else _responses(signal, points, force, unit)
-    blocks = [_block(fields, values, number + 1, len(sets), binary)
-              for number, (fields, values) in enumerate(sets)]
+    )
+    blocks = [
+        _block(fields, values, number + 1, len(sets), binary) for number, (fields, values) in enumerate(sets)
+    ]
     return write_atomically(path, b"".join(blocks))
 
 
-def _recorded(rec: Recording, points: dict[Any, Point], force: Point | None, unit: str | None,
-              ) -> list[tuple[dict[str, Any], NDArray[Any]]]:
+def _recorded(
+    rec: Recording, points: dict[Any, Point], force: Point | None, unit: str | None
+) -> list[tuple[dict[str, Any], NDArray[Any]]]:
     unit = "m/s2" if unit is None else unit
     quantity = _quantity(unit)
-    axis = {"abscissa": _OF_TIME, "units": ("s", unit, ""), "even": (0.0, 1.0 / rec.fs_hz),
-            "line4": {"start": 0.0, "step": 1.0 / rec.fs_hz, "rate_hz": rec.fs_hz}}
+    axis = {
+        "abscissa": _OF_TIME,
+        "units": ("s", unit, ""),
+        "even": (0.0, 1.0 / rec.fs_hz),
+        "line4": {"start": 0.0, "step": 1.0 / rec.fs_hz, "rate_hz": rec.fs_hz},
+    }
     sets: list[tuple[dict[str, Any], NDArray[Any]]] = [
-        ({"kind": _TIME, "response": points[dof], "types": (_DATA[quantity], 0), "line5": {"dof": dof},
-          **axis}, row) for dof, row in zip(rec.dofs, rec.responses, strict=True)]
+        (
+            {
+                "kind": _TIME,
+                "response": points[dof],
+                "types": (_DATA[quantity], 0),
+                "line5": {"dof": dof},
+                **axis,
+            },
+            row,
+        )
+        for dof, row in zip(rec.dofs, rec.responses, strict=True)
+    ]
     if rec.force is not None:
         at = force or (max(node for node, _ in points.values()) + 1, 0)
-        sets.append(({"kind": _TIME, "response": at, "types": (_DATA["force"], 0), "line5": {},
-                      **axis, "units": ("s", "N", "")}, rec.force))
+        sets.append(
+            (
+                {
+                    "kind": _TIME,
+                    "response": at,
+                    "types": (_DATA["force"], 0),
+                    "line5": {},
+                    **axis,
+                    "units": ("s", "N", ""),
+                },
+                rec.force,
+            )
+        )
     return sets
 
 
-def _responses(resp: FrequencyResponse, points: dict[Any, Point], force: Point | None, unit: str | None,
-               ) -> list[tuple[dict[str, Any], NDArray[Any]]]:
+def _responses(
+    resp: FrequencyResponse, points: dict[Any, Point], force: Point | None, unit: str | None
+) -> list[tuple[dict[str, Any], NDArray[Any]]]:
     is_frf = resp.kind == "frf"
     unit = ("m/s2/N" if is_frf else "1") if unit is None else unit
     above, below = (_quantity(unit), named_unit("unit", unit).per)
@@ -113,23 +151,51 @@ def _responses(resp: FrequencyResponse, points: dict[Any, Point], force: Point |
     step = (resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1)
     ideal = resp.freq_hz[0] + step * np.arange(resp.n_freq)
     if resp.std is not None and not _follows(resp):
-        warn("signal: its standard deviations are not those of coherence and averages, and a universal file "
-             "has no place for them; they are left out.")
+        warn(
+            "signal: its standard deviations are not those of coherence and averages, and a universal file "
+            "has no place for them; they are left out."
+        )
     even = bool(np.abs(ideal - resp.freq_hz).max() <= 1e-12 * resp.freq_hz[-1])
     line4: dict[str, Any] = {} if resp.n_averages is None else {"n_averages": resp.n_averages}
     if even:
         line4 |= {"start": float(resp.freq_hz[0]), "step": float(step)}
-    axis = {"abscissa": _OF_FREQUENCY, "reference": reference, "line4": line4,
-            "even": (float(resp.freq_hz[0]), float(step)) if even else None, "x": resp.freq_hz}
+    axis = {
+        "abscissa": _OF_FREQUENCY,
+        "reference": reference,
+        "line4": line4,
+        "even": (float(resp.freq_hz[0]), float(step)) if even else None,
+        "x": resp.freq_hz,
+    }
     numerator, _, denominator = unit.rpartition("/") if below else (unit, "", "")
     types = (_DATA[above], _DATA[below] if below else 0)
     sets: list[tuple[dict[str, Any], NDArray[Any]]] = [
-        ({"kind": _FRF if is_frf else _TRANSMISSIBILITY, "response": points[dof], "types": types,
-          "units": ("Hz", numerator if unit != "1" else "", denominator), "line5": {"dof": dof}, **axis}, row)
-        for dof, row in zip(resp.dofs, resp.values, strict=True)]
+        (
+            {
+                "kind": _FRF if is_frf else _TRANSMISSIBILITY,
+                "response": points[dof],
+                "types": types,
+                "units": ("Hz", numerator if unit != "1" else "", denominator),
+                "line5": {"dof": dof},
+                **axis,
+            },
+            row,
+        )
+        for dof, row in zip(resp.dofs, resp.values, strict=True)
+    ]
     for dof, row in zip(resp.dofs, () if resp.coherence is None else resp.coherence, strict=False):
-        sets.append(({"kind": _COHERENCE, "response": points[dof], "types": (0, 0), "units": ("Hz", "", ""),
-                      "line5": {"dof": dof}, **axis}, row))
+        sets.append(
+            (
+                {
+                    "kind": _COHERENCE,
+                    "response": points[dof],
+                    "types": (0, 0),
+                    "units": ("Hz", "", ""),
+                    "line5": {"dof": dof},
+                    **axis,
+                },
+                row,
+            )
+        )
     return sets
 
 
@@ -174,8 +240,12 @@ def _block(fields: dict[str, Any], values: NDArray[Any], number: int, total: int
 def _header(fields: dict[str, Any], points: int, is_complex: bool, number: int, total: int) -> list[str]:
     response, reference = fields["response"], fields.get("reference", (0, 0))
     start, step = fields["even"] or (0.0, 0.0)
-    title = {_TIME: "Time Response", _FRF: "Frequency Response Function",
-             _TRANSMISSIBILITY: "Transmissibility", _COHERENCE: "Coherence"}[fields["kind"]]
+    title = {
+        _TIME: "Time Response",
+        _FRF: "Frequency Response Function",
+        _TRANSMISSIBILITY: "Transmissibility",
+        _COHERENCE: "Coherence",
+    }[fields["kind"]]
     over = f" / {label_of(reference)}" if reference != (0, 0) else ""
     line5 = json.dumps(fields["line5"])
     if len(line5) > 80:
@@ -183,14 +253,20 @@ def _header(fields: dict[str, Any], points: int, is_complex: bool, number: int, 
     units = [text or "NONE" for text in fields["units"]]
     types = fields["types"]
     return [
-        f"{title} {label_of(response)}{over}", f"antires_rs uff {VERSION} set {number} of {total}", "NONE",
-        json.dumps(fields["line4"]), line5,
+        f"{title} {label_of(response)}{over}",
+        f"antires_rs uff {VERSION} set {number} of {total}",
+        "NONE",
+        json.dumps(fields["line4"]),
+        line5,
         f"{fields['kind']:5d}{0:10d}{0:5d}{0:10d} {'NONE':<10}{response[0]:10d}{response[1]:4d}"
         f" {'NONE':<10}{reference[0]:10d}{reference[1]:4d}",
         f"{6 if is_complex else 4:10d}{points:10d}{int(fields['even'] is not None):10d}"
         f"{start:13.5e}{step:13.5e}{0.0:13.5e}",
-        _axis(fields["abscissa"], units[0]), _axis(types[0], units[1]), _axis(types[1], units[2]),
-        _axis(0, "NONE")]
+        _axis(fields["abscissa"], units[0]),
+        _axis(types[0], units[1]),
+        _axis(types[1], units[2]),
+        _axis(0, "NONE"),
+    ]
 
 
 def _axis(data_type: int, unit: str) -> str:
@@ -203,6 +279,6 @@ def _text(numbers: NDArray[Any], uneven: bool, is_complex: bool) -> bytes:
         forms = ["%20.11e"] * 4
     else:
         forms = ["%13.5e", "%20.11e", "%20.11e"] if is_complex else ["%13.5e", "%20.11e"] * 2
-    rows = [numbers[i:i + len(forms)].tolist() for i in range(0, numbers.size, len(forms))]
+    rows = [numbers[i : i + len(forms)].tolist() for i in range(0, numbers.size, len(forms))]
     lines = ("".join(form % v for form, v in zip(forms, row, strict=False)) for row in rows)
     return "".join(f"{line}\n" for line in lines).encode()

@@ -19,16 +19,33 @@ STANDARD_GRAVITY = 9.80665
 INCH, POUND_FORCE = 0.0254, 4.4482216152605
 
 _SI = {
-    "acceleration": {"m/s2": 1.0, "m/s/s": 1.0, "ms-2": 1.0, "g": STANDARD_GRAVITY, "gn": STANDARD_GRAVITY,
-                     "mg": 1e-3 * STANDARD_GRAVITY, "mm/s2": 1e-3, "cm/s2": 1e-2, "gal": 1e-2,
-                     "in/s2": INCH, "ft/s2": 12.0 * INCH},
+    "acceleration": {
+        "m/s2": 1.0,
+        "m/s/s": 1.0,
+        "ms-2": 1.0,
+        "g": STANDARD_GRAVITY,
+        "gn": STANDARD_GRAVITY,
+        "mg": 1e-3 * STANDARD_GRAVITY,
+        "mm/s2": 1e-3,
+        "cm/s2": 1e-2,
+        "gal": 1e-2,
+        "in/s2": INCH,
+        "ft/s2": 12.0 * INCH,
+    },
     "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": INCH, "ft/s": 12.0 * INCH},
     "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": INCH, "ft": 12.0 * INCH},
     "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": POUND_FORCE, "kgf": STANDARD_GRAVITY},
 }
 #: Names of other units than s and Hz of time and frequency, in small letters.
-_ABSCISSA = {"ms": 1e-3, "msec": 1e-3, "us": 1e-6, "usec": 1e-6, "min": 60.0, "khz": 1e3,
-             **dict.fromkeys(("rad/s", "rad/sec"), 0.5 / math.pi)}
+_ABSCISSA = {
+    "ms": 1e-3,
+    "msec": 1e-3,
+    "us": 1e-6,
+    "usec": 1e-6,
+    "min": 60.0,
+    "khz": 1e3,
+    **dict.fromkeys(("rad/s", "rad/sec"), 0.5 / math.pi),
+}
 _NONE = {"", "1", "-", "none", "unknown", "[]"}
 
 
@@ -60,7 +77,7 @@ def parse_unit(text: str) -> Unit | None:
     if simple:
         return Unit(*simple[:1], "", simple[1])
     for cut in (i for i, letter in enumerate(name) if letter == "/"):
-        above, below = _simple(_plain(name[:cut])), _simple(_plain(name[cut + 1:]))
+        above, below = _simple(_plain(name[:cut])), _simple(_plain(name[cut + 1 :]))
         if above and below:
             return Unit(above[0], below[0], above[1] / below[1])
     return None

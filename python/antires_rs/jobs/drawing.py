@@ -19,8 +19,9 @@ from .job import Job
 __all__ = ["draw", "drawings", "evidence_in", "origin_of", "pictures", "report"]
 
 
-def draw(job: Job, result: UpdateResult, folder: RunFolder, evidence: Evidence,
-         say: Callable[[str], Any]) -> list[str]:
+def draw(
+    job: Job, result: UpdateResult, folder: RunFolder, evidence: Evidence, say: Callable[[str], Any]
+) -> list[str]:
     """Write what the job asks for; what is left out for want of a package is returned as a note."""
     output = job.section("output")
     try:
@@ -40,20 +41,30 @@ def draw(job: Job, result: UpdateResult, folder: RunFolder, evidence: Evidence,
 def drawings(result: UpdateResult, evidence: Evidence) -> Drawings:
     """Pictures for the report and the folder, each drawn once."""
     sets, model = result.problem.measured, result.problem.model
-    shown = named_diagrams(evidence.diagrams, [each.excitation for each in sets], model) if any(
-        evidence.diagrams) else None
+    shown = (
+        named_diagrams(evidence.diagrams, [each.excitation for each in sets], model)
+        if any(evidence.diagrams)
+        else None
+    )
     return drawings_of(result, evidence.response, diagrams=shown)
 
 
 def report(result: UpdateResult, file: Path, folder: RunFolder, drawn: Drawings, title: str | None) -> None:
     """Write the report of a result with what its folder knows of the run."""
     from ..report import write_report
+
     record = folder.read_record() or {}
     sets = result.problem.measured
     about = record.get("measurement")
-    write_report(result, file, title=title or record.get("title"), origin=origin_of(folder),
-                 measurement=about if about and len(about) == len(sets) else None,
-                 warnings=record.get("warnings"), drawn=drawn)
+    write_report(
+        result,
+        file,
+        title=title or record.get("title"),
+        origin=origin_of(folder),
+        measurement=about if about and len(about) == len(sets) else None,
+        warnings=record.get("warnings"),
+        drawn=drawn,
+    )
 
 
 def evidence_in(folder: RunFolder, result: UpdateResult) -> Evidence:
@@ -75,9 +86,11 @@ def origin_of(folder: RunFolder) -> dict[str, str | list[str]]:
         return {}
     name = Path(record["job"]).name
     made = ", ".join(f"{what} {version}" for what, version in record.get("versions", {}).items())
-    return {"Repeat with": [f"antires {record['task']} {name}", "in the folder of that file"],
-            "Files, SHA-256": [f"{file}  {digest}" for file, digest in record["inputs"].items()],
-            "Run with": made}
+    return {
+        "Repeat with": [f"antires {record['task']} {name}", "in the folder of that file"],
+        "Files, SHA-256": [f"{file}  {digest}" for file, digest in record["inputs"].items()],
+        "Run with": made,
+    }
 
 
 def pictures(drawn: Drawings, folder: Path) -> list[Path]:

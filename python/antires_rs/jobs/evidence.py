@@ -53,15 +53,24 @@ class Evidence:
     def save(self, path: Path) -> None:
         """Write it, whole or not at all."""
         store = Store()
-        data = {"format": FORMAT, "version": VERSION,
-                "diagrams": [[[dof, _described(diagram, store)] for dof, diagram in table.items()]
-                             for table in self.diagrams],
-                "response": None}
+        data = {
+            "format": FORMAT,
+            "version": VERSION,
+            "diagrams": [
+                [[dof, _described(diagram, store)] for dof, diagram in table.items()]
+                for table in self.diagrams
+            ],
+            "response": None,
+        }
         if self.response is not None:
             r = self.response
             # Drawn in decibels: half the digits are more than the eye can see.
-            data["response"] = {"freq_hz": store.put(r.freq_hz), "dofs": list(r.dofs),
-                                "values": store.put(r.values.astype(np.complex64)), "reference": r.reference}
+            data["response"] = {
+                "freq_hz": store.put(r.freq_hz),
+                "dofs": list(r.dofs),
+                "values": store.put(r.values.astype(np.complex64)),
+                "reference": r.reference,
+            }
         write_store(path, data, store)
 
     @classmethod
@@ -76,8 +85,12 @@ class Evidence:
         _, data = read_store(path, FORMAT, VERSION, "the evidence.npz of a run")
         tables = tuple({dof: _made(diagram) for dof, diagram in table} for table in data["diagrams"])
         r = data["response"]
-        return cls(tables, None if r is None else FrequencyResponse(
-            r["freq_hz"], r["values"], r["dofs"], "transmissibility", r["reference"]))
+        return cls(
+            tables,
+            None
+            if r is None
+            else FrequencyResponse(r["freq_hz"], r["values"], r["dofs"], "transmissibility", r["reference"]),
+        )
 
 
 def evidence_of(job: Job, measured: list[Measured]) -> Evidence:
@@ -91,12 +104,16 @@ def measurement_of(job: Job, measured: list[Measured]) -> list[dict[str, list[st
     for table, each in zip(job.data, measured, strict=True):
         own = {"File": [each.file.name]}
         if isinstance(table.get("dofs"), dict):
-            own["Dofs"] = [f"{name} = {'left out' if dof is False else dof}"
-                           for name, dof in table["dofs"].items()]
+            own["Dofs"] = [
+                f"{name} = {'left out' if dof is False else dof}" for name, dof in table["dofs"].items()
+            ]
         if each.signal is not None:
             own |= of_signal(each.signal)
-            own["Unit"] = [f"{table['unit']} in the file, here SI" if table.get("unit") else
-                           "SI (m/s2 for accelerations); what the file names otherwise was converted"]
+            own["Unit"] = [
+                f"{table['unit']} in the file, here SI"
+                if table.get("unit")
+                else "SI (m/s2 for accelerations); what the file names otherwise was converted"
+            ]
             own |= of_identification(each.signal, each.found, table["band_hz"], job.section("identification"))
         facts.append(own | of_evidence(each.found))
     return facts
@@ -113,26 +130,36 @@ def heard() -> Iterator[list[str]]:
             if str(message) not in said:
                 said.append(str(message))
             show(message, *rest, **named)
+
         warnings.showwarning = keep
         yield said
 
 
 def _described(diagram: StabilizationDiagram, store: Store) -> dict[str, Any]:
     """A diagram as arrays: the rows of all orders in one."""
-    return {"band_hz": list(diagram.band_hz),
-            "counts": store.put(np.array([len(row) for row in diagram.freq_hz], dtype=np.int64)),
-            **{name: store.put(np.concatenate([np.empty(0), *getattr(diagram, name)])) for name in _ROWS},
-            **{name: store.put(getattr(diagram, name)) for name in _CURVES},
-            "accepted": {f.name: store.put(getattr(diagram.accepted, f.name)) for f in fields(Accepted)}}
+    return {
+        "band_hz": list(diagram.band_hz),
+        "counts": store.put(np.array([len(row) for row in diagram.freq_hz], dtype=np.int64)),
+        **{name: store.put(np.concatenate([np.empty(0), *getattr(diagram, name)])) for name in _ROWS},
+        **{name: store.put(getattr(diagram, name)) for name in _CURVES},
+        "accepted": {f.name: store.put(getattr(diagram.accepted, f.name)) for f in fields(Accepted)},
+    }
 
 
 def _made(data: dict[str, Any]) -> StabilizationDiagram:
     ends = np.cumsum(data["counts"])[:-1]
     freq, damping, stable = (tuple(np.split(data[name], ends)) for name in _ROWS)
     low, high = data["band_hz"]
-    return StabilizationDiagram(data["orders"], freq, damping, tuple(row.astype(bool) for row in stable),
-                                Accepted(**data["accepted"]), data["background_freq_hz"],
-                                data["background"], (low, high))
+    return StabilizationDiagram(
+        data["orders"],
+        freq,
+        damping,
+        tuple(row.astype(bool) for row in stable),
+        Accepted(**data["accepted"]),
+        data["background_freq_hz"],
+        data["background"],
+        (low, high),
+    )
 
 
 def _response(job: Job, measured: list[Measured]) -> FrequencyResponse | None:
@@ -145,9 +172,11 @@ def _response(job: Job, measured: list[Measured]) -> FrequencyResponse | None:
         return None
     from ..signals.segment_length import choose_nperseg
     from ..signals.transfer_functions import transmissibility
+
     try:
         length = job.section("identification").get("nperseg") or choose_nperseg(
-            first.signal, job.data[0]["band_hz"])
+            first.signal, job.data[0]["band_hz"]
+        )
         whole = transmissibility(first.signal, dof, nperseg=length, estimator="rank1")
     except UnsuitableDataError:  # a single hit has no averages
         return None

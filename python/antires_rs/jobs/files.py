@@ -99,8 +99,10 @@ class RunFolder:
 
 
 #: As write_atomically and Checkpoint name what is not whole yet.
-_HALF_WRITTEN = re.compile(r"\.(antiresonances(_\d+)?\.json|(result|evidence)\.npz|(summary|run)\.json|"
-                           r"report\.html|\w+\.png)\.\d+\.tmp|search\.ckpt\.tmp")
+_HALF_WRITTEN = re.compile(
+    r"\.(antiresonances(_\d+)?\.json|(result|evidence)\.npz|(summary|run)\.json|"
+    r"report\.html|\w+\.png)\.\d+\.tmp|search\.ckpt\.tmp"
+)
 _PICTURE = re.compile(r"(differences|convergence|damage|model|response|stabilization_.*)\.png")
 
 

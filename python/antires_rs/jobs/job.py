@@ -51,8 +51,11 @@ class Job:
                 self.reject((), f"no section [{name}]", f"one [{name}]", SECTIONS[name].help)
         self.data = [row for _, row in tables["data"]]
         self.parameters = [row for _, row in tables.get("parameters", [])]
-        self.sections = {name: tables[name][0][1] if name in tables else {} for name in SECTIONS
-                         if name not in ("data", "parameters")}
+        self.sections = {
+            name: tables[name][0][1] if name in tables else {}
+            for name in SECTIONS
+            if name not in ("data", "parameters")
+        }
         self.task = self._task(raw)
         #: Place of each [data]: with one table ("data",), else ("data", i).
         self.data_places = [place for place, _ in tables["data"]]
@@ -62,24 +65,33 @@ class Job:
         lines = text.splitlines()
         number = int(where[1]) if where and where[1] else max(1, len(lines))
         line = lines[number - 1].strip() if number <= len(lines) else ""
-        reason = said[:where.start()].strip() if where else said
+        reason = said[: where.start()].strip() if where else said
         twice = re.match(r"Cannot declare \('(\w+)',\) twice", reason)
         several = twice is not None and twice[1] in SECTIONS and SECTIONS[twice[1]].several != "no"
-        remedy = (f"Where there are several, each is headed [[{twice[1]}]]." if twice and several else
-                  "Text stands in quotes, lists in [ ], and each key once.")
+        remedy = (
+            f"Where there are several, each is headed [[{twice[1]}]]."
+            if twice and several
+            else "Text stands in quotes, lists in [ ], and each key once."
+        )
         remedy += r" A path is written with / or in single quotes: 'C:\tests\a.uff'." if "\\" in line else ""
         raise InvalidInputError(
             f"{self._name}, line {number}: got {line!r}, which is no TOML ({reason}); wanted lines such as "
-            f"key = value under a [section]. {remedy}")
+            f"key = value under a [section]. {remedy}"
+        )
 
     def _unknown_sections(self, raw: Mapping[str, Any]) -> None:
         for name in raw:
             if name not in SECTIONS:
                 owner = next((s.name for s in SECTIONS.values() if s.key(name)), None)
                 known = ", ".join(f"[{n}]" for n in SECTIONS)
-                self.reject((name,), f"the unknown name {name!r}", f"one of the sections {known}",
-                            f"It belongs under [{owner}]." if owner else nearest(name, SECTIONS)
-                            or "'antires init' writes a job with all of them.")
+                self.reject(
+                    (name,),
+                    f"the unknown name {name!r}",
+                    f"one of the sections {known}",
+                    f"It belongs under [{owner}]."
+                    if owner
+                    else nearest(name, SECTIONS) or "'antires init' writes a job with all of them.",
+                )
 
     def _tables(self, section: Section, value: Any) -> list[tuple[Keys, dict[str, Any]]]:
         name = section.name
@@ -90,8 +102,9 @@ class Job:
             return [((name, i), row) for i, row in enumerate(value)]
         heading = f"[[{name}]]" if section.several == "must" else f"[{name}]"
         got = "several tables" if several else "a single table" if isinstance(value, dict) else shown(value)
-        self.reject((name,), got, f"a heading {heading} on a line of its own, and keys below it",
-                    section.help)
+        self.reject(
+            (name,), got, f"a heading {heading} on a line of its own, and keys below it", section.help
+        )
 
     def _check(self, section: Section, place: Keys, table: Mapping[str, Any]) -> None:
         for name, value in table.items():
@@ -99,9 +112,14 @@ class Job:
             if key is None:
                 owner = next((s.name for s in SECTIONS.values() if s.key(name)), None)
                 remedy = nearest(name, [k.name for k in section.keys]) or (
-                    f"It belongs under [{owner}]." if owner else "Remove it.")
-                self.reject((*place, name), f"the unknown key {name!r}",
-                            "one of " + ", ".join(k.name for k in section.keys), remedy)
+                    f"It belongs under [{owner}]." if owner else "Remove it."
+                )
+                self.reject(
+                    (*place, name),
+                    f"the unknown key {name!r}",
+                    "one of " + ", ".join(k.name for k in section.keys),
+                    remedy,
+                )
             kind = KINDS[key.kind]
             if not kind.fits(value):
                 self.reject((*place, name), shown(value), kind.wanted, f"{kind.remedy} {key.explanation}")
@@ -112,14 +130,20 @@ class Job:
     def _task(self, raw: Mapping[str, Any]) -> str:
         if ("damage" in raw) == ("parameters" in raw):
             both = "damage" in raw
-            self.reject(("damage",) if both else (),
-                        f"{'both' if both else 'neither'} [damage] {'and' if both else 'nor'} [[parameters]]",
-                        "one of them",
-                        "A job updates a model or looks for damage; the second can start from "
-                        'the result of the first, kind = "result" under [model].')
+            self.reject(
+                ("damage",) if both else (),
+                f"{'both' if both else 'neither'} [damage] {'and' if both else 'nor'} [[parameters]]",
+                "one of them",
+                "A job updates a model or looks for damage; the second can start from "
+                'the result of the first, kind = "result" under [model].',
+            )
         if "damage" in raw and "updating" in raw:
-            self.reject(("updating",), "[updating] beside [damage]", "[damage] alone",
-                        "Its keys belong to a job with [[parameters]].")
+            self.reject(
+                ("updating",),
+                "[updating] beside [damage]",
+                "[damage] alone",
+                "Its keys belong to a job with [[parameters]].",
+            )
         return "damage" if "damage" in raw else "update"
 
     def only(self, place: Keys, table: Mapping[str, Any], kind: str) -> None:
@@ -129,8 +153,12 @@ class Job:
             key = section.key(name)
             if key and key.of and kind not in key.of:
                 own = ", ".join(k.name for k in section.keys if not k.of or kind in k.of)
-                self.reject((*place, name), f"{name!r}, which belongs to {' or '.join(key.of)}",
-                            f"a key of {kind!r}: {own}", "Remove it, or change the kind.")
+                self.reject(
+                    (*place, name),
+                    f"{name!r}, which belongs to {' or '.join(key.of)}",
+                    f"a key of {kind!r}: {own}",
+                    "Remove it, or change the kind.",
+                )
 
     def section(self, name: str) -> dict[str, Any]:
         """A section that there is once; empty where the job is silent."""
@@ -187,7 +215,7 @@ class Job:
             if isinstance(at, list):
                 at, indices = (at[int(indices[0])], indices[1:]) if indices else (place, ())
             attribute = tuple(part for part in found[3].split(".") if part)
-            said = str(exc)[found.end():]
+            said = str(exc)[found.end() :]
             if not has_remedy(said):
                 key = _key_at(at)
                 said += f" What belongs here: {key.help if key else SECTIONS[str(at[0])].help}"
@@ -227,14 +255,18 @@ def read_job(path: str | os.PathLike[str]) -> Job:
     file = Path(path)
     if not file.is_file():
         what = "is a folder" if file.is_dir() else "does not exist"
-        raise InvalidInputError(f"JOB: got {str(path)!r}, which {what}; wanted a job file. "
-                                "'antires init job.toml' writes one to be filled in.")
+        raise InvalidInputError(
+            f"JOB: got {str(path)!r}, which {what}; wanted a job file. "
+            "'antires init job.toml' writes one to be filled in."
+        )
     try:
         text = file.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as exc:
-        line = file.read_bytes()[:exc.start].count(b"\n") + 1
-        raise InvalidInputError(f"{file.name}, line {line}: got bytes that are no UTF-8 text; wanted a job "
-                                "file in TOML. Save it as UTF-8.") from exc
+        line = file.read_bytes()[: exc.start].count(b"\n") + 1
+        raise InvalidInputError(
+            f"{file.name}, line {line}: got bytes that are no UTF-8 text; wanted a job "
+            "file in TOML. Save it as UTF-8."
+        ) from exc
     return Job(file, text)
 
 

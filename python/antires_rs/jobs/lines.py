@@ -15,9 +15,15 @@ Path = tuple[str | int, ...]
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 #: The longest delimiters first; literal strings know no escapes.
-_STRINGS = tuple((quotes, re.compile(pattern, re.DOTALL)) for quotes, pattern in (
-    ('"""', r'"""(?:\\.|(?!""").)*"{3,5}'), ("'''", r"'''(?:(?!''').)*'{3,5}"),
-    ('"', r'"(?:\\.|[^"\\])*"'), ("'", r"'[^']*'")))
+_STRINGS = tuple(
+    (quotes, re.compile(pattern, re.DOTALL))
+    for quotes, pattern in (
+        ('"""', r'"""(?:\\.|(?!""").)*"{3,5}'),
+        ("'''", r"'''(?:(?!''').)*'{3,5}"),
+        ('"', r'"(?:\\.|[^"\\])*"'),
+        ("'", r"'[^']*'"),
+    )
+)
 _SCALAR = re.compile(r"[^,\]}#\n]+")
 _ESCAPES = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r", '"': '"', "\\": "\\"}
 
@@ -162,7 +168,7 @@ class _Scanner:
         return False
 
     def _peek(self) -> str:
-        return self.text[self.at:self.at + 1] or self._lost()
+        return self.text[self.at : self.at + 1] or self._lost()
 
     def _forward(self, count: int) -> None:
         self.line += self.text.count("\n", self.at, self.at + count)
@@ -176,4 +182,5 @@ def _unescaped(body: str) -> str:
     def character(match: re.Match[str]) -> str:
         code = match[1]
         return chr(int(code[1:], 16)) if code[0] in "uU" else _ESCAPES[code]
+
     return re.sub(r"\\(u[0-9a-fA-F]{4}|U[0-9a-fA-F]{8}|.)", character, body)

@@ -54,21 +54,37 @@ def measured_of(job: Job, model: StructuralModel | None, say: Callable[[str], An
         Receives a line before each stage.
     """
     find: Finder = (lambda place, name: name) if model is None else dof_finder(job, model)
-    measured = [_one(job, place, table, model, find, say)
-                for place, table in zip(job.data_places, job.data, strict=True)]
+    measured = [
+        _one(job, place, table, model, find, say)
+        for place, table in zip(job.data_places, job.data, strict=True)
+    ]
     if job.section("identification") and all(each.signal is None for each in measured):
-        job.reject(("identification",), "options beside files that hold antiresonances already",
-                   "a measurement to be identified", "Remove the section, or name the measurement.")
+        job.reject(
+            ("identification",),
+            "options beside files that hold antiresonances already",
+            "a measurement to be identified",
+            "Remove the section, or name the measurement.",
+        )
     return measured
 
 
-def _one(job: Job, place: Keys, table: dict[str, Any], model: StructuralModel | None, find: Finder,
-         say: Callable[[str], Any]) -> Measured:
+def _one(
+    job: Job,
+    place: Keys,
+    table: dict[str, Any],
+    model: StructuralModel | None,
+    find: Finder,
+    say: Callable[[str], Any],
+) -> Measured:
     kind = format_of(table["file"], table.get("format"))
     if kind is None:
         at = "format" if "format" in table else "file"
-        job.reject((*place, at), shown(table[at]), f"a format out of {', '.join(FORMATS)}",
-                   'Say which by format = "uff" or another, where the ending does not tell.')
+        job.reject(
+            (*place, at),
+            shown(table[at]),
+            f"a format out of {', '.join(FORMATS)}",
+            'Say which by format = "uff" or another, where the ending does not tell.',
+        )
     job.only(place, table, kind)
     file = job.existing((*place, "file"), table["file"])
     say(f"reading {file.name}")
@@ -88,8 +104,12 @@ def _one(job: Job, place: Keys, table: dict[str, Any], model: StructuralModel | 
     force = table["excitation"]
     if isinstance(names, dict) and force in names:
         if names[force] is False:
-            job.reject((*place, "excitation"), f"{shown(force)}, which dofs leaves out", "a dof of the model",
-                       "Write the dof at which the force acts; its channel may still be left out.")
+            job.reject(
+                (*place, "excitation"),
+                f"{shown(force)}, which dofs leaves out",
+                "a dof of the model",
+                "Write the dof at which the force acts; its channel may still be left out.",
+            )
         force = names[force]  # the name of a channel stands for its dof
     force = _checked(job, (*place, "excitation"), find((*place, "excitation"), force), model)
     chosen = dict(job.section("identification"))
@@ -119,27 +139,40 @@ def _at_dofs(job: Job, place: Keys, signal: Signal, find: Finder, model: Structu
         return relabelled(signal, list(range(len(dofs))), dofs)
 
 
-def _renamed(job: Job, place: Keys, found: AntiresonanceSet, names: Any, find: Finder,
-             model: StructuralModel | None) -> AntiresonanceSet:
+def _renamed(
+    job: Job, place: Keys, found: AntiresonanceSet, names: Any, find: Finder, model: StructuralModel | None
+) -> AntiresonanceSet:
     """A set of a file at dofs of the model; the same object where nothing changes."""
     if isinstance(names, list):
         if len(names) != len(found):
-            job.reject((*place, "dofs"), f"{len(names)} dofs", f"{len(found)}, one for each of {list(found)}",
-                       "Or a table name = dof.")
+            job.reject(
+                (*place, "dofs"),
+                f"{len(names)} dofs",
+                f"{len(found)}, one for each of {list(found)}",
+                "Or a table name = dof.",
+            )
         names = dict(zip(found, names, strict=True))
     at = (*place, "dofs")
     table = {dof: (names or {}).get(str(dof), (names or {}).get(dof, dof)) for dof in found}
-    table = {dof: new if new is False else _checked(job, at, find(at, new), model, dof)
-             for dof, new in table.items()}
+    table = {
+        dof: new if new is False else _checked(job, at, find(at, new), model, dof)
+        for dof, new in table.items()
+    }
     force = find(at, (names or {}).get(str(found.excitation), found.excitation))
     if force == found.excitation and all(new == dof for dof, new in table.items()):
         return found
 
     def moved(rows: Any) -> dict[Any, Any]:
         return {table[dof]: row for dof, row in rows.items() if table[dof] is not False}
+
     with job.blame(place, {"freq_hz": at}):
-        return AntiresonanceSet(_checked(job, at, force, model), moved(found), moved(found.damping_ratio),
-                                moved(found.std_hz), scores=moved(found.scores))
+        return AntiresonanceSet(
+            _checked(job, at, force, model),
+            moved(found),
+            moved(found.damping_ratio),
+            moved(found.std_hz),
+            scores=moved(found.scores),
+        )
 
 
 def _checked(job: Job, place: Keys, dof: Any, model: StructuralModel | None, name: Any = None) -> Any:
@@ -147,6 +180,9 @@ def _checked(job: Job, place: Keys, dof: Any, model: StructuralModel | None, nam
     if model is None or (isinstance(dof, int) and 0 <= dof < model.n_dof):
         return dof
     got = f"{dof!r}" if name is None or name == dof else f"{dof!r} for {name!r}"
-    remedy = (f'Say which dof it is: dofs = {{ "{dof}" = 0, ... }}.' if isinstance(dof, str)
-              else "Dofs count from 0; correct it, or the model.")
+    remedy = (
+        f'Say which dof it is: dofs = {{ "{dof}" = 0, ... }}.'
+        if isinstance(dof, str)
+        else "Dofs count from 0; correct it, or the model."
+    )
     return job.reject(place, got, f"a dof of the model, 0 to {model.n_dof - 1}", remedy)

@@ -22,8 +22,16 @@ __all__ = ["dof_finder", "model_of", "term_files"]
 
 _SHAPES = {"tube": Tube, "rectangle": Rectangle, "general": Section}
 _CHAIN = ("masses_kg", "springs_n_per_m", "ground_first_n_per_m", "ground_last_n_per_m")
-_FRAME = ("nodes_m", "elements", "sections", "point_masses", "ground_springs", "node_springs", "fixed",
-          "orientation")
+_FRAME = (
+    "nodes_m",
+    "elements",
+    "sections",
+    "point_masses",
+    "ground_springs",
+    "node_springs",
+    "fixed",
+    "orientation",
+)
 _NODE_AND_DIRECTION = re.compile(r"\s*(?:node\s+)?(\d+)[\s.:]+([A-Za-z]+)\s*")
 
 
@@ -39,8 +47,12 @@ def model_of(job: Job) -> StructuralModel:
     kind = table["kind"]
     makers = {CHAIN: _chain, FRAME: _frame, MATRICES: _matrices, RESULT: _result}
     if kind not in makers:
-        job.reject(("model", "kind"), shown(kind), "one of " + ", ".join(f'"{k}"' for k in makers),
-                   nearest(kind, makers) or "'antires init --model KIND' writes a job for each.")
+        job.reject(
+            ("model", "kind"),
+            shown(kind),
+            "one of " + ", ".join(f'"{k}"' for k in makers),
+            nearest(kind, makers) or "'antires init --model KIND' writes a job for each.",
+        )
     job.only(("model",), table, kind)
     with job.blame(("model",), {"path": ("model", "file")}):
         return makers[kind](job)
@@ -62,8 +74,12 @@ def _frame(job: Job) -> StructuralModel:
     given = job.given("model", _FRAME)
     for i, row in enumerate(given["elements"]):
         if not isinstance(row, list):
-            job.reject(("model", "elements", i), shown(row), "[node, node] or [node, node, \"section\"]",
-                       "Each beam is a list of its own, inside the list of all.")
+            job.reject(
+                ("model", "elements", i),
+                shown(row),
+                '[node, node] or [node, node, "section"]',
+                "Each beam is a list of its own, inside the list of all.",
+            )
     sections = {name: _section(job, name, parts) for name, parts in given.pop("sections").items()}
     # One section needs no name in each element.
     named = any(len(row) == 3 for row in given["elements"])
@@ -73,8 +89,10 @@ def _frame(job: Job) -> StructuralModel:
 
 def _section(job: Job, name: str, parts: Any) -> Tube | Rectangle | Section:
     place: Keys = ("model", "sections", name)
-    remedy = ('As in pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, '
-              "youngs_modulus_pa = 2.1e11, density_kg_per_m3 = 7850 }.")
+    remedy = (
+        'As in pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, '
+        "youngs_modulus_pa = 2.1e11, density_kg_per_m3 = 7850 }."
+    )
     if not isinstance(parts, dict) or parts.get("shape") not in _SHAPES:
         got = shown(parts.get("shape")) if isinstance(parts, dict) else shown(parts)
         job.reject(place, got, "a table with shape = " + ", ".join(f'"{s}"' for s in _SHAPES), remedy)
@@ -82,8 +100,12 @@ def _section(job: Job, name: str, parts: Any) -> Tube | Rectangle | Section:
     known = {f.name: f for f in fields(made)}
     for key in parts:
         if key != "shape" and key not in known:
-            job.reject((*place, key), f"the unknown key {key!r}", "one of " + ", ".join(known),
-                       nearest(key, known) or remedy)
+            job.reject(
+                (*place, key),
+                f"the unknown key {key!r}",
+                "one of " + ", ".join(known),
+                nearest(key, known) or remedy,
+            )
     for key, field in known.items():
         if key not in parts and field.default is MISSING:
             job.reject(place, f"no {key!r}", f"{key} = a number", remedy)
@@ -97,8 +119,10 @@ def _matrices(job: Job) -> StructuralModel:
         return io.read_matrices(job.existing(("model", "file"), table["file"]))
     _require(job, "stiffness", "mass")
     matrices = [job.existing(("model", key), table[key]) for key in ("stiffness", "mass")]
-    terms = {key: term_files(job, key, names)
-             for key, names in job.given("model", ("stiffness_terms", "mass_terms")).items()}
+    terms = {
+        key: term_files(job, key, names)
+        for key, names in job.given("model", ("stiffness_terms", "mass_terms")).items()
+    }
     return io.read_matrices(*matrices, **terms)
 
 
@@ -112,8 +136,12 @@ def term_files(job: Job, key: str, names: str | list[str]) -> list[Any]:
         pattern = job.file(name)
         found = sorted(pattern.parent.glob(pattern.name), key=_by_number)
         if not found:
-            job.reject(("model", key, i), f"{name!r}, which fits no file", "files that exist",
-                       "Paths are relative to the folder of the job file.")
+            job.reject(
+                ("model", key, i),
+                f"{name!r}, which fits no file",
+                "files that exist",
+                "Paths are relative to the folder of the job file.",
+            )
         files += found
     return files
 
@@ -146,4 +174,5 @@ def dof_finder(job: Job, model: StructuralModel) -> Callable[[Keys, Any], Any]:
             with job.blame(place, {"node": place, "direction": place}):
                 return model.dof(int(parts[1]), parts[2])
         return rows.get(name, name)
+
     return find

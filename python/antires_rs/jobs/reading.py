@@ -19,7 +19,12 @@ from .keys import DATA
 __all__ = ["Signal", "read_signal", "relabelled"]
 
 _READERS: dict[str, Callable[..., Signal]] = {
-    "uff": io.read_uff, "mat": io.read_mat, "hdf5": io.read_hdf5, "csv": io.read_csv, "npz": io.read_npz}
+    "uff": io.read_uff,
+    "mat": io.read_mat,
+    "hdf5": io.read_hdf5,
+    "csv": io.read_csv,
+    "npz": io.read_npz,
+}
 _LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the command line."
 #: An argument of a reader in one of its messages, alone or with a value.
 _PASSED = re.compile(r"\b([a-z_]+)=(?:'([^']*)')?(?=[\s,.;:]|$)")
@@ -31,8 +36,9 @@ def _in_a_job(name: str, value: str | None) -> str:
     return name if value is None else f'{name} = "{value}"'
 
 
-def read_signal(file: Path, kind: str, options: dict[str, Any],
-                spell: Callable[[str, str | None], str] = _in_a_job) -> Signal:
+def read_signal(
+    file: Path, kind: str, options: dict[str, Any], spell: Callable[[str, str | None], str] = _in_a_job
+) -> Signal:
     """Read a signal; ``options`` are keys of [data].
 
     ``spell`` writes an argument of the reader, with or without a value, as this user would.
@@ -49,8 +55,11 @@ def read_signal(file: Path, kind: str, options: dict[str, Any],
             reject(name, f"it for a {kind} file", f"{name} with {' or '.join(key.of)} alone", "Leave it out.")
     if chosen.get("force") is False:
         chosen["force"] = None
-    dofs = {name: _plain(dof) for name, dof in options["dofs"].items()} if isinstance(
-        options.get("dofs"), dict) else [_plain(dof) for dof in options.get("dofs", [])]
+    dofs = (
+        {name: _plain(dof) for name, dof in options["dofs"].items()}
+        if isinstance(options.get("dofs"), dict)
+        else [_plain(dof) for dof in options.get("dofs", [])]
+    )
     # Universal files name points, whose sign may have to be turned: that is the reader's.
     by_point = kind == "uff" and isinstance(dofs, dict) and all(map(_is_point, dofs))
     left_out = {name for name, dof in dofs.items() if dof is None} if isinstance(dofs, dict) else set()
@@ -73,8 +82,9 @@ def _named(signal: Signal, dofs: dict[Any, Any] | list[Any]) -> Signal:
     if isinstance(dofs, dict):
         for name, dof in dofs.items():
             if name not in names and dof is not None:
-                reject("dofs", f"{name!r}, which is no channel", f"names out of {names}",
-                       "Correct or remove it.")
+                reject(
+                    "dofs", f"{name!r}, which is no channel", f"names out of {names}", "Correct or remove it."
+                )
         for name in names:
             if name not in dofs:
                 reject("dofs", f"no dof for channel {name!r}", f"one for each of {names}", _LEAVE_OUT)

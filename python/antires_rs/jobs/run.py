@@ -60,8 +60,15 @@ class Outcome:
         return self.result.status == "interrupted"
 
 
-def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | None = None,
-        say: Say = str, progress: bool | None = None) -> Outcome:
+def run(
+    job: Job,
+    *,
+    resume: bool = False,
+    fresh: bool = False,
+    workers: int | None = None,
+    say: Say = str,
+    progress: bool | None = None,
+) -> Outcome:
     """Carry out a job and write its files.
 
     Parameters
@@ -93,9 +100,11 @@ def run(job: Job, *, resume: bool = False, fresh: bool = False, workers: int | N
         return _carried_out(job, said, resume, fresh, workers, say, progress)
 
 
-def _carried_out(job: Job, said: list[str], resume: bool, fresh: bool, workers: int | None, say: Say,
-                 progress: bool | None) -> Outcome:
+def _carried_out(
+    job: Job, said: list[str], resume: bool, fresh: bool, workers: int | None, say: Say, progress: bool | None
+) -> Outcome:
     import scipy  # slow to load
+
     begun = time.perf_counter()
     folder = _checked(job, resume, fresh)
     ga, seed, threads = search_of(job, workers)
@@ -118,11 +127,23 @@ def _carried_out(job: Job, said: list[str], resume: bool, fresh: bool, workers: 
         evidence.save(folder.evidence)
     else:
         folder.evidence.unlink(missing_ok=True)  # of another run
-    record = {"job": _relative(job.path, folder.folder), "task": job.task, "seed": seed, "inputs": inputs,
-              "state": "searching", "title": job.section("output").get("title"),
-              "measurement": measurement_of(job, measured), "warnings": said, "versions": {
-                  "antires_rs": __version__, "numpy": np.__version__, "scipy": scipy.__version__,
-                  "python": platform.python_version(), "system": platform.platform()}}
+    record = {
+        "job": _relative(job.path, folder.folder),
+        "task": job.task,
+        "seed": seed,
+        "inputs": inputs,
+        "state": "searching",
+        "title": job.section("output").get("title"),
+        "measurement": measurement_of(job, measured),
+        "warnings": said,
+        "versions": {
+            "antires_rs": __version__,
+            "numpy": np.__version__,
+            "scipy": scipy.__version__,
+            "python": platform.python_version(),
+            "system": platform.platform(),
+        },
+    }
     folder.write_json(folder.record, record)
     say("searching")
     kept = folder.checkpoint if job.section("search").get("checkpoint", True) else None
@@ -139,6 +160,7 @@ def _carried_out(job: Job, said: list[str], resume: bool, fresh: bool, workers: 
     if outcome.interrupted:
         return outcome
     from .drawing import draw
+
     outcome.notes = draw(job, result, folder, evidence, say)
     if not out_of_time(result):
         folder.forget_search()  # last: as long as it waits, resume makes up for whatever is missing
@@ -153,16 +175,27 @@ def _checked(job: Job, resume: bool, fresh: bool) -> RunFolder:
         job.reject(place, f"{str(folder.folder)!r}, which is a file", "a folder", "Name another one.")
     record = folder.read_record()
     if record and folder.job_path(record).resolve() != job.path.resolve():
-        job.reject(place, f"{folder.folder.name!r}, which holds the results of {record.get('job')}",
-                   "a folder of this job's own", 'Name one under [output], folder = "...".')
+        job.reject(
+            place,
+            f"{folder.folder.name!r}, which holds the results of {record.get('job')}",
+            "a folder of this job's own",
+            'Name one under [output], folder = "...".',
+        )
     if folder.unfinished and not (resume or fresh):
-        job.reject(place, f"{folder.folder.name!r}, where a search of this job waits that did not finish",
-                   "a folder without one", f"Go on with 'antires resume {job.path.name}', or begin anew with "
-                   "--fresh.")
+        job.reject(
+            place,
+            f"{folder.folder.name!r}, where a search of this job waits that did not finish",
+            "a folder without one",
+            f"Go on with 'antires resume {job.path.name}', or begin anew with --fresh.",
+        )
     # Killed before the first checkpoint, a search begins again with the sets that it had.
     if resume and not (folder.unfinished or folder.state == "searching"):
-        job.reject(place, f"{folder.folder.name!r}, where no search waits", "a search that did not finish",
-                   f"Begin with 'antires {job.task} {job.path.name}'.")
+        job.reject(
+            place,
+            f"{folder.folder.name!r}, where no search waits",
+            "a search that did not finish",
+            f"Begin with 'antires {job.task} {job.path.name}'.",
+        )
     return folder
 
 
@@ -172,30 +205,46 @@ def _search(job: Job, model: StructuralModel, parameters: Any, measured: Any) ->
         table = job.section("damage")
         options = {key: table[key] for key in ("gamma1", "gamma2", "snap", "weights") if key in table}
         elements = elements_of(job)
-        chosen = model.default_elements if elements is None else [elements] if isinstance(
-            elements, int) else elements
+        chosen = (
+            model.default_elements
+            if elements is None
+            else [elements]
+            if isinstance(elements, int)
+            else elements
+        )
         prices = {key: options[key] for key in ("gamma1", "gamma2", "snap") if key in options}
         places: list[Keys] = [("damage", "elements", i) for i in range(len(chosen))]
         with job.blame(("damage",), {"measured": ("data",), "parameters": places}):
-            UpdatingProblem(model, stiffness_reduction(chosen), measured, penalty=DamagePenalty(**prices),
-                            weights=options.get("weights"))
+            UpdatingProblem(
+                model,
+                stiffness_reduction(chosen),
+                measured,
+                penalty=DamagePenalty(**prices),
+                weights=options.get("weights"),
+            )
         return partial(assess_damage, model, measured, elements=elements, **options)
     made, places = parameters
     with job.blame(("updating",), {"measured": ("data",), "parameters": places, "sections": ("parameters",)}):
         return partial(update, UpdatingProblem(model, made, measured, **job.section("updating")))
 
 
-def _kept_sets(job: Job, folder: RunFolder, measured: list[Measured],
-               inputs: dict[str, str]) -> list[AntiresonanceSet]:
+def _kept_sets(
+    job: Job, folder: RunFolder, measured: list[Measured], inputs: dict[str, str]
+) -> list[AntiresonanceSet]:
     """The sets that the search began with, bit for bit, whatever libraries are here now."""
     record = folder.read_record() or {}
     # What changed in the job itself the checkpoint finds, as far as it matters to the search.
-    changed = [name for name, digest in record.get("inputs", {}).items()
-               if name != job.path.name and inputs.get(name, digest) != digest]
+    changed = [
+        name
+        for name, digest in record.get("inputs", {}).items()
+        if name != job.path.name and inputs.get(name, digest) != digest
+    ]
     if changed:
-        raise UnsuitableDataError(f"JOB: got {', '.join(changed)}, changed since the search began; wanted "
-                                  f"the files as they were. Put them back, or begin anew with 'antires "
-                                  f"{job.task} {job.path.name} --fresh'.")
+        raise UnsuitableDataError(
+            f"JOB: got {', '.join(changed)}, changed since the search began; wanted "
+            f"the files as they were. Put them back, or begin anew with 'antires "
+            f"{job.task} {job.path.name} --fresh'."
+        )
     sets = []
     for i, each in enumerate(measured):
         file = folder.antiresonances(i)
@@ -210,8 +259,12 @@ def _inputs(job: Job, measured: list[Measured]) -> list[Path]:
     """Every file that the numbers depend on."""
     model = job.section("model")
     named = [job.file(model[key]) for key in ("file", "stiffness", "mass", "dof_map") if key in model]
-    terms = [file for key in ("stiffness_terms", "mass_terms") if key in model
-             for file in term_files(job, key, model[key])]
+    terms = [
+        file
+        for key in ("stiffness_terms", "mass_terms")
+        if key in model
+        for file in term_files(job, key, model[key])
+    ]
     return [job.path, *(m.file for m in measured), *named, *terms]
 
 

@@ -19,8 +19,9 @@ def number(value: Any) -> float | None:
     return plain if math.isfinite(plain) else None
 
 
-def summary_of(job: Job, result: UpdateResult, record: dict[str, Any], measured: list[Measured],
-               seconds: float) -> dict[str, Any]:
+def summary_of(
+    job: Job, result: UpdateResult, record: dict[str, Any], measured: list[Measured], seconds: float
+) -> dict[str, Any]:
     """All numbers of a run, and what repeats it.
 
     What the data cannot tell takes seconds on a large model, so it is left out, as null, after Ctrl-C.
@@ -29,18 +30,29 @@ def summary_of(job: Job, result: UpdateResult, record: dict[str, Any], measured:
     at_once = result.status == "interrupted"
     checks = [m.found.data_check for m in measured if m.found.data_check is not None]
     return {
-        "antires_rs": record["versions"]["antires_rs"], "task": job.task, "job": job.path.name,
-        "command": f"antires {job.task} {job.path.name}", "seed": result.seed, "inputs": record["inputs"],
-        "versions": record["versions"], "seconds": seconds, "status": result.status,
+        "antires_rs": record["versions"]["antires_rs"],
+        "task": job.task,
+        "job": job.path.name,
+        "command": f"antires {job.task} {job.path.name}",
+        "seed": result.seed,
+        "inputs": record["inputs"],
+        "versions": record["versions"],
+        "seconds": seconds,
+        "status": result.status,
         "message": result.message,
-        "finished": result.success, "J": number(result.fun), "evaluations": result.nfev,
-        "generations": result.nit, **_values(result, at_once),
+        "finished": result.success,
+        "J": number(result.fun),
+        "evaluations": result.nfev,
+        "generations": result.nit,
+        **_values(result, at_once),
         "largest_before_percent": number(table.largest_before_percent),
         "largest_after_percent": number(table.largest_after_percent),
         "antiresonances": _rows(table) if isinstance(table, FrequencyTable) else [],
         # Those of the data check have been raised as one.
-        "warnings": [*(said for check in checks for said in check.warnings),
-                     *(said for said in record["warnings"] if not said.startswith("data check: "))],
+        "warnings": [
+            *(said for check in checks for said in check.warnings),
+            *(said for said in record["warnings"] if not said.startswith("data check: ")),
+        ],
         "notes": [] if at_once else result.notes,
     }
 
@@ -52,8 +64,11 @@ def text_of(result: UpdateResult) -> str:
     head = f"J = {result.fun:.6g} after {result.nfev:,} evaluations: interrupted, the best so far"
     width = max(map(len, result.problem.names))
     loss = isinstance(result, DamageResult)
-    values = [f"{name:<{width}}  {f'{100 * value:6.2f} %' if loss else f'{value:#12.6g}'}"
-              for name, value in zip(result.problem.names, result.x, strict=True) if value != 0.0 or not loss]
+    values = [
+        f"{name:<{width}}  {f'{100 * value:6.2f} %' if loss else f'{value:#12.6g}'}"
+        for name, value in zip(result.problem.names, result.x, strict=True)
+        if value != 0.0 or not loss
+    ]
     return "\n".join([head, "", *values, "", str(result.table)])
 
 
@@ -62,22 +77,50 @@ def _values(result: UpdateResult, at_once: bool) -> dict[str, Any]:
     if isinstance(result, DamageResult):
         label = result.problem.model.element_label
         seen = {} if at_once else result.detectable
-        return {"damaged": result.damaged,
-                "elements": [{"element": e, "name": label(e), "stiffness_loss": number(beta), "std": own,
-                              "smallest_visible": number(seen.get(e, math.nan))}
-                             for (e, beta), own in zip(result.severity.items(), std, strict=True)]}
+        return {
+            "damaged": result.damaged,
+            "elements": [
+                {
+                    "element": e,
+                    "name": label(e),
+                    "stiffness_loss": number(beta),
+                    "std": own,
+                    "smallest_visible": number(seen.get(e, math.nan)),
+                }
+                for (e, beta), own in zip(result.severity.items(), std, strict=True)
+            ],
+        }
     on_bound = None if at_once else set(result.at_bound)
-    columns = zip(result.problem.names, result.x, result.problem.nominal, std, result.problem.bounds,
-                  strict=True)
-    return {"parameters": [
-        {"name": name, "value": number(value), "nominal": number(nominal), "std": own, "low": number(low),
-         "high": number(high), "on_bound": None if on_bound is None else name in on_bound}
-        for name, value, nominal, own, (low, high) in columns]}
+    columns = zip(
+        result.problem.names, result.x, result.problem.nominal, std, result.problem.bounds, strict=True
+    )
+    return {
+        "parameters": [
+            {
+                "name": name,
+                "value": number(value),
+                "nominal": number(nominal),
+                "std": own,
+                "low": number(low),
+                "high": number(high),
+                "on_bound": None if on_bound is None else name in on_bound,
+            }
+            for name, value, nominal, own, (low, high) in columns
+        ]
+    }
 
 
 def _rows(table: FrequencyTable) -> list[dict[str, Any]]:
-    columns = zip(table.excitation, table.dof, table.measured_hz, table.before_hz, table.after_hz,
-                  strict=True)
-    return [{"excitation": int(force), "dof": int(dof), "measured_hz": number(measured),
-             "before_hz": number(before), "after_hz": number(after)}
-            for force, dof, measured, before, after in columns]
+    columns = zip(
+        table.excitation, table.dof, table.measured_hz, table.before_hz, table.after_hz, strict=True
+    )
+    return [
+        {
+            "excitation": int(force),
+            "dof": int(dof),
+            "measured_hz": number(measured),
+            "before_hz": number(before),
+            "after_hz": number(after),
+        }
+        for force, dof, measured, before, after in columns
+    ]

@@ -15,8 +15,10 @@ _HEAD = {
 #: What is filled in as an example, by model; None stands for every model.
 _EXAMPLES: dict[str, dict[str, str]] = {
     CHAIN: {"masses_kg": "[1.0, 1.0, 1.0]", "springs_n_per_m": "[50e3, 50e3]"},
-    FRAME: {"nodes_m": "[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0]]",
-            "elements": '[[0, 1, "pipe"], [1, 2, "pipe"]]'},
+    FRAME: {
+        "nodes_m": "[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0]]",
+        "elements": '[[0, 1, "pipe"], [1, 2, "pipe"]]',
+    },
     MATRICES: {"stiffness": '"K.mtx"', "mass": '"M.mtx"', "stiffness_terms": '"K_element_*.mtx"'},
     RESULT: {"file": '"update_results/result.npz"'},
 }
@@ -27,13 +29,28 @@ _PARAMETERS = {
     RESULT: (("stiffness_factor", "elements", '"all"'),),
 }
 #: What needs a table of its own.
-_TABLES = {FRAME: ["[model.sections.pipe]", 'shape = "tube"', "outer_diameter_m = 0.05",
-                   "thickness_m = 0.002", "youngs_modulus_pa = 2.1e11", "density_kg_per_m3 = 7850.0", ""]}
+_TABLES = {
+    FRAME: [
+        "[model.sections.pipe]",
+        'shape = "tube"',
+        "outer_diameter_m = 0.05",
+        "thickness_m = 0.002",
+        "youngs_modulus_pa = 2.1e11",
+        "density_kg_per_m3 = 7850.0",
+        "",
+    ]
+}
 _WIDTH = 108
 
 
-def template(task: str = "damage", model: str = CHAIN, *, name: str = "job.toml", data: str = "record.uff",
-             dofs: dict[str, object] | None = None) -> str:
+def template(
+    task: str = "damage",
+    model: str = CHAIN,
+    *,
+    name: str = "job.toml",
+    data: str = "record.uff",
+    dofs: dict[str, object] | None = None,
+) -> str:
     """A job to be filled in: valid as it stands, but for the files it names.
 
     Parameters
@@ -58,10 +75,14 @@ def template(task: str = "damage", model: str = CHAIN, *, name: str = "job.toml"
     >>> print(template("damage").splitlines()[0])
     # Look for damage: antires damage job.toml
     """
-    lines = [f"# {_HEAD[task].format(name=name)}", "#",
-             "# Lines that begin with # are explanations, or keys with their defaults: remove the # to",
-             "# change one. Force, band and model that stand here are examples: put your own in their place.",
-             "# Paths are relative to this file. Masses, springs, nodes, elements and dofs count from 0.", ""]
+    lines = [
+        f"# {_HEAD[task].format(name=name)}",
+        "#",
+        "# Lines that begin with # are explanations, or keys with their defaults: remove the # to",
+        "# change one. Force, band and model that stand here are examples: put your own in their place.",
+        "# Paths are relative to this file. Masses, springs, nodes, elements and dofs count from 0.",
+        "",
+    ]
     filled = {"file": _quoted(data), "excitation": "0", "band_hz": "[3.0, 130.0]"}
     if dofs:
         pairs = [f"{_quoted(channel)} = {dof}" for channel, dof in dofs.items()]

@@ -38,14 +38,19 @@ def parameters_of(job: Job, model: StructuralModel) -> tuple[list[Parameter], li
         place = ("parameters", i)
         kind = table["kind"]
         if kind not in _KINDS:
-            job.reject((*place, "kind"), shown(kind), "one of " + ", ".join(_KINDS),
-                       nearest(kind, _KINDS) or "Those of sections, masses and supports need a frame.")
+            job.reject(
+                (*place, "kind"),
+                shown(kind),
+                "one of " + ", ".join(_KINDS),
+                nearest(kind, _KINDS) or "Those of sections, masses and supports need a frame.",
+            )
         make, on = _KINDS[kind]
         job.only(place, table, kind)
         if on not in table:
             job.missing(place, on)
-        options: dict[str, Any] = {key: table[key] for key in ("together", "relative", "axis")
-                                   if key in table}
+        options: dict[str, Any] = {
+            key: table[key] for key in ("together", "relative", "axis") if key in table
+        }
         options["bounds_deg" if kind == "angle" else "bounds"] = table["bounds"]
         if kind == "angle":
             if "pivot" not in table:
@@ -53,8 +58,9 @@ def parameters_of(job: Job, model: StructuralModel) -> tuple[list[Parameter], li
             options["pivot"] = table["pivot"]
         chosen = _everything(model, on) if table[on] == "all" else table[on]
         if chosen == []:
-            job.reject((*place, on), f'"all" of a model without {on}', f"a model with {on}",
-                       "Remove this entry.")
+            job.reject(
+                (*place, on), f'"all" of a model without {on}', f"a model with {on}", "Remove this entry."
+            )
         with job.blame(place):
             made = make(chosen, **options)
         several = [made] if isinstance(made, Parameter) else made
@@ -74,8 +80,11 @@ def search_of(job: Job, workers: int | None = None) -> tuple[IslandGA, int, int]
     table = job.section("search")
     options = {name: value for name, value in table.items() if name not in _OURS}
     with job.blame(("search",), {"rng": ("search", "seed")}):
-        return (IslandGA(max_seconds=table.get("max_seconds"), **options), seed_of(table.get("seed", 0)),
-                thread_count(workers or table.get("workers")))
+        return (
+            IslandGA(max_seconds=table.get("max_seconds"), **options),
+            seed_of(table.get("seed", 0)),
+            thread_count(workers or table.get("workers")),
+        )
 
 
 def _everything(model: StructuralModel, on: str) -> list[Any]:
@@ -85,5 +94,8 @@ def _everything(model: StructuralModel, on: str) -> list[Any]:
         return list(range(model._core.n_mass_terms))
     if not isinstance(model, FrameModel):
         return []
-    return list(model.sections if on == "sections" else
-                range(len(model.point_masses if on == "masses" else model.ground_springs)))
+    return list(
+        model.sections
+        if on == "sections"
+        else range(len(model.point_masses if on == "masses" else model.ground_springs))
+    )

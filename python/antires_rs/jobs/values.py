@@ -34,6 +34,7 @@ def _list(value: Any, item: Callable[[Any], bool], least: int = 1) -> bool:
 def _dofs(value: Any) -> bool:
     def one(dof: Any) -> bool:
         return dof is False or _dof(dof)
+
     return _list(value, one) or (isinstance(value, dict) and bool(value) and all(map(one, value.values())))
 
 
@@ -48,23 +49,36 @@ class Kind:
 
 KINDS = {
     "text": Kind("text in quotes", _text, "Put it in quotes."),
-    "texts": Kind("text in quotes, or a list of such", lambda v: _text(v) or _list(v, _text),
-                  'Write "one" or ["one", "another"].'),
+    "texts": Kind(
+        "text in quotes, or a list of such",
+        lambda v: _text(v) or _list(v, _text),
+        'Write "one" or ["one", "another"].',
+    ),
     "number": Kind("a finite number", _number, "Write it without quotes, with a decimal point."),
-    "numbers": Kind("a list of finite numbers", lambda v: _list(v, _number, 0),
-                    "Write them as in [1.0, 2.5]."),
+    "numbers": Kind(
+        "a list of finite numbers", lambda v: _list(v, _number, 0), "Write them as in [1.0, 2.5]."
+    ),
     "whole": Kind("a whole number", _whole, "Write it without quotes and decimal point."),
-    "switch": Kind("true or false", lambda v: isinstance(v, bool),
-                   "Write it in small letters, without quotes."),
-    "pair": Kind("two numbers, [low, high]", lambda v: _list(v, _number) and len(v) == 2,
-                 "Write them as in [3.0, 130.0]."),
+    "switch": Kind(
+        "true or false", lambda v: isinstance(v, bool), "Write it in small letters, without quotes."
+    ),
+    "pair": Kind(
+        "two numbers, [low, high]",
+        lambda v: _list(v, _number) and len(v) == 2,
+        "Write them as in [3.0, 130.0].",
+    ),
     "dof": Kind("a whole number, or a name in quotes", _dof, 'Write it as in 3 or "12+Z".'),
-    "dofs": Kind("a list of dofs, or a table name = dof", _dofs,
-                 'Write it as in [0, 1, 2] or { "12+Z" = 0 }.'),
-    "force": Kind("a channel's name in quotes, or false", lambda v: v is False or _dof(v),
-                  "Put it in quotes."),
-    "terms": Kind('"all", a number or name, or a list of them', lambda v: _dof(v) or _list(v, _dof),
-                  'Write it as in "all" or [0, 1, 2].'),
+    "dofs": Kind(
+        "a list of dofs, or a table name = dof", _dofs, 'Write it as in [0, 1, 2] or { "12+Z" = 0 }.'
+    ),
+    "force": Kind(
+        "a channel's name in quotes, or false", lambda v: v is False or _dof(v), "Put it in quotes."
+    ),
+    "terms": Kind(
+        '"all", a number or name, or a list of them',
+        lambda v: _dof(v) or _list(v, _dof),
+        'Write it as in "all" or [0, 1, 2].',
+    ),
     "list": Kind("a list that is not empty", lambda v: _list(v, lambda item: True), "Put it in [ ]."),
     "table": Kind("a table, name = { ... }", lambda v: isinstance(v, dict) and bool(v), "Put it in { }."),
 }

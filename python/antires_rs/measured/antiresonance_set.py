@@ -81,10 +81,16 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
     second_opinion: SecondOpinion | None
     data_check: DataCheck | None
 
-    def __init__(self, excitation: Any, freq_hz: Mapping[Any, Any],
-                 damping_ratio: Mapping[Any, Any] | None = None, std_hz: Mapping[Any, Any] | None = None, *,
-                 diagrams: Mapping[Any, Any] | None = None,
-                 scores: Mapping[Any, Mapping[str, Any]] | None = None) -> None:
+    def __init__(
+        self,
+        excitation: Any,
+        freq_hz: Mapping[Any, Any],
+        damping_ratio: Mapping[Any, Any] | None = None,
+        std_hz: Mapping[Any, Any] | None = None,
+        *,
+        diagrams: Mapping[Any, Any] | None = None,
+        scores: Mapping[Any, Mapping[str, Any]] | None = None,
+    ) -> None:
         self.excitation = label("excitation", excitation)
         if not isinstance(freq_hz, Mapping) or not freq_hz:
             got = "an empty mapping" if isinstance(freq_hz, Mapping) else type(freq_hz).__name__
@@ -124,7 +130,8 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
         mine, theirs = (s._tables() for s in (self, other))
         return self.excitation == other.excitation and all(
             a.keys() == b.keys() and all(np.array_equal(a[dof], b[dof], equal_nan=True) for dof in a)
-            for a, b in zip(mine, theirs, strict=True))
+            for a, b in zip(mine, theirs, strict=True)
+        )
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -148,8 +155,9 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
             lines.append(_edits.described(self.edits))
         return "\n".join(lines)
 
-    def drop(self, dof: Any, freq_hz: Any, *, reason: str = "", tol_hz: float | None = None,
-             ) -> AntiresonanceSet:
+    def drop(
+        self, dof: Any, freq_hz: Any, *, reason: str = "", tol_hz: float | None = None
+    ) -> AntiresonanceSet:
         """A new set without some values; this one stays as it is.
 
         Parameters
@@ -183,11 +191,13 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
         dropped 12.20 Hz at dof 0 (mains hum of the shaker)
         """
         dof = self._known(dof)
-        return self._edited(dof, _edits.dropped(dof, self.columns(dof), self.scores.get(dof, {}), freq_hz,
-                                                reason, tol_hz))
+        return self._edited(
+            dof, _edits.dropped(dof, self.columns(dof), self.scores.get(dof, {}), freq_hz, reason, tol_hz)
+        )
 
-    def add(self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None,
-            reason: str = "") -> AntiresonanceSet:
+    def add(
+        self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None, reason: str = ""
+    ) -> AntiresonanceSet:
         """A new set with more values; this one stays as it is.
 
         Parameters
@@ -222,8 +232,12 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
         edited by hand: added 12.20 Hz at dof 0 (clear in the phase)
         """
         dof = self._known(dof)
-        return self._edited(dof, _edits.added(dof, self.columns(dof), self.scores.get(dof, {}), freq_hz,
-                                              damping_ratio, std_hz, reason))
+        return self._edited(
+            dof,
+            _edits.added(
+                dof, self.columns(dof), self.scores.get(dof, {}), freq_hz, damping_ratio, std_hz, reason
+            ),
+        )
 
     def original(self) -> AntiresonanceSet:
         """The set before the first edit by hand; itself if there was none."""
@@ -249,14 +263,22 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
         """
         choice("kind", kind, ("stabilization", "damping_clusters"))
         if self._known(dof) not in self.diagrams:
-            reject("dof", f"{dof!r}, which has no stabilization diagram",
-                   "a dof of a set that was identified, not made by hand or loaded")
+            reject(
+                "dof",
+                f"{dof!r}, which has no stabilization diagram",
+                "a dof of a set that was identified, not made by hand or loaded",
+            )
         from ..plotting.damping_clusters import plot_damping_clusters
         from ..plotting.stabilization import plot_stabilization
+
         draw = plot_stabilization if kind == "stabilization" else plot_damping_clusters
         found = self.original()[dof]
-        return draw(self.diagrams[dof], ax=ax, dropped=found[~np.isin(found, self[dof])],
-                    added=self[dof][~np.isin(self[dof], found)])
+        return draw(
+            self.diagrams[dof],
+            ax=ax,
+            dropped=found[~np.isin(found, self[dof])],
+            added=self[dof][~np.isin(self[dof], found)],
+        )
 
     def _known(self, dof: Any) -> Any:
         dof = label("dof", dof)
@@ -268,8 +290,11 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
         """All columns of a dof, NaN where not known."""
         freq = self._freq_hz[dof]
         unknown = np.full(freq.size, np.nan)
-        return {"freq_hz": freq, "damping_ratio": self.damping_ratio.get(dof, unknown),
-                "std_hz": self.std_hz.get(dof, unknown)}
+        return {
+            "freq_hz": freq,
+            "damping_ratio": self.damping_ratio.get(dof, unknown),
+            "std_hz": self.std_hz.get(dof, unknown),
+        }
 
     def _edited(self, dof: Any, edited: _edits.Edited) -> AntiresonanceSet:
         """A copy with other columns at one dof; whatever else the set carries stays with it."""
@@ -310,11 +335,13 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
             pandas is not installed.
         """
         from ..io.tables import to_dataframe
+
         return to_dataframe(self)
 
     def to_xarray(self) -> Any:
         """An ``xarray.Dataset`` over dof and rank, NaN beyond a dof's values; needs xarray."""
         from ..io.tables import to_xarray
+
         return to_xarray(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -337,8 +364,13 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
     def to_json(self) -> str:
         """The text that :meth:`save` writes."""
         first = self.original()
-        return _set_file.to_json(self.excitation, self._tables(), self.scores, self.edits,
-                                 (first._tables(), first.scores) if self.edits else None)
+        return _set_file.to_json(
+            self.excitation,
+            self._tables(),
+            self.scores,
+            self.edits,
+            (first._tables(), first.scores) if self.edits else None,
+        )
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> AntiresonanceSet:

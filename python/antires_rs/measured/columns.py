@@ -63,8 +63,9 @@ def with_column(table: Mapping[Any, FloatArray], dof: Any, column: FloatArray) -
     return rest if column.size and np.isnan(column).all() else {**rest, dof: frozen(column)}
 
 
-def sorted_scores(given: Mapping[Any, Mapping[str, Any]] | None, rank: Mapping[Any, Any],
-                   ) -> dict[Any, dict[str, Any]]:
+def sorted_scores(
+    given: Mapping[Any, Mapping[str, Any]] | None, rank: Mapping[Any, Any]
+) -> dict[Any, dict[str, Any]]:
     store: dict[Any, dict[str, Any]] = {}
     for key, columns in (given or {}).items():
         dof = label("scores", key)
@@ -74,8 +75,11 @@ def sorted_scores(given: Mapping[Any, Mapping[str, Any]] | None, rank: Mapping[A
         for name, column in columns.items():
             array = np.asarray(column)
             if array.shape != (rank[dof].size,):
-                reject(f"scores[{dof!r}][{name!r}]", f"an array of shape {array.shape}",
-                       f"{rank[dof].size} scores, one for each frequency")
+                reject(
+                    f"scores[{dof!r}][{name!r}]",
+                    f"an array of shape {array.shape}",
+                    f"{rank[dof].size} scores, one for each frequency",
+                )
             store[dof][name] = frozen(array[rank[dof]])
     return store
 
@@ -95,8 +99,11 @@ def table(values: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
         columns = values.columns(dof)
         own = values.scores.get(dof, {})
         for i, freq in enumerate(columns["freq_hz"].tolist()):
-            row = {"dof": dof, **{name: float(column[i]) for name, column in columns.items()},
-                   "source": BY_HAND if (dof, freq) in made else "identified"}
+            row = {
+                "dof": dof,
+                **{name: float(column[i]) for name, column in columns.items()},
+                "source": BY_HAND if (dof, freq) in made else "identified",
+            }
             row |= {name: own[name][i].item() if name in own else None for name in scores}
             if opinion is not None:
                 row["confirmed"] = opinion.is_confirmed(dof, freq)

@@ -59,38 +59,67 @@ def described(edits: Sequence[Edit]) -> str:
     return "edited by hand: " + "; ".join(map(str, edits))
 
 
-def dropped(dof: Any, there: Mapping[str, FloatArray], scores: Mapping[str, Any], freq_hz: Any, reason: Any,
-            tol_hz: float | None) -> Edited:
+def dropped(
+    dof: Any,
+    there: Mapping[str, FloatArray],
+    scores: Mapping[str, Any],
+    freq_hz: Any,
+    reason: Any,
+    tol_hz: float | None,
+) -> Edited:
     """The columns ``there`` of a dof and their scores without the values meant by ``freq_hz``."""
     chosen = _nearest(_values_hz(freq_hz), there["freq_hz"], dof, tol_hz)
     reason = _check_reason(reason)
     records = []
     for i in chosen:
-        known = {name: float(there[name][i]) for name in ("damping_ratio", "std_hz")
-                 if not np.isnan(there[name][i])}
-        own = {name: column[i].item() for name, column in scores.items()
-               if column[i] == column[i]}  # NaN is not equal to itself
+        known = {
+            name: float(there[name][i])
+            for name in ("damping_ratio", "std_hz")
+            if not np.isnan(there[name][i])
+        }
+        own = {
+            name: column[i].item() for name, column in scores.items() if column[i] == column[i]
+        }  # NaN is not equal to itself
         records.append(Edit("drop", dof, float(there["freq_hz"][i]), reason, **known, scores=own))
     left = np.delete(np.arange(there["freq_hz"].size), chosen)
-    return ({name: column[left] for name, column in there.items()},
-            {name: column[left] for name, column in scores.items()}, records)
+    return (
+        {name: column[left] for name, column in there.items()},
+        {name: column[left] for name, column in scores.items()},
+        records,
+    )
 
 
-def added(dof: Any, there: Mapping[str, FloatArray], scores: Mapping[str, Any], freq_hz: Any,
-          damping_ratio: Any, std_hz: Any, reason: Any) -> Edited:
+def added(
+    dof: Any,
+    there: Mapping[str, FloatArray],
+    scores: Mapping[str, Any],
+    freq_hz: Any,
+    damping_ratio: Any,
+    std_hz: Any,
+    reason: Any,
+) -> Edited:
     """The columns ``there`` of a dof and their scores with new values among them."""
     new = _values_hz(freq_hz)
     _clash(new, there["freq_hz"], dof)
-    given = {"damping_ratio": _companion("damping_ratio", damping_ratio, new.size, ""),
-             "std_hz": _companion("std_hz", std_hz, new.size, " in Hz")}
+    given = {
+        "damping_ratio": _companion("damping_ratio", damping_ratio, new.size, ""),
+        "std_hz": _companion("std_hz", std_hz, new.size, " in Hz"),
+    }
     reason = _check_reason(reason)
-    records = [Edit("add", dof, float(f), reason, damping, std)
-               for f, damping, std in zip(new, given["damping_ratio"], given["std_hz"], strict=True)]
+    records = [
+        Edit("add", dof, float(f), reason, damping, std)
+        for f, damping, std in zip(new, given["damping_ratio"], given["std_hz"], strict=True)
+    ]
     columns = {"freq_hz": new, **{name: np.array(v, dtype=np.float64) for name, v in given.items()}}
     rank = np.argsort(np.concatenate([there["freq_hz"], new]), kind="stable")
-    return ({name: np.concatenate([column, columns[name]])[rank] for name, column in there.items()},
-            {name: np.concatenate([column, unknown_scores(column, new.size)])[rank]
-             for name, column in scores.items()}, records)
+    return (
+        {name: np.concatenate([column, columns[name]])[rank] for name, column in there.items()},
+        {
+            name: np.concatenate([column, unknown_scores(column, new.size)])[rank]
+            for name, column in scores.items()
+        },
+        records,
+    )
 
 
 def _values_hz(value: Any) -> FloatArray:
@@ -119,12 +148,20 @@ def _nearest(asked_hz: FloatArray, there_hz: FloatArray, dof: Any, tol_hz: float
         within = NAMED_WITHIN * asked if tol_hz is None else tol_hz
         gap = np.abs(there_hz - asked)
         if not gap.size or gap.min() > within:
-            reject("freq_hz", f"{asked:g} Hz at dof {dof!r}, which has {there}",
-                   f"a frequency within {within:.3g} Hz of a value", "Name one of them, or widen tol_hz.")
+            reject(
+                "freq_hz",
+                f"{asked:g} Hz at dof {dof!r}, which has {there}",
+                f"a frequency within {within:.3g} Hz of a value",
+                "Name one of them, or widen tol_hz.",
+            )
         at = int(np.argmin(gap))
         if at in chosen:
-            reject("freq_hz", f"{there_hz[at]:.3f} Hz of dof {dof!r} meant twice", "each value once",
-                   f"Dof {dof!r} has {there}.")
+            reject(
+                "freq_hz",
+                f"{there_hz[at]:.3f} Hz of dof {dof!r} meant twice",
+                "each value once",
+                f"Dof {dof!r} has {there}.",
+            )
         chosen.append(at)
     return chosen
 
@@ -147,5 +184,9 @@ def _clash(new_hz: FloatArray, there_hz: FloatArray, dof: Any) -> None:
     for i, value in enumerate(new_hz):
         for other, where in ((there_hz, "there already"), (new_hz[:i], "given twice")):
             if other.size and np.abs(other / value - 1.0).min() <= SAME:
-                reject("freq_hz", f"{value:g} Hz at dof {dof!r}, which is {where}", "a value that is new",
-                       "Drop the old one first if it is to be replaced.")
+                reject(
+                    "freq_hz",
+                    f"{value:g} Hz at dof {dof!r}, which is {where}",
+                    "a value that is new",
+                    "Drop the old one first if it is to be replaced.",
+                )

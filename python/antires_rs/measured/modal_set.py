@@ -49,16 +49,24 @@ class ModalSet(ReadOnly):
     [[1.0, 0.0], [0.0, 1.0]]
     """
 
-    def __init__(self, freq_hz: Any, shapes: Any, dofs: Iterable[Any] | None = None,
-                 damping_ratio: Any = None, *, diagram: Any = None) -> None:
+    def __init__(
+        self,
+        freq_hz: Any,
+        shapes: Any,
+        dofs: Iterable[Any] | None = None,
+        damping_ratio: Any = None,
+        *,
+        diagram: Any = None,
+    ) -> None:
         wanted = "an array (n_modes,) in Hz"
         self.freq_hz: FloatArray = frozen(_maybe_empty("freq_hz", freq_hz, wanted))
         if np.any(np.diff(self.freq_hz) < 0):
             reject("freq_hz", "frequencies out of order", "ascending frequencies")
         array = np.asarray(shapes)
         if array.ndim != 2 or array.shape[0] != self.freq_hz.size or not array.shape[1]:
-            reject("shapes", f"an array of shape {array.shape}",
-                   f"({self.freq_hz.size}, n_dofs), one mode a row")
+            reject(
+                "shapes", f"an array of shape {array.shape}", f"({self.freq_hz.size}, n_dofs), one mode a row"
+            )
         if array.dtype.kind not in "biufc":
             reject("shapes", f"an array of dtype {array.dtype}", "real or complex numbers")
         if not np.all(np.isfinite(array)):
@@ -111,13 +119,16 @@ class ModalSet(ReadOnly):
             reject("other", f"dofs {other.dofs}", f"some of {self.dofs}")
         a = self.shapes[:, [self.dofs.index(dof) for dof in common]]
         b = other.shapes[:, [other.dofs.index(dof) for dof in common]]
-        norms = [np.sum(np.abs(x)**2, axis=1) for x in (a, b)]
+        norms = [np.sum(np.abs(x) ** 2, axis=1) for x in (a, b)]
         for name, norm in zip(("self", "other"), norms, strict=True):
             if not norm.all():
                 still = int(np.flatnonzero(norm == 0.0)[0])
-                reject("other", f"mode {still} of {name} without motion at the common dofs {tuple(common)}",
-                       "shapes that do not vanish there")
-        product = np.abs(a.conj() @ b.T)**2
+                reject(
+                    "other",
+                    f"mode {still} of {name} without motion at the common dofs {tuple(common)}",
+                    "shapes that do not vanish there",
+                )
+        product = np.abs(a.conj() @ b.T) ** 2
         return np.asarray(product / (norms[0][:, None] * norms[1]), dtype=np.float64)
 
     def to_real(self) -> ModalSet:
@@ -139,11 +150,16 @@ class ModalSet(ReadOnly):
         >>> ar.ModalSet([1.0], [[3.0j, -1.0j]]).to_real().shapes.round(12).tolist()
         [[3.0, -1.0]]
         """
-        turn = 0.5 * np.angle(np.sum(np.asarray(self.shapes, dtype=np.complex128)**2, axis=1))
+        turn = 0.5 * np.angle(np.sum(np.asarray(self.shapes, dtype=np.complex128) ** 2, axis=1))
         real = (self.shapes * np.exp(-1j * turn)[:, None]).real
         largest = np.take_along_axis(real, np.argmax(np.abs(real), axis=1)[:, None], axis=1)
-        return ModalSet(self.freq_hz, np.where(largest < 0.0, -real, real), self.dofs, self.damping_ratio,
-                        diagram=self.diagram)
+        return ModalSet(
+            self.freq_hz,
+            np.where(largest < 0.0, -real, real),
+            self.dofs,
+            self.damping_ratio,
+            diagram=self.diagram,
+        )
 
     def __len__(self) -> int:
         return int(self.freq_hz.size)

@@ -23,12 +23,20 @@ TABLES = ("freq_hz", "damping_ratio", "std_hz")
 ACTIONS = ("drop", "add")
 
 
-def to_json(excitation: Any, tables: tuple[Mapping[Any, Any], ...], scores: Mapping[Any, Mapping[str, Any]],
-            edits: tuple[Edit, ...], before: tuple[tuple[Mapping[Any, Any], ...], Mapping[Any, Any]] | None,
-            ) -> str:
+def to_json(
+    excitation: Any,
+    tables: tuple[Mapping[Any, Any], ...],
+    scores: Mapping[Any, Mapping[str, Any]],
+    edits: tuple[Edit, ...],
+    before: tuple[tuple[Mapping[Any, Any], ...], Mapping[Any, Any]] | None,
+) -> str:
     """The file's text; ``before`` holds tables and scores before the first edit."""
-    data: dict[str, Any] = {"format": FORMAT, "version": VERSION, "excitation": excitation,
-                            "dofs": _rows(tables, scores)}
+    data: dict[str, Any] = {
+        "format": FORMAT,
+        "version": VERSION,
+        "excitation": excitation,
+        "dofs": _rows(tables, scores),
+    }
     if edits and before is not None:
         data["edits"] = [asdict(edit) for edit in edits]
         data["before_edits"] = _rows(*before)
@@ -48,28 +56,39 @@ def from_json(text: str, path: str) -> dict[str, Any]:
         reject("path", f"{path!r} of version {data.get('version')!r}", wanted, "Update antires_rs.")
     try:
         edits = tuple(_edit(row) for row in data.get("edits", ()))
-        return {"excitation": data["excitation"], "now": _read(data["dofs"]), "edits": edits,
-                "before": _read(data["before_edits"]) if edits else None}
+        return {
+            "excitation": data["excitation"],
+            "now": _read(data["dofs"]),
+            "edits": edits,
+            "before": _read(data["before_edits"]) if edits else None,
+        }
     except (KeyError, TypeError, ValueError, AttributeError) as exc:
         raise damaged(path, exc) from exc
 
 
 def damaged(path: str, exc: Exception) -> InvalidInputError:
     """The error of a file whose contents cannot be."""
-    return InvalidInputError(f"path: got {path!r}, which is damaged ({exc}); wanted a file written by "
-                             f"AntiresonanceSet.save, version {VERSION} or older.")
+    return InvalidInputError(
+        f"path: got {path!r}, which is damaged ({exc}); wanted a file written by "
+        f"AntiresonanceSet.save, version {VERSION} or older."
+    )
 
 
-def _rows(tables: tuple[Mapping[Any, Any], ...], scores: Mapping[Any, Mapping[str, Any]],
-          ) -> list[dict[str, Any]]:
+def _rows(
+    tables: tuple[Mapping[Any, Any], ...], scores: Mapping[Any, Mapping[str, Any]]
+) -> list[dict[str, Any]]:
     rows = []
     for dof in tables[0]:
         row: dict[str, Any] = {"dof": dof}
-        row |= {name: [_plain(v) for v in table[dof].tolist()]
-                for name, table in zip(TABLES, tables, strict=True) if dof in table}
+        row |= {
+            name: [_plain(v) for v in table[dof].tolist()]
+            for name, table in zip(TABLES, tables, strict=True)
+            if dof in table
+        }
         if scores.get(dof):
-            row["scores"] = {name: [_plain(v) for v in column.tolist()]
-                             for name, column in scores[dof].items()}
+            row["scores"] = {
+                name: [_plain(v) for v in column.tolist()] for name, column in scores[dof].items()
+            }
         rows.append(row)
     return rows
 

@@ -48,13 +48,28 @@ class MassSpringChain(StructuralModel):
            [-500.,  500.]])
     """
 
-    def __init__(self, masses_kg: Any, springs_n_per_m: Any, *, ground_first_n_per_m: float = 0.0,
-                 ground_last_n_per_m: float = 0.0) -> None:
+    def __init__(
+        self,
+        masses_kg: Any,
+        springs_n_per_m: Any,
+        *,
+        ground_first_n_per_m: float = 0.0,
+        ground_last_n_per_m: float = 0.0,
+    ) -> None:
         masses = real_array("masses_kg", masses_kg, ndim=1, wanted="an array (n,) of masses in kg")
-        springs = np.zeros(0) if np.size(springs_n_per_m) == 0 else real_array(
-            "springs_n_per_m", springs_n_per_m, ndim=1, wanted="an array (n - 1,) of stiffnesses in N/m")
-        self._made = (masses, springs, finite_scalar("ground_first_n_per_m", ground_first_n_per_m),
-                      finite_scalar("ground_last_n_per_m", ground_last_n_per_m))
+        springs = (
+            np.zeros(0)
+            if np.size(springs_n_per_m) == 0
+            else real_array(
+                "springs_n_per_m", springs_n_per_m, ndim=1, wanted="an array (n - 1,) of stiffnesses in N/m"
+            )
+        )
+        self._made = (
+            masses,
+            springs,
+            finite_scalar("ground_first_n_per_m", ground_first_n_per_m),
+            finite_scalar("ground_last_n_per_m", ground_last_n_per_m),
+        )
         self._core = self._nominal_core()
 
     def _nominal_core(self) -> CoreModel:
@@ -63,8 +78,11 @@ class MassSpringChain(StructuralModel):
     def element_label(self, element: int) -> str:
         """``spring 1`` to ``spring n-1`` between the masses, then the two ground springs."""
         between = self.n_dof - 1
-        return f"spring {element + 1}" if element < between else (
-            "first ground spring" if element == between else "last ground spring")
+        return (
+            f"spring {element + 1}"
+            if element < between
+            else ("first ground spring" if element == between else "last ground spring")
+        )
 
     @property
     def default_elements(self) -> list[int]:

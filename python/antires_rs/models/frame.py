@@ -86,18 +86,27 @@ class FrameModel(StructuralModel):
     array([ 63.5, 205.7])
     """
 
-    def __init__(self, nodes_m: Any, elements: Iterable[Any],
-                 sections: AnySection | Sequence[AnySection] | Mapping[str, AnySection], *,
-                 point_masses: Iterable[Any] = (), ground_springs: Iterable[Any] = (),
-                 node_springs: Iterable[Any] = (), fixed: Iterable[Any] = (),
-                 orientation: Any = None) -> None:
+    def __init__(
+        self,
+        nodes_m: Any,
+        elements: Iterable[Any],
+        sections: AnySection | Sequence[AnySection] | Mapping[str, AnySection],
+        *,
+        point_masses: Iterable[Any] = (),
+        ground_springs: Iterable[Any] = (),
+        node_springs: Iterable[Any] = (),
+        fixed: Iterable[Any] = (),
+        orientation: Any = None,
+    ) -> None:
         wanted = "an array (n_nodes, 2) or (n_nodes, 3) of coordinates in m"
         nodes = real_array("nodes_m", nodes_m, ndim=2, wanted=wanted)
         if nodes.shape[1] not in (2, 3):
             reject("nodes_m", f"an array of shape {nodes.shape}", wanted)
         pairs = "pairs of nodes (first, second), or triples with a section"
-        rows = [tuple(iterable(f"elements[{i}]", row, pairs))
-                for i, row in enumerate(iterable("elements", elements, pairs))]
+        rows = [
+            tuple(iterable(f"elements[{i}]", row, pairs))
+            for i, row in enumerate(iterable("elements", elements, pairs))
+        ]
         if not rows:
             reject("elements", "none", "at least one pair of nodes")
         self._names, listed, chosen = _sections(sections, rows)
@@ -105,23 +114,38 @@ class FrameModel(StructuralModel):
         self._beams = tuple((a, b, section) for (a, b), section in zip(ends, chosen, strict=True))
         in_space = nodes.shape[1] == 3
         self._fixed = tuple(fixed_dofs(fixed, in_space))
-        self._made = (nodes, listed, _orientation(orientation, len(rows), in_space),
-                      core_masses(point_masses), core_ground_springs(ground_springs),
-                      core_node_springs(node_springs))
+        self._made = (
+            nodes,
+            listed,
+            _orientation(orientation, len(rows), in_space),
+            core_masses(point_masses),
+            core_ground_springs(ground_springs),
+            core_node_springs(node_springs),
+        )
         self._core = self._nominal_core()
         parts = np.array(self._frame.parts())
         if parts.max() > 0:
             alone = [int(node) for node in np.flatnonzero(parts != parts[0])]
-            warnings.warn(f"the frame is in {parts.max() + 1} parts that nothing joins; apart from node 0 "
-                          f"are nodes {alone}. A response in one part to a force in another is zero.",
-                          AntiresWarning, stacklevel=2)
+            warnings.warn(
+                f"the frame is in {parts.max() + 1} parts that nothing joins; apart from node 0 "
+                f"are nodes {alone}. A response in one part to a force in another is zero.",
+                AntiresWarning,
+                stacklevel=2,
+            )
 
     def _nominal_core(self) -> CoreModel:
         nodes, listed, orientation, masses, to_ground, between = self._made
-        sections = [s._parts(f"sections[{name!r}]" if isinstance(name, str) else f"sections[{name}]",
-                             nodes.shape[1] == 3) for name, s in zip(self._names, listed, strict=True)]
-        return _core.Model.from_frame(_core.Frame(nodes, list(self._beams), orientation, sections, masses,
-                                                  to_ground, between, list(self._fixed)))
+        sections = [
+            s._parts(
+                f"sections[{name!r}]" if isinstance(name, str) else f"sections[{name}]", nodes.shape[1] == 3
+            )
+            for name, s in zip(self._names, listed, strict=True)
+        ]
+        return _core.Model.from_frame(
+            _core.Frame(
+                nodes, list(self._beams), orientation, sections, masses, to_ground, between, list(self._fixed)
+            )
+        )
 
     @property
     def _frame(self) -> CoreFrame:
@@ -152,8 +176,10 @@ class FrameModel(StructuralModel):
     @property
     def point_masses(self) -> list[PointMass]:
         """Lumped masses with the values of this state."""
-        return [PointMass(node, mass, inertia[0] if len(set(inertia)) == 1 else tuple(inertia))
-                for node, mass, inertia in self._frame.point_masses()]
+        return [
+            PointMass(node, mass, inertia[0] if len(set(inertia)) == 1 else tuple(inertia))
+            for node, mass, inertia in self._frame.point_masses()
+        ]
 
     @property
     def ground_springs(self) -> list[GroundSpring]:
@@ -167,8 +193,9 @@ class FrameModel(StructuralModel):
             return [NodeSpring(node, other, k, direction) for node, other, direction, k in self._made[5]]
         problem, x = self._origin
         first = len(self._beams) + len(self.ground_springs)
-        return scaled_node_springs(problem.model.node_springs, first, problem.parameters,
-                                   problem._repaired(x))
+        return scaled_node_springs(
+            problem.model.node_springs, first, problem.parameters, problem._repaired(x)
+        )
 
     @property
     def fixed(self) -> list[tuple[int, str]]:
@@ -243,21 +270,29 @@ class FrameModel(StructuralModel):
     def plot(self, values: Any = None, ax: Any = None, **options: Any) -> Any:
         """Draw the frame; see :func:`antires_rs.plotting.plot_frame` for ``values`` and ``options``."""
         from ..plotting import plot_frame
+
         return plot_frame(self, values, ax=ax, **options)
 
     def __repr__(self) -> str:
         where = "space" if self.nodes_m.shape[1] == 3 else "plane"
-        return (f"FrameModel({where}, {len(self.nodes_m)} nodes, {len(self._beams)} elements, "
-                f"{self.n_dof} dofs)")
+        return (
+            f"FrameModel({where}, {len(self.nodes_m)} nodes, {len(self._beams)} elements, {self.n_dof} dofs)"
+        )
 
 
-def _sections(sections: Any, rows: list[tuple[Any, ...]]) -> tuple[
-        tuple[str | int, ...], list[AnySection], list[int]]:
+def _sections(
+    sections: Any, rows: list[tuple[Any, ...]]
+) -> tuple[tuple[str | int, ...], list[AnySection], list[int]]:
     """Names and values of the sections, and the index of each beam's."""
     wanted = "a Tube, Rectangle or Section, or a sequence or mapping of them"
     named = isinstance(sections, Mapping)
-    listed = list(sections.values()) if isinstance(sections, Mapping) else (
-        [sections] if isinstance(sections, AnySection) else list(iterable("sections", sections, wanted)))
+    listed = (
+        list(sections.values())
+        if isinstance(sections, Mapping)
+        else (
+            [sections] if isinstance(sections, AnySection) else list(iterable("sections", sections, wanted))
+        )
+    )
     names: tuple[str | int, ...] = tuple(sections) if named else tuple(range(len(listed)))
     for name, section in zip(names, listed, strict=True):
         if not isinstance(section, AnySection):
@@ -272,20 +307,25 @@ def _sections(sections: Any, rows: list[tuple[Any, ...]]) -> tuple[
         if len(listed) == 1:
             return names, listed, [0] * len(rows)
         if named or len(listed) != len(rows):
-            reject("elements", f"no section for any of {len(rows)} elements and {len(listed)} sections",
-                   "(node, node, section) for each element, or one section each")
+            reject(
+                "elements",
+                f"no section for any of {len(rows)} elements and {len(listed)} sections",
+                "(node, node, section) for each element, or one section each",
+            )
         # Equal sections are one, so that a parameter acts on all beams that have it.
         unique = list(dict.fromkeys(listed))
         return tuple(range(len(unique))), unique, [unique.index(section) for section in listed]
     if not all(referring):
-        reject(f"elements[{referring.index(False)}]", "no section",
-               "a section for every element, or for none")
+        reject(
+            f"elements[{referring.index(False)}]", "no section", "a section for every element, or for none"
+        )
     chosen = []
     for i, row in enumerate(rows):
         if named and row[2] not in names:
             reject(f"elements[{i}]", f"section {row[2]!r}", f"one of {', '.join(map(repr, names))}")
-        chosen.append(names.index(row[2]) if named
-                      else integer(f"elements[{i}]", row[2], low=0, high=len(listed) - 1))
+        chosen.append(
+            names.index(row[2]) if named else integer(f"elements[{i}]", row[2], low=0, high=len(listed) - 1)
+        )
     return names, listed, chosen
 
 

@@ -13,12 +13,21 @@ import numpy as np
 from ..support.validation import finite_scalar, integer, real_array, reject, shape_of
 from .parameters import Parameter, build
 
-__all__ = ["angle", "density", "diameter", "inertia", "point_mass", "support_stiffness", "thickness",
-           "youngs_modulus"]
+__all__ = [
+    "angle",
+    "density",
+    "diameter",
+    "inertia",
+    "point_mass",
+    "support_stiffness",
+    "thickness",
+    "youngs_modulus",
+]
 
 
-def youngs_modulus(sections: Any, *, bounds: tuple[float, float], relative: bool = False,
-                   together: bool = False) -> Any:
+def youngs_modulus(
+    sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
+) -> Any:
     """Young's modulus of sections, in Pa.
 
     Parameters
@@ -50,8 +59,9 @@ def youngs_modulus(sections: Any, *, bounds: tuple[float, float], relative: bool
     return build("youngs_modulus", sections, bounds, together, name="sections", relative=relative)
 
 
-def density(sections: Any, *, bounds: tuple[float, float], relative: bool = False,
-            together: bool = False) -> Any:
+def density(
+    sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
+) -> Any:
     """Density of sections, in kg/m3.
 
     Parameters
@@ -79,8 +89,9 @@ def density(sections: Any, *, bounds: tuple[float, float], relative: bool = Fals
     return build("density", sections, bounds, together, name="sections", relative=relative)
 
 
-def thickness(sections: Any, *, bounds: tuple[float, float], relative: bool = False,
-              together: bool = False) -> Any:
+def thickness(
+    sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
+) -> Any:
     """Wall thickness of tubes, in m; area and second moments follow.
 
     Parameters
@@ -108,8 +119,9 @@ def thickness(sections: Any, *, bounds: tuple[float, float], relative: bool = Fa
     return build("thickness", sections, bounds, together, name="sections", relative=relative)
 
 
-def diameter(sections: Any, *, bounds: tuple[float, float], relative: bool = False,
-             together: bool = False) -> Any:
+def diameter(
+    sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
+) -> Any:
     """Outer diameter of tubes, in m; the wall keeps its thickness.
 
     Parameters
@@ -137,8 +149,9 @@ def diameter(sections: Any, *, bounds: tuple[float, float], relative: bool = Fal
     return build("diameter", sections, bounds, together, name="sections", relative=relative)
 
 
-def point_mass(masses: Any, *, bounds: tuple[float, float], relative: bool = False,
-               together: bool = False) -> Any:
+def point_mass(
+    masses: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
+) -> Any:
     """Lumped mass at a node, in kg; its inertia stays.
 
     Parameters
@@ -168,8 +181,9 @@ def point_mass(masses: Any, *, bounds: tuple[float, float], relative: bool = Fal
     return build("point_mass", masses, bounds, together, name="masses", relative=relative)
 
 
-def inertia(masses: Any, *, bounds: tuple[float, float], relative: bool = False,
-            together: bool = False) -> Any:
+def inertia(
+    masses: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
+) -> Any:
     """Rotational inertia of a lumped mass, in kg m2; in space about all three axes.
 
     Parameters
@@ -199,8 +213,9 @@ def inertia(masses: Any, *, bounds: tuple[float, float], relative: bool = False,
     return build("inertia", masses, bounds, together, name="masses", relative=relative)
 
 
-def support_stiffness(springs: Any, *, bounds: tuple[float, float], relative: bool = False,
-                      together: bool = False) -> Any:
+def support_stiffness(
+    springs: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
+) -> Any:
     """Stiffness of springs to ground, in N/m (N m/rad for rotations).
 
     Parameters
@@ -230,8 +245,9 @@ def support_stiffness(springs: Any, *, bounds: tuple[float, float], relative: bo
     return build("support_stiffness", springs, bounds, together, name="springs", relative=relative)
 
 
-def angle(elements: Any, pivot: int, *, bounds_deg: tuple[float, float],
-          axis: Any = (0.0, 0.0, 1.0)) -> Parameter:
+def angle(
+    elements: Any, pivot: int, *, bounds_deg: tuple[float, float], axis: Any = (0.0, 0.0, 1.0)
+) -> Parameter:
     """Angle in degrees by which a group of elements, and all downstream of it, turns about a node.
 
     The nodes of the group and all that are reached from them without passing the pivot are rotated, and the
@@ -265,8 +281,13 @@ def angle(elements: Any, pivot: int, *, bounds_deg: tuple[float, float],
     >>> ar.angle([4, 5], pivot=5, bounds_deg=(-5.0, 5.0)).bounds
     (-5.0, 5.0)
     """
-    group = build("angle", [elements] if shape_of(elements) == () else elements, bounds_deg, together=True,
-                  pivot=integer("pivot", pivot, low=0))
+    group = build(
+        "angle",
+        [elements] if shape_of(elements) == () else elements,
+        bounds_deg,
+        together=True,
+        pivot=integer("pivot", pivot, low=0),
+    )
     direction = real_array("axis", axis, ndim=1, wanted="a direction (x, y, z)")
     if direction.shape != (3,) or not np.any(direction):
         reject("axis", axis, "a direction (x, y, z) that is not zero")

@@ -96,28 +96,44 @@ def iterable(name: str, value: Any, wanted: str) -> Iterable[Any]:
 
 def core_masses(items: Iterable[Any]) -> list[tuple[int, float, tuple[float, float, float]]]:
     """Point masses as the core takes them."""
-    return [(_node("point_masses", i, m.node), _number("point_masses", i, "mass_kg", m.mass_kg),
-             _inertia(i, m.inertia_kg_m2))
-            for i, m in enumerate(_items("point_masses", items, PointMass))]
+    return [
+        (
+            _node("point_masses", i, m.node),
+            _number("point_masses", i, "mass_kg", m.mass_kg),
+            _inertia(i, m.inertia_kg_m2),
+        )
+        for i, m in enumerate(_items("point_masses", items, PointMass))
+    ]
 
 
 def core_ground_springs(items: Iterable[Any]) -> list[tuple[int, str, float]]:
     """Springs to ground as the core takes them."""
-    return [(_node("ground_springs", i, s.node), text("ground_springs", i, s.direction),
-             _number("ground_springs", i, "stiffness_n_per_m", s.stiffness_n_per_m))
-            for i, s in enumerate(_items("ground_springs", items, GroundSpring))]
+    return [
+        (
+            _node("ground_springs", i, s.node),
+            text("ground_springs", i, s.direction),
+            _number("ground_springs", i, "stiffness_n_per_m", s.stiffness_n_per_m),
+        )
+        for i, s in enumerate(_items("ground_springs", items, GroundSpring))
+    ]
 
 
 def core_node_springs(items: Iterable[Any]) -> list[tuple[int, int, str | None, float]]:
     """Springs between nodes as the core takes them."""
-    return [(_node("node_springs", i, s.node), _node("node_springs", i, s.other),
-             None if s.direction is None else text("node_springs", i, s.direction),
-             _number("node_springs", i, "stiffness_n_per_m", s.stiffness_n_per_m))
-            for i, s in enumerate(_items("node_springs", items, NodeSpring))]
+    return [
+        (
+            _node("node_springs", i, s.node),
+            _node("node_springs", i, s.other),
+            None if s.direction is None else text("node_springs", i, s.direction),
+            _number("node_springs", i, "stiffness_n_per_m", s.stiffness_n_per_m),
+        )
+        for i, s in enumerate(_items("node_springs", items, NodeSpring))
+    ]
 
 
-def scaled_node_springs(springs: Iterable[NodeSpring], first: int, parameters: Iterable[Parameter],
-                        x: FloatArray) -> list[NodeSpring]:
+def scaled_node_springs(
+    springs: Iterable[NodeSpring], first: int, parameters: Iterable[Parameter], x: FloatArray
+) -> list[NodeSpring]:
     """Springs with the parameters ``x`` applied that act on their terms, ``first`` and on."""
     springs = list(springs)
     for parameter, value in zip(parameters, x, strict=True):

@@ -15,6 +15,7 @@ __all__ = ["as_dense", "as_sparse", "as_term"]
 def as_sparse(dense: FloatArray) -> Any:
     """Dense to ``scipy.sparse.csc_array``."""
     from scipy.sparse import csc_array
+
     return csc_array(dense)
 
 

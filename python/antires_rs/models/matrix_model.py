@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 __all__ = ["MatrixModel"]
 
 
-
-
 class MatrixModel(StructuralModel):
     """Stiffness and mass from any finite-element code, with the terms that parameters may scale.
 
@@ -42,11 +40,19 @@ class MatrixModel(StructuralModel):
     array([3.559])
     """
 
-    def __init__(self, stiffness: Any, mass: Any, *, stiffness_terms: Iterable[Any] = (),
-                 mass_terms: Iterable[Any] = ()) -> None:
+    def __init__(
+        self,
+        stiffness: Any,
+        mass: Any,
+        *,
+        stiffness_terms: Iterable[Any] = (),
+        mass_terms: Iterable[Any] = (),
+    ) -> None:
         k = as_dense("stiffness", stiffness)
-        self._made = ([as_term(f"stiffness_terms[{i}]", t, len(k)) for i, t in enumerate(stiffness_terms)],
-                      [as_term(f"mass_terms[{i}]", t, len(k)) for i, t in enumerate(mass_terms)])
+        self._made = (
+            [as_term(f"stiffness_terms[{i}]", t, len(k)) for i, t in enumerate(stiffness_terms)],
+            [as_term(f"mass_terms[{i}]", t, len(k)) for i, t in enumerate(mass_terms)],
+        )
         self._core = _core.Model.from_matrices(k, as_dense("mass", mass), *self._made)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -67,5 +73,7 @@ class MatrixModel(StructuralModel):
         return as_sparse(self._core.mass())
 
     def __repr__(self) -> str:
-        return (f"MatrixModel({self.n_dof} dofs, {self._core.n_stiffness_terms} stiffness terms, "
-                f"{self._core.n_mass_terms} mass terms)")
+        return (
+            f"MatrixModel({self.n_dof} dofs, {self._core.n_stiffness_terms} stiffness terms, "
+            f"{self._core.n_mass_terms} mass terms)"
+        )

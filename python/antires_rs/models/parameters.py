@@ -25,8 +25,19 @@ if TYPE_CHECKING:
 
 __all__ = ["Parameter", "mass_factor", "stiffness_factor", "stiffness_reduction"]
 
-Quantity = Literal["stiffness_reduction", "stiffness_factor", "mass_factor", "youngs_modulus", "density",
-                   "thickness", "diameter", "point_mass", "inertia", "support_stiffness", "angle"]
+Quantity = Literal[
+    "stiffness_reduction",
+    "stiffness_factor",
+    "mass_factor",
+    "youngs_modulus",
+    "density",
+    "thickness",
+    "diameter",
+    "point_mass",
+    "inertia",
+    "support_stiffness",
+    "angle",
+]
 
 #: What each quantity is called, its unit, and the least value it may have (and whether that is excluded).
 _QUANTITIES: dict[Quantity, tuple[str, str, float, bool]] = {
@@ -131,8 +142,11 @@ def core_parameters(model: StructuralModel, parameters: Iterable[Parameter]) -> 
     for p in parameters:
         turn = None if p.pivot is None else (p.pivot, p.axis)
         parts.append((p.quantity, [_index(model, term) for term in p.terms], p.relative, turn))
-    acting = [(quantity, turn, tuple(terms)) if turn else (quantity, term)
-              for quantity, terms, _, turn in parts for term in (terms[:1] if turn else terms)]
+    acting = [
+        (quantity, turn, tuple(terms)) if turn else (quantity, term)
+        for quantity, terms, _, turn in parts
+        for term in (terms[:1] if turn else terms)
+    ]
     twice = {pair for pair in acting if acting.count(pair) > 1}
     if twice:
         reject("parameters", f"{sorted(twice)} more than once", "each quantity of a term once")
@@ -157,8 +171,10 @@ def parameter_name(model: StructuralModel, parameter: Parameter) -> str:
     if quantity in _OF_SECTIONS:
         labels = [cast("FrameModel", model).section_label(term) for term in terms]
     elif quantity in ("mass_factor", "point_mass", "inertia"):
-        labels = [model.mass_label(term + (0 if quantity == "mass_factor" else len(model.default_elements)))
-                  for term in terms]
+        labels = [
+            model.mass_label(term + (0 if quantity == "mass_factor" else len(model.default_elements)))
+            for term in terms
+        ]
     elif quantity == "support_stiffness":
         labels = [model.element_label(term + len(model.default_elements)) for term in terms]
     else:
@@ -174,14 +190,19 @@ def warn_far(parameters: Iterable[Parameter], names: list[str], nominal: FloatAr
         low, high = parameter.bounds
         if value > 0.0 and not low / FAR <= value <= FAR * high:
             factors = parameter.nominal is None and high < 100.0
-            hint = ("Bounds that are factors need relative=True." if factors
-                    else "Check the unit of the bounds.")
-            warnings.warn(f"{name}: the model has {value:g}, far outside the bounds ({low:g}, {high:g}). "
-                          + hint, AntiresWarning, stacklevel=4)
+            hint = (
+                "Bounds that are factors need relative=True." if factors else "Check the unit of the bounds."
+            )
+            warnings.warn(
+                f"{name}: the model has {value:g}, far outside the bounds ({low:g}, {high:g}). " + hint,
+                AntiresWarning,
+                stacklevel=4,
+            )
 
 
-def stiffness_reduction(elements: Any, *, bounds: tuple[float, float] = (0.0, LARGEST_REDUCTION),
-                        together: bool = False) -> Any:
+def stiffness_reduction(
+    elements: Any, *, bounds: tuple[float, float] = (0.0, LARGEST_REDUCTION), together: bool = False
+) -> Any:
     """Damage: loss ``beta`` of an element's stiffness, ``K = sum (1 - beta_i) K_i``.
 
     Parameters
@@ -273,8 +294,16 @@ def mass_factor(terms: Any, *, bounds: tuple[float, float], together: bool = Fal
     return build("mass_factor", terms, bounds, together)
 
 
-def build(quantity: Quantity, terms: Any, bounds: Any, together: bool, *, name: str = "elements",
-          relative: bool = False, pivot: int | None = None) -> Any:
+def build(
+    quantity: Quantity,
+    terms: Any,
+    bounds: Any,
+    together: bool,
+    *,
+    name: str = "elements",
+    relative: bool = False,
+    pivot: int | None = None,
+) -> Any:
     """One parameter of a single term, or one each of a sequence, or one of all together."""
     limits = _bounds(bounds, quantity, relative)
 
@@ -305,8 +334,10 @@ def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> tuple[float, flo
     wanted += f" in {unit}" if unit else ""
     if shape_of(bounds) != (2,):
         reject("bounds", bounds, wanted)
-    lower, upper = (finite_scalar(f"bounds[{i}]", b, low=least, high=most, low_open=excluded)
-                    for i, b in enumerate(bounds))
+    lower, upper = (
+        finite_scalar(f"bounds[{i}]", b, low=least, high=most, low_open=excluded)
+        for i, b in enumerate(bounds)
+    )
     if lower > upper:
         reject("bounds", (lower, upper), wanted, "Swap them.")
     return lower, upper

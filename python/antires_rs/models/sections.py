@@ -118,20 +118,35 @@ class Section:
         across = self.inertia_m4 if self.inertia_y_m4 is None else self.inertia_y_m4
         torsion = self.inertia_m4 if self.torsion_m4 is None else self.torsion_m4
         kind, (area, inertia), youngs, density, poisson = _parts(
-            self, name, "general", ["area_m2", "inertia_m4"])
-        size = [area, finite_scalar(f"{name}.inertia_y_m4", across), inertia,
-                finite_scalar(f"{name}.torsion_m4", torsion)]
+            self, name, "general", ["area_m2", "inertia_m4"]
+        )
+        size = [
+            area,
+            finite_scalar(f"{name}.inertia_y_m4", across),
+            inertia,
+            finite_scalar(f"{name}.torsion_m4", torsion),
+        ]
         return kind, size, youngs, density, poisson
 
 
 def _parts(section: Any, name: str, kind: str, sizes: list[str]) -> SectionParts:
     def number(attribute: str) -> float:
         return finite_scalar(f"{name}.{attribute}", getattr(section, attribute))
+
     if 0.0 < number("youngs_modulus_pa") < SOFTEST_PA:
-        warnings.warn(f"{name}.youngs_modulus_pa: {section.youngs_modulus_pa:g} Pa is softer than rubber. "
-                      "Steel has 2.1e11 Pa, and lengths are in metres.", AntiresWarning, stacklevel=5)
-    return (kind, [number(size) for size in sizes], number("youngs_modulus_pa"), number("density_kg_per_m3"),
-            number("poisson"))
+        warnings.warn(
+            f"{name}.youngs_modulus_pa: {section.youngs_modulus_pa:g} Pa is softer than rubber. "
+            "Steel has 2.1e11 Pa, and lengths are in metres.",
+            AntiresWarning,
+            stacklevel=5,
+        )
+    return (
+        kind,
+        [number(size) for size in sizes],
+        number("youngs_modulus_pa"),
+        number("density_kg_per_m3"),
+        number("poisson"),
+    )
 
 
 def section_of(parts: SectionParts) -> Tube | Rectangle | Section:
@@ -143,5 +158,6 @@ def section_of(parts: SectionParts) -> Tube | Rectangle | Section:
         return Rectangle(*size, *material)
     area, inertia_y, inertia_z, torsion = size
     youngs, density, poisson = material
-    return Section(area, inertia_z, youngs, density, inertia_y_m4=inertia_y, torsion_m4=torsion,
-                   poisson=poisson)
+    return Section(
+        area, inertia_z, youngs, density, inertia_y_m4=inertia_y, torsion_m4=torsion, poisson=poisson
+    )

@@ -37,25 +37,48 @@ _MOST_SAMPLES = 1e10
 
 
 class _Responding(Protocol):
-    def frf(self, response: Any, excitation: int, freq_hz: Any, *, damping_ratio: Any,
-            kind: Literal["accelerance"] = ...) -> ComplexArray: ...
+    def frf(
+        self,
+        response: Any,
+        excitation: int,
+        freq_hz: Any,
+        *,
+        damping_ratio: Any,
+        kind: Literal["accelerance"] = ...,
+    ) -> ComplexArray: ...
 
 
 @patient("recording the virtual test")
-def simulate(model: _Responding, *, responses: list[int], excitation: int, fs_hz: float, duration_s: float,
-             damping_ratio: Any, lowest_hz: float, band_hz: tuple[float, float] | None = None,
-             noise: float = 0.0, rng: int | np.random.Generator | None = None,
-             progress: bool | None = None) -> Recording:
+def simulate(
+    model: _Responding,
+    *,
+    responses: list[int],
+    excitation: int,
+    fs_hz: float,
+    duration_s: float,
+    damping_ratio: Any,
+    lowest_hz: float,
+    band_hz: tuple[float, float] | None = None,
+    noise: float = 0.0,
+    rng: int | np.random.Generator | None = None,
+    progress: bool | None = None,
+) -> Recording:
     """Record accelerations under a band-limited random force; see ``MassSpringChain.simulate``."""
     rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
     duration = finite_scalar("duration_s", duration_s, low=0.0, low_open=True, unit="s")
     if not 2 <= duration * rate < _MOST_SAMPLES:
-        reject("duration_s", f"{duration:g} s, {duration * rate:.3g} samples at {rate:g} Hz",
-               f"2 to {_MOST_SAMPLES:.0g} samples")
+        reject(
+            "duration_s",
+            f"{duration:g} s, {duration * rate:.3g} samples at {rate:g} Hz",
+            f"2 to {_MOST_SAMPLES:.0g} samples",
+        )
     samples = round(duration * rate)
     level = finite_scalar("noise", noise, low=0.0)
-    low, high = (0.0, rate / 2) if band_hz is None else frequency_band(
-        "band_hz", band_hz, low_hz=0.0, high_hz=rate / 2)
+    low, high = (
+        (0.0, rate / 2)
+        if band_hz is None
+        else frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=rate / 2)
+    )
     random = random_generator(rng)
 
     lead = _lead_in(samples, rate, lowest_hz, damping_ratio)
@@ -63,8 +86,12 @@ def simulate(model: _Responding, *, responses: list[int], excitation: int, fs_hz
     freq_hz = np.fft.rfftfreq(total, 1.0 / rate)
     inside = (freq_hz >= low) & (freq_hz <= high) & (freq_hz > 0.0)
     if not inside.any():
-        reject("band_hz", f"({low:g}, {high:g}) Hz without any spectral line",
-               f"a band wider than the resolution of {rate / total:.3g} Hz", "Record longer.")
+        reject(
+            "band_hz",
+            f"({low:g}, {high:g}) Hz without any spectral line",
+            f"a band wider than the resolution of {rate / total:.3g} Hz",
+            "Record longer.",
+        )
     spectrum = np.zeros(freq_hz.size, dtype=np.complex128)
     spectrum[inside] = random.standard_normal((int(inside.sum()), 2)) @ np.array([1.0, 1.0j])
     force = np.fft.irfft(spectrum, total)
@@ -90,7 +117,11 @@ def _lead_in(samples: int, rate: float, lowest_hz: float, damping_ratio: Any) ->
         return samples // 2  # nothing rings, or nothing ever stops ringing
     memory = _TIME_CONSTANTS / (2 * np.pi * lowest_hz * least) * rate
     if memory > _LONGEST_LEAD_IN:
-        warnings.warn(f"the slowest mode ({lowest_hz:.3g} Hz, damping ratio {least:.3g}) remembers "
-                      f"{memory / rate:.3g} s; the lead-in is cut to {_LONGEST_LEAD_IN / rate:.3g} s and "
-                      "that mode is not quite stationary in the record.", AntiresWarning, stacklevel=5)
+        warnings.warn(
+            f"the slowest mode ({lowest_hz:.3g} Hz, damping ratio {least:.3g}) remembers "
+            f"{memory / rate:.3g} s; the lead-in is cut to {_LONGEST_LEAD_IN / rate:.3g} s and "
+            "that mode is not quite stationary in the record.",
+            AntiresWarning,
+            stacklevel=5,
+        )
     return int(min(memory, _LONGEST_LEAD_IN)) + 1

@@ -110,15 +110,24 @@ class StructuralModel(AroundCore["CoreModel"]):
         limit = None if f_max_hz is None else finite_scalar("f_max_hz", f_max_hz, low=0.0, unit="Hz")
         freq, shapes = self._core.modes(limit, most)
         if np.isnan(freq).any():
-            raise NumericalError("modes of (K, M) failed: the stiffness is indefinite, so that "
-                                 f"{np.isnan(freq).sum()} motion(s) grow without bound. Check its signs.")
+            raise NumericalError(
+                "modes of (K, M) failed: the stiffness is indefinite, so that "
+                f"{np.isnan(freq).sum()} motion(s) grow without bound. Check its signs."
+            )
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
         if limit is not None and keep == 0:
             reject("f_max_hz", f"{limit:g} Hz", f"at least the first resonance, {freq[0]:.6g} Hz")
         return ModalSet(freq[:keep], shapes[:, :keep].T, dofs=range(self.n_dof))
 
-    def frf(self, response: int | Sequence[int], excitation: int, freq_hz: Any, *, damping_ratio: Any,
-            kind: Motion = "accelerance") -> ComplexArray:
+    def frf(
+        self,
+        response: int | Sequence[int],
+        excitation: int,
+        freq_hz: Any,
+        *,
+        damping_ratio: Any,
+        kind: Motion = "accelerance",
+    ) -> ComplexArray:
         r"""Frequency response by modal superposition.
 
         .. math:: H_{ik}(\omega) = \sum_r \frac{\phi_{ir}\phi_{kr}}{\omega_r^2 - \omega^2
@@ -162,13 +171,24 @@ class StructuralModel(AroundCore["CoreModel"]):
         if freq.min() < 0:
             reject("freq_hz", f"{freq.min():g} Hz", "no negative frequency")
         choice("kind", kind, ("accelerance", "mobility", "receptance"))
-        rows = self._core.frf(self._dofs("response", response), self._dof("excitation", excitation),
-                              freq, self._damping(damping_ratio), kind)
+        rows = self._core.frf(
+            self._dofs("response", response),
+            self._dof("excitation", excitation),
+            freq,
+            self._damping(damping_ratio),
+            kind,
+        )
         return rows[0] if shape_of(response) == () else rows
 
-    def antiresonances(self, response: int | Sequence[int], excitation: int, *,
-                       f_max_hz: float | None = None, method: Method = "modal",
-                       include_cancelled: bool = False) -> Any:
+    def antiresonances(
+        self,
+        response: int | Sequence[int],
+        excitation: int,
+        *,
+        f_max_hz: float | None = None,
+        method: Method = "modal",
+        include_cancelled: bool = False,
+    ) -> Any:
         r"""Antiresonant frequencies: positive real roots of ``det(K_ik - w**2 M_ik) = 0``.
 
         Row ``i`` (the response) and column ``k`` (the excitation) are deleted.
@@ -218,23 +238,44 @@ class StructuralModel(AroundCore["CoreModel"]):
         [[1.666, 5.375], [2.516], []]
         """
         choice("method", method, ("modal", "pencil"))
-        limit = np.inf if f_max_hz is None else finite_scalar(
-            "f_max_hz", f_max_hz, low=0.0, low_open=True, unit="Hz")
+        limit = (
+            np.inf
+            if f_max_hz is None
+            else finite_scalar("f_max_hz", f_max_hz, low=0.0, low_open=True, unit="Hz")
+        )
         dofs = self._dofs("response", response)
         asked = (dofs, self._dof("excitation", excitation), limit, method, bool(include_cancelled))
-        found = self._core.antiresonances(*asked) if self.n_dof < MANY_DOFS else interruptible(
-            lambda: self._core.antiresonances(*asked), f"antiresonances of {len(dofs)} responses")
+        found = (
+            self._core.antiresonances(*asked)
+            if self.n_dof < MANY_DOFS
+            else interruptible(
+                lambda: self._core.antiresonances(*asked), f"antiresonances of {len(dofs)} responses"
+            )
+        )
         for dof, (_, identically_zero) in zip(dofs, found, strict=True):
             if identically_zero:
-                warnings.warn(f"response dof {dof} is not connected to excitation dof {excitation}: "
-                              "H is identically zero and has no antiresonance.", AntiresWarning, stacklevel=2)
+                warnings.warn(
+                    f"response dof {dof} is not connected to excitation dof {excitation}: "
+                    "H is identically zero and has no antiresonance.",
+                    AntiresWarning,
+                    stacklevel=2,
+                )
         zeros = [freq for freq, _ in found]
         return zeros[0] if shape_of(response) == () else zeros
 
-    def simulate(self, *, excitation: int, fs_hz: float, duration_s: float, damping_ratio: Any,
-                 band_hz: tuple[float, float] | None = None, noise: float = 0.0,
-                 responses: Sequence[int] | None = None,
-                 rng: int | np.random.Generator | None = None, progress: bool | None = None) -> Recording:
+    def simulate(
+        self,
+        *,
+        excitation: int,
+        fs_hz: float,
+        duration_s: float,
+        damping_ratio: Any,
+        band_hz: tuple[float, float] | None = None,
+        noise: float = 0.0,
+        responses: Sequence[int] | None = None,
+        rng: int | np.random.Generator | None = None,
+        progress: bool | None = None,
+    ) -> Recording:
         """Record the accelerations of a virtual test under one random force.
 
         Parameters
@@ -277,13 +318,23 @@ class StructuralModel(AroundCore["CoreModel"]):
         Recording(2 channels, 10 s at 50 Hz, dofs=(0, 1), with force)
         """
         from .simulation import simulate
+
         dofs = list(range(self.n_dof)) if responses is None else self._dofs("responses", responses)
         self._damping(damping_ratio)
         elastic = [f for f in self._core.modes()[0] if f > 0]
-        return simulate(self, responses=dofs, excitation=self._dof("excitation", excitation), fs_hz=fs_hz,
-                        duration_s=duration_s, damping_ratio=damping_ratio,
-                        lowest_hz=min(elastic, default=0.0), band_hz=band_hz, noise=noise, rng=rng,
-                        progress=progress)
+        return simulate(
+            self,
+            responses=dofs,
+            excitation=self._dof("excitation", excitation),
+            fs_hz=fs_hz,
+            duration_s=duration_s,
+            damping_ratio=damping_ratio,
+            lowest_hz=min(elastic, default=0.0),
+            band_hz=band_hz,
+            noise=noise,
+            rng=rng,
+            progress=progress,
+        )
 
     def _dof(self, name: str, value: Any) -> int:
         return integer(name, value, low=0, high=self.n_dof - 1)

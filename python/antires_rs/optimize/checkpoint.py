@@ -59,8 +59,12 @@ class Checkpoint:
             reject("checkpoint", path, "a path")
         self.path, self.every_s = Path(path), every_s
         if not self.path.parent.is_dir():
-            reject("checkpoint", str(path), "a file in a folder that exists",
-                   f"Make the folder {str(self.path.parent)!r} first.")
+            reject(
+                "checkpoint",
+                str(path),
+                "a file in a folder that exists",
+                f"Make the folder {str(self.path.parent)!r} first.",
+            )
         if self.path.is_dir():
             reject("checkpoint", str(path), "a file, not a folder")
         self.previous = self.path.with_name(self.path.name + ".previous")
@@ -83,19 +87,28 @@ class Checkpoint:
                 damaged.append(f"{file.name} ({exc})")
                 continue
             if damaged:
-                warnings.warn(f"checkpoint: {damaged[0]} is damaged; going on from {file.name}.",
-                              AntiresWarning, stacklevel=5)
+                warnings.warn(
+                    f"checkpoint: {damaged[0]} is damaged; going on from {file.name}.",
+                    AntiresWarning,
+                    stacklevel=5,
+                )
             return
         if damaged:
-            raise UnsuitableDataError(f"checkpoint: got damaged files, {', '.join(damaged)}; wanted one that "
-                                      "is whole. Remove them to begin anew.")
+            raise UnsuitableDataError(
+                f"checkpoint: got damaged files, {', '.join(damaged)}; wanted one that "
+                "is whole. Remove them to begin anew."
+            )
 
     def begin(self, problem: bytes, seed: int) -> None:
         """Say which search this is; refuses a file that holds another."""
         if self.resume is not None and (problem, seed) != (self._problem, self.seed):
             what = f"seed {self.seed}" if seed != self.seed else "another problem, data or options"
-            reject("checkpoint", f"{self.path.name}, the search of {what}", "the file of this very search",
-                   "Give the same problem, optimizer and rng, or another file name.")
+            reject(
+                "checkpoint",
+                f"{self.path.name}, the search of {what}",
+                "the file of this very search",
+                "Give the same problem, optimizer and rng, or another file name.",
+            )
         self._problem, self.seed = problem, seed
 
     def store(self, payload: bytes) -> None:
@@ -113,8 +126,11 @@ class Checkpoint:
         except OSError as exc:
             self._beside.unlink(missing_ok=True)
             if not self._failed:
-                warnings.warn(f"checkpoint: {self.path} cannot be written ({exc}); the search goes on "
-                              "without.", AntiresWarning, stacklevel=2)
+                warnings.warn(
+                    f"checkpoint: {self.path} cannot be written ({exc}); the search goes on without.",
+                    AntiresWarning,
+                    stacklevel=2,
+                )
             self._failed = True
 
 
@@ -126,11 +142,9 @@ def _read(file: Path) -> tuple[int, bytes, bytes]:
     if len(data) < len(_MAGIC) + _HEADER.size:
         raise ValueError("cut short")
     seed, problem, digest, length = _HEADER.unpack_from(data, len(_MAGIC))
-    payload = data[len(_MAGIC) + _HEADER.size:]
+    payload = data[len(_MAGIC) + _HEADER.size :]
     if len(payload) != length:
         raise ValueError(f"{len(payload)} of {length} bytes")
     if hashlib.sha256(payload).digest() != digest:
         raise ValueError("wrong checksum")
     return seed, problem, payload
-
-

@@ -99,10 +99,12 @@ class OptimizeResult:
     @classmethod
     def _of(cls, raw: dict[str, Any], optimizer: IslandGA) -> OptimizeResult:
         history = History(raw["history_nfev"], raw["history_cost"], raw["history_migrations"])
-        names = ("x", "fun", "success", "status", "message", "nfev", "nit", "populations",
-                 "population_costs")
-        return cls(history=history, options={**optimizer.options, "max_seconds": optimizer.max_seconds},
-                   **{name: raw[name] for name in names})
+        names = ("x", "fun", "success", "status", "message", "nfev", "nit", "populations", "population_costs")
+        return cls(
+            history=history,
+            options={**optimizer.options, "max_seconds": optimizer.max_seconds},
+            **{name: raw[name] for name in names},
+        )
 
 
 class IslandGA:
@@ -180,8 +182,9 @@ class IslandGA:
     """
 
     def __init__(self, *, max_seconds: float | None = None, **options: Any) -> None:
-        self.max_seconds = None if max_seconds is None else finite_scalar(
-            "max_seconds", max_seconds, low=0.0, unit="s")
+        self.max_seconds = (
+            None if max_seconds is None else finite_scalar("max_seconds", max_seconds, low=0.0, unit="s")
+        )
         if "crossovers" in options:
             options["crossovers"] = _texts("crossovers", options["crossovers"])
         for name, value in options.items():
@@ -192,10 +195,18 @@ class IslandGA:
     def __repr__(self) -> str:
         return f"IslandGA(islands={self.options['islands']}, population={self.options['population']})"
 
-    def minimize(self, fun: Callable[..., Any], bounds: Any, *, rng: int | np.random.Generator | None = None,
-                 workers: int | Callable[..., Any] | None = None, vectorized: bool = False,
-                 callback: Callable[[dict[str, Any]], bool | None] | None = None, x0: Any = None,
-                 progress: bool | None = None) -> OptimizeResult:
+    def minimize(
+        self,
+        fun: Callable[..., Any],
+        bounds: Any,
+        *,
+        rng: int | np.random.Generator | None = None,
+        workers: int | Callable[..., Any] | None = None,
+        vectorized: bool = False,
+        callback: Callable[[dict[str, Any]], bool | None] | None = None,
+        x0: Any = None,
+        progress: bool | None = None,
+    ) -> OptimizeResult:
         """Minimize any Python function inside a box.
 
         The candidates of a generation are evaluated together, in one call from the core.
@@ -243,10 +254,20 @@ class IslandGA:
         box = check_bounds(bounds)
         if vectorized and workers is not None:
             reject("workers", workers, "None with vectorized=True", "The function takes all candidates.")
-        with _batch(fun, vectorized, workers) as batch, \
-                watched(callback, progress, self.options["max_evaluations"]) as watcher:
-            raw = _core.minimize(batch, box[:, 0].copy(), box[:, 1].copy(), guesses(x0, len(box)),
-                                 self.options, seed_of(rng), self.max_seconds, watcher)
+        with (
+            _batch(fun, vectorized, workers) as batch,
+            watched(callback, progress, self.options["max_evaluations"]) as watcher,
+        ):
+            raw = _core.minimize(
+                batch,
+                box[:, 0].copy(),
+                box[:, 1].copy(),
+                guesses(x0, len(box)),
+                self.options,
+                seed_of(rng),
+                self.max_seconds,
+                watcher,
+            )
         return OptimizeResult._of(raw, self)
 
 
@@ -304,6 +325,7 @@ class _batch:
             self.map = workers
         elif workers is not None and integer("workers", workers, low=1, high=_MOST_WORKERS) > 1:
             import multiprocessing
+
             self.pool = multiprocessing.get_context("spawn").Pool(workers)
             self.map = self.pool.map
 
@@ -323,15 +345,17 @@ class _batch:
                 raise TypeError("complex costs")
             costs = costs.astype(np.float64)
         except (TypeError, ValueError) as exc:
-            raise ObjectiveError(f"fun: got {type(answer).__name__} that is not numeric ({exc}); "
-                                 f"wanted {wanted}.") from exc
+            raise ObjectiveError(
+                f"fun: got {type(answer).__name__} that is not numeric ({exc}); wanted {wanted}."
+            ) from exc
         if costs.shape != (len(candidates),):
             raise ObjectiveError(f"fun: got an array of shape {costs.shape}; wanted {wanted}.")
         # A cost that is not finite is the worst there is; a whole first generation of them is a mistake.
         self.seen_finite = self.seen_finite or bool(np.isfinite(costs).any())
         if not self.seen_finite:
-            raise ObjectiveError(f"fun: got no finite cost for any of {len(candidates)} candidates; "
-                                 f"wanted {wanted}.")
+            raise ObjectiveError(
+                f"fun: got no finite cost for any of {len(candidates)} candidates; wanted {wanted}."
+            )
         return costs
 
 
@@ -339,8 +363,16 @@ class _batch:
 _MOST_WORKERS = 1024
 #: Largest count that the core can hold.
 _MOST = 2**63 - 1
-_INTEGERS = {"islands", "population", "patience", "cost_migrations", "polish_interval",
-             "polish_evaluations", "max_evaluations", "max_generations"}
+_INTEGERS = {
+    "islands",
+    "population",
+    "patience",
+    "cost_migrations",
+    "polish_interval",
+    "polish_evaluations",
+    "max_evaluations",
+    "max_generations",
+}
 
 
 def _check_option_type(name: str, value: Any) -> None:

@@ -65,8 +65,12 @@ class Accepted(ReadOnly):
         """Columns of some values, sorted."""
         ranked = sorted(values, key=lambda v: v.freq_hz)
         kinds = {"rows": np.int64, "how": np.str_}
-        return cls(**{name: frozen(np.array([getattr(v, name) for v in ranked], dtype=kinds.get(name, float)))
-                      for name in Value._fields})
+        return cls(
+            **{
+                name: frozen(np.array([getattr(v, name) for v in ranked], dtype=kinds.get(name, float)))
+                for name in Value._fields
+            }
+        )
 
     def values(self) -> list[Value]:
         """One :class:`Value` each."""
@@ -77,21 +81,28 @@ class Accepted(ReadOnly):
         """Some of the values, by index or by mask."""
         return Accepted(**{f.name: frozen(getattr(self, f.name)[chosen]) for f in fields(self)})
 
-    def scored(self, freq_hz: FloatArray, background: FloatArray, data: ComplexArray,
-               fitted: ComplexArray) -> Accepted:
+    def scored(
+        self, freq_hz: FloatArray, background: FloatArray, data: ComplexArray, fitted: ComplexArray
+    ) -> Accepted:
         """The same values with residual and prominence; ``data`` and ``fitted`` are (n_outputs, n_freq)."""
         at = (self.freq_hz, self.damping_ratio)
-        return replace(self, residual=frozen(local_misfit(freq_hz, data, fitted, *at)),
-                       prominence_db=frozen(prominence_db(freq_hz, background, *at)))
+        return replace(
+            self,
+            residual=frozen(local_misfit(freq_hz, data, fitted, *at)),
+            prominence_db=frozen(prominence_db(freq_hz, background, *at)),
+        )
 
     def scores(self, graded: bool) -> dict[str, Any]:
         """What :class:`~antires_rs.AntiresonanceSet` shows as ``scores``."""
-        own = {name: getattr(self, name)
-               for name in ("rows", "spread", "dominance", "how", "residual", "prominence_db")}
+        own = {
+            name: getattr(self, name)
+            for name in ("rows", "spread", "dominance", "how", "residual", "prominence_db")
+        }
         if not graded:
             return own
-        return own | {"grade": grades(self.rows, self.spread, self.dominance, self.residual,
-                                      self.prominence_db)}
+        return own | {
+            "grade": grades(self.rows, self.spread, self.dominance, self.residual, self.prominence_db)
+        }
 
     def __len__(self) -> int:
         return int(self.freq_hz.size)

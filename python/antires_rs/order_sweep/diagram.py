@@ -78,18 +78,31 @@ class StabilizationDiagram(ReadOnly):
     def plot(self, ax: Any | None = None) -> Any:
         """Draw order against frequency with matplotlib; returns the axes."""
         from ..plotting import plot_stabilization  # matplotlib only when a picture is wanted
+
         return plot_stabilization(self, ax=ax)
 
     def __repr__(self) -> str:
         values = ", ".join(f"{f:.4g}" for f in self.identified)
-        return (f"StabilizationDiagram(orders {self.orders[0]:.0f}-{self.orders[-1]:.0f}, "
-                f"band {self.band_hz[0]:g}-{self.band_hz[1]:g} Hz, identified [{values}] Hz)")
+        return (
+            f"StabilizationDiagram(orders {self.orders[0]:.0f}-{self.orders[-1]:.0f}, "
+            f"band {self.band_hz[0]:g}-{self.band_hz[1]:g} Hz, identified [{values}] Hz)"
+        )
 
 
-def stabilization(freq_hz: Any, values: Any, *, max_order: int = 60, min_order: int = 2,
-                  band_hz: Sequence[float] | None = None, weights: Any | None = None, freq_tol: float = 0.01,
-                  damping_tol: float = 0.10, min_rows: int = 10, max_damping: float = 0.10,
-                  min_dominance: float = 0.05) -> StabilizationDiagram:
+def stabilization(
+    freq_hz: Any,
+    values: Any,
+    *,
+    max_order: int = 60,
+    min_order: int = 2,
+    band_hz: Sequence[float] | None = None,
+    weights: Any | None = None,
+    freq_tol: float = 0.01,
+    damping_tol: float = 0.10,
+    min_rows: int = 10,
+    max_damping: float = 0.10,
+    min_dominance: float = 0.05,
+) -> StabilizationDiagram:
     """Fit rational functions of rising order and keep the poles that stay.
 
     Parameters
@@ -199,15 +212,18 @@ class PoleSweep:
         """Numerators and denominator on the lines."""
         d = self._solution(order, False)
         turn = 1j ** np.arange(order + 1)
-        above = (self.nested.numerator_basis.p[:, :order + 1] * turn) @ self.nested.numerators(d).T
-        below = (self.nested.denominator_basis.p[:, :order + 1] * turn) @ d
+        above = (self.nested.numerator_basis.p[:, : order + 1] * turn) @ self.nested.numerators(d).T
+        below = (self.nested.denominator_basis.p[:, : order + 1] * turn) @ d
         return np.asarray(above.T), np.asarray(below)
 
     def dominances(self, order: int, s: ComplexArray) -> FloatArray:
         """Share of each root's own peak in the fitted curves at its frequency."""
         d = self._solution(order, False)
-        return dominance((self.nested.numerator_basis, self.nested.numerators(d)),
-                          (self.nested.denominator_basis, d), s / (2 * np.pi * self.nested.scale_hz))
+        return dominance(
+            (self.nested.numerator_basis, self.nested.numerators(d)),
+            (self.nested.denominator_basis, d),
+            s / (2 * np.pi * self.nested.scale_hz),
+        )
 
 
 class ZeroSweep(PoleSweep):
@@ -238,8 +254,15 @@ class ZeroSweep(PoleSweep):
         )
 
 
-def diagram(sweep: Sweep, orders: range, band: tuple[float, float], rule: Rule, freq_hz: FloatArray,
-            background: FloatArray, added_decay_per_s: float = 0.0) -> StabilizationDiagram:
+def diagram(
+    sweep: Sweep,
+    orders: range,
+    band: tuple[float, float],
+    rule: Rule,
+    freq_hz: FloatArray,
+    background: FloatArray,
+    added_decay_per_s: float = 0.0,
+) -> StabilizationDiagram:
     """Sweep, link, select; ``added_decay_per_s`` of the exponential window is taken off every root."""
     rows = [_physical(sweep.roots(order), band, rule, added_decay_per_s) for order in orders]
     chains, stable = _link(rows, rule)
@@ -249,7 +272,7 @@ def diagram(sweep: Sweep, orders: range, band: tuple[float, float], rule: Rule, 
         if len(chain) - 1 <= rule.min_rows:
             continue
         members = [(orders[row], rows[row][i]) for row, i in chain]
-        some = members[::max(1, len(members) // 5)]
+        some = members[:: max(1, len(members) // 5)]
         share = float(np.median([sweep.dominances(order, np.array([s]))[0] for order, s in some]))
         if share >= rule.min_dominance:
             found.append(_value(sweep, members, share, rule.freq_tol, added_decay_per_s))
@@ -261,7 +284,10 @@ def diagram(sweep: Sweep, orders: range, band: tuple[float, float], rule: Rule, 
         damping_ratio=tuple(frozen(-s.real / size) for s, size in zip(rows, sizes, strict=True)),
         stable=tuple(frozen(mark) for mark in stable),
         accepted=Accepted.of(_merge(found, rule)),
-        background_freq_hz=frozen(freq_hz), background=frozen(background), band_hz=band)
+        background_freq_hz=frozen(freq_hz),
+        background=frozen(background),
+        band_hz=band,
+    )
 
 
 def _physical(s: ComplexArray, band: tuple[float, float], rule: Rule, added: float) -> ComplexArray:
@@ -311,8 +337,7 @@ def _link(rows: list[ComplexArray], rule: Rule) -> tuple[list[list[tuple[int, in
     return chains, marks
 
 
-def _value(sweep: Sweep, members: list[tuple[int, complex]], share: float, tol: float,
-           added: float) -> Value:
+def _value(sweep: Sweep, members: list[tuple[int, complex]], share: float, tol: float, added: float) -> Value:
     """The value of a chain: each member gives way to the nearest root of the second solution."""
     refined = []
     for order, s in members:
@@ -321,8 +346,14 @@ def _value(sweep: Sweep, members: list[tuple[int, complex]], share: float, tol: 
         refined.append(near if abs(near - s) <= tol * abs(s) else s)
     roots = np.array(refined) + added
     size = np.abs(roots)
-    return Value(float(np.median(size)) / (2 * np.pi), float(np.median(-roots.real / size)), len(members),
-                 float(np.std(size) / np.median(size)), share, "chain")
+    return Value(
+        float(np.median(size)) / (2 * np.pi),
+        float(np.median(-roots.real / size)),
+        len(members),
+        float(np.std(size) / np.median(size)),
+        share,
+        "chain",
+    )
 
 
 def _merge(values: list[Value], rule: Rule) -> list[Value]:
@@ -348,8 +379,10 @@ def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, Stabiliz
         return found
     drop: dict[Any, set[int]] = {dof: set() for dof in found}
     for value in next(iter(found.values())).identified:
-        nearest = {dof: int(np.argmin(np.abs(d.identified - value))) if d.identified.size else -1
-                   for dof, d in found.items()}
+        nearest = {
+            dof: int(np.argmin(np.abs(d.identified - value))) if d.identified.size else -1
+            for dof, d in found.items()
+        }
         if min(nearest.values()) < 0:
             break
         same = [found[dof].identified[i] for dof, i in nearest.items()]
@@ -358,6 +391,7 @@ def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, Stabiliz
         if once and max(same) - min(same) <= COMMON * value:
             for dof, i in nearest.items():
                 drop[dof].add(i)
-    return {dof: replace(d, accepted=d.accepted.take([i for i in range(d.identified.size)
-                                                      if i not in drop[dof]]))
-            for dof, d in found.items()}
+    return {
+        dof: replace(d, accepted=d.accepted.take([i for i in range(d.identified.size) if i not in drop[dof]]))
+        for dof, d in found.items()
+    }

@@ -30,8 +30,9 @@ FLANK_SNR = 4.0
 FLANK = (0.02, 0.20)
 
 
-def add_persistent(found: StabilizationDiagram, sweep: Sweep, rule: Rule, channel_snr: FloatArray,
-                   added_decay_per_s: float) -> StabilizationDiagram:
+def add_persistent(
+    found: StabilizationDiagram, sweep: Sweep, rule: Rule, channel_snr: FloatArray, added_decay_per_s: float
+) -> StabilizationDiagram:
     """The diagram with persistent values added to the stable ones.
 
     ``channel_snr`` is the signal-to-noise power of the response itself at ``found.background_freq_hz``.
@@ -46,22 +47,31 @@ def add_persistent(found: StabilizationDiagram, sweep: Sweep, rule: Rule, channe
         best = int(np.argmax(counts))
         if counts[best] <= rule.min_rows:
             break
-        group = pool[first[best]:last[best]]
+        group = pool[first[best] : last[best]]
         value = float(np.median(group[:, 0]))
         # The second appearance opens the count: a single early hit may be chance.
         opened = np.unique(group[:, 1])[1]
         present = (counts[best] - 1) / (orders[-1] - opened + 1)
         if present >= PRESENCE:
-            new.append(Value(value, float(np.median(group[:, 2])), int(counts[best]),
-                             float(np.std(group[:, 0]) / value), float("nan"), "persistent"))
+            new.append(
+                Value(
+                    value,
+                    float(np.median(group[:, 2])),
+                    int(counts[best]),
+                    float(np.std(group[:, 0]) / value),
+                    float("nan"),
+                    "persistent",
+                )
+            )
         keep = (pool[:, 0] < value * (1.0 - WIDTH)) | (pool[:, 0] > value * (1.0 + WIDTH))
-        keep[first[best]:last[best]] = False
+        keep[first[best] : last[best]] = False
         pool = pool[keep]
     return replace(found, accepted=Accepted.of([*found.accepted.values(), *new])) if new else found
 
 
-def _dominant(sweep: Sweep, orders: Any, found: StabilizationDiagram, snr: FloatArray, added: float,
-              ) -> FloatArray:
+def _dominant(
+    sweep: Sweep, orders: Any, found: StabilizationDiagram, snr: FloatArray, added: float
+) -> FloatArray:
     """(n, 3) of frequency, order, damping of the poles that may count, by frequency.
 
     Left out, before anything is computed for them: what is already identified, and what has no signal beside

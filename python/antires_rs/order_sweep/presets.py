@@ -49,18 +49,32 @@ from ..support.validation import choice, reject
 __all__ = ["DEFAULTS", "PRESETS", "rule_options"]
 
 #: What holds without a preset.
-DEFAULTS: Mapping[str, Any] = MappingProxyType({
-    "formulation": "auto", "freq_tol": 0.01, "damping_tol": 0.10, "min_rows": 10, "max_damping": 0.10,
-    "min_dominance": 0.05, "persistent": True})
+DEFAULTS: Mapping[str, Any] = MappingProxyType(
+    {
+        "formulation": "auto",
+        "freq_tol": 0.01,
+        "damping_tol": 0.10,
+        "min_rows": 10,
+        "max_damping": 0.10,
+        "min_dominance": 0.05,
+        "persistent": True,
+    }
+)
 
 #: Options by name of the preset; what a preset does not mention is the default.
-PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType({
-    "paper": MappingProxyType({"formulation": "joint", "damping_tol": 0.05, "min_dominance": 0.0,
-                               "persistent": False}),
-    "strict": MappingProxyType({"damping_tol": 0.05, "max_damping": 0.05, "min_dominance": 0.90,
-                                "persistent": False}),
-    "sensitive": MappingProxyType({"damping_tol": 0.30, "min_rows": 5, "max_damping": 0.20,
-                                   "min_dominance": 0.02})})
+PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "paper": MappingProxyType(
+            {"formulation": "joint", "damping_tol": 0.05, "min_dominance": 0.0, "persistent": False}
+        ),
+        "strict": MappingProxyType(
+            {"damping_tol": 0.05, "max_damping": 0.05, "min_dominance": 0.90, "persistent": False}
+        ),
+        "sensitive": MappingProxyType(
+            {"damping_tol": 0.30, "min_rows": 5, "max_damping": 0.20, "min_dominance": 0.02}
+        ),
+    }
+)
 
 
 def rule_options(preset: str | None = None, **given: Any) -> dict[str, Any]:

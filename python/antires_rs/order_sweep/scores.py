@@ -35,8 +35,13 @@ NEAR_WIDTHS, LEAST_LINES = 3.0, 4
 FOOT_WIDTHS = (2.5, 7.5)
 
 
-def local_misfit(freq_hz: FloatArray, data: ComplexArray, fitted: ComplexArray, value_hz: FloatArray,
-                 damping_ratio: FloatArray) -> FloatArray:
+def local_misfit(
+    freq_hz: FloatArray,
+    data: ComplexArray,
+    fitted: ComplexArray,
+    value_hz: FloatArray,
+    damping_ratio: FloatArray,
+) -> FloatArray:
     """Relative misfit within three half-power bandwidths of each value.
 
     Parameters
@@ -62,8 +67,8 @@ def local_misfit(freq_hz: FloatArray, data: ComplexArray, fitted: ComplexArray, 
     >>> local_misfit(f, 1.1 * t, t, np.array([5.0]), np.array([0.01])).round(3).tolist()
     [0.1]
     """
-    size = np.maximum(np.sum(np.abs(fitted)**2, axis=0), 1e-300)
-    relative = np.sum(np.abs(data - fitted)**2, axis=0) / size
+    size = np.maximum(np.sum(np.abs(fitted) ** 2, axis=0), 1e-300)
+    relative = np.sum(np.abs(data - fitted) ** 2, axis=0) / size
     out = np.full(value_hz.size, np.nan)
     for i, (value, damping) in enumerate(zip(value_hz, damping_ratio, strict=True)):
         near = _within(freq_hz, value, NEAR_WIDTHS * _width(freq_hz, value, damping))
@@ -72,8 +77,9 @@ def local_misfit(freq_hz: FloatArray, data: ComplexArray, fitted: ComplexArray, 
     return out
 
 
-def prominence_db(freq_hz: FloatArray, background: FloatArray, value_hz: FloatArray,
-                  damping_ratio: FloatArray) -> FloatArray:
+def prominence_db(
+    freq_hz: FloatArray, background: FloatArray, value_hz: FloatArray, damping_ratio: FloatArray
+) -> FloatArray:
     """Height in dB of the background's peak at each value over its surroundings.
 
     Parameters
@@ -99,13 +105,14 @@ def prominence_db(freq_hz: FloatArray, background: FloatArray, value_hz: FloatAr
     >>> prominence_db(f, t, np.array([5.0, 10.0]), np.array([0.01, 0.01])).round(1).tolist()
     [18.9, -1.2]
     """
-    power = np.abs(background)**2
+    power = np.abs(background) ** 2
     out = np.full(value_hz.size, np.nan)
     for i, (value, damping) in enumerate(zip(value_hz, damping_ratio, strict=True)):
         width = _width(freq_hz, value, damping)
         peak = _within(freq_hz, value, 0.5 * width)
-        foot = (_within(freq_hz, value, FOOT_WIDTHS[1] * width)
-                & ~_within(freq_hz, value, FOOT_WIDTHS[0] * width))
+        foot = _within(freq_hz, value, FOOT_WIDTHS[1] * width) & ~_within(
+            freq_hz, value, FOOT_WIDTHS[0] * width
+        )
         if peak.any() and foot.any():
             low = max(float(np.median(power[foot])), 1e-300)
             out[i] = 10.0 * np.log10(max(float(power[peak].mean()), 1e-300) / low)
@@ -121,8 +128,9 @@ def _within(freq_hz: FloatArray, value: float, reach: float) -> Any:
     return np.abs(freq_hz - value) <= reach
 
 
-def grades(rows: Any, spread: FloatArray, dominance: FloatArray, residual: FloatArray,
-           prominence_db: FloatArray) -> Any:
+def grades(
+    rows: Any, spread: FloatArray, dominance: FloatArray, residual: FloatArray, prominence_db: FloatArray
+) -> Any:
     """One word for each value.
 
     Five tests: more than 20 rows, spread of at most 0.1 %, dominance of at least 0.9, residual of at most
@@ -165,7 +173,12 @@ def grades(rows: Any, spread: FloatArray, dominance: FloatArray, residual: Float
     ...        np.array([17.0, -3.0])).tolist()
     ['sure', 'weak']
     """
-    tests = [rows > MORE_ROWS, spread <= MOST_SPREAD, dominance >= LEAST_DOMINANCE,
-             residual <= MOST_RESIDUAL, prominence_db >= LEAST_PROMINENCE_DB]
+    tests = [
+        rows > MORE_ROWS,
+        spread <= MOST_SPREAD,
+        dominance >= LEAST_DOMINANCE,
+        residual <= MOST_RESIDUAL,
+        prominence_db >= LEAST_PROMINENCE_DB,
+    ]
     passed = np.sum([np.asarray(test, dtype=int) for test in tests], axis=0)
     return np.where(passed >= 4, "sure", np.where(passed == 3, "fair", "weak"))

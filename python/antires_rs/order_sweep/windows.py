@@ -57,8 +57,9 @@ def windows(freq_hz: FloatArray, band_hz: tuple[float, float]) -> list[Window]:
     return made
 
 
-def join(parts: list[StabilizationDiagram], cut: list[Window], band_hz: tuple[float, float], tol: float,
-         ) -> StabilizationDiagram:
+def join(
+    parts: list[StabilizationDiagram], cut: list[Window], band_hz: tuple[float, float], tol: float
+) -> StabilizationDiagram:
     """One diagram of all windows: each shows the poles of its core; values found twice count once."""
     if len(parts) == 1:
         return parts[0]
@@ -82,8 +83,10 @@ def join(parts: list[StabilizationDiagram], cut: list[Window], band_hz: tuple[fl
     for value in every:
         if all(abs(value.freq_hz / other.freq_hz - 1.0) > tol for other in kept):
             kept.append(value)
-    lines = [(d.background_freq_hz >= w.core_hz[0]) & (d.background_freq_hz < w.core_hz[1])
-             for d, w in zip(parts, cut, strict=True)]
+    lines = [
+        (d.background_freq_hz >= w.core_hz[0]) & (d.background_freq_hz < w.core_hz[1])
+        for d, w in zip(parts, cut, strict=True)
+    ]
     return replace(
         parts[0],
         freq_hz=rows("freq_hz"),

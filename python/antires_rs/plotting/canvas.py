@@ -14,15 +14,36 @@ from numpy.typing import NDArray
 from ..exceptions import MissingDependencyError
 from ..support.validation import FloatArray, frequency_band, reject
 
-__all__ = ["COLOURS", "GREY", "LINES", "band_shown", "below", "data_of", "fit_across", "new_axes", "offer",
-           "picture", "plain_log", "spread", "text_width_pt", "width_pt"]
+__all__ = [
+    "COLOURS",
+    "GREY",
+    "LINES",
+    "band_shown",
+    "below",
+    "data_of",
+    "fit_across",
+    "new_axes",
+    "offer",
+    "picture",
+    "plain_log",
+    "spread",
+    "text_width_pt",
+    "width_pt",
+]
 
 Table = dict[str, NDArray[Any]]
 
 #: Okabe and Ito's palette (2008), told apart by all common kinds of colour vision; yellow, too pale for lines
 #: on white, is left out.
-COLOURS = {"blue": "#0072B2", "vermillion": "#D55E00", "green": "#009E73", "purple": "#CC79A7",
-           "orange": "#E69F00", "sky": "#56B4E9", "black": "#000000"}
+COLOURS = {
+    "blue": "#0072B2",
+    "vermillion": "#D55E00",
+    "green": "#009E73",
+    "purple": "#CC79A7",
+    "orange": "#E69F00",
+    "sky": "#56B4E9",
+    "black": "#000000",
+}
 GREY = "#8C8C8C"
 #: Dash patterns to go with the colours.
 LINES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (8, 3)))
@@ -33,7 +54,8 @@ def _require_matplotlib() -> None:
         import matplotlib  # noqa: F401 - only asked whether it is there
     except ImportError as exc:
         raise MissingDependencyError(
-            'pictures need matplotlib; install it with: pip install "antires-rs[plot]"') from exc
+            'pictures need matplotlib; install it with: pip install "antires-rs[plot]"'
+        ) from exc
 
 
 def new_axes(ax: Any, size_in: tuple[float, float]) -> Any:
@@ -42,17 +64,20 @@ def new_axes(ax: Any, size_in: tuple[float, float]) -> Any:
     if ax is not None:
         return ax
     from matplotlib import pyplot
+
     return pyplot.subplots(figsize=size_in, layout="constrained")[1]
 
 
-def picture(draw: Callable[..., Any], size_in: tuple[float, float], *, rows: int = 1,
-            dpi: int = 160) -> bytes:
+def picture(
+    draw: Callable[..., Any], size_in: tuple[float, float], *, rows: int = 1, dpi: int = 160
+) -> bytes:
     """PNG of what ``draw`` puts into the axes of a figure of its own (an array of axes if ``rows > 1``).
 
     Reports and the demo use it: pyplot neither learns of the figure nor has to be told to forget it.
     """
     _require_matplotlib()
     from matplotlib.figure import Figure
+
     figure = Figure(figsize=size_in, layout="constrained")
     draw(figure.subplots(rows, 1))
     file = BytesIO()
@@ -66,8 +91,9 @@ _offered: WeakKeyDictionary[Any, dict[str, Table]] = WeakKeyDictionary()
 
 def offer(ax: Any, **tables: Mapping[str, Any]) -> None:
     """Keep the numbers of a picture for :func:`data_of`; a picture drawn over another adds its own."""
-    made = {name: {column: np.array(values) for column, values in table.items()}
-            for name, table in tables.items()}
+    made = {
+        name: {column: np.array(values) for column, values in table.items()} for name, table in tables.items()
+    }
     for column in (column for table in made.values() for column in table.values()):
         column.setflags(write=False)
     _offered.setdefault(ax, {}).update(made)
@@ -127,8 +153,11 @@ def band_shown(freq_hz: FloatArray, band_hz: Sequence[float] | None) -> tuple[fl
 def text_width_pt(text: str, size_pt: float = 8.33) -> float:
     """Width of the longest line of a text, small by default."""
     from matplotlib.textpath import TextPath
-    return max(float(TextPath((0.0, 0.0), line, size=size_pt).get_extents().width) if line.strip() else 0.0
-               for line in text.split("\n"))
+
+    return max(
+        float(TextPath((0.0, 0.0), line, size=size_pt).get_extents().width) if line.strip() else 0.0
+        for line in text.split("\n")
+    )
 
 
 def fit_across(ax: Any, names: Sequence[str], size_pt: float = 10.0) -> bool:
@@ -152,15 +181,25 @@ def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = (), **option
     The labels in ``first`` lead, in that order.
     """
     from matplotlib.transforms import ScaledTranslation
+
     entries = list(zip(*ax.get_legend_handles_labels(), strict=True))
     entries.sort(key=lambda entry: first.index(entry[1]) if entry[1] in first else len(first))
     # Points, not a share of the height: the tick labels in between do not grow with the axes.
     under = ax.transAxes + ScaledTranslation(0.0, -drop_pt / 72.0, ax.figure.dpi_scale_trans)
     handles, labels = [entry[0] for entry in entries], [entry[1] for entry in entries]
     widths = np.array([text_width_pt(label) + 45.0 for label in labels])  # with the handle and its gaps
-    ax.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=under,
-              ncols=_columns(widths, 1.05 * width_pt(ax)), frameon=False, borderaxespad=0.0, fontsize="small",
-              **options)
+    ax.legend(
+        handles,
+        labels,
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=under,
+        ncols=_columns(widths, 1.05 * width_pt(ax)),
+        frameon=False,
+        borderaxespad=0.0,
+        fontsize="small",
+        **options,
+    )
 
 
 def spread(positions: Sequence[float] | FloatArray, least: float, low: float, high: float) -> FloatArray:
@@ -190,6 +229,7 @@ def spread(positions: Sequence[float] | FloatArray, least: float, low: float, hi
 def plain_log(axis: Any, *, narrow: bool) -> None:
     """Plain numbers on a logarithmic axis; on a narrow one between the decades too."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
     plain = FuncFormatter(lambda value, _: f"{value:g}")
     axis.set_major_formatter(plain)
     if narrow:

@@ -22,8 +22,15 @@ ROUNDING = 1e-9
 MOST_COILS, HEIGHT = 20, 0.16
 
 
-def plot_chain(model: MassSpringChain, values: Any = None, ax: Any = None, *, sensors: Sequence[int] = (),
-               excitation: int | None = None, label: str = "Value by spring") -> Any:
+def plot_chain(
+    model: MassSpringChain,
+    values: Any = None,
+    ax: Any = None,
+    *,
+    sensors: Sequence[int] = (),
+    excitation: int | None = None,
+    label: str = "Value by spring",
+) -> Any:
     """Draw a chain with its springs numbered and coloured by a value of each.
 
     Parameters
@@ -74,7 +81,7 @@ def plot_chain(model: MassSpringChain, values: Any = None, ax: Any = None, *, se
         for path in paths:
             ax.plot(*path.T, color=COLOURS["blue"], lw=1.6, zorder=2)
     else:
-        by_spring[:given.size] = given
+        by_spring[: given.size] = given
         coloured(ax, paths, by_spring[list(springs)], label, width=2.6 if n <= MOST_COILS else 5.0)
     size = float(np.clip(0.4 * width_pt(ax) / (n + 1), 4.0, 22.0))
     ax.plot(range(n), np.zeros(n), ls="", marker="s", ms=size, mfc="white", mec="black", mew=1.2, zorder=3)
@@ -86,8 +93,15 @@ def plot_chain(model: MassSpringChain, values: Any = None, ax: Any = None, *, se
     every = next(step for step in (1, 2, 5, 10, n) if fit_across(ax, [str(n)] * (n // step), 8.0))
     for element in list(springs)[::every]:
         name = str(element + 1) if element < n - 1 else "ground"
-        ax.annotate(name, (springs[element][:, 0].mean(), HEIGHT), xytext=(0, 4), ha="center", va="bottom",
-                    textcoords="offset points", fontsize="small")
+        ax.annotate(
+            name,
+            (springs[element][:, 0].mean(), HEIGHT),
+            xytext=(0, 4),
+            ha="center",
+            va="bottom",
+            textcoords="offset points",
+            fontsize="small",
+        )
     ax.set_xticks(range(0, n, every), [str(i + 1) for i in range(0, n, every)])
     reach = np.array([[0.0, n - 1.0], *([path[:, 0].min(), path[:, 0].max()] for path in paths)])
     ax.set_xlim(reach.min() - 0.6, reach.max() + 0.6)
@@ -96,8 +110,14 @@ def plot_chain(model: MassSpringChain, values: Any = None, ax: Any = None, *, se
     ax.set_xlabel("Mass (number of each spring above it)")
     if ax.get_legend_handles_labels()[1]:
         below(ax)
-    offer(ax, springs={"element": list(springs), "name": [model.element_label(e) for e in springs],
-                       **({} if given is None else {"value": by_spring[list(springs)]})})
+    offer(
+        ax,
+        springs={
+            "element": list(springs),
+            "name": [model.element_label(e) for e in springs],
+            **({} if given is None else {"value": by_spring[list(springs)]}),
+        },
+    )
     return ax
 
 
@@ -123,7 +143,17 @@ def _springs(model: MassSpringChain) -> dict[int, FloatArray]:
 def _arrows(ax: Any, dofs: list[int], offset_pt: float, colour: str, size: float, name: str) -> None:
     """Arrows to the right, the positive direction, so many points above their masses."""
     from matplotlib.transforms import ScaledTranslation
+
     if dofs:
         lifted = ax.transData + ScaledTranslation(0.0, offset_pt / 72.0, ax.figure.dpi_scale_trans)
-        ax.plot(dofs, np.zeros(len(dofs)), ls="", marker=r"$\rightarrow$", ms=size, color=colour, zorder=4,
-                transform=lifted, label=name)
+        ax.plot(
+            dofs,
+            np.zeros(len(dofs)),
+            ls="",
+            marker=r"$\rightarrow$",
+            ms=size,
+            color=colour,
+            zorder=4,
+            transform=lifted,
+            label=name,
+        )

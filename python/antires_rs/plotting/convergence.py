@@ -48,17 +48,44 @@ def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> A
     colours = list(COLOURS.values())
     for island in range(cost.shape[1]):
         # Different widths keep islands apart that run on top of each other.
-        ax.step(history.nfev, cost[:, island], where="post", color=colours[island % len(colours)],
-                ls=LINES[island % len(LINES)], lw=max(2.6 - 0.5 * island, 1.0), label=f"island {island + 1}")
+        ax.step(
+            history.nfev,
+            cost[:, island],
+            where="post",
+            color=colours[island % len(colours)],
+            ls=LINES[island % len(LINES)],
+            lw=max(2.6 - 0.5 * island, 1.0),
+            label=f"island {island + 1}",
+        )
     migrations = np.asarray(history.migrations, dtype=np.int64)
     at = np.asarray(history.nfev)[np.minimum(migrations, len(history.nfev) - 1)]
     if migrations.size:
-        ax.plot(at, np.full(at.size, 0.02), ls="", marker="|", ms=9, mew=0.8, color="black",
-                transform=ax.get_xaxis_transform(), label=f"migration ({at.size} in all)", zorder=1)
+        ax.plot(
+            at,
+            np.full(at.size, 0.02),
+            ls="",
+            marker="|",
+            ms=9,
+            mew=0.8,
+            color="black",
+            transform=ax.get_xaxis_transform(),
+            label=f"migration ({at.size} in all)",
+            zorder=1,
+        )
     # The last step has no width: a dot says where it ends.
     last = np.asarray(history.nfev, dtype=np.float64)[-1:]
-    ax.plot(np.repeat(last, cost.shape[1]), cost[-1], ls="", marker="o", ms=5.0, mfc="white", mec="black",
-            clip_on=False, zorder=4, label="end")
+    ax.plot(
+        np.repeat(last, cost.shape[1]),
+        cost[-1],
+        ls="",
+        marker="o",
+        ms=5.0,
+        mfc="white",
+        mec="black",
+        clip_on=False,
+        zorder=4,
+        label="end",
+    )
     if np.isfinite(cost).all() and cost.min() > 0.0 and cost.max() > 3.0 * cost.min():
         ax.set_yscale("log")
         if cost.min() > 1e-4:
@@ -70,7 +97,12 @@ def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> A
     ax.set_ylabel("Best objective J (-)")
     ax.grid(alpha=0.25)
     below(ax)
-    offer(ax, islands={"evaluations": history.nfev,
-                       **{f"island_{i + 1}": column for i, column in enumerate(cost.T)}},
-          migrations={"evaluations": at})
+    offer(
+        ax,
+        islands={
+            "evaluations": history.nfev,
+            **{f"island_{i + 1}": column for i, column in enumerate(cost.T)},
+        },
+        migrations={"evaluations": at},
+    )
     return ax

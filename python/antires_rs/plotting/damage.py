@@ -66,23 +66,49 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     percent_axis(ax, np.concatenate([severity, known, np.minimum(visible, MOST_VISIBLE)]), upright)
     _smallest_seen(ax, x, visible)
     if truth is not None:
-        ax.plot(x, known, ls="", marker="D", ms=8, mfc="none", mec="black", mew=1.3, label="truth", zorder=4,
-                clip_on=False)
+        ax.plot(
+            x,
+            known,
+            ls="",
+            marker="D",
+            ms=8,
+            mfc="none",
+            mec="black",
+            mew=1.3,
+            label="truth",
+            zorder=4,
+            clip_on=False,
+        )
     for i, value in enumerate(severity):
         if value > 0.0:
             # A diamond or a tick close above the bar would strike the number out: it goes above them.
             reach = value + 0.12 * ax.get_ylim()[1]
             over = max(m for m in (value, known[i], visible[i]) if value <= m <= reach)
             diamond = abs(over - known[i]) < 0.05 * ax.get_ylim()[1]
-            ax.annotate(f"{value:.1f} %", (i, over), xytext=(0, 8 if diamond else 3), ha="center",
-                        va="bottom", textcoords="offset points", fontsize="small",
-                        rotation=90 if upright else 0)
+            ax.annotate(
+                f"{value:.1f} %",
+                (i, over),
+                xytext=(0, 8 if diamond else 3),
+                ha="center",
+                va="bottom",
+                textcoords="offset points",
+                fontsize="small",
+                rotation=90 if upright else 0,
+            )
     if not severity.any():
         ax.set_title("no damage found", fontsize="medium")
     element_axis(ax, names, upright, first=("found", "truth"))
     shown = {} if truth is None else {"truth_percent": known}
-    offer(ax, bars={"element": result.elements, "name": names, "loss_percent": severity, **shown,
-                    "smallest_seen_percent": visible})
+    offer(
+        ax,
+        bars={
+            "element": result.elements,
+            "name": names,
+            "loss_percent": severity,
+            **shown,
+            "smallest_seen_percent": visible,
+        },
+    )
     return ax
 
 
@@ -94,17 +120,50 @@ def _smallest_seen(ax: Any, x: FloatArray, visible: FloatArray) -> None:
     above = np.isfinite(visible) & ~on
     # The white edge keeps a tick apart from the bar behind it, in grey as well.
     ax.hlines(visible[on], x[on] - 0.42, x[on] + 0.42, color="white", lw=3.0, zorder=2.9)
-    ax.hlines(visible[on], x[on] - 0.42, x[on] + 0.42, lw=1.5, ls=(0, (3, 1)), clip_on=False,
-              label="smallest damage that would be seen", **look)
+    ax.hlines(
+        visible[on],
+        x[on] - 0.42,
+        x[on] + 0.42,
+        lw=1.5,
+        ls=(0, (3, 1)),
+        clip_on=False,
+        label="smallest damage that would be seen",
+        **look,
+    )
     if above.any():
-        ax.plot(x[above], np.full(int(above.sum()), 0.975), ls="", marker="^", ms=5.5, mew=0.0,
-                transform=ax.get_xaxis_transform(), label="seen only from this loss on, in %", **look)
+        ax.plot(
+            x[above],
+            np.full(int(above.sum()), 0.975),
+            ls="",
+            marker="^",
+            ms=5.5,
+            mew=0.0,
+            transform=ax.get_xaxis_transform(),
+            label="seen only from this loss on, in %",
+            **look,
+        )
         for at, value in zip(x[above], visible[above], strict=True):
-            ax.annotate(f"{value:.0f}", (at, 0.975), xycoords=ax.get_xaxis_transform(), xytext=(0, -5),
-                        textcoords="offset points", ha="center", va="top", fontsize="x-small")
+            ax.annotate(
+                f"{value:.0f}",
+                (at, 0.975),
+                xycoords=ax.get_xaxis_transform(),
+                xytext=(0, -5),
+                textcoords="offset points",
+                ha="center",
+                va="top",
+                fontsize="x-small",
+            )
     for number, i in enumerate(x[~np.isfinite(visible)]):
-        ax.axvspan(i - 0.5, i + 0.5, facecolor="none", edgecolor="#BFBFBF", hatch="...", lw=0.0, zorder=0,
-                   label="no damage could be seen" if number == 0 else None)
+        ax.axvspan(
+            i - 0.5,
+            i + 0.5,
+            facecolor="none",
+            edgecolor="#BFBFBF",
+            hatch="...",
+            lw=0.0,
+            zorder=0,
+            label="no damage could be seen" if number == 0 else None,
+        )
 
 
 def element_names(result: DamageResult) -> list[str]:

@@ -17,14 +17,17 @@ if TYPE_CHECKING:
 __all__ = ["plot_damages"]
 
 #: Looks of the bars, told apart in grey too.
-LOOKS = ({"facecolor": COLOURS["blue"], "edgecolor": "black"},
-         {"facecolor": "white", "edgecolor": COLOURS["vermillion"], "hatch": "/////"},
-         {"facecolor": "#D9D9D9", "edgecolor": "black", "hatch": "..."},
-         {"facecolor": "white", "edgecolor": COLOURS["green"], "hatch": "xxxx"})
+LOOKS = (
+    {"facecolor": COLOURS["blue"], "edgecolor": "black"},
+    {"facecolor": "white", "edgecolor": COLOURS["vermillion"], "hatch": "/////"},
+    {"facecolor": "#D9D9D9", "edgecolor": "black", "hatch": "..."},
+    {"facecolor": "white", "edgecolor": COLOURS["green"], "hatch": "xxxx"},
+)
 
 
-def plot_damages(results: Mapping[str, DamageResult], ax: Any = None,
-                 truth: Mapping[int, float] | None = None) -> Any:
+def plot_damages(
+    results: Mapping[str, DamageResult], ax: Any = None, truth: Mapping[int, float] | None = None
+) -> Any:
     """Draw the stiffness loss of each candidate element in % as found by several approaches.
 
     Parameters
@@ -85,11 +88,30 @@ def plot_damages(results: Mapping[str, DamageResult], ax: Any = None,
         for where, value in zip(at, percent, strict=True):
             if value > 0.0:
                 # A number beside its bar's middle: the diamond of the truth stands between the bars.
-                ax.annotate(f"{value:.1f}", (where, value), xytext=(0, 4), textcoords="offset points",
-                            ha="center", va="bottom", fontsize="x-small", rotation=90 if narrow else 0)
+                ax.annotate(
+                    f"{value:.1f}",
+                    (where, value),
+                    xytext=(0, 4),
+                    textcoords="offset points",
+                    ha="center",
+                    va="bottom",
+                    fontsize="x-small",
+                    rotation=90 if narrow else 0,
+                )
     if truth is not None:
-        ax.plot(x, known, ls="", marker="D", ms=7, mfc="none", mec="black", mew=1.3, label="truth", zorder=4,
-                clip_on=False)
+        ax.plot(
+            x,
+            known,
+            ls="",
+            marker="D",
+            ms=7,
+            mfc="none",
+            mec="black",
+            mew=1.3,
+            label="truth",
+            zorder=4,
+            clip_on=False,
+        )
     element_axis(ax, names, upright, first=tuple(results))
     columns = {f"{name}_percent": percent for name, percent in losses.items()}
     shown = {} if truth is None else {"truth_percent": known}

@@ -22,9 +22,13 @@ LEAST_PERCENT = 0.01
 HEADROOM = 1.3
 
 
-def plot_damping_clusters(diagram: StabilizationDiagram, ax: Any = None, *,
-                          dropped: Sequence[float] | FloatArray = (),
-                          added: Sequence[float] | FloatArray = ()) -> Any:
+def plot_damping_clusters(
+    diagram: StabilizationDiagram,
+    ax: Any = None,
+    *,
+    dropped: Sequence[float] | FloatArray = (),
+    added: Sequence[float] | FloatArray = (),
+) -> Any:
     """Draw the damping ratio of all poles of all orders against their frequency.
 
     An antiresonance gathers the poles of many orders in one spot; superfluous poles scatter over the picture.
@@ -71,18 +75,55 @@ def plot_damping_clusters(diagram: StabilizationDiagram, ax: Any = None, *,
     _, freq, damping, stable = pole_table(diagram)
     percent = 100.0 * damping
     low = percent < LEAST_PERCENT
-    ax.plot(freq[~stable & ~low], percent[~stable & ~low], ls="", marker="x", ms=4.0, mew=0.8,
-            color=COLOURS["orange"], label="pole, not stable")
-    ax.plot(freq[stable & ~low], percent[stable & ~low], ls="", marker="o", ms=4.0, mew=0.0, alpha=0.6,
-            color=COLOURS["blue"], label="stable pole")
+    ax.plot(
+        freq[~stable & ~low],
+        percent[~stable & ~low],
+        ls="",
+        marker="x",
+        ms=4.0,
+        mew=0.8,
+        color=COLOURS["orange"],
+        label="pole, not stable",
+    )
+    ax.plot(
+        freq[stable & ~low],
+        percent[stable & ~low],
+        ls="",
+        marker="o",
+        ms=4.0,
+        mew=0.0,
+        alpha=0.6,
+        color=COLOURS["blue"],
+        label="stable pole",
+    )
     if low.any():
-        ax.plot(freq[low], np.full(int(low.sum()), LEAST_PERCENT), ls="", marker="v", ms=4.0, mew=0.0,
-                color="#595959", clip_on=False, label=f"pole with less than {LEAST_PERCENT:g} %, or none")
+        ax.plot(
+            freq[low],
+            np.full(int(low.sum()), LEAST_PERCENT),
+            ls="",
+            marker="v",
+            ms=4.0,
+            mew=0.0,
+            color="#595959",
+            clip_on=False,
+            label=f"pole with less than {LEAST_PERCENT:g} %, or none",
+        )
     mark_values(ax, diagram, dropped, added)
     if diagram.identified.size:
         found = np.maximum(100.0 * diagram.identified_damping, LEAST_PERCENT)
-        ax.plot(diagram.identified, found, ls="", marker="s", ms=9.0, mew=1.4, mfc="none",
-                mec=COLOURS["black"], clip_on=False, zorder=4, label="damping of the value")
+        ax.plot(
+            diagram.identified,
+            found,
+            ls="",
+            marker="s",
+            ms=9.0,
+            mew=1.4,
+            mfc="none",
+            mec=COLOURS["black"],
+            clip_on=False,
+            zorder=4,
+            label="damping of the value",
+        )
     ax.set_yscale("log")
     top = max(float(percent.max(initial=0.0)), 1.0)
     ax.set_ylim(LEAST_PERCENT, HEADROOM * top)

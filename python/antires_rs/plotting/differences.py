@@ -23,12 +23,25 @@ LEAST_WIDTH = 8.0
 #: Vermillion, pale.
 PALE = "#F2B48A"
 #: What is offered, as far as the table has it.
-COLUMNS = ("excitation", "dof", "mode", "measured_hz", "before_hz", "before_percent", "before_mac",
-           "after_hz", "after_percent", "after_mac")
+COLUMNS = (
+    "excitation",
+    "dof",
+    "mode",
+    "measured_hz",
+    "before_hz",
+    "before_percent",
+    "before_mac",
+    "after_hz",
+    "after_percent",
+    "after_mac",
+)
 
 
-def plot_differences(table: FrequencyTable | ModalTable, ax: Any = None,
-                     names: tuple[str, str] = ("before updating", "after updating")) -> Any:
+def plot_differences(
+    table: FrequencyTable | ModalTable,
+    ax: Any = None,
+    names: tuple[str, str] = ("before updating", "after updating"),
+) -> Any:
     """Draw the difference of each frequency to the measured one in %, before and after.
 
     Parameters
@@ -69,13 +82,22 @@ def plot_differences(table: FrequencyTable | ModalTable, ax: Any = None,
     labelled = count <= MOST_LABELS
     # Before is hatched, or pale where bars are thin, and after is dark: told apart in grey too.
     colour, dark = COLOURS["vermillion"], COLOURS["blue"]
-    before = ({"facecolor": "white", "hatch": "/////", "edgecolor": colour} if labelled else
-              {"facecolor": PALE, "edgecolor": PALE})
-    leading = (_bars(ax, x - 0.2, table.before_percent, names[0], colour, **before),
-               _bars(ax, x + 0.2, table.after_percent, names[1], dark, facecolor=dark, edgecolor=dark))
+    before = (
+        {"facecolor": "white", "hatch": "/////", "edgecolor": colour}
+        if labelled
+        else {"facecolor": PALE, "edgecolor": PALE}
+    )
+    leading = (
+        _bars(ax, x - 0.2, table.before_percent, names[0], colour, **before),
+        _bars(ax, x + 0.2, table.after_percent, names[1], dark, facecolor=dark, edgecolor=dark),
+    )
     ax.axhline(0.0, color="black", lw=0.8)
-    ax.set_xticks(x if labelled else [], [f"{f:.1f}" for f in table.measured_hz] if labelled else [],
-                  rotation=90, fontsize="x-small")
+    ax.set_xticks(
+        x if labelled else [],
+        [f"{f:.1f}" for f in table.measured_hz] if labelled else [],
+        rotation=90,
+        fontsize="x-small",
+    )
     ax.grid(axis="y", alpha=0.25)
     ax.set_axisbelow(True)
     firsts = np.flatnonzero(starts)
@@ -89,8 +111,16 @@ def plot_differences(table: FrequencyTable | ModalTable, ax: Any = None,
         if x[first:end].mean() - half < free:
             continue
         free = x[first:end].mean() + half
-        ax.annotate(name, (x[first:end].mean(), 1.0), xytext=(0, 4), xycoords=ax.get_xaxis_transform(),
-                    textcoords="offset points", ha="center", va="bottom", fontsize="small")
+        ax.annotate(
+            name,
+            (x[first:end].mean(), 1.0),
+            xytext=(0, 4),
+            xycoords=ax.get_xaxis_transform(),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize="small",
+        )
     if count:
         middle = 0.5 * (x[0] + x[-1])
         ax.set_xlim(middle - most / 2, middle + most / 2)
@@ -106,7 +136,7 @@ def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], str]:
     """Where a group begins, (first, end, name) of each, and the label of the axis."""
     dof, force, names = np.asarray(table.dof), np.asarray(table.excitation), table.dof_names
     several = np.unique(force).size > 1
-    starts = np.r_[True, (dof[1:] != dof[:-1]) | (force[1:] != force[:-1])][:dof.size]
+    starts = np.r_[True, (dof[1:] != dof[:-1]) | (force[1:] != force[:-1])][: dof.size]
     firsts = np.flatnonzero(starts)
     # "dof" once: beside it there is no room over a response with a single antiresonance.
     title = "" if names else "dof "
@@ -114,9 +144,16 @@ def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], str]:
     def name(which: int) -> str:
         return str(names.get(which, which))
 
-    named = [(first, end, f"{name(int(dof[first]))}, {name(int(force[first]))}" if several else
-              f"{title if first == 0 else ''}{name(int(dof[first]))}")
-             for first, end in zip(firsts.tolist(), [*firsts[1:].tolist(), dof.size], strict=True)]
+    named = [
+        (
+            first,
+            end,
+            f"{name(int(dof[first]))}, {name(int(force[first]))}"
+            if several
+            else f"{title if first == 0 else ''}{name(int(dof[first]))}",
+        )
+        for first, end in zip(firsts.tolist(), [*firsts[1:].tolist(), dof.size], strict=True)
+    ]
     groups = "response and force dof" if several else "response dof"
     return starts, named, f"Measured antiresonance (Hz), by {groups} (above)"
 
@@ -124,7 +161,7 @@ def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], str]:
 def _modes(table: Any) -> tuple[Any, list[tuple[int, int, str]], str]:
     """The same of modes, whose MAC stands above each."""
     mode = np.asarray(table.mode)
-    starts = np.r_[True, mode[1:] <= mode[:-1]][:mode.size]
+    starts = np.r_[True, mode[1:] <= mode[:-1]][: mode.size]
     if mode.size > MOST_LABELS // 4:
         return starts, [], "Measured resonance (Hz)"
     pairs = zip(table.before_mac, table.after_mac, strict=True)
@@ -140,6 +177,16 @@ def _bars(ax: Any, x: FloatArray, percent: FloatArray, name: str, colour: str, *
     ax.bar(x[found], percent[found], width=0.4, linewidth=0.8, label=label, **look)
     if not found.all():
         lost = int(np.count_nonzero(~found))
-        ax.plot(x[~found], np.zeros(lost), ls="", marker="x", ms=6, mew=1.6, clip_on=False,
-                color=colour, label=f"{name}: no partner ({lost})", zorder=5)
+        ax.plot(
+            x[~found],
+            np.zeros(lost),
+            ls="",
+            marker="x",
+            ms=6,
+            mew=1.6,
+            clip_on=False,
+            color=colour,
+            label=f"{name}: no partner ({lost})",
+            zorder=5,
+        )
     return label

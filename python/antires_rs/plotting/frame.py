@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["plot_frame"]
 
 #: Isometric view of frames in space: x to the lower right, y to the upper right, z up.
-ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0],
-                      [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])
+ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0], [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])
 #: Up to this many elements are numbered unless told otherwise.
 MOST_NUMBERS = 120
 #: Length of an arrow in points, and the room around the frame as a share of its extent.
@@ -28,14 +27,27 @@ ARROW, MARGIN = 26.0, 0.08
 #: Colours of sections; vermillion and black are those of the arrows.
 SHADES = [COLOURS[name] for name in ("blue", "orange", "sky", "purple", "green")]
 #: Dashes of sections, in the same turn, closer than those of curves: a section may be short.
-DASHES: tuple[Any, ...] = ("-", (0, (4, 1)), (0, (2, 1)), (0, (4, 1, 1, 1)), (0, (1, 1)),
-                           (0, (6, 1, 1, 1, 1, 1)))
+DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (4, 1)),
+    (0, (2, 1)),
+    (0, (4, 1, 1, 1)),
+    (0, (1, 1)),
+    (0, (6, 1, 1, 1, 1, 1)),
+)
 ROTATIONS = ("theta", "rx", "ry", "rz")
 
 
-def plot_frame(model: FrameModel, values: Any = None, ax: Any = None, *, sensors: Sequence[int] = (),
-               excitation: int | None = None, numbers: bool | None = None,
-               label: str = "Value by element") -> Any:
+def plot_frame(
+    model: FrameModel,
+    values: Any = None,
+    ax: Any = None,
+    *,
+    sensors: Sequence[int] = (),
+    excitation: int | None = None,
+    numbers: bool | None = None,
+    label: str = "Value by element",
+) -> Any:
     """Draw a frame with its elements numbered, coloured by section or by a value of each element.
 
     Parameters
@@ -88,11 +100,14 @@ def plot_frame(model: FrameModel, values: Any = None, ax: Any = None, *, sensors
         coloured(ax, list(ends), given, label)
     _carried(ax, model, points)
     names = model._frame.dof_names()
-    arrows = [_arrow(ax, points, names[model._dof("sensors", dof)], COLOURS["vermillion"], 0.7, space)
-              for dof in sensors]
+    arrows = [
+        _arrow(ax, points, names[model._dof("sensors", dof)], COLOURS["vermillion"], 0.7, space)
+        for dof in sensors
+    ]
     if arrows:
-        ax.plot([], [], ls="", marker=r"$\rightarrow$", ms=11, color=COLOURS["vermillion"],
-                label="accelerometer")
+        ax.plot(
+            [], [], ls="", marker=r"$\rightarrow$", ms=11, color=COLOURS["vermillion"], label="accelerometer"
+        )
     if excitation is not None:
         force = names[model._dof("excitation", excitation)]
         arrows.append(_arrow(ax, points, force, COLOURS["black"], 1.3, space))
@@ -105,10 +120,16 @@ def plot_frame(model: FrameModel, values: Any = None, ax: Any = None, *, sensors
     ax.set_ylabel("" if space else "y (m)")
     if ax.get_legend_handles_labels()[1]:
         below(ax, drop_pt=44.0, handlelength=3.0)
-    offer(ax, elements={"element": np.arange(len(ends)), "start_node": model.elements[:, 0],
-                        "end_node": model.elements[:, 1],
-                        "section": [str(name) for name in model.element_sections],
-                        **({} if given is None else {"value": given})})
+    offer(
+        ax,
+        elements={
+            "element": np.arange(len(ends)),
+            "start_node": model.elements[:, 0],
+            "end_node": model.elements[:, 1],
+            "section": [str(name) for name in model.element_sections],
+            **({} if given is None else {"value": given}),
+        },
+    )
     return ax
 
 
@@ -119,9 +140,16 @@ def _by_section(ax: Any, model: FrameModel, ends: FloatArray) -> None:
         path = _path(ends[of == i]).T
         # Dashes tell sections apart without colour; what is pale underneath keeps the frame in one piece.
         ax.plot(*path, color="#D5D5D5", lw=3.2, zorder=1.9, solid_capstyle="round")
-        ax.plot(*path, color=SHADES[i % len(SHADES)], lw=3.2, zorder=2, ls=DASHES[i % len(DASHES)],
-                solid_capstyle="round", dash_capstyle="butt",
-                label=model.section_label(i) if several else None)
+        ax.plot(
+            *path,
+            color=SHADES[i % len(SHADES)],
+            lw=3.2,
+            zorder=2,
+            ls=DASHES[i % len(DASHES)],
+            solid_capstyle="round",
+            dash_capstyle="butt",
+            label=model.section_label(i) if several else None,
+        )
 
 
 def _path(ends: FloatArray) -> FloatArray:
@@ -147,20 +175,46 @@ def _carried(ax: Any, model: FrameModel, points: FloatArray) -> None:
         # A stroke across the direction that is held.
         along = None if direction in ROTATIONS else _seen(direction, space)
         marker = "x" if along is None else (2, 2, float(np.degrees(np.arctan2(along[1], along[0]))))
-        ax.plot(*points[node], ls="", marker=marker, ms=8.0 if along is None else 17.0, mec="black", mew=2.0,
-                zorder=3, label="partly fixed" if i == 0 else None)
+        ax.plot(
+            *points[node],
+            ls="",
+            marker=marker,
+            ms=8.0 if along is None else 17.0,
+            mec="black",
+            mew=2.0,
+            zorder=3,
+            label="partly fixed" if i == 0 else None,
+        )
     _marked(ax, points, [m.node for m in model.point_masses], "o", 9.0, "point mass")
     _marked(ax, points, [s.node for s in model.ground_springs], "v", 6.5, "spring to ground")
     for i, spring in enumerate(model.node_springs):
-        ax.plot(*coil(points[spring.node], points[spring.other], 0.03).T, color="black", lw=1.0, marker="D",
-                ms=3.5, markevery=[0, -1], zorder=2.5, label="node spring" if i == 0 else None)
+        ax.plot(
+            *coil(points[spring.node], points[spring.other], 0.03).T,
+            color="black",
+            lw=1.0,
+            marker="D",
+            ms=3.5,
+            markevery=[0, -1],
+            zorder=2.5,
+            label="node spring" if i == 0 else None,
+        )
 
 
 def _marked(ax: Any, points: FloatArray, nodes: list[int], marker: str, size: float, name: str) -> None:
     if nodes:
         at = points[sorted(set(nodes))]
-        ax.plot(at[:, 0], at[:, 1], ls="", marker=marker, ms=size, mfc="white", mec="black", mew=1.2,
-                zorder=3, label=name)
+        ax.plot(
+            at[:, 0],
+            at[:, 1],
+            ls="",
+            marker=marker,
+            ms=size,
+            mfc="white",
+            mec="black",
+            mew=1.2,
+            zorder=3,
+            label=name,
+        )
 
 
 def _numbered(ax: Any, points: FloatArray, ends: FloatArray, arrows: list[FloatArray]) -> None:
@@ -171,8 +225,16 @@ def _numbered(ax: Any, points: FloatArray, ends: FloatArray, arrows: list[FloatA
     lines[:, 0] *= scale
     lines[:, 1] += lines[:, 0]
     for i, (at, middle) in enumerate(zip(beside(scale * ends, lines), ends.mean(axis=1), strict=True)):
-        ax.annotate(str(i + 1), middle, xytext=tuple(at - scale * middle), textcoords="offset points",
-                    ha="center", va="center", fontsize=size, zorder=4)
+        ax.annotate(
+            str(i + 1),
+            middle,
+            xytext=tuple(at - scale * middle),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=size,
+            zorder=4,
+        )
 
 
 def _seen(direction: str, space: bool) -> FloatArray:
@@ -182,8 +244,9 @@ def _seen(direction: str, space: bool) -> FloatArray:
     return np.asarray(along / np.linalg.norm(along))
 
 
-def _arrow(ax: Any, points: FloatArray, dof: tuple[int, str], colour: str, length: float,
-           space: bool) -> FloatArray:
+def _arrow(
+    ax: Any, points: FloatArray, dof: tuple[int, str], colour: str, length: float, space: bool
+) -> FloatArray:
     """Draw it; the node it points to, and where its tail is from there in points, (2, 2)."""
     node, direction = dof
     at = points[node]
@@ -191,7 +254,12 @@ def _arrow(ax: Any, points: FloatArray, dof: tuple[int, str], colour: str, lengt
         ax.plot(*at, ls="", marker=r"$\circlearrowleft$", ms=14.0 * length, color=colour, zorder=5)
         return np.array([at, np.zeros(2)])
     tail = -ARROW * length * _seen(direction, space)
-    ax.annotate("", at, xytext=tuple(tail), textcoords="offset points", zorder=5,
-                arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.6 * length, "shrinkA": 0,
-                            "shrinkB": 2})
+    ax.annotate(
+        "",
+        at,
+        xytext=tuple(tail),
+        textcoords="offset points",
+        zorder=5,
+        arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.6 * length, "shrinkA": 0, "shrinkB": 2},
+    )
     return np.array([at, tail])

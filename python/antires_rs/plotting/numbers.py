@@ -41,8 +41,14 @@ def beside(ends: FloatArray, lines: FloatArray) -> FloatArray:
     for i, (a, b) in enumerate(ends):
         across = np.array([a[1] - b[1], b[0] - a[0]])
         across = across / max(float(np.linalg.norm(across)), 1e-300)
-        options = np.array([a + share * (b - a) + side * away * across
-                            for share in ALONG for away in AWAY for side in (1.0, -1.0)])
+        options = np.array(
+            [
+                a + share * (b - a) + side * away * across
+                for share in ALONG
+                for away in AWAY
+                for side in (1.0, -1.0)
+            ]
+        )
         others = np.concatenate([lines, np.delete(ends, i, axis=0), np.stack([placed, placed], axis=1)])
         clear = _distances(options, others).min(axis=1) if len(others) else np.full(len(options), np.inf)
         # The first that is clear of all, or else the one that is clearest.

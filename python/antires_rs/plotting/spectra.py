@@ -20,8 +20,7 @@ __all__ = ["plot_coherence", "plot_singular_values"]
 FEW = 5
 
 
-def plot_coherence(resp: FrequencyResponse, ax: Any = None, *,
-                   band_hz: Sequence[float] | None = None) -> Any:
+def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence[float] | None = None) -> Any:
     """Draw the ordinary coherence of every output by frequency.
 
     Parameters
@@ -54,26 +53,41 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *,
     'Coherence with the force (-)'
     """
     if not isinstance(resp, FrequencyResponse) or resp.coherence is None:
-        reject("resp", "responses without coherence" if isinstance(resp, FrequencyResponse)
-               else type(resp).__name__, "a FrequencyResponse with coherence",
-               "Estimate it from a record with several averages.")
+        reject(
+            "resp",
+            "responses without coherence" if isinstance(resp, FrequencyResponse) else type(resp).__name__,
+            "a FrequencyResponse with coherence",
+            "Estimate it from a record with several averages.",
+        )
     ax = new_axes(ax, (9.0, 4.0))
     low, high = band_shown(resp.freq_hz, band_hz)
     rows = [p for p, dof in enumerate(resp.dofs) if dof != resp.reference]
     curves = resp.coherence[rows]
     if len(rows) <= FEW:
         for i, (row, curve) in enumerate(zip(rows, curves, strict=True)):
-            ax.plot(resp.freq_hz, curve, lw=1.2, ls=LINES[i % len(LINES)],
-                    color=list(COLOURS.values())[i % len(COLOURS)], label=f"dof {resp.dofs[row]}")
+            ax.plot(
+                resp.freq_hz,
+                curve,
+                lw=1.2,
+                ls=LINES[i % len(LINES)],
+                color=list(COLOURS.values())[i % len(COLOURS)],
+                label=f"dof {resp.dofs[row]}",
+            )
     else:
         for i, curve in enumerate(curves):
             ax.plot(resp.freq_hz, curve, lw=0.7, color="#B8B8B8", label="each dof" if i == 0 else None)
-        ax.plot(resp.freq_hz, curves.min(axis=0), lw=1.0, ls="--", color=COLOURS["vermillion"],
-                label="lowest")
+        ax.plot(
+            resp.freq_hz, curves.min(axis=0), lw=1.0, ls="--", color=COLOURS["vermillion"], label="lowest"
+        )
         ax.plot(resp.freq_hz, np.median(curves, axis=0), lw=1.6, color=COLOURS["blue"], label="median")
     if resp.n_averages is not None and resp.n_averages > 1.0:
-        ax.axhline(1.0 / resp.n_averages, color=COLOURS["black"], lw=0.9, ls=":",
-                   label=f"noise alone, {resp.n_averages:.0f} averages")
+        ax.axhline(
+            1.0 / resp.n_averages,
+            color=COLOURS["black"],
+            lw=0.9,
+            ls=":",
+            label=f"noise alone, {resp.n_averages:.0f} averages",
+        )
     ax.set_xlim(low, high)
     ax.set_ylim(0.0, 1.04)
     ax.set_xlabel("Frequency (Hz)")
@@ -82,9 +96,13 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *,
     ax.grid(alpha=0.25)
     below(ax)
     shown = (resp.freq_hz >= low) & (resp.freq_hz <= high)
-    offer(ax, coherence={"freq_hz": resp.freq_hz[shown],
-                         **{str(resp.dofs[row]): curve[shown]
-                            for row, curve in zip(rows, curves, strict=True)}})
+    offer(
+        ax,
+        coherence={
+            "freq_hz": resp.freq_hz[shown],
+            **{str(resp.dofs[row]): curve[shown] for row, curve in zip(rows, curves, strict=True)},
+        },
+    )
     return ax
 
 
@@ -124,9 +142,12 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     """
     values = getattr(check, "eigenvalues", None)
     if values is None:
-        reject("check", "a check without eigenvalues" if hasattr(check, "findings") else type(check).__name__,
-               "the DataCheck of a Recording with several averages",
-               "Single hits and measured responses have no spectral matrix.")
+        reject(
+            "check",
+            "a check without eigenvalues" if hasattr(check, "findings") else type(check).__name__,
+            "the DataCheck of a Recording with several averages",
+            "Single hits and measured responses have no spectral matrix.",
+        )
     ax = new_axes(ax, (9.0, 4.5))
     level = 10.0 * np.log10(np.maximum(values, 1e-14 * values.max()))
     for i in range(values.shape[1] - 1, 1, -1):
@@ -137,8 +158,15 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     if check.second_expected is not None:
         expected = 10.0 * np.log10(np.maximum(check.second_expected, 1e-14 * values.max()))
         table["expected_2_db"] = expected
-        ax.plot(check.freq_hz, expected, lw=1.1, ls=":", color=COLOURS["black"], zorder=3.0,
-                label="second expected under one force")
+        ax.plot(
+            check.freq_hz,
+            expected,
+            lw=1.1,
+            ls=":",
+            color=COLOURS["black"],
+            zorder=3.0,
+            label="second expected under one force",
+        )
     if values.shape[1] > 1:
         ax.plot(check.freq_hz, level[:, 1], lw=1.1, ls="--", color=COLOURS["vermillion"], label="second")
     ax.plot(check.freq_hz, level[:, 0], lw=1.5, color=COLOURS["blue"], label="first")

@@ -22,12 +22,17 @@ LOOKS: dict[str, dict[str, Any]] = {
     "accepted": {"color": COLOURS["vermillion"], "ls": "--", "lw": 1.1},
     "accepted: in most orders, not at rest": {"color": COLOURS["vermillion"], "ls": "-.", "lw": 1.1},
     "added by hand": {"color": COLOURS["black"], "ls": (0, (8, 3)), "lw": 1.1},
-    "dropped by hand": {"color": COLOURS["black"], "ls": ":", "lw": 1.1}}
+    "dropped by hand": {"color": COLOURS["black"], "ls": ":", "lw": 1.1},
+}
 
 
-def plot_stabilization(diagram: StabilizationDiagram, ax: Any = None, *,
-                       dropped: Sequence[float] | FloatArray = (),
-                       added: Sequence[float] | FloatArray = ()) -> Any:
+def plot_stabilization(
+    diagram: StabilizationDiagram,
+    ax: Any = None,
+    *,
+    dropped: Sequence[float] | FloatArray = (),
+    added: Sequence[float] | FloatArray = (),
+) -> Any:
     """Draw poles of every order, the stable ones, and the values accepted.
 
     Parameters
@@ -72,10 +77,26 @@ def plot_stabilization(diagram: StabilizationDiagram, ax: Any = None, *,
     ax.set_zorder(behind.get_zorder() + 1)
     ax.patch.set_visible(False)
 
-    ax.plot(freq[~stable], order[~stable], ls="", marker="x", ms=3.5, mew=0.7, color=COLOURS["orange"],
-            label="pole, not stable")
-    ax.plot(freq[stable], order[stable], ls="", marker="o", ms=3.0, mew=0.0, color=COLOURS["blue"],
-            label="stable pole")
+    ax.plot(
+        freq[~stable],
+        order[~stable],
+        ls="",
+        marker="x",
+        ms=3.5,
+        mew=0.7,
+        color=COLOURS["orange"],
+        label="pole, not stable",
+    )
+    ax.plot(
+        freq[stable],
+        order[stable],
+        ls="",
+        marker="o",
+        ms=3.0,
+        mew=0.0,
+        color=COLOURS["blue"],
+        label="stable pole",
+    )
     ax.set_xlim(*diagram.band_hz)
     mark_values(ax, diagram, dropped, added)
     # In the legend of the front axis, though drawn on the other.
@@ -85,23 +106,31 @@ def plot_stabilization(diagram: StabilizationDiagram, ax: Any = None, *,
     ax.set_ylabel("Model order (-)")
     ax.yaxis.get_major_locator().set_params(integer=True)
     below(ax, markerscale=1.6)
-    offer(ax, **diagram_tables(diagram, dropped, added),
-          curve={"freq_hz": diagram.background_freq_hz, "magnitude": diagram.background})
+    offer(
+        ax,
+        **diagram_tables(diagram, dropped, added),
+        curve={"freq_hz": diagram.background_freq_hz, "magnitude": diagram.background},
+    )
     return ax
 
 
-def diagram_tables(diagram: StabilizationDiagram, dropped: Sequence[float] | FloatArray,
-                   added: Sequence[float] | FloatArray) -> dict[str, dict[str, Any]]:
+def diagram_tables(
+    diagram: StabilizationDiagram, dropped: Sequence[float] | FloatArray, added: Sequence[float] | FloatArray
+) -> dict[str, dict[str, Any]]:
     """The poles and the values of a diagram, as pictures of it offer them."""
     order, freq, damping, stable = pole_table(diagram)
     found, by_hand = diagram.accepted, np.asarray(added, dtype=np.float64)
     unknown = np.full(by_hand.size, np.nan)
     gone = np.isin(found.freq_hz, np.asarray(dropped, dtype=np.float64))
-    return {"poles": {"order": order, "freq_hz": freq, "damping_ratio": damping, "stable": stable},
-            "values": {"freq_hz": np.r_[found.freq_hz, by_hand],
-                       "damping_ratio": np.r_[found.damping_ratio, unknown],
-                       "std_hz": np.r_[found.std_hz, unknown],
-                       "how": [*np.where(gone, "dropped", found.how), *["added"] * by_hand.size]}}
+    return {
+        "poles": {"order": order, "freq_hz": freq, "damping_ratio": damping, "stable": stable},
+        "values": {
+            "freq_hz": np.r_[found.freq_hz, by_hand],
+            "damping_ratio": np.r_[found.damping_ratio, unknown],
+            "std_hz": np.r_[found.std_hz, unknown],
+            "how": [*np.where(gone, "dropped", found.how), *["added"] * by_hand.size],
+        },
+    }
 
 
 def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, FloatArray, Any]:
@@ -112,8 +141,12 @@ def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, F
     return order, freq, damping, np.concatenate([np.empty(0, dtype=bool), *diagram.stable])
 
 
-def mark_values(ax: Any, diagram: StabilizationDiagram, dropped: Sequence[float] | FloatArray,
-                added: Sequence[float] | FloatArray) -> None:
+def mark_values(
+    ax: Any,
+    diagram: StabilizationDiagram,
+    dropped: Sequence[float] | FloatArray,
+    added: Sequence[float] | FloatArray,
+) -> None:
     """Vertical lines with their frequencies above the axes, pushed apart where they would overlap.
 
     A dropped value has its frequency in parentheses.
@@ -121,8 +154,10 @@ def mark_values(ax: Any, diagram: StabilizationDiagram, dropped: Sequence[float]
     low, high = diagram.band_hz
     resting, moving, by_hand, out = LOOKS
     gone = np.asarray(dropped, dtype=np.float64)
-    marks = [(float(f), out if f in gone else moving if how == "persistent" else resting)
-             for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)]
+    marks = [
+        (float(f), out if f in gone else moving if how == "persistent" else resting)
+        for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)
+    ]
     marks = sorted(marks + [(float(f), by_hand) for f in added])
     transform = ax.get_xaxis_transform()
     labels_at = spread([f for f, _ in marks], (high - low) / 50.0, low, high)
@@ -130,10 +165,24 @@ def mark_values(ax: Any, diagram: StabilizationDiagram, dropped: Sequence[float]
     for (freq, kind), label_at in zip(marks, labels_at, strict=True):
         ax.axvline(freq, zorder=1.5, label=None if kind in named else kind, **LOOKS[kind])
         named.add(kind)
-        ax.annotate(f"({freq:.2f} Hz)" if kind == out else f"{freq:.2f} Hz", (freq, 1.0),
-                    xytext=(label_at, 1.03), xycoords=transform, textcoords=transform, rotation=90,
-                    ha="center", va="bottom", fontsize="x-small", annotation_clip=False,
-                    arrowprops={"arrowstyle": "-", "lw": 0.6, "color": LOOKS[kind]["color"],
-                                "shrinkA": 0.0, "shrinkB": 0.0})
+        ax.annotate(
+            f"({freq:.2f} Hz)" if kind == out else f"{freq:.2f} Hz",
+            (freq, 1.0),
+            xytext=(label_at, 1.03),
+            xycoords=transform,
+            textcoords=transform,
+            rotation=90,
+            ha="center",
+            va="bottom",
+            fontsize="x-small",
+            annotation_clip=False,
+            arrowprops={
+                "arrowstyle": "-",
+                "lw": 0.6,
+                "color": LOOKS[kind]["color"],
+                "shrinkA": 0.0,
+                "shrinkB": 0.0,
+            },
+        )
     if not marks:
         ax.set_title("no value accepted in this band", fontsize="medium")

@@ -18,11 +18,18 @@ if TYPE_CHECKING:
 __all__ = ["plot_transmissibility"]
 
 
-def plot_transmissibility(measured: FrequencyResponse, before: StructuralModel,
-                          after: StructuralModel | None = None, *, dof: int | None, excitation: int,
-                          damping_ratio: Any = 0.01, band_hz: Sequence[float] | None = None,
-                          ax: Any = None,
-                          names: tuple[str, str] = ("before updating", "after updating")) -> Any:
+def plot_transmissibility(
+    measured: FrequencyResponse,
+    before: StructuralModel,
+    after: StructuralModel | None = None,
+    *,
+    dof: int | None,
+    excitation: int,
+    damping_ratio: Any = 0.01,
+    band_hz: Sequence[float] | None = None,
+    ax: Any = None,
+    names: tuple[str, str] = ("before updating", "after updating"),
+) -> Any:
     """Draw ``abs(T_pj)`` in dB, as measured and as the models have it.
 
     Its peaks are the antiresonances of the reference j, whatever p.
@@ -72,24 +79,34 @@ def plot_transmissibility(measured: FrequencyResponse, before: StructuralModel,
     '|T| of dof 2 over dof 0 (dB re 1)'
     """
     if not isinstance(measured, FrequencyResponse) or measured.kind != "transmissibility":
-        reject("measured", getattr(measured, "kind", type(measured).__name__),
-               "a FrequencyResponse of kind 'transmissibility'")
+        reject(
+            "measured",
+            getattr(measured, "kind", type(measured).__name__),
+            "a FrequencyResponse of kind 'transmissibility'",
+        )
     others = [d for d in measured.dofs if d != measured.reference]
     if dof is not None and dof not in others:
-        reject("dof", dof, f"one of {others}, or None for their sum",
-               "The reference over itself is one everywhere.")
+        reject(
+            "dof",
+            dof,
+            f"one of {others}, or None for their sum",
+            "The reference over itself is one everywhere.",
+        )
     ax = new_axes(ax, (9.0, 4.5))
     freq = measured.freq_hz
     low, high = band_shown(freq, band_hz)
     # A free structure moves without bound at 0 Hz.
     keep = (freq >= low) & (freq <= high) & (freq > 0.0)
-    shown = FrequencyResponse(freq[keep], measured.values[:, keep], measured.dofs, "transmissibility",
-                              measured.reference)
+    shown = FrequencyResponse(
+        freq[keep], measured.values[:, keep], measured.dofs, "transmissibility", measured.reference
+    )
     level = _decibel(shown, dof)
     table = {"freq_hz": shown.freq_hz, "measured_db": level}
     ax.plot(shown.freq_hz, level, color="#BDBDBD", lw=3.6, solid_joinstyle="round", label="measured")
-    models = [("model" if after is None else f"model {names[0]}", before, "--", "vermillion", "before_db"),
-              (f"model {names[1]}", after, "-", "blue", "after_db")]
+    models = [
+        ("model" if after is None else f"model {names[0]}", before, "--", "vermillion", "before_db"),
+        (f"model {names[1]}", after, "-", "blue", "after_db"),
+    ]
     for name, model, dashes, colour, column in models:
         if model is not None:
             level = _decibel(_of_model(model, shown, excitation, damping_ratio), dof)
@@ -110,8 +127,9 @@ def _named(model: StructuralModel, dof: Any) -> str:
     return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
 
 
-def _of_model(model: StructuralModel, like: FrequencyResponse, excitation: int,
-              damping_ratio: Any) -> FrequencyResponse:
+def _of_model(
+    model: StructuralModel, like: FrequencyResponse, excitation: int, damping_ratio: Any
+) -> FrequencyResponse:
     """The model's transmissibilities at the same dofs, reference and lines."""
     h = model.frf(list(like.dofs), excitation, like.freq_hz, damping_ratio=damping_ratio)
     reference = h[like.dofs.index(like.reference)]

@@ -32,19 +32,30 @@ def value_by_element(values: Any, count: int) -> FloatArray | None:
     return array
 
 
-def coloured(ax: Any, paths: list[FloatArray], values: FloatArray, label: str, *,
-             width: float = 5.0) -> None:
+def coloured(ax: Any, paths: list[FloatArray], values: FloatArray, label: str, *, width: float = 5.0) -> None:
     """Elements, each a path (n, 2), in the colour of its value, with the scale; thin where there is none."""
     from matplotlib.collections import LineCollection
     from matplotlib.colors import LinearSegmentedColormap
+
     known = np.isfinite(values)
     if not known.all():
-        ax.add_collection(LineCollection([paths[e] for e in np.flatnonzero(~known)], colors=GREY,
-                                         linewidths=1.2, zorder=2, label="without a value"))
+        ax.add_collection(
+            LineCollection(
+                [paths[e] for e in np.flatnonzero(~known)],
+                colors=GREY,
+                linewidths=1.2,
+                zorder=2,
+                label="without a value",
+            )
+        )
     # The largest last, so that it lies on top where elements meet.
     order = np.flatnonzero(known)[np.argsort(values[known], kind="stable")]
-    lines = LineCollection([paths[e] for e in order], zorder=2, linewidths=width,
-                           cmap=LinearSegmentedColormap.from_list("loss", SCALE))
+    lines = LineCollection(
+        [paths[e] for e in order],
+        zorder=2,
+        linewidths=width,
+        cmap=LinearSegmentedColormap.from_list("loss", SCALE),
+    )
     lines.set_array(values[order])
     ax.add_collection(lines)
     ax.autoscale_view()

@@ -24,8 +24,9 @@ __all__ = ["set_valued_aaa"]
 EXHAUSTED = 1e-12
 
 
-def set_valued_aaa(freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, n_poles: int,
-                   ) -> tuple[ComplexArray, FloatArray]:
+def set_valued_aaa(
+    freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, n_poles: int
+) -> tuple[ComplexArray, FloatArray]:
     """Poles of the outputs and how much of the curves each owns.
 
     Parameters
@@ -81,6 +82,7 @@ def set_valued_aaa(freq_hz: FloatArray, values: ComplexArray, weights: FloatArra
 def _poles(supports: ComplexArray, w: ComplexArray) -> ComplexArray:
     """Finite eigenvalues of the arrowhead pencil that lie above the real axis."""
     from scipy.linalg import eigvals  # slow to import
+
     m = supports.size
     if m < 2:
         return np.empty(0, dtype=np.complex128)
@@ -94,8 +96,9 @@ def _poles(supports: ComplexArray, w: ComplexArray) -> ComplexArray:
     return np.asarray(found[found.imag > 0.0], dtype=np.complex128)
 
 
-def _dominance(supports: ComplexArray, values: ComplexArray, w: ComplexArray, poles: ComplexArray,
-               ) -> FloatArray:
+def _dominance(
+    supports: ComplexArray, values: ComplexArray, w: ComplexArray, poles: ComplexArray
+) -> FloatArray:
     """Residue = numerator over the slope of the denominator; ``values`` are (n_supports, n_outputs)."""
     above = w[:, None] * values
     cauchy = _cauchy(poles, supports)

@@ -79,7 +79,7 @@ class CommonDenominator:
 
     def gram(self, order: int) -> FloatArray:
         """G of one order: the denominator minimises d' G d."""
-        block = self.x[:, :order + 1, :order + 1].reshape(-1, order + 1)
+        block = self.x[:, : order + 1, : order + 1].reshape(-1, order + 1)
         return np.eye(order + 1) - block.T @ block
 
     def denominator(self, gram: FloatArray) -> FloatArray:
@@ -215,23 +215,34 @@ class RationalFit:
 
     def __repr__(self) -> str:
         n_outputs = self._coefficients[0].shape[0]
-        return (f"RationalFit(order {self.order}, {n_outputs} output{'s' if n_outputs > 1 else ''}, "
-                f"{len(self.poles)} poles, relative residual {self.residual:.2g})")
+        return (
+            f"RationalFit(order {self.order}, {n_outputs} output{'s' if n_outputs > 1 else ''}, "
+            f"{len(self.poles)} poles, relative residual {self.residual:.2g})"
+        )
 
 
-def prepare(freq_hz: Any, values: Any, order: int, band_hz: Any, weights: Any, order_name: str,
-            ) -> tuple[FloatArray, ComplexArray, FloatArray]:
+def prepare(
+    freq_hz: Any, values: Any, order: int, band_hz: Any, weights: Any, order_name: str
+) -> tuple[FloatArray, ComplexArray, FloatArray]:
     """Checked lines in the band: frequencies, values (n_outputs, n), weights of squared residuals."""
     freq = check_freq("freq_hz", freq_hz)
     wanted = f"a complex array ({freq.size},) or (n_outputs, {freq.size}), one column a frequency"
     array = complex_rows("values", values, freq.size, wanted=wanted)
-    low, high = frequency_band("band_hz", (freq[0], freq[-1]) if band_hz is None else band_hz,
-                               low_hz=float(freq[0]), high_hz=float(freq[-1]))
+    low, high = frequency_band(
+        "band_hz",
+        (freq[0], freq[-1]) if band_hz is None else band_hz,
+        low_hz=float(freq[0]),
+        high_hz=float(freq[-1]),
+    )
     inside = (freq >= low) & (freq <= high)
-    power = np.sum(np.abs(array)**2, axis=0)
+    power = np.sum(np.abs(array) ** 2, axis=0)
     if not power[inside].any():
-        reject("values", "zeros only inside the band", "at least one value that is not zero",
-               "Check the channel, or the band.")
+        reject(
+            "values",
+            "zeros only inside the band",
+            "at least one value that is not zero",
+            "Check the channel, or the band.",
+        )
     if weights is None:
         # A line's weight falls where a transmissibility peaks: there its own reference is mostly noise.
         weight = 1.0 / (np.median(power[inside]) + power)
@@ -246,14 +257,25 @@ def prepare(freq_hz: Any, values: Any, order: int, band_hz: Any, weights: Any, o
             )
     n_lines = int(inside.sum())
     if n_lines <= order:
-        reject(order_name, f"{order} with {n_lines} lines in band_hz = ({low:g}, {high:g})",
-               "fewer orders than lines", "Widen the band, use longer segments, or lower the order.")
+        reject(
+            order_name,
+            f"{order} with {n_lines} lines in band_hz = ({low:g}, {high:g})",
+            "fewer orders than lines",
+            "Widen the band, use longer segments, or lower the order.",
+        )
     return freq[inside], array[:, inside], weight[inside]
 
 
-def fit_rational(freq_hz: Any, values: Any, order: int, *, band_hz: Sequence[float] | None = None,
-                 weights: Any | None = None, constraint: str = "low",
-                 reweightings: int = 2) -> RationalFit:
+def fit_rational(
+    freq_hz: Any,
+    values: Any,
+    order: int,
+    *,
+    band_hz: Sequence[float] | None = None,
+    weights: Any | None = None,
+    constraint: str = "low",
+    reweightings: int = 2,
+) -> RationalFit:
     """Fit rational functions with a common denominator to complex frequency data.
 
     Parameters
@@ -308,14 +330,16 @@ def fit_rational(freq_hz: Any, values: Any, order: int, *, band_hz: Sequence[flo
     single = np.ndim(values) == 1
     freq, array, weight = prepare(freq_hz, values, order, band_hz, weights, "order")
     first, fits = weight, []
-    weight = first * guessed_weights(freq, np.sum(np.abs(array)**2, axis=0), order)
+    weight = first * guessed_weights(freq, np.sum(np.abs(array) ** 2, axis=0), order)
     for _ in range(integer("reweightings", reweightings, low=0) + 1):
         nested = NestedFit(freq, array, weight, order)
         try:
             d = nested.low_and_norm(order)[0 if constraint == "low" else 1]
         except np.linalg.LinAlgError as exc:
-            raise NumericalError(f"fit_rational: the least-squares problem of order {order} did not converge "
-                                 f"({exc}); lower the order or narrow the band.") from exc
+            raise NumericalError(
+                f"fit_rational: the least-squares problem of order {order} did not converge "
+                f"({exc}); lower the order or narrow the band."
+            ) from exc
         fits.append(_fit_of(nested, freq, d, first, single))
         terms = nested.denominator_basis.p * d
         # A line on a pole must not get all the weight there is: less than this is rounding.
@@ -326,14 +350,23 @@ def fit_rational(freq_hz: Any, values: Any, order: int, *, band_hz: Sequence[flo
     return fits[-1] if fits[-1].residual <= 2.0 * best.residual else best
 
 
-def _fit_of(nested: NestedFit, freq_hz: FloatArray, d: FloatArray, weight: FloatArray,
-            single: bool) -> RationalFit:
+def _fit_of(
+    nested: NestedFit, freq_hz: FloatArray, d: FloatArray, weight: FloatArray, single: bool
+) -> RationalFit:
     """The fit with denominator coefficients ``d``, its residual taken with the user's own weight."""
     zeros = tuple(RootSet(nested.zeros(d, o)) for o in range(nested.values.shape[0]))
     bases = (nested.numerator_basis, nested.denominator_basis)
-    fit = RationalFit(len(d) - 1, RootSet(nested.poles(d)), zeros[0] if single else zeros, 0.0, bases,
-                      (nested.numerators(d), d), nested.scale_hz, single)
+    fit = RationalFit(
+        len(d) - 1,
+        RootSet(nested.poles(d)),
+        zeros[0] if single else zeros,
+        0.0,
+        bases,
+        (nested.numerators(d), d),
+        nested.scale_hz,
+        single,
+    )
     difference = np.atleast_2d(fit.evaluate(freq_hz)) - nested.values
-    rms = np.sqrt((weight * np.abs(difference)**2).sum() / (weight * np.abs(nested.values)**2).sum())
+    rms = np.sqrt((weight * np.abs(difference) ** 2).sum() / (weight * np.abs(nested.values) ** 2).sum())
     object.__setattr__(fit, "residual", float(rms))
     return fit

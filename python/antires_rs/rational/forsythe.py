@@ -71,8 +71,9 @@ def roots(coefficients: FloatArray, b: FloatArray) -> ComplexArray:
     return comrade_roots(coefficients, b, below=-b)
 
 
-def comrade_roots(coefficients: FloatArray, b: FloatArray, *, below: FloatArray,
-                  middle: FloatArray | None = None) -> ComplexArray:
+def comrade_roots(
+    coefficients: FloatArray, b: FloatArray, *, below: FloatArray, middle: FloatArray | None = None
+) -> ComplexArray:
     """All roots in x of sum_k coefficients[k] p_k, top coefficients that carry rounding only left out.
 
     The recurrence is x p_k = b_{k+1} p_{k+1} + middle_k p_k + below_k p_{k-1}.

@@ -21,8 +21,9 @@ __all__ = ["dominant_shapes", "residues"]
 RESIDUAL_POWERS = (-2, -1, 0, 1, 2)
 
 
-def residues(freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, poles: ComplexArray,
-             ) -> ComplexArray:
+def residues(
+    freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, poles: ComplexArray
+) -> ComplexArray:
     """Residues A of every pole in every curve.
 
     Parameters
@@ -51,8 +52,9 @@ def residues(freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, pol
     s = 2j * np.pi * freq_hz
     top = np.abs(s).max()
     near, far = 1.0 / (s[:, None] - poles), 1.0 / (s[:, None] - poles.conj())
-    columns = np.concatenate([near + far, 1j * (near - far),
-                              np.stack([(s / top)**m for m in RESIDUAL_POWERS], axis=1)], axis=1)
+    columns = np.concatenate(
+        [near + far, 1j * (near - far), np.stack([(s / top) ** m for m in RESIDUAL_POWERS], axis=1)], axis=1
+    )
     root_w = np.sqrt(weights / weights.max())[:, None]
     columns, right = columns * root_w, values.T * root_w
     # Columns of very different size (far residuals, light damping) would spoil the rank decision.
@@ -61,7 +63,7 @@ def residues(freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, pol
     solution = np.linalg.lstsq(stacked, np.concatenate([right.real, right.imag]), rcond=None)[0]
     solution /= size[:, None]
     n = poles.size
-    return np.asarray(solution[:n] + 1j * solution[n:2 * n], dtype=np.complex128)
+    return np.asarray(solution[:n] + 1j * solution[n : 2 * n], dtype=np.complex128)
 
 
 def dominant_shapes(residue: ComplexArray) -> ComplexArray:

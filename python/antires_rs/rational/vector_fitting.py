@@ -27,8 +27,9 @@ START_DAMPING = 0.01
 LEAST_CONSTANT = 1e-8
 
 
-def vector_fitting(freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, n_poles: int,
-                   ) -> tuple[ComplexArray, FloatArray]:
+def vector_fitting(
+    freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, n_poles: int
+) -> tuple[ComplexArray, FloatArray]:
     """Poles of the outputs and how much of the curves each owns.
 
     Parameters
@@ -123,7 +124,7 @@ def _dominance(s: ComplexArray, values: ComplexArray, root: FloatArray, poles: C
     """Residues from a last linear fit."""
     left = _stack(root * _with_line(_fractions(s, poles), s))
     x = _scaled_lstsq(left, _stack(root * values.T))
-    residue = np.linalg.norm(x[0:2 * poles.size:2] + 1j * x[1:2 * poles.size:2], axis=1)
+    residue = np.linalg.norm(x[0 : 2 * poles.size : 2] + 1j * x[1 : 2 * poles.size : 2], axis=1)
     at = np.asarray(1j * poles.imag)
     curve = np.linalg.norm(_with_line(_fractions(at, poles), at) @ x, axis=1)
     return share_of_curve(residue, poles.real, curve)

@@ -36,12 +36,19 @@ __all__ = ["write_report"]
 Measurement = Recording | FrequencyResponse | Mapping[str, str | Sequence[str]]
 
 
-def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: str | None = None,
-                 measurement: Measurement | Sequence[Measurement] | None = None,
-                 diagrams: Mapping[Any, StabilizationDiagram] | None = None,
-                 response: FrequencyResponse | None = None, truth: Mapping[int, float] | None = None,
-                 origin: Mapping[str, str | Sequence[str]] | None = None,
-                 warnings: Sequence[str] | None = None, drawn: Drawings | None = None) -> Path:
+def write_report(
+    result: UpdateResult,
+    path: str | os.PathLike[str],
+    *,
+    title: str | None = None,
+    measurement: Measurement | Sequence[Measurement] | None = None,
+    diagrams: Mapping[Any, StabilizationDiagram] | None = None,
+    response: FrequencyResponse | None = None,
+    truth: Mapping[int, float] | None = None,
+    origin: Mapping[str, str | Sequence[str]] | None = None,
+    warnings: Sequence[str] | None = None,
+    drawn: Drawings | None = None,
+) -> Path:
     """Write a result with its tables, pictures and caveats into one HTML file below 3 MB.
 
     Parameters
@@ -103,34 +110,55 @@ def write_report(result: UpdateResult, path: str | os.PathLike[str], *, title: s
         import matplotlib  # noqa: F401 - only asked whether it is there
         from jinja2 import Environment, StrictUndefined
     except ImportError as exc:
-        raise MissingDependencyError('reports need jinja2 and matplotlib; install them with: '
-                                     'pip install "antires-rs[report]"') from exc
+        raise MissingDependencyError(
+            'reports need jinja2 and matplotlib; install them with: pip install "antires-rs[report]"'
+        ) from exc
     if not Path(path).parent.is_dir():  # known before any picture is drawn
         reject("path", str(path), "a file in a folder that exists")
     damage = result if isinstance(result, DamageResult) else None
     problem = result.problem
     modal = problem.objective == "modal"
     if modal and response is not None:
-        reject("response", "transmissibilities with measured modes", "None",
-               "A ModalSet does not tell where the force was, which the model's transmissibilities need.")
+        reject(
+            "response",
+            "transmissibilities with measured modes",
+            "None",
+            "A ModalSet does not tell where the force was, which the model's transmissibilities need.",
+        )
     measured = _measured(result, measurement)
     drawn = drawings_of(result, response, truth, diagrams) if drawn is None else drawn
     shown, left_out = fitting(drawn.diagrams)
     if warnings is None:
-        warnings = [said for each in problem.measured
-                    for said in getattr(getattr(each, "data_check", None), "warnings", ())]
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-                              lstrip_blocks=True)
+        warnings = [
+            said
+            for each in problem.measured
+            for said in getattr(getattr(each, "data_check", None), "warnings", ())
+        ]
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
     template = files(__package__).joinpath("template.html").read_text(encoding="utf-8")
     html = environment.from_string(template).render(
-        title=title or ("Damage assessment" if damage else "Model updating")
+        title=title
+        or ("Damage assessment" if damage else "Model updating")
         + (" with resonances and mode shapes" if modal else " with antiresonances"),
-        answer=_answer_damage(damage) if damage else _answer_update(result), lead=_lead(result),
-        result=result, damage=damage is not None, modal=modal, states=states(result),
+        answer=_answer_damage(damage) if damage else _answer_update(result),
+        lead=_lead(result),
+        result=result,
+        damage=damage is not None,
+        modal=modal,
+        states=states(result),
         parameters=damage_rows(damage, truth) if damage else parameter_rows(result),
-        known=truth is not None, rows=frequency_rows(result), figures=drawn.figures,
-        measured=measured, diagrams=shown, left_out=left_out, warnings=list(warnings),
-        model=of_model(problem.model), run=of_search(result) | _lines(origin or {}) | _versions())
+        known=truth is not None,
+        rows=frequency_rows(result),
+        figures=drawn.figures,
+        measured=measured,
+        diagrams=shown,
+        left_out=left_out,
+        warnings=list(warnings),
+        model=of_model(problem.model),
+        run=of_search(result) | _lines(origin or {}) | _versions(),
+    )
     return write_atomically(path, html.encode("utf-8"))
 
 
@@ -143,8 +171,10 @@ def _answer_damage(result: DamageResult) -> str:
 
 def _answer_update(result: UpdateResult) -> str:
     what = "resonance" if result.problem.objective == "modal" else "antiresonance"
-    return (f"Largest {what} difference: {largest(result.table.largest_before_percent)} before, "
-            f"{largest(result.table.largest_after_percent)} after.")
+    return (
+        f"Largest {what} difference: {largest(result.table.largest_before_percent)} before, "
+        f"{largest(result.table.largest_after_percent)} after."
+    )
 
 
 def _lead(result: UpdateResult) -> str:
@@ -161,17 +191,25 @@ def _lead(result: UpdateResult) -> str:
         given = f"{count} measured antiresonances, force at {kind} {forces}"
     if not isinstance(result, DamageResult):
         return f"{given}; {len(result.x)} parameters."
-    before, after = (largest(p) for p in (result.table.largest_before_percent,
-                                          result.table.largest_after_percent))
-    return (f"{given}; {len(result.x)} candidate elements. Largest {what} difference {before} without "
-            f"damage, {after} with the damage found.")
+    before, after = (
+        largest(p) for p in (result.table.largest_before_percent, result.table.largest_after_percent)
+    )
+    return (
+        f"{given}; {len(result.x)} candidate elements. Largest {what} difference {before} without "
+        f"damage, {after} with the damage found."
+    )
 
 
 def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
     """Facts about each measured set; what was given leads."""
     sets = result.problem.measured
-    given = [] if measurement is None else [measurement] if isinstance(
-        measurement, Recording | FrequencyResponse | Mapping) else list(measurement)
+    given = (
+        []
+        if measurement is None
+        else [measurement]
+        if isinstance(measurement, Recording | FrequencyResponse | Mapping)
+        else list(measurement)
+    )
     if given and len(given) != len(sets):
         reject("measurement", f"{len(given)} of them", f"{len(sets)}, one for each measured set")
     for one in given:
@@ -187,7 +225,17 @@ def _lines(facts: Mapping[str, str | Sequence[str]]) -> Facts:
 
 def _versions() -> Facts:
     import scipy
-    made = {"antires_rs": __version__, "numpy": np.__version__, "scipy": scipy.__version__,
-            "python": python_version(), "system": platform()}
-    return {"Report made with": [", ".join(f"{name} {version}" for name, version in made.items()),
-                                 datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")]}
+
+    made = {
+        "antires_rs": __version__,
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "python": python_version(),
+        "system": platform(),
+    }
+    return {
+        "Report made with": [
+            ", ".join(f"{name} {version}" for name, version in made.items()),
+            datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        ]
+    }

@@ -21,8 +21,17 @@ if TYPE_CHECKING:
     from ..measured.modal_set import ModalSet
     from ..updating.results import UpdateResult
 
-__all__ = ["Facts", "dof_name", "named_diagrams", "of_evidence", "of_identification", "of_model",
-           "of_search", "of_set", "of_signal"]
+__all__ = [
+    "Facts",
+    "dof_name",
+    "named_diagrams",
+    "of_evidence",
+    "of_identification",
+    "of_model",
+    "of_search",
+    "of_set",
+    "of_signal",
+]
 
 Facts = dict[str, list[str]]
 
@@ -35,12 +44,16 @@ def dof_name(model: StructuralModel, dof: Any) -> str:
     return str(model.dof_name(dof)) if isinstance(model, FrameModel) else f"dof {dof}"
 
 
-def named_diagrams(tables: Sequence[Mapping[Any, Any]], forces: Sequence[Any],
-                   model: StructuralModel) -> dict[str, Any]:
+def named_diagrams(
+    tables: Sequence[Mapping[Any, Any]], forces: Sequence[Any], model: StructuralModel
+) -> dict[str, Any]:
     """Diagrams by the name of their response, with that of the force where there are several."""
     several = len(tables) > 1
-    return {dof_name(model, dof) + (f", force at {dof_name(model, force)}" if several else ""): diagram
-            for force, table in zip(forces, tables, strict=True) for dof, diagram in table.items()}
+    return {
+        dof_name(model, dof) + (f", force at {dof_name(model, force)}" if several else ""): diagram
+        for force, table in zip(forces, tables, strict=True)
+        for dof, diagram in table.items()
+    }
 
 
 def of_signal(signal: Recording | FrequencyResponse) -> Facts:
@@ -48,36 +61,56 @@ def of_signal(signal: Recording | FrequencyResponse) -> Facts:
     count = len(signal.dofs)
     facts = {"Channels": [f"{count} responses: {_names(signal.dofs)}"]}
     if isinstance(signal, Recording):
-        facts["Record"] = [f"{signal.duration_s:g} s at {signal.fs_hz:g} Hz, {signal.n_samples:,} samples a "
-                           "channel", "force recorded" if signal.force is not None else "force not recorded"]
+        facts["Record"] = [
+            f"{signal.duration_s:g} s at {signal.fs_hz:g} Hz, {signal.n_samples:,} samples a channel",
+            "force recorded" if signal.force is not None else "force not recorded",
+        ]
         return facts
     low, high = signal.freq_hz[[0, -1]]
     over = "" if signal.reference is None else f" over dof {signal.reference}"
     kinds = {"frf": "frequency responses", "transmissibility": "transmissibilities"}
-    facts["Curves"] = [f"{kinds[signal.kind]}{over}, {signal.freq_hz.size:,} lines from {low:g} to {high:g} "
-                       "Hz"]
+    facts["Curves"] = [
+        f"{kinds[signal.kind]}{over}, {signal.freq_hz.size:,} lines from {low:g} to {high:g} Hz"
+    ]
     if signal.n_averages is not None:
         facts["Averages"] = [f"{signal.n_averages:.1f}"]
     return facts
 
 
-def of_identification(signal: Recording | FrequencyResponse, found: AntiresonanceSet, band_hz: Any,
-                      options: Mapping[str, Any]) -> Facts:
+def of_identification(
+    signal: Recording | FrequencyResponse, found: AntiresonanceSet, band_hz: Any, options: Mapping[str, Any]
+) -> Facts:
     """Every choice of an identification, defaults among them; ``options`` are those that were given."""
     from ..identification.identify import identify_antiresonances
+
     known = inspect.signature(identify_antiresonances).parameters
     used = {name: given.default for name, given in known.items() if given.default is not given.empty}
     used |= options
-    rule = rule_options(used["preset"], **{name: used[name] for name in (
-        "formulation", "freq_tol", "damping_tol", "min_rows", "max_damping", "min_dominance", "persistent")})
+    rule = rule_options(
+        used["preset"],
+        **{
+            name: used[name]
+            for name in (
+                "formulation",
+                "freq_tol",
+                "damping_tol",
+                "min_rows",
+                "max_damping",
+                "min_dominance",
+                "persistent",
+            )
+        },
+    )
     formulation = rule.pop("formulation")
     if formulation == "auto":
         formulation = f"auto, here {'numerators' if found.std_hz else 'joint'}"
     thresholds = [f"{name} {value}" for name, value in rule.items()]
     preset = [] if used["preset"] is None else [f"preset {used['preset']}"]
     low, high = band_hz
-    facts = {"Band": [f"{low:g} to {high:g} Hz"],
-             "Method": [f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"]}
+    facts = {
+        "Band": [f"{low:g} to {high:g} Hz"],
+        "Method": [f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"],
+    }
     if isinstance(signal, Recording):
         facts["Spectra"] = [_spectra(signal, found, used)]
     facts["Orders"] = [f"{used['min_order']} to {used['max_order']}"]
@@ -91,10 +124,15 @@ def _spectra(signal: Recording, found: AntiresonanceSet, used: Mapping[str, Any]
     if length is None:
         return f"method {used['method']}"
     overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
-    averages = "" if checked is None or checked.n_averages is None else (
-        f", {checked.n_averages:.1f} independent averages")
-    return (f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}, window "
-            f"{used['window']}{averages}")
+    averages = (
+        ""
+        if checked is None or checked.n_averages is None
+        else (f", {checked.n_averages:.1f} independent averages")
+    )
+    return (
+        f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}, window "
+        f"{used['window']}{averages}"
+    )
 
 
 def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
@@ -102,13 +140,18 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     if not isinstance(found, AntiresonanceSet):
         return {"Modes": [f"{len(found)} with shapes at {len(found.dofs)} dofs: {_names(found.dofs)}"]}
     force = found.excitation
-    facts = {"Force": [dof_name(model, force)],
-             "Antiresonances": [", ".join(f"{len(found[dof])} at {dof_name(model, dof)}" for dof in found)]}
-    how = np.concatenate([np.empty(0, dtype=str), *(np.asarray(s["how"]) for s in found.scores.values()
-                                                    if "how" in s)])
+    facts = {
+        "Force": [dof_name(model, force)],
+        "Antiresonances": [", ".join(f"{len(found[dof])} at {dof_name(model, dof)}" for dof in found)],
+    }
+    how = np.concatenate(
+        [np.empty(0, dtype=str), *(np.asarray(s["how"]) for s in found.scores.values() if "how" in s)]
+    )
     if how.size:
-        facts["Accepted"] = [f"{np.sum(how == 'chain')} stable over consecutive orders, "
-                             f"{np.sum(how == 'persistent')} in most orders without standing still"]
+        facts["Accepted"] = [
+            f"{np.sum(how == 'chain')} stable over consecutive orders, "
+            f"{np.sum(how == 'persistent')} in most orders without standing still"
+        ]
     if found.edits:
         facts["Edited by hand"] = [str(edit) for edit in found.edits]
     return facts | of_evidence(found)
@@ -119,8 +162,10 @@ def of_evidence(found: AntiresonanceSet) -> Facts:
     facts: Facts = {}
     if found.diagrams:
         some = next(iter(found.diagrams.values()))
-        facts["Diagrams"] = [f"orders {some.orders[0]:.0f} to {some.orders[-1]:.0f}, {some.band_hz[0]:g} to "
-                             f"{some.band_hz[1]:g} Hz"]
+        facts["Diagrams"] = [
+            f"orders {some.orders[0]:.0f} to {some.orders[-1]:.0f}, {some.band_hz[0]:g} to "
+            f"{some.band_hz[1]:g} Hz"
+        ]
     if found.data_check is not None:
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
     if found.second_opinion is not None:
@@ -137,15 +182,22 @@ def of_model(model: StructuralModel) -> Facts:
         facts["Masses"] = [f"{_span(np.diag(model.mass()), 'kg')}, {model.mass().sum():.4g} kg in all"]
         facts["Springs"] = [_span(springs, "N/m")] if springs.size else ["none"]
         held = stiffness.sum(axis=1)[[0, -1]]
-        ends = [f"{name} mass {k:.4g} N/m" for name, k in zip(("first", "last"), held, strict=True)
-                if k > 1e-9 * stiffness.max()]
+        ends = [
+            f"{name} mass {k:.4g} N/m"
+            for name, k in zip(("first", "last"), held, strict=True)
+            if k > 1e-9 * stiffness.max()
+        ]
         facts["To ground"] = ends or ["none, free at both ends"]
     elif isinstance(model, FrameModel):
-        facts["Sections"] = [f"{model.section_label(i)}: {_section(section)}"
-                             for i, section in enumerate(model.sections.values())]
-        facts["Carried"] = [_count(len(model.point_masses), "point mass", "point masses"),
-                            _count(len(model.ground_springs), "spring to ground", "springs to ground"),
-                            _count(len(model.node_springs), "spring between nodes", "springs between nodes")]
+        facts["Sections"] = [
+            f"{model.section_label(i)}: {_section(section)}"
+            for i, section in enumerate(model.sections.values())
+        ]
+        facts["Carried"] = [
+            _count(len(model.point_masses), "point mass", "point masses"),
+            _count(len(model.ground_springs), "spring to ground", "springs to ground"),
+            _count(len(model.node_springs), "spring between nodes", "springs between nodes"),
+        ]
         held = sorted({node for node, _ in model.fixed})
         facts["Fixed nodes"] = [_names(held) if held else "none"]
     facts["Numbers"] = ["of dofs and nodes from 0, of masses, springs and elements from 1"]
@@ -156,23 +208,33 @@ def of_search(result: UpdateResult) -> Facts:
     """The objective, the options of the search and where it ended."""
     problem, history = result.problem, result.history
     penalty = problem.penalty
-    price = "" if penalty is None else (f", gamma1 {penalty.gamma1:g}, gamma2 {penalty.gamma2:g}, snap "
-                                        f"{penalty.snap:g}")
-    options = [f"{name} {', '.join(value) if isinstance(value, list) else value}"
-               for name, value in result.search.options.items() if value is not None]
+    price = (
+        ""
+        if penalty is None
+        else (f", gamma1 {penalty.gamma1:g}, gamma2 {penalty.gamma2:g}, snap {penalty.snap:g}")
+    )
+    options = [
+        f"{name} {', '.join(value) if isinstance(value, list) else value}"
+        for name, value in result.search.options.items()
+        if value is not None
+    ]
     weights = "none" if problem.weights is None else _span(problem.weights, "").strip()
     count = history.cost.shape[1]
-    return {"Ended": [f"{result.status}: {result.message}"],
-            "Objective": [f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"],
-            "Search": [f"{result.nfev:,} evaluations, {result.nit} generations, {count} islands",
-                       "; ".join(options)],
-            "Seed": [f"{result.seed}"]}
+    return {
+        "Ended": [f"{result.status}: {result.message}"],
+        "Objective": [f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"],
+        "Search": [
+            f"{result.nfev:,} evaluations, {result.nit} generations, {count} islands",
+            "; ".join(options),
+        ],
+        "Seed": [f"{result.seed}"],
+    }
 
 
 def _names(dofs: Any) -> str:
     names = [str(dof) for dof in dofs]
     if len(names) > MOST_NAMES:
-        names = [*names[:MOST_NAMES - 1], f"… {names[-1]}"]
+        names = [*names[: MOST_NAMES - 1], f"… {names[-1]}"]
     return ", ".join(names)
 
 
@@ -182,8 +244,11 @@ def _span(values: Any, unit: str) -> str:
 
 
 def _section(section: Any) -> str:
-    values = ", ".join(f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
-                       for name, value in asdict(section).items() if value is not None)
+    values = ", ".join(
+        f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
+        for name, value in asdict(section).items()
+        if value is not None
+    )
     return f"{type(section).__name__}, {values}"
 
 

@@ -69,14 +69,19 @@ class Drawings:
     diagrams: Mapping[Any, Figure]
 
 
-def drawings_of(result: UpdateResult, response: FrequencyResponse | None = None,
-                truth: Mapping[int, float] | None = None,
-                diagrams: Mapping[Any, StabilizationDiagram] | None = None) -> Drawings:
+def drawings_of(
+    result: UpdateResult,
+    response: FrequencyResponse | None = None,
+    truth: Mapping[int, float] | None = None,
+    diagrams: Mapping[Any, StabilizationDiagram] | None = None,
+) -> Drawings:
     """Pictures of a result; ``diagrams`` are by default those that its measured sets carry."""
     modal = result.problem.objective == "modal"
     shown = _carried(result) if diagrams is None else diagrams
-    return Drawings(_figures(result, response, truth),
-                    {name: _diagram(name, diagram, modal) for name, diagram in shown.items()})
+    return Drawings(
+        _figures(result, response, truth),
+        {name: _diagram(name, diagram, modal) for name, diagram in shown.items()},
+    )
 
 
 def fitting(figures: Mapping[Any, Figure], room: int = MOST_BYTES) -> tuple[list[Figure], int]:
@@ -99,8 +104,9 @@ def _carried(result: UpdateResult) -> dict[Any, StabilizationDiagram]:
     return named_diagrams([each.diagrams for each in sets], [each.excitation for each in sets], problem.model)
 
 
-def _figures(result: UpdateResult, response: FrequencyResponse | None,
-             truth: Mapping[int, float] | None) -> dict[str, Figure]:
+def _figures(
+    result: UpdateResult, response: FrequencyResponse | None, truth: Mapping[int, float] | None
+) -> dict[str, Figure]:
     """All pictures but the diagrams, by name."""
     problem, names = result.problem, states(result)
     what = "resonance" if problem.objective == "modal" else "antiresonance"
@@ -108,35 +114,56 @@ def _figures(result: UpdateResult, response: FrequencyResponse | None,
     if isinstance(result, DamageResult):
         width = max(7.0, 0.32 * len(result.x) + 1.5)
         figures["damage"] = Figure(
-            partial(plot_damage, result, truth=truth), (width, 4.4),
+            partial(plot_damage, result, truth=truth),
+            (width, 4.4),
             "Stiffness loss by element, and the smallest that would have been seen.",
-            "Bar chart: " + (", ".join(f"{problem.model.element_label(e)} {100 * result.severity[e]:.1f} %"
-                                       for e in result.damaged) or "no damage in any element"))
+            "Bar chart: "
+            + (
+                ", ".join(
+                    f"{problem.model.element_label(e)} {100 * result.severity[e]:.1f} %"
+                    for e in result.damaged
+                )
+                or "no damage in any element"
+            ),
+        )
     drawn = _model_picture(result)
     if drawn is not None:
         figures["model"] = Figure(*drawn)
     table = result.table
     figures["differences"] = Figure(
-        lambda ax: plot_differences(table, ax=ax, names=names), (9.5, 4.6),
+        lambda ax: plot_differences(table, ax=ax, names=names),
+        (9.5, 4.6),
         f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
         f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
         f"{largest(table.largest_before_percent)} {names[0]} and {largest(table.largest_after_percent)} "
-        f"{names[1]}")
+        f"{names[1]}",
+    )
     if response is not None:
         over = dof_name(problem.model, response.reference)
         figures["response"] = Figure(
-            lambda ax: plot_transmissibility(response, problem.model, result.model, dof=None,
-                                             excitation=problem.measured[0].excitation, ax=ax, names=names),
+            lambda ax: plot_transmissibility(
+                response,
+                problem.model,
+                result.model,
+                dof=None,
+                excitation=problem.measured[0].excitation,
+                ax=ax,
+                names=names,
+            ),
             (9.0, 4.4),
             f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
             "height in the models follows from an assumed damping of 1 %.",
             f"Curves by frequency of the transmissibilities over {over}: measured, and of the model "
-            f"{names[0]} and {names[1]}")
+            f"{names[0]} and {names[1]}",
+        )
     history = result.history
     figures["convergence"] = Figure(
-        partial(plot_convergence, result), (9.0, 4.2), "The search: best objective of each island.",
+        partial(plot_convergence, result),
+        (9.0, 4.2),
+        "The search: best objective of each island.",
         f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, from "
-        f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}")
+        f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}",
+    )
     return figures
 
 
@@ -144,11 +171,13 @@ def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
     of = "all responses" if modal or name is None else f"dof {name}" if isinstance(name, int) else str(name)
     found = ", ".join(f"{f:.2f}" for f in diagram.identified)
     return Figure(
-        diagram.plot, (9.0, 5.0),
+        diagram.plot,
+        (9.0, 5.0),
         f"Stabilization diagram of {of}: poles of rational fits of rising order; those that stay are "
         f"{'the resonances' if modal else 'its antiresonances'}.",
         f"Stabilization diagram of {of}, {diagram.band_hz[0]:g} to {diagram.band_hz[1]:g} Hz: "
-        + (f"accepted at {found} Hz" if found else "no value accepted"))
+        + (f"accepted at {found} Hz" if found else "no value accepted"),
+    )
 
 
 def _model_picture(result: UpdateResult) -> tuple[Draw, tuple[float, float], str, str] | None:
@@ -166,14 +195,22 @@ def _model_picture(result: UpdateResult) -> tuple[Draw, tuple[float, float], str
         at |= {"label": "Stiffness loss (%)"}
         caption = "The model with the stiffness losses found" + (f"; {said}." if "sensors" in at else ".")
     if isinstance(model, MassSpringChain):
-        return (partial(_drawn, plot_chain, model, loss, at), (9.0, 2.9), caption,
-                f"Drawing of a chain of {model.n_dof} masses")
+        return (
+            partial(_drawn, plot_chain, model, loss, at),
+            (9.0, 2.9),
+            caption,
+            f"Drawing of a chain of {model.n_dof} masses",
+        )
     if isinstance(model, FrameModel):
         beams = None if loss is None else {e: v for e, v in loss.items() if e < len(model.elements)}
         points = np.ptp(model.nodes_m, axis=0)
         height = 6.5 if points[1:].max() > 0.6 * points[0] else 4.6
-        return (partial(_drawn, plot_frame, model, beams, at), (9.0, height), caption,
-                f"Drawing of a frame of {len(model.elements)} elements")
+        return (
+            partial(_drawn, plot_frame, model, beams, at),
+            (9.0, height),
+            caption,
+            f"Drawing of a frame of {len(model.elements)} elements",
+        )
     return None
 
 
@@ -183,8 +220,11 @@ def _drawn(plot: Any, model: Any, loss: Any, at: dict[str, Any], ax: Any) -> Any
 
 def states(result: UpdateResult) -> tuple[str, str]:
     """What the model is called before and after."""
-    return (("without damage", "with the damage found") if isinstance(result, DamageResult)
-            else ("before updating", "after updating"))
+    return (
+        ("without damage", "with the damage found")
+        if isinstance(result, DamageResult)
+        else ("before updating", "after updating")
+    )
 
 
 def largest(percent: float) -> str:
@@ -195,6 +235,7 @@ def largest(percent: float) -> str:
 def _small(png: bytes) -> bytes:
     """The same picture in few colours."""
     from PIL import Image  # matplotlib writes PNG with it, so it is there
+
     few = Image.open(BytesIO(png)).convert("RGB").quantize(COLOURS_KEPT, dither=Image.Dither.NONE)
     file = BytesIO()
     few.save(file, "PNG", optimize=True)

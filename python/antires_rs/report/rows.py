@@ -16,28 +16,46 @@ __all__ = ["damage_rows", "frequency_rows", "parameter_rows"]
 def parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
     """Value, standard deviation, change and bounds of each parameter."""
     on_bound = set(result.at_bound)
-    columns = zip(result.problem.names, result.x, result.std, result.problem.nominal, result.problem.bounds,
-                  strict=True)
-    return [{"name": name, "value": f"{value:#.5g}", "std": _deviation(std),
-             "change": f"{100 * (value / nominal - 1):+.2f}" if nominal else "",
-             "nominal": f"{nominal:.5g}", "bounds": f"{low:g} to {high:g}", "on_bound": name in on_bound}
-            for name, value, std, nominal, (low, high) in columns]
+    columns = zip(
+        result.problem.names, result.x, result.std, result.problem.nominal, result.problem.bounds, strict=True
+    )
+    return [
+        {
+            "name": name,
+            "value": f"{value:#.5g}",
+            "std": _deviation(std),
+            "change": f"{100 * (value / nominal - 1):+.2f}" if nominal else "",
+            "nominal": f"{nominal:.5g}",
+            "bounds": f"{low:g} to {high:g}",
+            "on_bound": name in on_bound,
+        }
+        for name, value, std, nominal, (low, high) in columns
+    ]
 
 
 def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list[dict[str, Any]]:
     """Loss, standard deviation, truth, smallest visible and bounds of each candidate, in percent."""
+
     def percent(value: float | None) -> str:
         if value is None:
             return ""
         return "none" if not np.isfinite(value) else "0" if value == 0.0 else f"{100 * value:.1f}"
+
     label, on_bound = result.problem.model.element_label, set(result.at_bound)
     columns = zip(result.elements, result.problem.names, result.std, result.problem.bounds, strict=True)
-    return [{"name": label(e), "value": percent(result.severity[e]),
-             "std": _deviation(100.0 * std) if result.severity[e] > 0.0 else "",
-             "visible": percent(result.detectable[e]), "truth": percent((truth or {}).get(e)),
-             "bounds": f"{100 * low:g} to {100 * high:g}", "damaged": result.severity[e] > 0.0,
-             "on_bound": name in on_bound}
-            for e, name, std, (low, high) in columns]
+    return [
+        {
+            "name": label(e),
+            "value": percent(result.severity[e]),
+            "std": _deviation(100.0 * std) if result.severity[e] > 0.0 else "",
+            "visible": percent(result.detectable[e]),
+            "truth": percent((truth or {}).get(e)),
+            "bounds": f"{100 * low:g} to {100 * high:g}",
+            "damaged": result.severity[e] > 0.0,
+            "on_bound": name in on_bound,
+        }
+        for e, name, std, (low, high) in columns
+    ]
 
 
 def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
@@ -48,23 +66,42 @@ def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
         if not np.isfinite(value):
             return "no partner"
         return format(value, form) if form else signed(value)
+
     rows: list[dict[str, Any]] = [
-        {"group": False, "measured": f"{measured:.3f}", "before": number(before, ".3f"),
-         "before_percent": number(db, ""), "after": number(after, ".3f"),
-         "after_percent": number(da, "")}
+        {
+            "group": False,
+            "measured": f"{measured:.3f}",
+            "before": number(before, ".3f"),
+            "before_percent": number(db, ""),
+            "after": number(after, ".3f"),
+            "after_percent": number(da, ""),
+        }
         for measured, before, db, after, da in zip(
-            table.measured_hz, table.before_hz, table.before_percent, table.after_hz, table.after_percent,
-            strict=True)]
+            table.measured_hz,
+            table.before_hz,
+            table.before_percent,
+            table.after_hz,
+            table.after_percent,
+            strict=True,
+        )
+    ]
     if isinstance(table, ModalTable):
         columns = zip(table.mode, table.before_mac, table.after_mac, strict=True)
         for row, (mode, before, after) in zip(rows, columns, strict=True):
-            row.update(mode=mode, group=mode == table.mode[0], before_mac=number(before, ".3f"),
-                       after_mac=number(after, ".3f"))
+            row.update(
+                mode=mode,
+                group=mode == table.mode[0],
+                before_mac=number(before, ".3f"),
+                after_mac=number(after, ".3f"),
+            )
         return rows
     last = None
     for row, dof, force in zip(rows, table.dof.tolist(), table.excitation.tolist(), strict=True):
-        row.update(group=(dof, force) != last, dof=table.dof_names.get(dof, dof),
-                   force=table.dof_names.get(force, force))
+        row.update(
+            group=(dof, force) != last,
+            dof=table.dof_names.get(dof, dof),
+            force=table.dof_names.get(force, force),
+        )
         last = (dof, force)
     return rows
 

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..support.validation import (
-    frequency_band,
-    reject,
-)
+from ..support.validation import frequency_band, reject
 from .frequency_response import FrequencyResponse
 from .recording import Recording
 

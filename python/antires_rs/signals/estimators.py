@@ -50,10 +50,12 @@ def two_channel(matrix: ComplexArray, j: int, estimator: str) -> tuple[ComplexAr
     s_jp, s_jj = matrix[:, j, :].T, auto[j]
     if not s_jj[1:].all() or not auto.any(axis=1).all():
         dead = int(np.flatnonzero(~auto[:, 1:].all(axis=1))[0])
-        raise UnsuitableDataError(f"responses: channel {dead} has no energy at some frequencies; wanted "
-                                  "signals that are not zero. Leave the dead channel out.")
+        raise UnsuitableDataError(
+            f"responses: channel {dead} has no energy at some frequencies; wanted "
+            "signals that are not zero. Leave the dead channel out."
+        )
     with np.errstate(divide="ignore", invalid="ignore"):
-        coherence = np.clip(np.abs(s_jp)**2 / (s_jj * auto), 0.0, 1.0)
+        coherence = np.clip(np.abs(s_jp) ** 2 / (s_jj * auto), 0.0, 1.0)
         if estimator == "h1":
             values = s_jp / s_jj
         elif estimator == "h2":
@@ -88,10 +90,12 @@ def std_of_rank_one(matrix: ComplexArray, j: int, n_averages: float) -> FloatArr
     values = np.clip(values[:, :-1], 0.0, (1.0 - LEAST_GAP) * first)
     own, others = vectors[:, :, -1], vectors[:, :, :-1]
     # The eigenvector errs along every other one; the ratio to component j takes the projections.
-    share = first * values / (first - values)**2
+    share = first * values / (first - values) ** 2
     v_j = np.where(own[:, j] == 0.0, 1e-300, own[:, j])[:, None]
     t = own / v_j
-    error = np.abs((others - t[:, :, None] * others[:, j:j + 1, :]) / v_j[:, :, None])**2 @ share[:, :, None]
+    error = (
+        np.abs((others - t[:, :, None] * others[:, j : j + 1, :]) / v_j[:, :, None]) ** 2 @ share[:, :, None]
+    )
     std = (np.sqrt(error[:, :, 0] / (2.0 * (n_averages - 1.0))) * root / root[j]).T
     std[j] = 0.0
     return np.asarray(std, dtype=np.float64)

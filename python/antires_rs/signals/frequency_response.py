@@ -80,18 +80,29 @@ class FrequencyResponse(ReadOnly):
     n_averages: float | None
     std: FloatArray | None
 
-    def __init__(self, freq_hz: Any, values: Any, dofs: Iterable[Any] | None = None,
-                 kind: ResponseKind = "frf", reference: Any | None = None,
-                 coherence: Any | None = None, n_averages: float | None = None,
-                 std: Any | None = None) -> None:
+    def __init__(
+        self,
+        freq_hz: Any,
+        values: Any,
+        dofs: Iterable[Any] | None = None,
+        kind: ResponseKind = "frf",
+        reference: Any | None = None,
+        coherence: Any | None = None,
+        n_averages: float | None = None,
+        std: Any | None = None,
+    ) -> None:
         freq = check_freq("freq_hz", freq_hz)
         wanted = f"a complex array (n_outputs, {freq.size}), one row an output, one column a frequency"
         array = complex_rows("values", values, freq.size, wanted=wanted)
         labels = dof_labels("dofs", dofs, array.shape[0])
         choice("kind", kind, ("frf", "transmissibility"))
         if kind == "transmissibility" and reference not in labels:
-            reject("reference", reference, f"the reference dof j of the transmissibilities, one of {labels}",
-                   "Include the row of ones of the reference itself.")
+            reject(
+                "reference",
+                reference,
+                f"the reference dof j of the transmissibilities, one of {labels}",
+                "Include the row of ones of the reference itself.",
+            )
         if kind == "transmissibility":
             own = array[labels.index(reference)]
             if np.abs(own - 1.0).max() > 1e-6:
@@ -152,6 +163,7 @@ class FrequencyResponse(ReadOnly):
             pandas is not installed.
         """
         from ..io.tables import to_dataframe
+
         return to_dataframe(self)
 
     def to_xarray(self) -> Any:
@@ -167,12 +179,15 @@ class FrequencyResponse(ReadOnly):
             xarray is not installed.
         """
         from ..io.tables import to_xarray
+
         return to_xarray(self)
 
     def __repr__(self) -> str:
         to = "" if self.reference is None else f", reference={self.reference!r}"
-        return (f"FrequencyResponse({self.kind}, {self.n_outputs} outputs, {self.n_freq} lines "
-                f"{self.freq_hz[0]:g}-{self.freq_hz[-1]:g} Hz, dofs={self.dofs}{to})")
+        return (
+            f"FrequencyResponse({self.kind}, {self.n_outputs} outputs, {self.n_freq} lines "
+            f"{self.freq_hz[0]:g}-{self.freq_hz[-1]:g} Hz, dofs={self.dofs}{to})"
+        )
 
 
 def _beside(name: str, value: Any, shape: tuple[int, ...], wanted: str) -> FloatArray:
@@ -195,6 +210,10 @@ def check_freq(name: str, value: Any) -> FloatArray:
     falls = np.flatnonzero(np.diff(freq) <= 0.0)
     if falls.size:
         i = int(falls[0])
-        reject(name, f"{freq[i]:g} Hz followed by {freq[i + 1]:g} Hz at index {i}", wanted,
-               "Sort the lines and drop repeated ones.")
+        reject(
+            name,
+            f"{freq[i]:g} Hz followed by {freq[i + 1]:g} Hz at index {i}",
+            wanted,
+            "Sort the lines and drop repeated ones.",
+        )
     return freq

@@ -95,14 +95,15 @@ def half_spectra(rec: Recording, *, nperseg: int | None) -> HalfSpectra:
     values = np.fft.rfft(correlation, axis=0).transpose(1, 2, 0)
     freq = np.asarray(np.fft.rfftfreq(n_lags, 1.0 / rec.fs_hz), dtype=np.float64)
     # Correlations of windowed hits decay by the window's own rate in the lag.
-    return HalfSpectra(freq, np.ascontiguousarray(values), tuple(references),
-                       float(decay) + spectra.added_decay_per_s)
+    return HalfSpectra(
+        freq, np.ascontiguousarray(values), tuple(references), float(decay) + spectra.added_decay_per_s
+    )
 
 
 def _hann_autocorrelation(n: int) -> FloatArray:
     """Of the periodic Hann window, one at lag zero."""
     taper = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n)
-    r = np.fft.irfft(np.abs(np.fft.rfft(taper, 2 * n))**2)[:n]
+    r = np.fft.irfft(np.abs(np.fft.rfft(taper, 2 * n)) ** 2)[:n]
     return np.asarray(r / r[0], dtype=np.float64)
 
 
@@ -113,6 +114,7 @@ def _references(spectra: CrossSpectra) -> list[int]:
     if n <= count:
         return list(range(n))
     from scipy.linalg import qr  # slow to import
+
     amplitude = np.sqrt(np.einsum("fii->fi", spectra.matrix).real)
     pivots = qr(amplitude / np.linalg.norm(amplitude, axis=0), mode="r", pivoting=True)[1]
     return sorted(int(i) for i in pivots[:count])

@@ -34,7 +34,7 @@ def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
         unit = response_vectors(scaled)[0].T
         unit = unit / np.linalg.norm(unit, axis=1, keepdims=True)
         along = np.einsum("fi,fji,fj->f", unit, scaled, unit.conj(), optimize=True).real
-        left = auto - along[:, None] * np.abs(unit)**2
+        left = auto - along[:, None] * np.abs(unit) ** 2
     # The median, because near a resonance leakage looks like noise.
     level = np.median(left, axis=0)
     return np.asarray(np.maximum(level, RIDGE * np.maximum(auto.mean(axis=0), 1e-300)) * root**2)

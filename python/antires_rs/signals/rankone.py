@@ -29,7 +29,7 @@ def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> Floa
     ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n); ``start`` is a first estimate, by default
     the same share of every channel's power.
     """
-    some = matrix[::max(1, matrix.shape[0] // NOISE_LINES)]
+    some = matrix[:: max(1, matrix.shape[0] // NOISE_LINES)]
     auto = np.einsum("fii->fi", some).real
     first = auto.mean(axis=0) if start is None else start
     first = np.where(first > 0.0, first, 1.0)
@@ -40,7 +40,7 @@ def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> Floa
             break  # of rank one but for rounding: there is no noise to tell
         # The noise is in the largest eigenvalue as well.
         floor = values[:, :-1].mean(axis=1, keepdims=True) if auto.shape[1] > 1 else 0.0
-        left = auto / scale - (values[:, -1:] - floor) * np.abs(vectors[:, :, -1])**2
+        left = auto / scale - (values[:, -1:] - floor) * np.abs(vectors[:, :, -1]) ** 2
         # By line, since otherwise coloured noise would let the quiet lines decide, where leakage counts.
         share = np.median(left / np.maximum(np.abs(left).mean(axis=1, keepdims=True), 1e-300), axis=0)
         scale = scale * share / max(float(share.mean()), 1e-300)

@@ -12,18 +12,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..support.pickling import ReadOnly, frozen
-from ..support.validation import (
-    FloatArray,
-    dof_labels,
-    finite_scalar,
-    real_array,
-    reject,
-)
+from ..support.validation import FloatArray, dof_labels, finite_scalar, real_array, reject
 
 __all__ = ["Recording", "without_force"]
-
-
-
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -66,13 +57,18 @@ class Recording(ReadOnly):
     dofs: tuple[Any, ...]
     force: FloatArray | None
 
-    def __init__(self, responses: Any, fs_hz: float, dofs: Iterable[Any] | None = None,
-                 force: Any | None = None) -> None:
+    def __init__(
+        self, responses: Any, fs_hz: float, dofs: Iterable[Any] | None = None, force: Any | None = None
+    ) -> None:
         wanted = "a real array (n_channels, n_samples), one row a channel"
         array = real_array("responses", responses, ndim=2, wanted=wanted)
         if array.shape[1] < 2:
-            reject("responses", f"an array of shape {array.shape}", wanted + " with at least two samples",
-                   "Transpose it if channels are in the columns.")
+            reject(
+                "responses",
+                f"an array of shape {array.shape}",
+                wanted + " with at least two samples",
+                "Transpose it if channels are in the columns.",
+            )
         if array.shape[0] > array.shape[1]:
             reject(
                 "responses",
@@ -120,6 +116,7 @@ class Recording(ReadOnly):
             pandas is not installed.
         """
         from ..io.tables import to_dataframe
+
         return to_dataframe(self)
 
     def to_xarray(self) -> Any:
@@ -135,24 +132,17 @@ class Recording(ReadOnly):
             xarray is not installed.
         """
         from ..io.tables import to_xarray
+
         return to_xarray(self)
 
     def __repr__(self) -> str:
         force = "no force" if self.force is None else "with force"
-        return (f"Recording({self.n_channels} channels, {self.duration_s:g} s at {self.fs_hz:g} Hz, "
-                f"dofs={self.dofs}, {force})")
+        return (
+            f"Recording({self.n_channels} channels, {self.duration_s:g} s at {self.fs_hz:g} Hz, "
+            f"dofs={self.dofs}, {force})"
+        )
 
 
 def without_force(rec: Recording) -> Recording:
     """The same record as if the force had not been measured."""
     return rec if rec.force is None else Recording(rec.responses, rec.fs_hz, rec.dofs)
-
-
-
-
-
-
-
-
-
-

@@ -35,9 +35,12 @@ def choose_nperseg(rec: Recording, band_hz: tuple[float, float]) -> int:
     while n_long * (band_hz[1] - band_hz[0]) / rec.fs_hz > MOST_LINES:
         n_long //= 2
     if n_long < LEAST_SAMPLES:
-        reject("nperseg", f"None for a record of {rec.n_samples} samples",
-               f"a record of at least {int(LEAST_SAMPLES * SEGMENTS)} samples",
-               "Give nperseg, or record for longer.")
+        reject(
+            "nperseg",
+            f"None for a record of {rec.n_samples} samples",
+            f"a record of at least {int(LEAST_SAMPLES * SEGMENTS)} samples",
+            "Give nperseg, or record for longer.",
+        )
     spectra = cross_spectra(rec, nperseg=n_long)
     auto = np.einsum("fii->if", spectra.matrix).real
     mean = auto.mean(axis=1, keepdims=True)
@@ -70,7 +73,7 @@ def _half_power_widths(power: np.ndarray) -> list[float]:
             hi += 1
         # The area over the height is steadier than the two half-power points of a ragged spectrum;
         # pi/2 half-power widths make the area of a resonance.
-        if lo > 0 and hi < power.size - 1 and left[lo:hi + 1].min() > 0:
-            widths.append(float(power[lo:hi + 1].sum() / power[peak]) * 2 / np.pi)
-        left[lo:hi + 1] = 0.0
+        if lo > 0 and hi < power.size - 1 and left[lo : hi + 1].min() > 0:
+            widths.append(float(power[lo : hi + 1].sum() / power[peak]) * 2 / np.pi)
+        left[lo : hi + 1] = 0.0
     return widths

@@ -28,7 +28,14 @@ import numpy as np
 from ..support.validation import ComplexArray, FloatArray, integer, reject
 from .recording import Recording
 
-__all__ = ["CrossSpectra", "averaged_products", "channels_of", "cross_spectra", "effective_averages", "window_values"]
+__all__ = [
+    "CrossSpectra",
+    "averaged_products",
+    "channels_of",
+    "cross_spectra",
+    "effective_averages",
+    "window_values",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +104,10 @@ def effective_averages(taper: FloatArray, step: int, n_segments: int) -> float:
     (29.4, 16.0)
     """
     shifts = np.arange(1, min(n_segments, -(-taper.size // step)))
-    shared = np.array([(taper[j * step:] @ taper[:taper.size - j * step])**2 for j in shifts])
-    return float(n_segments / (1.0 + 2.0 * np.sum((1.0 - shifts / n_segments) * shared) / (taper @ taper)**2))
+    shared = np.array([(taper[j * step :] @ taper[: taper.size - j * step]) ** 2 for j in shifts])
+    return float(
+        n_segments / (1.0 + 2.0 * np.sum((1.0 - shifts / n_segments) * shared) / (taper @ taper) ** 2)
+    )
 
 
 def averaged_products(spectra: ComplexArray) -> ComplexArray:
@@ -107,8 +116,14 @@ def averaged_products(spectra: ComplexArray) -> ComplexArray:
     return np.asarray(by_line.conj() @ by_line.transpose(0, 2, 1) / spectra.shape[1], dtype=np.complex128)
 
 
-def cross_spectra(rec: Recording, *, nperseg: int, noverlap: int | None = None, window: Any = "hann",
-                  include_force: bool = False) -> CrossSpectra:
+def cross_spectra(
+    rec: Recording,
+    *,
+    nperseg: int,
+    noverlap: int | None = None,
+    window: Any = "hann",
+    include_force: bool = False,
+) -> CrossSpectra:
     """Welch's averaged auto and cross spectral densities of all channels at once.
 
     Parameters
@@ -148,24 +163,20 @@ def cross_spectra(rec: Recording, *, nperseg: int, noverlap: int | None = None, 
     overlap = n_seg // 2 if noverlap is None else integer("noverlap", noverlap, low=0, high=n_seg - 1)
     taper = window_values(window, n_seg)
     data = channels_of(rec, include_force)
-    segments = np.lib.stride_tricks.sliding_window_view(data, n_seg, axis=1)[:, ::n_seg - overlap]
+    segments = np.lib.stride_tricks.sliding_window_view(data, n_seg, axis=1)[:, :: n_seg - overlap]
     spectra = np.fft.rfft((segments - segments.mean(axis=2, keepdims=True)) * taper)
     # One-sided: all lines but zero and Nyquist stand for two.
     density = np.full(spectra.shape[2], 2.0)
     density[[0] if n_seg % 2 else [0, -1]] = 1.0
     spectra *= np.sqrt(density / (rec.fs_hz * (taper @ taper)))
     freq = np.asarray(np.fft.rfftfreq(n_seg, 1.0 / rec.fs_hz), dtype=np.float64)
-    return CrossSpectra(freq, averaged_products(spectra), spectra.shape[1],
-                        n_effective=effective_averages(taper, n_seg - overlap, spectra.shape[1]),
-                        segments=spectra)
-
-
-
-
-
-
-
-
+    return CrossSpectra(
+        freq,
+        averaged_products(spectra),
+        spectra.shape[1],
+        n_effective=effective_averages(taper, n_seg - overlap, spectra.shape[1]),
+        segments=spectra,
+    )
 
 
 def check_recording(rec: object) -> None:
@@ -173,12 +184,14 @@ def check_recording(rec: object) -> None:
         reject("rec", type(rec).__name__, "a Recording")
 
 
-
-
 def force_of(rec: Recording) -> FloatArray:
     if rec.force is None:
-        reject("rec", "a Recording without force", "one with the force recorded",
-               "Use transmissibilities: they need no force.")
+        reject(
+            "rec",
+            "a Recording without force",
+            "one with the force recorded",
+            "Use transmissibilities: they need no force.",
+        )
     return rec.force
 
 
@@ -191,6 +204,7 @@ def window_values(window: Any, n: int) -> FloatArray:
     """The window as an array, from a name known to scipy or from given values."""
     if isinstance(window, str | tuple):
         from scipy.signal import get_window  # slow to import
+
         try:
             return np.asarray(get_window(window, n), dtype=np.float64)
         except ValueError as exc:

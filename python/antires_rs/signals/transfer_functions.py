@@ -17,8 +17,15 @@ from .transient import require_stationary, transient_spectra
 __all__ = ["averaged_spectra", "frf", "transmissibility", "transmissibility_sum"]
 
 
-def frf(rec: Recording, *, nperseg: int | None = None, noverlap: int | None = None, window: Any = "hann",
-        estimator: str = "h1", method: str = "auto") -> FrequencyResponse:
+def frf(
+    rec: Recording,
+    *,
+    nperseg: int | None = None,
+    noverlap: int | None = None,
+    window: Any = "hann",
+    estimator: str = "h1",
+    method: str = "auto",
+) -> FrequencyResponse:
     """Frequency response functions of all channels to the recorded force.
 
     Parameters
@@ -62,9 +69,14 @@ def frf(rec: Recording, *, nperseg: int | None = None, noverlap: int | None = No
     force_of(rec)
     spectra = averaged_spectra(rec, nperseg, noverlap, window, method, include_force=True)
     values, coherence = two_channel(spectra.matrix, spectra.matrix.shape[1] - 1, estimator)
-    return FrequencyResponse(spectra.freq_hz, values[:-1], rec.dofs, "frf",
-                             coherence=coherence[:-1] if spectra.n_averages > 1 else None,
-                             n_averages=spectra.n_effective)
+    return FrequencyResponse(
+        spectra.freq_hz,
+        values[:-1],
+        rec.dofs,
+        "frf",
+        coherence=coherence[:-1] if spectra.n_averages > 1 else None,
+        n_averages=spectra.n_effective,
+    )
 
 
 def transmissibility(
@@ -130,8 +142,16 @@ def transmissibility(
         if rec.n_channels > 1:
             std = std_of_rank_one(spectra.matrix, j, spectra.n_effective)
     values[j] = 1.0
-    return FrequencyResponse(spectra.freq_hz, values, rec.dofs, "transmissibility", reference,
-                             coherence if spectra.n_averages > 1 else None, spectra.n_effective, std)
+    return FrequencyResponse(
+        spectra.freq_hz,
+        values,
+        rec.dofs,
+        "transmissibility",
+        reference,
+        coherence if spectra.n_averages > 1 else None,
+        spectra.n_effective,
+        std,
+    )
 
 
 def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
@@ -175,8 +195,15 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
     return np.asarray(np.abs(others.real).sum(axis=0) + 1j * np.abs(others.imag).sum(axis=0))
 
 
-def averaged_spectra(rec: Recording, nperseg: int | None, noverlap: int | None, window: Any, method: str, *,
-                     include_force: bool = False) -> CrossSpectra:
+def averaged_spectra(
+    rec: Recording,
+    nperseg: int | None,
+    noverlap: int | None,
+    window: Any,
+    method: str,
+    *,
+    include_force: bool = False,
+) -> CrossSpectra:
     """Welch or whole hits, by ``method``."""
     choice("method", method, ("auto", "welch", "transient"))
     if method == "transient":

@@ -53,7 +53,7 @@ def _energy(rec: Recording, block: int) -> FloatArray:
     power = x.var(axis=1, keepdims=True)
     power[power == 0.0] = 1.0
     n = rec.n_samples // block
-    squares = (x[:, :n * block]**2 / power).mean(axis=0)
+    squares = (x[:, : n * block] ** 2 / power).mean(axis=0)
     return np.asarray(squares.reshape(n, block).mean(axis=1))
 
 
@@ -92,7 +92,8 @@ def require_stationary(rec: Recording) -> None:
             "method: got 'auto' for a record whose energy decays by more than 20 dB; wanted steady vibration "
             "for Welch's averages, because a segment that starts within a decay does not hold its own "
             "excitation. Use method='transient' (one transform over each whole hit), or force it with "
-            "method='welch'.")
+            "method='welch'."
+        )
 
 
 def find_events(rec: Recording) -> tuple[Event, ...]:
@@ -127,16 +128,17 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
     peak = energy.max()
     hits: list[int] = []
     for b in range(1, energy.size):
-        before = energy[max(0, b - 8):b]
+        before = energy[max(0, b - 8) : b]
         if energy[b] <= HIT_SHARE * peak or energy[b] <= HIT_RISE * np.median(before):
             continue
-        if hits and before.max() > DEAD_SHARE * energy[hits[-1]:b].max():
+        if hits and before.max() > DEAD_SHARE * energy[hits[-1] : b].max():
             continue  # the same event: still ringing, or a rebound of the hammer
         hits.append(b)
     if not hits:
         raise UnsuitableDataError(
             "responses: no hit found, the energy never rises from rest; wanted a record that starts before "
-            "the hit. Record again with a pre-trigger: what was missed at the start cannot be recovered.")
+            "the hit. Record again with a pre-trigger: what was missed at the start cannot be recovered."
+        )
     events = []
     for i, b in enumerate(hits):
         stop = hits[i + 1] * block if i + 1 < len(hits) else rec.n_samples
@@ -189,11 +191,11 @@ def transient_spectra(rec: Recording, *, window: str = "auto", include_force: bo
     length = max(event.stop - event.start for event in events)
     decay = _window_decay(rec, events, window)
     spectra = np.empty((data.shape[0], len(events), length // 2 + 1), dtype=np.complex128)
-    quiet = data[:, :max(events[0].hit - 4 * FINE_BLOCK_SAMPLES, 0)]
+    quiet = data[:, : max(events[0].hit - 4 * FINE_BLOCK_SAMPLES, 0)]
     offset = quiet.mean(axis=1, keepdims=True) if quiet.shape[1] >= 32 else 0.0
     energy = 0.0
     for i, event in enumerate(events):
-        piece = data[:, event.start:event.stop] - offset
+        piece = data[:, event.start : event.stop] - offset
         t = (np.arange(piece.shape[1]) - (event.hit - event.start)) / rec.fs_hz
         # The same exponential before the hit too: the window must be one exponential for its shift to be
         # exact.
@@ -213,7 +215,7 @@ def _window_decay(rec: Recording, events: tuple[Event, ...], window: str) -> flo
         return 0.0
     needed = 0.0
     for event in events:
-        x = rec.responses[:, event.hit:event.stop]
+        x = rec.responses[:, event.hit : event.stop]
         n = x.shape[1]
         tail = max(n // 20, 1)
         # Worst channel; median-free, because a decay has no mean.

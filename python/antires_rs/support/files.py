@@ -19,8 +19,12 @@ def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
     """
     target = Path(path)
     if not target.parent.is_dir():
-        reject("path", str(target), "a file in a folder that exists",
-               f"Make the folder {str(target.parent)!r} first.")
+        reject(
+            "path",
+            str(target),
+            "a file in a folder that exists",
+            f"Make the folder {str(target.parent)!r} first.",
+        )
     if target.is_dir():
         reject("path", str(target), "a file, not a folder")
     # Same folder, so that the replacement is one step of the file system.

@@ -105,13 +105,16 @@ def step(text: str) -> None:
 
 def patient(what: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
     """A function with a keyword ``progress`` whose caller is shown that it works."""
+
     def around(function: Callable[P, T]) -> Callable[P, T]:
         @wraps(function)
         def call(*args: P.args, **kwargs: P.kwargs) -> T:
             progress: Any = kwargs.get("progress")
             with waiting(what, progress):
                 return function(*args, **kwargs)
+
         return call
+
     return around
 
 
@@ -153,9 +156,11 @@ def _keep_alive(what: str, at: list[str], over: Event) -> None:
 
 def _line(state: State, budget: int, seconds: float, done: int) -> str:
     waiting = sum(1 for _, name in state["islands"] if name == "waiting")
-    return (f"{state['nfev']:>9,} of at most {budget:,} evaluations   best J {state['fun']:.6g}   "
-            f"generation {state['nit']}   {waiting}/{len(state['islands'])} islands waiting   "
-            f"{seconds:.0f} s, {_left(budget - state['nfev'], seconds, done)}")
+    return (
+        f"{state['nfev']:>9,} of at most {budget:,} evaluations   best J {state['fun']:.6g}   "
+        f"generation {state['nit']}   {waiting}/{len(state['islands'])} islands waiting   "
+        f"{seconds:.0f} s, {_left(budget - state['nfev'], seconds, done)}"
+    )
 
 
 def _left(evaluations: int, seconds: float, done: int) -> str:

@@ -46,8 +46,12 @@ def _array(name: str, value: Any, dtype: type, ndim: int | None, wanted: str) ->
     bad = int(np.count_nonzero(~np.isfinite(array)))
     if bad:
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        reject(name, f"{bad} NaN or infinite value(s), the first at index {where}", wanted,
-               "Remove or interpolate them first.")
+        reject(
+            name,
+            f"{bad} NaN or infinite value(s), the first at index {where}",
+            wanted,
+            "Remove or interpolate them first.",
+        )
     return array
 
 
@@ -87,8 +91,16 @@ def random_generator(rng: Any) -> np.random.Generator:
     return np.random.default_rng(int(rng))
 
 
-def finite_scalar(name: str, value: Any, *, low: float = -np.inf, high: float = np.inf,
-                  low_open: bool = False, high_open: bool = False, unit: str = "") -> float:
+def finite_scalar(
+    name: str,
+    value: Any,
+    *,
+    low: float = -np.inf,
+    high: float = np.inf,
+    low_open: bool = False,
+    high_open: bool = False,
+    unit: str = "",
+) -> float:
     """One finite real number inside an interval."""
     left, right = ("(" if low_open else "["), (")" if high_open else "]")
     bounded = np.isfinite(low) or np.isfinite(high)
@@ -109,9 +121,15 @@ def finite_scalar(name: str, value: Any, *, low: float = -np.inf, high: float = 
 
 def integer(name: str, value: Any, *, low: int | None = None, high: int | None = None) -> int:
     """One integer inside a closed interval; booleans and floats with a fraction are refused."""
-    bounds = "" if low is None and high is None else (
-        f" in {low}..{high}" if low is not None and high is not None
-        else (f" of at least {low}" if low is not None else f" of at most {high}"))
+    bounds = (
+        ""
+        if low is None and high is None
+        else (
+            f" in {low}..{high}"
+            if low is not None and high is not None
+            else (f" of at least {low}" if low is not None else f" of at most {high}")
+        )
+    )
     wanted = f"an integer{bounds}"
     if isinstance(value, bool | np.bool_):
         reject(name, repr(value), wanted)
@@ -143,10 +161,18 @@ def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> t
         reject(name, value, wanted)
     # One part in 1e9 of slack: a band typed in decimal must be allowed to meet the data's own edge.
     slack = 1e-9 * max(high_hz, 1.0)
-    if not (np.isfinite(low) and np.isfinite(high)) or low >= high \
-            or low < low_hz - slack or high > high_hz + slack:
-        reject(name, (low, high), wanted, "The lower one comes first." if low >= high
-               else "Narrow the band to the data.")
+    if (
+        not (np.isfinite(low) and np.isfinite(high))
+        or low >= high
+        or low < low_hz - slack
+        or high > high_hz + slack
+    ):
+        reject(
+            name,
+            (low, high),
+            wanted,
+            "The lower one comes first." if low >= high else "Narrow the band to the data.",
+        )
     return low, high
 
 
@@ -159,8 +185,8 @@ def dof_labels(name: str, value: Iterable[Any] | None, count: int) -> tuple[Any,
         reject(name, value, wanted)
     try:
         labels = tuple(
-            int(v) if isinstance(v, int | np.integer) and not isinstance(v, bool) else v
-            for v in value)
+            int(v) if isinstance(v, int | np.integer) and not isinstance(v, bool) else v for v in value
+        )
         distinct = len(set(labels))
     except TypeError:
         reject(name, value, wanted)

@@ -19,14 +19,23 @@ from .search import search
 __all__ = ["assess_damage"]
 
 
-def assess_damage(model: StructuralModel, measured: Measured, *,
-                  elements: Any = None,
-                  gamma1: float = 0.1, gamma2: float = 0.1, snap: float = 1e-3, weights: Any = None,
-                  optimizer: IslandGA | None = None, rng: int | np.random.Generator | None = None,
-                  workers: int | None = None,
-                  callback: Callable[[dict[str, Any]], bool | None] | None = None, x0: Any = None,
-                  progress: bool | None = None,
-                  checkpoint: str | os.PathLike[str] | None = None) -> DamageResult:
+def assess_damage(
+    model: StructuralModel,
+    measured: Measured,
+    *,
+    elements: Any = None,
+    gamma1: float = 0.1,
+    gamma2: float = 0.1,
+    snap: float = 1e-3,
+    weights: Any = None,
+    optimizer: IslandGA | None = None,
+    rng: int | np.random.Generator | None = None,
+    workers: int | None = None,
+    callback: Callable[[dict[str, Any]], bool | None] | None = None,
+    x0: Any = None,
+    progress: bool | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+) -> DamageResult:
     """Locate and size damage: the stiffness loss of each element that explains the measurement.
 
     Parameters
@@ -71,11 +80,18 @@ def assess_damage(model: StructuralModel, measured: Measured, *,
     """
     if not isinstance(model, StructuralModel):
         reject("model", model, "a MassSpringChain, FrameModel or MatrixModel")
-    chosen = model.default_elements if elements is None else (
-        [elements] if shape_of(elements) == () else list(elements))
+    chosen = (
+        model.default_elements
+        if elements is None
+        else ([elements] if shape_of(elements) == () else list(elements))
+    )
     if not chosen:
-        reject("elements", "no candidate", "at least one stiffness term",
-               "Give the MatrixModel its stiffness_terms.")
+        reject(
+            "elements",
+            "no candidate",
+            "at least one stiffness term",
+            "Give the MatrixModel its stiffness_terms.",
+        )
     penalty = DamagePenalty(gamma1, gamma2, snap)
     problem = UpdatingProblem(model, stiffness_reduction(chosen), measured, penalty=penalty, weights=weights)
     found, seed = search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)

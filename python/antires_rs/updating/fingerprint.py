@@ -30,7 +30,16 @@ def fingerprint(problem: UpdatingProblem, options: dict[str, Any], guesses: list
     for model in (problem.model, problem.model_at(points[1])):
         for matrix in (model._core.stiffness(), model._core.mass()):
             add(matrix.shape, matrix.tobytes())
-    add(__version__, problem.objective, problem.bounds.tobytes(), [astuple(p) for p in problem.parameters],
-        problem.measured_hz.tobytes(), problem.misfit, problem.penalty, sorted(options.items()), guesses)
+    add(
+        __version__,
+        problem.objective,
+        problem.bounds.tobytes(),
+        [astuple(p) for p in problem.parameters],
+        problem.measured_hz.tobytes(),
+        problem.misfit,
+        problem.penalty,
+        sorted(options.items()),
+        guesses,
+    )
     add(*(problem.residuals(x).tobytes() for x in points), *(problem.cost(x).hex() for x in points))
     return digest.digest()

@@ -78,21 +78,31 @@ class Identifiability:
             share = np.sqrt(np.sum(self.unseen**2, axis=0))
             taking_part = (share > _SHARE) & ~self.blind
             everyone = bool(np.all(taking_part | self.blind))
-            names = "all parameters that are seen" if everyone else ", ".join(
-                name for name, t in zip(self.names, taking_part, strict=True) if t)
+            names = (
+                "all parameters that are seen"
+                if everyone
+                else ", ".join(name for name, t in zip(self.names, taking_part, strict=True) if t)
+            )
             combinations = "One combination" if mixed == 1 else f"{mixed} combinations"
             why = f"no measured {self.noun} moves with them"
             if self.scale_unseen and mixed == 1:
                 why = f"a common scale moves no {self.noun}, only ratios are known"
             elif self.scale_unseen:
                 why += ", a common scale among them"
-            notes.append(f"{combinations} of {names} cannot be told: {why} "
-                         f"({self.rank} of {len(self.names)} combinations are).")
+            notes.append(
+                f"{combinations} of {names} cannot be told: {why} "
+                f"({self.rank} of {len(self.names)} combinations are)."
+            )
         if np.any(self.weak):
-            names = ", ".join(f"{name} (\u00b1 {std:.2g})" for name, std, weak
-                              in zip(self.names, self.std, self.weak, strict=True) if weak)
-            notes.append(f"Hardly determined, by the scatter of the residuals: {names}. What fits as well "
-                         "lies within these standard deviations.")
+            names = ", ".join(
+                f"{name} (\u00b1 {std:.2g})"
+                for name, std, weak in zip(self.names, self.std, self.weak, strict=True)
+                if weak
+            )
+            notes.append(
+                f"Hardly determined, by the scatter of the residuals: {names}. What fits as well "
+                "lies within these standard deviations."
+            )
         return notes
 
     @property
@@ -122,8 +132,9 @@ def identifiability(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
     std = _standard_deviations(problem, x, jacobian) * width
     sensitivity = np.linalg.norm(jacobian, axis=0)
     weak = np.isfinite(std) & (std > _WEAK * width) & (sensitivity > _UNSEEN)
-    return Identifiability(tuple(problem.names), sensitivity, rank, rows[rank:], scale_unseen, std, weak,
-                           problem.noun)
+    return Identifiability(
+        tuple(problem.names), sensitivity, rank, rows[rank:], scale_unseen, std, weak, problem.noun
+    )
 
 
 def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: FloatArray) -> FloatArray:
@@ -131,19 +142,23 @@ def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: Floa
 
     ``sigma**2 = sum(e**2) / (m - rank)``. A damage at exactly 0 is decided, not estimated.
     """
-    resting = np.array([p.quantity == "stiffness_reduction" and value == 0.0 and problem.penalty is not None
-                        for p, value in zip(problem.parameters, x, strict=True)])
+    resting = np.array(
+        [
+            p.quantity == "stiffness_reduction" and value == 0.0 and problem.penalty is not None
+            for p, value in zip(problem.parameters, x, strict=True)
+        ]
+    )
     std = np.full(len(x), np.nan)
     free = np.flatnonzero(~resting & (problem.bounds[:, 1] > problem.bounds[:, 0]))
     if free.size == 0:
         return std
     _, singular, rows = np.linalg.svd(jacobian[:, free], full_matrices=True)
     seen = np.append(singular, np.zeros(len(rows) - len(singular))) > _UNSEEN
-    residuals = problem.residuals(x)[:len(problem.measured_hz)]
+    residuals = problem.residuals(x)[: len(problem.measured_hz)]
     spare = residuals.size - int(seen.sum())
     if spare > 0:
         sigma = np.sqrt(np.sum(residuals**2) / spare)
-        std[free] = sigma * np.sqrt(np.sum((rows[seen] / singular[seen[:len(singular)], None])**2, axis=0))
+        std[free] = sigma * np.sqrt(np.sum((rows[seen] / singular[seen[: len(singular)], None]) ** 2, axis=0))
     std[free[np.any(np.abs(rows[~seen]) > _SHARE, axis=0)]] = np.inf
     return std
 

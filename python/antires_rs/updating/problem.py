@@ -135,10 +135,17 @@ class UpdatingProblem(AroundCore[_core.Objective]):
     (array([3.02, 5.93]), array([0.95, 1.  ]))
     """
 
-    def __init__(self, model: StructuralModel, parameters: Iterable[Parameter] | Parameter,
-                 measured: Measured, *,
-                 objective: Literal["antiresonance", "modal"] | None = None, misfit: Misfit = "absolute",
-                 penalty: DamagePenalty | tuple[float, float] | None = None, weights: Any = None) -> None:
+    def __init__(
+        self,
+        model: StructuralModel,
+        parameters: Iterable[Parameter] | Parameter,
+        measured: Measured,
+        *,
+        objective: Literal["antiresonance", "modal"] | None = None,
+        misfit: Misfit = "absolute",
+        penalty: DamagePenalty | tuple[float, float] | None = None,
+        weights: Any = None,
+    ) -> None:
         if not isinstance(model, StructuralModel):
             reject("model", model, "a MassSpringChain, FrameModel or MatrixModel")
         self.parameters = _parameters(parameters)
@@ -164,8 +171,14 @@ class UpdatingProblem(AroundCore[_core.Objective]):
 
     def _made_core(self) -> _core.Objective:
         prices = (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None
-        return self._targets.core(self.model._core, core_parameters(self.model, self.parameters), self.misfit,
-                                  prices, self.penalty.snap if self.penalty else 0.0, self.weights)
+        return self._targets.core(
+            self.model._core,
+            core_parameters(self.model, self.parameters),
+            self.misfit,
+            prices,
+            self.penalty.snap if self.penalty else 0.0,
+            self.weights,
+        )
 
     @property
     def objective(self) -> str:
@@ -215,8 +228,9 @@ class UpdatingProblem(AroundCore[_core.Objective]):
         return self._core.repaired(self._vector(x))
 
     def _table(self, x: FloatArray) -> FrequencyTable | ModalTable:
-        table: FrequencyTable | ModalTable = self._targets.table(self._core, self._repaired(self._nominal),
-                                                                 self._repaired(x))
+        table: FrequencyTable | ModalTable = self._targets.table(
+            self._core, self._repaired(self._nominal), self._repaired(x)
+        )
         return table
 
     def _vector(self, x: Any) -> FloatArray:
@@ -228,12 +242,6 @@ class UpdatingProblem(AroundCore[_core.Objective]):
 
     def __repr__(self) -> str:
         return f"UpdatingProblem({len(self.parameters)} parameters, {self.measured_hz.size} {self.noun}s)"
-
-
-
-
-
-
 
 
 def _parameters(parameters: Iterable[Parameter] | Parameter) -> tuple[Parameter, ...]:
@@ -256,4 +264,3 @@ def _penalty(penalty: Any) -> DamagePenalty | None:
     if np.shape(penalty) != (2,):
         reject("penalty", penalty, "a DamagePenalty, a pair (gamma1, gamma2) or None")
     return DamagePenalty(*penalty)
-

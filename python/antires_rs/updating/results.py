@@ -110,21 +110,27 @@ class UpdateResult:
         notes = [] if self.success else [f"The search did not finish: {self.message}"]
         alone = int(np.isnan(self.table.after_hz).sum())
         if alone:
-            notes.append(f"{alone} of {self.table.after_hz.size} measured {self.problem.noun}s have no "
-                         "partner: the updated model has none there up to 1.5 times the highest measured.")
+            notes.append(
+                f"{alone} of {self.table.after_hz.size} measured {self.problem.noun}s have no "
+                "partner: the updated model has none there up to 1.5 times the highest measured."
+            )
         before, after = self.table.largest_before_percent, self.table.largest_after_percent
         if after > max(_EXPLAINED * before, _NOISE_PERCENT):
-            notes.append(f"Hardly explained: the largest difference is {after:.2f} %, after {before:.2f} % "
-                         "before. What is wrong may have no parameter, or a dof may be another one; doubt "
-                         "the values found.")
+            notes.append(
+                f"Hardly explained: the largest difference is {after:.2f} %, after {before:.2f} % "
+                "before. What is wrong may have no parameter, or a dof may be another one; doubt "
+                "the values found."
+            )
         if self.at_bound:
             notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
         return notes + self.identifiability.notes
 
     def summary(self) -> str:
         """Parameters, frequencies and notes as text."""
-        head = (f"J = {self.fun:.6g} after {self.nfev:,} evaluations, {self.nit} generations: {self.status} "
-                f"({self.message})")
+        head = (
+            f"J = {self.fun:.6g} after {self.nfev:,} evaluations, {self.nit} generations: {self.status} "
+            f"({self.message})"
+        )
         notes = [f"note: {note}" for note in self.notes]
         return "\n".join([head, "", *self._values(), "", str(self.table), *([""] if notes else []), *notes])
 
@@ -140,13 +146,17 @@ class UpdateResult:
         width = max(len(name) for name in self.problem.names)
         spreads = ["not determined" if np.isinf(std) else f"\u00b1 {std:<8.2g}" for std in self.std]
         wide = max(map(len, spreads))
-        return [f"{name:<{width}}  {value:#12.6g} {spread:<{wide}} [{low:g}, {high:g}]"
-                for name, value, spread, (low, high) in zip(self.problem.names, self.x, spreads,
-                                                            self.problem.bounds, strict=True)]
+        return [
+            f"{name:<{width}}  {value:#12.6g} {spread:<{wide}} [{low:g}, {high:g}]"
+            for name, value, spread, (low, high) in zip(
+                self.problem.names, self.x, spreads, self.problem.bounds, strict=True
+            )
+        ]
 
     def plot(self, ax: Any = None) -> Any:
         """Differences of the frequencies before and after updating; see :mod:`antires_rs.plotting`."""
         from ..plotting import plot_differences
+
         return plot_differences(self.table, ax=ax)
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -158,6 +168,7 @@ class UpdateResult:
             Another ending, or a folder that does not exist.
         """
         from ..io.results import save_result
+
         save_result(self, path)
 
     @classmethod
@@ -179,17 +190,21 @@ class UpdateResult:
             This version computes another objective at the same x.
         """
         from ..io.results import load_result
+
         return cast("Self", load_result(path, cls))
 
     def report(self, path: str | os.PathLike[str], **options: Any) -> None:
         """Write one self-contained HTML file; for ``options`` see :func:`antires_rs.report.write_report`."""
         from ..report import write_report
+
         write_report(self, path, **options)
 
     def __repr__(self) -> str:
-        return (f"{type(self).__name__}({self.status}, J = {self.fun:.4g}, largest difference "
-                f"{self.table.largest_before_percent:.2f} % before, "
-                f"{self.table.largest_after_percent:.2f} % after)")
+        return (
+            f"{type(self).__name__}({self.status}, J = {self.fun:.4g}, largest difference "
+            f"{self.table.largest_before_percent:.2f} % before, "
+            f"{self.table.largest_after_percent:.2f} % after)"
+        )
 
 
 class DamageResult(UpdateResult):
@@ -229,8 +244,10 @@ class DamageResult(UpdateResult):
         names = dict(zip(self.elements, self.problem.names, strict=True))
         width = max(len(name) for name in names.values())
         std = dict(zip(self.elements, 100 * self.std, strict=True))
-        lines = [f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} % \u00b1 {std[e]:.2g} %"
-                 for e in self.damaged]
+        lines = [
+            f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} % \u00b1 {std[e]:.2g} %"
+            for e in self.damaged
+        ]
         others = len(names) - len(lines)
         rest = "all others" if lines else "all of them"
         return [*lines, *([f"{rest} ({others}): exactly 0"] if others else [])]
@@ -250,12 +267,15 @@ class DamageResult(UpdateResult):
         if visible:
             ends = [min(visible, key=lambda pair: pair[1]), max(visible, key=lambda pair: pair[1])]
             span = " to ".join(dict.fromkeys(f"{100 * beta:.0f} % ({label(e)})" for e, beta in ends))
-            notes.append(f"Smallest damage that would be seen: {span}. An element with less than its own "
-                         "limit counts as undamaged: gamma1 and gamma2 outweigh what its damage explains.")
+            notes.append(
+                f"Smallest damage that would be seen: {span}. An element with less than its own "
+                "limit counts as undamaged: gamma1 and gamma2 outweigh what its damage explains."
+            )
         left_out = [label(e) for e in self.problem.model._springs if e not in self.severity]
         if left_out:
-            named = ", ".join(left_out[:_NAMED]) + (f" and {len(left_out) - _NAMED} more" if len(
-                left_out) > _NAMED else "")
+            named = ", ".join(left_out[:_NAMED]) + (
+                f" and {len(left_out) - _NAMED} more" if len(left_out) > _NAMED else ""
+            )
             notes.append(f"No candidates: {named}. Damage there would be blamed on others.")
         if hidden:
             notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
@@ -266,4 +286,5 @@ class DamageResult(UpdateResult):
     def plot(self, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
         """Damage bar chart; see :func:`antires_rs.plotting.plot_damage`."""
         from ..plotting import plot_damage
+
         return plot_damage(self, ax=ax, truth=truth)

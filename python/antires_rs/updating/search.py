@@ -19,10 +19,17 @@ from .results import UpdateResult
 __all__ = ["search", "update"]
 
 
-def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
-           rng: int | np.random.Generator | None = None, workers: int | None = None,
-           callback: Callable[[dict[str, Any]], bool | None] | None = None, x0: Any = None,
-           progress: bool | None = None, checkpoint: str | os.PathLike[str] | None = None) -> UpdateResult:
+def update(
+    problem: UpdatingProblem,
+    *,
+    optimizer: IslandGA | None = None,
+    rng: int | np.random.Generator | None = None,
+    workers: int | None = None,
+    callback: Callable[[dict[str, Any]], bool | None] | None = None,
+    x0: Any = None,
+    progress: bool | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+) -> UpdateResult:
     """Find the parameters that bring the model's antiresonances, or modes, to the measured ones.
 
     Parameters
@@ -74,9 +81,16 @@ def update(problem: UpdatingProblem, *, optimizer: IslandGA | None = None,
     return UpdateResult(problem, found, seed)
 
 
-def search(problem: UpdatingProblem, optimizer: IslandGA | None, rng: Any, workers: int | None,
-            callback: Callable[[dict[str, Any]], bool | None] | None, x0: Any,
-            progress: bool | None, checkpoint: Any) -> tuple[OptimizeResult, int]:
+def search(
+    problem: UpdatingProblem,
+    optimizer: IslandGA | None,
+    rng: Any,
+    workers: int | None,
+    callback: Callable[[dict[str, Any]], bool | None] | None,
+    x0: Any,
+    progress: bool | None,
+    checkpoint: Any,
+) -> tuple[OptimizeResult, int]:
     ga = IslandGA() if optimizer is None else optimizer
     if not isinstance(ga, IslandGA):
         reject("optimizer", optimizer, "an IslandGA")
@@ -87,6 +101,14 @@ def search(problem: UpdatingProblem, optimizer: IslandGA | None, rng: Any, worke
         kept.begin(fingerprint(problem, ga.options, first), seed)
     with watched(callback, progress, ga.options["max_evaluations"]) as watcher:
         raw = problem._core.minimize(
-            problem.bounds[:, 0].copy(), problem.bounds[:, 1].copy(), first, ga.options, seed,
-            thread_count(workers), ga.max_seconds, watcher, kept)
+            problem.bounds[:, 0].copy(),
+            problem.bounds[:, 1].copy(),
+            first,
+            ga.options,
+            seed,
+            thread_count(workers),
+            ga.max_seconds,
+            watcher,
+            kept,
+        )
     return OptimizeResult._of(raw, ga), seed

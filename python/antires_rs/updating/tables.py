@@ -46,8 +46,10 @@ class _Differences:
 
     @property
     def _closing(self) -> str:
-        return (f"largest difference: {self.largest_before_percent:.2f} % before, "
-                f"{self.largest_after_percent:.2f} % after")
+        return (
+            f"largest difference: {self.largest_before_percent:.2f} % before, "
+            f"{self.largest_after_percent:.2f} % after"
+        )
 
 
 @dataclass(frozen=True)
@@ -80,15 +82,28 @@ class FrequencyTable(_Differences):
     dof_names: dict[int, str] = field(default_factory=dict)
 
     def __str__(self) -> str:
-        pairs = [", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair)
-                 for pair in zip(self.dof.tolist(), self.excitation.tolist(), strict=True)]
+        pairs = [
+            ", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair)
+            for pair in zip(self.dof.tolist(), self.excitation.tolist(), strict=True)
+        ]
         width = max(7, *map(len, pairs)) if pairs else 7
-        lines = [f"{'H_ik':>{width}}   measured      before             after",
-                 f"{'(i, k)':>{width}}         Hz          Hz       %          Hz       %"]
-        rows = zip(pairs, self.measured_hz, self.before_hz, self.before_percent,
-                   self.after_hz, self.after_percent, strict=True)
-        lines += [f"{pair:>{width}} {measured:10.3f}  {before:10.3f} {signed(db):>7}  {after:10.3f} "
-                  f"{signed(da):>7}" for pair, measured, before, db, after, da in rows]
+        lines = [
+            f"{'H_ik':>{width}}   measured      before             after",
+            f"{'(i, k)':>{width}}         Hz          Hz       %          Hz       %",
+        ]
+        rows = zip(
+            pairs,
+            self.measured_hz,
+            self.before_hz,
+            self.before_percent,
+            self.after_hz,
+            self.after_percent,
+            strict=True,
+        )
+        lines += [
+            f"{pair:>{width}} {measured:10.3f}  {before:10.3f} {signed(db):>7}  {after:10.3f} {signed(da):>7}"
+            for pair, measured, before, db, after, da in rows
+        ]
         return "\n".join([*lines, self._closing])
 
 
@@ -127,12 +142,26 @@ class ModalTable(_Differences):
     after_mac: FloatArray
 
     def __str__(self) -> str:
-        lines = ["mode   measured      before                      after",
-                 "             Hz          Hz       %    MAC          Hz       %    MAC"]
-        rows = zip(self.mode, self.measured_hz, self.before_hz, self.before_percent, self.before_mac,
-                   self.after_hz, self.after_percent, self.after_mac, strict=True)
-        lines += [f"{r:4d} {measured:10.3f}  {before:10.3f} {signed(db):>7} {mb:6.3f}  {after:10.3f} "
-                  f"{signed(da):>7} {ma:6.3f}" for r, measured, before, db, mb, after, da, ma in rows]
+        lines = [
+            "mode   measured      before                      after",
+            "             Hz          Hz       %    MAC          Hz       %    MAC",
+        ]
+        rows = zip(
+            self.mode,
+            self.measured_hz,
+            self.before_hz,
+            self.before_percent,
+            self.before_mac,
+            self.after_hz,
+            self.after_percent,
+            self.after_mac,
+            strict=True,
+        )
+        lines += [
+            f"{r:4d} {measured:10.3f}  {before:10.3f} {signed(db):>7} {mb:6.3f}  {after:10.3f} "
+            f"{signed(da):>7} {ma:6.3f}"
+            for r, measured, before, db, mb, after, da, ma in rows
+        ]
         return "\n".join([*lines, self._closing])
 
 

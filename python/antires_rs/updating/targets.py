@@ -61,16 +61,25 @@ class AntiresonanceTargets:
 
     def __init__(self, model: StructuralModel, sets: tuple[AntiresonanceSet, ...]) -> None:
         self.sets = sets
-        self._parts = [(_model_dof(model, "measured dof", dof), _model_dof(model, "excitation", s.excitation),
-                        np.array(freq)) for s in sets for dof, freq in s.items()]
+        self._parts = [
+            (
+                _model_dof(model, "measured dof", dof),
+                _model_dof(model, "excitation", s.excitation),
+                np.array(freq),
+            )
+            for s in sets
+            for dof, freq in s.items()
+        ]
         counts = [len(freq) for _, _, freq in self._parts]
         self.hz = np.concatenate([np.empty(0), *(freq for _, _, freq in self._parts)])
         self.dofs = np.repeat([dof for dof, _, _ in self._parts], counts)
         self.excitations = np.repeat([force for _, force, _ in self._parts], counts)
         #: What the tables call the dofs of a frame: "3 v".
-        self.names = ({} if not hasattr(model, "dof_name") else
-                      {dof: model.dof_name(dof).removeprefix("node ")
-                       for part in self._parts for dof in part[:2]})
+        self.names = (
+            {}
+            if not hasattr(model, "dof_name")
+            else {dof: model.dof_name(dof).removeprefix("node ") for part in self._parts for dof in part[:2]}
+        )
 
     def weights(self, given: Any) -> FloatArray | None:
         return residual_weights(given, self.sets, self.hz)
@@ -84,18 +93,25 @@ class AntiresonanceTargets:
         return np.where(np.isnan(paired), 1.0, (paired / self.hz) ** 2 - 1.0)
 
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> FrequencyTable:
-        return FrequencyTable(self.dofs, self.excitations, self.hz, core.pairs(before)[0],
-                              core.pairs(after)[0], self.names)
+        return FrequencyTable(
+            self.dofs, self.excitations, self.hz, core.pairs(before)[0], core.pairs(after)[0], self.names
+        )
 
     def change(self, core: _core.Objective, behind: FloatArray, ahead: FloatArray) -> FloatArray:
-        return np.asarray((core.pairs(ahead)[0]**2 - core.pairs(behind)[0]**2) / self.hz**2)
+        return np.asarray((core.pairs(ahead)[0] ** 2 - core.pairs(behind)[0] ** 2) / self.hz**2)
 
-    def exact(self, model: StructuralModel, nominal: StructuralModel,
-              nominal_hz: FloatArray) -> list[AntiresonanceSet] | None:
+    def exact(
+        self, model: StructuralModel, nominal: StructuralModel, nominal_hz: FloatArray
+    ) -> list[AntiresonanceSet] | None:
         """Antiresonances up to the highest measured one."""
         band_hz = float(self.hz.max())
-        found = [AntiresonanceSet(s.excitation, dict(zip(s, model.antiresonances(
-            list(s), s.excitation, f_max_hz=band_hz), strict=True))) for s in self.sets]
+        found = [
+            AntiresonanceSet(
+                s.excitation,
+                dict(zip(s, model.antiresonances(list(s), s.excitation, f_max_hz=band_hz), strict=True)),
+            )
+            for s in self.sets
+        ]
         return found if any(len(freq) for s in found for freq in s.values()) else None
 
 
@@ -110,15 +126,24 @@ class ModalTargets:
         for each in sets:
             dofs = [_model_dof(model, "measured dof", dof) for dof in each.dofs]
             flexible = each.freq_hz != 0.0
-            self._parts.append((each.freq_hz[flexible], dofs,
-                                np.ascontiguousarray(each.shapes[flexible], dtype=np.complex128)))
+            self._parts.append(
+                (
+                    each.freq_hz[flexible],
+                    dofs,
+                    np.ascontiguousarray(each.shapes[flexible], dtype=np.complex128),
+                )
+            )
         self.hz = np.concatenate([freq for freq, _, _ in self._parts])
         self.numbers = np.concatenate([np.flatnonzero(each.freq_hz != 0.0) for each in sets])
 
     def weights(self, given: Any) -> FloatArray | None:
         if isinstance(given, str):
-            reject("weights", repr(given), "None, or one number for each measured mode",
-                   "A ModalSet has no standard deviations.")
+            reject(
+                "weights",
+                repr(given),
+                "None, or one number for each measured mode",
+                "A ModalSet has no standard deviations.",
+            )
         return residual_weights(given, (), self.hz)
 
     def core(self, *parts: Any) -> _core.Objective:
@@ -158,13 +183,14 @@ class ModalTargets:
             changes.append((sign * v - u).ravel())
         return np.concatenate(changes)
 
-    def exact(self, model: StructuralModel, nominal: StructuralModel,
-              nominal_hz: FloatArray) -> list[ModalSet] | None:
+    def exact(
+        self, model: StructuralModel, nominal: StructuralModel, nominal_hz: FloatArray
+    ) -> list[ModalSet] | None:
         """The modes whose numbers are those of the nominal model's partners."""
         modes, intact = model.modes(), nominal.modes()
         found, first = [], 0
         for freq, dofs, _ in self._parts:
-            partners = nominal_hz[first:first + len(freq)]
+            partners = nominal_hz[first : first + len(freq)]
             first += len(freq)
             near = np.abs(intact.freq_hz - partners[np.isfinite(partners)][:, None])
             numbers = np.unique(np.argmin(near, axis=1)).astype(int)
@@ -188,16 +214,24 @@ def targets_of(model: StructuralModel, measured: Any, objective: str | None) -> 
         reject("measured", measured, "an AntiresonanceSet or a ModalSet, or several of one kind")
     if objective is not None and objective != kind.objective:
         needed = "an AntiresonanceSet" if objective == "antiresonance" else "a ModalSet"
-        reject("measured", f"a {type(sets[0]).__name__}", f"{needed} for objective={objective!r}",
-               "Leave objective out: the measured set tells it.")
+        reject(
+            "measured",
+            f"a {type(sets[0]).__name__}",
+            f"{needed} for objective={objective!r}",
+            "Leave objective out: the measured set tells it.",
+        )
     made: Targets = kind(model, tuple(sets))
     return made
 
 
 def _model_dof(model: StructuralModel, name: str, label: Any) -> int:
     if isinstance(label, str):
-        reject(name, repr(label), f"a zero-based dof of the model, 0..{model.n_dof - 1}",
-               "Name the channels by the model's dofs: Recording(..., dofs=[0, 1, ...]).")
+        reject(
+            name,
+            repr(label),
+            f"a zero-based dof of the model, 0..{model.n_dof - 1}",
+            "Name the channels by the model's dofs: Recording(..., dofs=[0, 1, ...]).",
+        )
     return integer(name, label, low=0, high=model.n_dof - 1)
 
 

@@ -14,8 +14,9 @@ from ..support.validation import FloatArray, real_array, reject
 MODEL_ERROR = 2e-3
 
 
-def residual_weights(weights: Any, sets: Sequence[AntiresonanceSet],
-                     measured_hz: FloatArray) -> FloatArray | None:
+def residual_weights(
+    weights: Any, sets: Sequence[AntiresonanceSet], measured_hz: FloatArray
+) -> FloatArray | None:
     """Weight of every measured value, mean one; None for equal weights.
 
     "std" gives 1 / sqrt(s^2 + 0.002^2), scaled to mean one, where s = 2 std_hz / freq_hz is the deviation of
@@ -27,11 +28,16 @@ def residual_weights(weights: Any, sets: Sequence[AntiresonanceSet],
     if isinstance(weights, str):
         if weights != "std":
             reject("weights", repr(weights), "None, 'std', or one number for each measured value")
-        std = np.concatenate([each.std_hz.get(dof, np.full(len(freq), np.nan))
-                              for each in sets for dof, freq in each.items()])
+        std = np.concatenate(
+            [each.std_hz.get(dof, np.full(len(freq), np.nan)) for each in sets for dof, freq in each.items()]
+        )
         if not np.isfinite(std).any():
-            reject("weights", "'std' for values without standard deviations", "sets with std_hz",
-                   "Identify an averaged record with formulation='numerators' (its default), or give std_hz.")
+            reject(
+                "weights",
+                "'std' for values without standard deviations",
+                "sets with std_hz",
+                "Identify an averaged record with formulation='numerators' (its default), or give std_hz.",
+            )
         spread = 2.0 * std / measured_hz
         spread = np.where(np.isfinite(spread), spread, np.nanmedian(spread))
         made = 1.0 / np.hypot(spread, MODEL_ERROR)

@@ -68,9 +68,15 @@ class Exhaust:
         self.bends = [name for name, *_ in geometry.BENDS]
 
     @patient("recording the virtual test")
-    def experiment(self, level: int = 0, *, noise: float = 0.01, duration_s: float = DURATION_S,
-                   rng: int | np.random.Generator | None = None,
-                   progress: bool | None = None) -> Recording:
+    def experiment(
+        self,
+        level: int = 0,
+        *,
+        noise: float = 0.01,
+        duration_s: float = DURATION_S,
+        rng: int | np.random.Generator | None = None,
+        progress: bool | None = None,
+    ) -> Recording:
         """Record of the virtual test at 1024 Hz: random force, accelerations of the 16 places.
 
         Made by the tested structure, a finer frame with other properties than ``model``. The default
@@ -95,10 +101,19 @@ class Exhaust:
         """
         tested = experiment.TestedStructure(integer("level", level, low=0, high=3))
         # The slowest mode decides how long the lead-in is; each mode's own damping is in ``tested.frf``.
-        return simulate(tested, responses=self.responses, excitation=self.excitation, fs_hz=FS_HZ,
-                        duration_s=duration_s, damping_ratio=experiment.RIGID_DAMPING,
-                        lowest_hz=float(tested.freq_hz[0]), band_hz=FORCE_HZ, noise=noise, rng=rng,
-                        progress=progress)
+        return simulate(
+            tested,
+            responses=self.responses,
+            excitation=self.excitation,
+            fs_hz=FS_HZ,
+            duration_s=duration_s,
+            damping_ratio=experiment.RIGID_DAMPING,
+            lowest_hz=float(tested.freq_hz[0]),
+            band_hz=FORCE_HZ,
+            noise=noise,
+            rng=rng,
+            progress=progress,
+        )
 
     def truth(self, level: int = 0) -> dict[str, Any]:
         """What was tested, by name.
@@ -117,14 +132,20 @@ class Exhaust:
 
     def updating_parameters(self) -> list[Parameter]:
         """The 21 of the updating study: walls and moduli of 6 sections, 5 masses, 4 bends."""
-        return [*thickness(self.sections, bounds=(0.75, 1.25), relative=True),
-                *youngs_modulus(self.sections, bounds=(0.90, 1.10), relative=True),
-                *point_mass(range(len(self.masses)), bounds=(0.75, 1.25), relative=True),
-                *(angle(list(group), pivot, bounds_deg=(-8.0, 8.0)) for _, group, pivot in geometry.BENDS)]
+        return [
+            *thickness(self.sections, bounds=(0.75, 1.25), relative=True),
+            *youngs_modulus(self.sections, bounds=(0.90, 1.10), relative=True),
+            *point_mass(range(len(self.masses)), bounds=(0.75, 1.25), relative=True),
+            *(angle(list(group), pivot, bounds_deg=(-8.0, 8.0)) for _, group, pivot in geometry.BENDS),
+        ]
 
-    def updating_problem(self, measured: AntiresonanceSet | None = None, *,
-                         held_out: Sequence[int] | None = None,
-                         band_hz: tuple[float, float] | None = None) -> UpdatingProblem:
+    def updating_problem(
+        self,
+        measured: AntiresonanceSet | None = None,
+        *,
+        held_out: Sequence[int] | None = None,
+        band_hz: tuple[float, float] | None = None,
+    ) -> UpdatingProblem:
         """Fit of the 21 parameters to the antiresonances of the accelerometers that are not held out.
 
         Parameters
@@ -141,8 +162,14 @@ class Exhaust:
         source = self.exact(0, band_hz=band) if measured is None else measured
         return UpdatingProblem(self.model, self.updating_parameters(), self._within(source, band, out))
 
-    def damage_problem(self, measured: AntiresonanceSet | None = None, *, level: int = 1,
-                       elements: Any = None, model: StructuralModel | None = None) -> UpdatingProblem:
+    def damage_problem(
+        self,
+        measured: AntiresonanceSet | None = None,
+        *,
+        level: int = 1,
+        elements: Any = None,
+        model: StructuralModel | None = None,
+    ) -> UpdatingProblem:
         """Stiffness losses with the paper's penalties.
 
         Parameters
@@ -156,29 +183,39 @@ class Exhaust:
             The updated model; default: the nominal one, which is far from the tested structure.
         """
         source = self.exact(level) if measured is None else measured
-        return UpdatingProblem(self.model if model is None else model,
-                               stiffness_reduction(self.candidates if elements is None else list(elements)),
-                               self._within(source, self.damage_band_hz), penalty=DamagePenalty())
+        return UpdatingProblem(
+            self.model if model is None else model,
+            stiffness_reduction(self.candidates if elements is None else list(elements)),
+            self._within(source, self.damage_band_hz),
+            penalty=DamagePenalty(),
+        )
 
     def search_problem(self, element: int, beta: float) -> UpdatingProblem:
         """Exact targets of the nominal model itself with one damage: for studies of optimizers only."""
         chosen = integer("element", element, low=0, high=len(self.model.elements) - 1)
         loss = finite_scalar("beta", beta, low=0.0, high=0.99)
-        damaged = UpdatingProblem(self.model, stiffness_reduction([chosen]),
-                                  self._zeros_of(self.model)).model_at([loss])
+        damaged = UpdatingProblem(
+            self.model, stiffness_reduction([chosen]), self._zeros_of(self.model)
+        ).model_at([loss])
         return self.damage_problem(self._zeros_of(damaged))
 
     def _zeros_of(self, model: StructuralModel) -> AntiresonanceSet:
         found = model.antiresonances(self.responses, self.excitation, f_max_hz=self.damage_band_hz[1])
-        return self._within(AntiresonanceSet(self.excitation, dict(zip(self.responses, found, strict=True))),
-                            self.damage_band_hz)
+        return self._within(
+            AntiresonanceSet(self.excitation, dict(zip(self.responses, found, strict=True))),
+            self.damage_band_hz,
+        )
 
     @staticmethod
-    def _within(values: AntiresonanceSet, band_hz: tuple[float, float],
-                without: Sequence[int] = ()) -> AntiresonanceSet:
+    def _within(
+        values: AntiresonanceSet, band_hz: tuple[float, float], without: Sequence[int] = ()
+    ) -> AntiresonanceSet:
         """The values of a band, with their damping and standard deviations, but for some dofs."""
-        inside = {dof: (freq >= band_hz[0]) & (freq <= band_hz[1]) for dof, freq in values.items()
-                  if dof not in without}
+        inside = {
+            dof: (freq >= band_hz[0]) & (freq <= band_hz[1])
+            for dof, freq in values.items()
+            if dof not in without
+        }
 
         def of(table: Mapping[Any, FloatArray]) -> dict[Any, FloatArray]:
             return {dof: table[dof][keep] for dof, keep in inside.items() if dof in table}

@@ -37,8 +37,9 @@ def bending_factor(share: float, radius_over_wall: float) -> float:
     return float(1.0 + scale * (4.5967 * share**1.5 + 2.6422 * share**4.24))
 
 
-def crack_compliance(share: float, *, outer_diameter_m: float, thickness_m: float,
-                     youngs_modulus_pa: float) -> float:
+def crack_compliance(
+    share: float, *, outer_diameter_m: float, thickness_m: float, youngs_modulus_pa: float
+) -> float:
     """Rotation per moment, rad/(N m), that a crack over ``share`` of the perimeter adds to the tube.
 
     Parameters

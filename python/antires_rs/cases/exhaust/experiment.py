@@ -34,8 +34,13 @@ MODULUS = {"front": 0.96, "link": 1.05, "middle": 0.94, "axle": 1.06, "rear": 0.
 MASS = {"inlet flange": 1.15, "catalyst": 1.14, "front muffler": 1.13, "flange": 0.90, "rear muffler": 1.12}
 ANGLE_DEG = {"front to link": -4.0, "middle to axle": -5.0, "axle to rear": 3.0, "second tail pipe": -5.0}
 #: ... and what no updating parameter can follow.
-INERTIA = {"inlet flange": 1.03, "catalyst": 0.96, "front muffler": 1.03, "flange": 1.03,
-           "rear muffler": 0.97}
+INERTIA = {
+    "inlet flange": 1.03,
+    "catalyst": 0.96,
+    "front muffler": 1.03,
+    "flange": 1.03,
+    "rear muffler": 0.97,
+}
 HANGER = 0.9
 #: Standard deviation of the wall from one coarse element's pipe to the next, a fixed draw.
 WALL_SCATTER, WALL_SEED = 0.005, 332
@@ -75,8 +80,12 @@ def compliance(level: int) -> float:
     """Rotation per moment of the crack, rad/(N m); 0 at level 0."""
     if level == 0:
         return 0.0
-    return crack_compliance(SHARES[level - 1], outer_diameter_m=geometry.DIAMETER_M,
-                            thickness_m=float(walls_m()[CRACKED_ELEMENT]), youngs_modulus_pa=_modulus())
+    return crack_compliance(
+        SHARES[level - 1],
+        outer_diameter_m=geometry.DIAMETER_M,
+        thickness_m=float(walls_m()[CRACKED_ELEMENT]),
+        youngs_modulus_pa=_modulus(),
+    )
 
 
 def equivalent_loss(level: int) -> float:
@@ -110,10 +119,15 @@ def true_model(level: int) -> FrameModel:
             if level and piece == soft:
                 beams[-1] = (*pair, len(sections))
                 sections.append(_soft(tube, compliance(level)))
-    masses = [PointMass(node, mass * MASS[name], inertia * INERTIA[name])
-              for name, node, mass, inertia in geometry.MASSES]
-    springs = [GroundSpring(node, direction, stiffness * HANGER) for node, across, along in geometry.HANGERS
-               for direction, stiffness in (("v", across), ("u", along))]
+    masses = [
+        PointMass(node, mass * MASS[name], inertia * INERTIA[name])
+        for name, node, mass, inertia in geometry.MASSES
+    ]
+    springs = [
+        GroundSpring(node, direction, stiffness * HANGER)
+        for node, across, along in geometry.HANGERS
+        for direction, stiffness in (("v", across), ("u", along))
+    ]
     return FrameModel(np.array(nodes), beams, sections, point_masses=masses, ground_springs=springs)
 
 
@@ -157,18 +171,19 @@ class TestedStructure:
     def __init__(self, level: int) -> None:
         from scipy.sparse import csc_array
         from scipy.sparse.linalg import eigsh, splu
+
         self.model = true_model(level)
         self.excitation = self.model.dof(*geometry.SHAKER)
         stiffness, mass = csc_array(self.model.stiffness()), csc_array(self.model.mass())
-        shift = -(2 * np.pi * 5.0) ** 2
+        shift = -((2 * np.pi * 5.0) ** 2)
         start = np.random.default_rng(0).standard_normal(self.model.n_dof)
         squares, shapes = eigsh(stiffness, MODES, mass, sigma=shift, v0=start)
         order = np.argsort(squares)
         self.freq_hz: FloatArray = np.sqrt(squares[order]) / (2 * np.pi)
         self.shapes: FloatArray = shapes[:, order].T
-        self.damping_ratio = np.concatenate([
-            np.full(RIGID_MODES, RIGID_DAMPING),
-            np.resize(ELASTIC_DAMPING, MODES - RIGID_MODES)])
+        self.damping_ratio = np.concatenate(
+            [np.full(RIGID_MODES, RIGID_DAMPING), np.resize(ELASTIC_DAMPING, MODES - RIGID_MODES)]
+        )
         unit = np.zeros(self.model.n_dof)
         unit[self.excitation] = 1.0
         # Receptance at the shift, less what the modes give: the quasi-static part of the modes left out.
@@ -176,13 +191,20 @@ class TestedStructure:
         modal = self.shapes.T @ (self.shapes[:, self.excitation] / (squares[order] - shift))
         self._residual = whole - modal
 
-    def frf(self, response: Any, excitation: int, freq_hz: Any, *, damping_ratio: Any = None,
-            kind: str = "accelerance") -> ComplexArray:
+    def frf(
+        self,
+        response: Any,
+        excitation: int,
+        freq_hz: Any,
+        *,
+        damping_ratio: Any = None,
+        kind: str = "accelerance",
+    ) -> ComplexArray:
         """Accelerance of one response dof to the shaker, (n_freq,)."""
         omega = 2 * np.pi * np.asarray(freq_hz, dtype=float)
         poles = 2 * np.pi * self.freq_hz
         total: ComplexArray = np.full(omega.size, complex(self._residual[response]))
         for pole, ratio, shape in zip(poles, self.damping_ratio, self.shapes, strict=True):
             total += shape[response] * shape[excitation] / (pole**2 - omega**2 + 2j * ratio * pole * omega)
-        total *= -omega**2
+        total *= -(omega**2)
         return total

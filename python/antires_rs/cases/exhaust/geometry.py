@@ -20,15 +20,15 @@ DIAMETER_M = 0.038
 #: Runs of pipe: section, corner nodes are where the previous run ends, (x, y) of its end in m, beams.
 #: The last two runs are the second tail pipe, which leaves the rear muffler at node 34.
 RUNS: tuple[tuple[str, tuple[float, float], int], ...] = (
-    ("front", (0.46, 0.12), 8),     # elements 1-8: inlet flange, catalyst
-    ("link", (0.70, 0.30), 5),      # 9-13: to the side, past the gearbox
-    ("middle", (1.22, 0.30), 9),    # 14-22: front muffler
-    ("axle", (1.34, 0.45), 3),      # 23-25: up ...
-    ("axle", (1.66, 0.45), 5),      # 26-30: ... and over the axle; flange and weld at its end
-    ("rear", (1.96, 0.18), 4),      # 31-34: into the rear muffler
-    ("tail", (2.30, 0.18), 5),      # 35-39: first tail pipe
-    ("tail", (2.05, 0.05), 3),      # 40-42: second tail pipe, from node 34
-    ("tail", (2.30, 0.00), 5),      # 43-47
+    ("front", (0.46, 0.12), 8),  # elements 1-8: inlet flange, catalyst
+    ("link", (0.70, 0.30), 5),  # 9-13: to the side, past the gearbox
+    ("middle", (1.22, 0.30), 9),  # 14-22: front muffler
+    ("axle", (1.34, 0.45), 3),  # 23-25: up ...
+    ("axle", (1.66, 0.45), 5),  # 26-30: ... and over the axle; flange and weld at its end
+    ("rear", (1.96, 0.18), 4),  # 31-34: into the rear muffler
+    ("tail", (2.30, 0.18), 5),  # 35-39: first tail pipe
+    ("tail", (2.05, 0.05), 3),  # 40-42: second tail pipe, from node 34
+    ("tail", (2.30, 0.00), 5),  # 43-47
 )
 START_M = (0.0, 0.12)
 BRANCH_RUN, BRANCH_NODE = 7, 34
@@ -57,8 +57,23 @@ HANGERS: tuple[tuple[int, float, float], ...] = ((2, 1500.0, 500.0), (20, 1500.0
 SHAKER: tuple[int, str] = (47, "u")
 #: Accelerometers, each across its pipe as far as a frame's dofs allow.
 SENSORS: tuple[tuple[int, str], ...] = (
-    (0, "v"), (3, "v"), (6, "v"), (10, "v"), (12, "u"), (15, "v"), (18, "v"), (20, "v"),
-    (24, "u"), (28, "v"), (30, "v"), (32, "u"), (35, "v"), (37, "v"), (41, "u"), (47, "v"))
+    (0, "v"),
+    (3, "v"),
+    (6, "v"),
+    (10, "v"),
+    (12, "u"),
+    (15, "v"),
+    (18, "v"),
+    (20, "v"),
+    (24, "u"),
+    (28, "v"),
+    (30, "v"),
+    (32, "u"),
+    (35, "v"),
+    (37, "v"),
+    (41, "u"),
+    (47, "v"),
+)
 #: Bends whose angle is uncertain: the run after the pivot turns, and all behind it.
 BENDS: tuple[tuple[str, tuple[int, ...], int], ...] = (
     ("front to link", tuple(range(8, 13)), 8),
@@ -93,9 +108,18 @@ def nodes() -> FloatArray:
 
 def nominal_model() -> FrameModel:
     """The model to be updated: 48 nodes, 144 dofs."""
-    tubes = {name: Tube(DIAMETER_M, wall, modulus, density)
-             for name, (wall, modulus, density) in SECTIONS.items()}
-    springs = [GroundSpring(node, direction, stiffness) for node, across, along in HANGERS
-               for direction, stiffness in (("v", across), ("u", along))]
-    return FrameModel(nodes(), beams(), tubes, ground_springs=springs,
-                      point_masses=[PointMass(node, mass, inertia) for _, node, mass, inertia in MASSES])
+    tubes = {
+        name: Tube(DIAMETER_M, wall, modulus, density) for name, (wall, modulus, density) in SECTIONS.items()
+    }
+    springs = [
+        GroundSpring(node, direction, stiffness)
+        for node, across, along in HANGERS
+        for direction, stiffness in (("v", across), ("u", along))
+    ]
+    return FrameModel(
+        nodes(),
+        beams(),
+        tubes,
+        ground_springs=springs,
+        point_masses=[PointMass(node, mass, inertia) for _, node, mass, inertia in MASSES],
+    )

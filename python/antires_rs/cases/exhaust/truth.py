@@ -36,11 +36,17 @@ def truth(level: int, responses: list[int]) -> dict[str, Any]:
     low = tested.freq_hz <= F_MAX_HZ
     loss = experiment.equivalent_loss(level)
     return {
-        "thickness": dict(experiment.THICKNESS), "youngs_modulus": dict(experiment.MODULUS),
-        "point_mass": dict(experiment.MASS), "angle": dict(experiment.ANGLE_DEG),
-        "inertia": dict(experiment.INERTIA), "hanger": experiment.HANGER,
+        "thickness": dict(experiment.THICKNESS),
+        "youngs_modulus": dict(experiment.MODULUS),
+        "point_mass": dict(experiment.MASS),
+        "angle": dict(experiment.ANGLE_DEG),
+        "inertia": dict(experiment.INERTIA),
+        "hanger": experiment.HANGER,
         "crack_share": (0.0, *experiment.SHARES)[level],
-        "crack_compliance": experiment.compliance(level), "equivalent_loss": loss,
+        "crack_compliance": experiment.compliance(level),
+        "equivalent_loss": loss,
         "severity": {experiment.CRACKED_ELEMENT: loss},
         "freq_hz": true_antiresonances(level, responses, F_MAX_HZ),
-        "resonances_hz": tested.freq_hz[low], "damping_ratio": tested.damping_ratio[low]}
+        "resonances_hz": tested.freq_hz[low],
+        "damping_ratio": tested.damping_ratio[low],
+    }
