@@ -1,7 +1,7 @@
 r"""Model updating and damage assessment: models, measured values and the search meet here.
 
-Knows the objective, what came out, and what the data do not tell. Uses ``models``, ``measured``, ``optimize`` and
-``support``; never a record or a spectrum.
+Knows the objective, what came out, and what the data do not tell. Uses ``models``, ``measured``, ``optimize``
+and ``support``; never a record or a spectrum.
 
 .. math:: J = \sum \left|\frac{\omega_A^2}{\omega_E^2} - 1\right|
           + \gamma_1 \sum \beta_i + \gamma_2\,\mathrm{count}(\beta_i > 0)
