@@ -7,16 +7,15 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+STUDIES = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
 
 
-def test_the_examples_run_as_printed(capsys):
-    first, second = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-    lines = [line for line in first.splitlines() if line.strip()]
+def test_the_example_runs_as_printed(capsys):
+    (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    lines = [line for line in example.splitlines() if line.strip()]
     assert len(lines) <= 15
-    names = {}
-    exec(compile(first, "README.md", "exec"), names)
+    exec(compile(example, "README.md", "exec"), {})
     assert "spring 5" in capsys.readouterr().out
-    exec(compile(second, "README.md", "exec"), names)
 
 
 @pytest.mark.parametrize("target", sorted(set(re.findall(r"\]\((?!https?://)([^)]+)\)", README))))
@@ -24,9 +23,19 @@ def test_every_file_it_links_to_exists(target):
     assert (ROOT / target).exists()
 
 
-@pytest.mark.parametrize("script", sorted(set(re.findall(r"benchmarks/\w+\.py", README))))
-def test_every_benchmark_it_names_exists(script):
+@pytest.mark.parametrize("script", sorted(set(re.findall(r"(?:benchmarks|examples)/\w+\.py", STUDIES))))
+def test_every_study_of_the_page_of_figures_exists(script):
     assert (ROOT / script).exists()
+
+
+def test_every_benchmark_it_names_is_on_the_page_of_figures():
+    named = set(re.findall(r"`(\w+\.py)[^`]*`", README))
+    assert named
+    assert named <= set(re.findall(r"benchmarks/(\w+\.py)", STUDIES))
+
+
+def test_it_is_read_in_five_minutes():
+    assert len(README.split()) <= 1200
 
 
 @pytest.mark.parametrize("target", sorted(set(re.findall(r"^make (\w+)", README, re.MULTILINE))))
