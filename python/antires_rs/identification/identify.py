@@ -4,7 +4,8 @@ Under one force at k the responses are X_p = N_pk F / D: their numerators N_pk h
 zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Two formulations:
 
 - "numerators": all N_pk at once from the whole spectral matrix of the responses
-  (:mod:`~antires_rs.identification.numerators`). For averaged records, whose segments tell the noise and the errors.
+  (:mod:`~antires_rs.identification.numerators`). For averaged records, whose segments tell the noise and the
+  errors.
 - "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j. For
   single hits and given curves, where nothing tells the noise.
 
@@ -101,10 +102,11 @@ def identify_antiresonances(
         How a record is averaged; "auto" looks at its energy profile.
     estimator : {"rank1", "h1", "h2", "hv"}
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
-        :func:`~antires_rs.signals.transfer_functions.transmissibility` and :func:`~antires_rs.signals.transfer_functions.frf`.
+        :func:`~antires_rs.signals.transfer_functions.transmissibility` and
+        :func:`~antires_rs.signals.transfer_functions.frf`.
     formulation : {"auto", "numerators", "joint", "sum", "power", "eq10"}, optional
-        See the module, and :mod:`~antires_rs.identification.formulations` for the last three. "auto" (default) takes
-        "numerators" for averaged records with ``estimator="rank1"``, else "joint".
+        See the module, and :mod:`~antires_rs.identification.formulations` for the last three. "auto"
+        (default) takes "numerators" for averaged records with ``estimator="rank1"``, else "joint".
     preset : {None, "paper", "strict", "sensitive"}
         A named set of the options formulation, freq_tol to min_dominance and persistent, see
         :mod:`~antires_rs.order_sweep.presets`. What is given beside it wins.

@@ -48,8 +48,8 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
         By dof, in the order of the sorted frequencies; without the dofs for which they are not known. After
         :meth:`add` single values may be NaN.
     scores : dict
-        By dof: what speaks for each value, a dict of name to (n,) array, see :mod:`antires_rs.order_sweep.scores`. Empty
-        where a set was made by hand.
+        By dof: what speaks for each value, a dict of name to (n,) array, see
+        :mod:`antires_rs.order_sweep.scores`. Empty where a set was made by hand.
     edits : tuple of Edit
         What was dropped and added by hand, in order.
     diagrams : dict

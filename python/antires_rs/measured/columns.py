@@ -66,6 +66,7 @@ def with_column(table: Mapping[Any, FloatArray], dof: Any, column: FloatArray) -
 def sorted_scores(
     given: Mapping[Any, Mapping[str, Any]] | None, rank: Mapping[Any, Any]
 ) -> dict[Any, dict[str, Any]]:
+    """Scores of each dof, in the order of ``rank``."""
     store: dict[Any, dict[str, Any]] = {}
     for key, columns in (given or {}).items():
         dof = label("scores", key)
