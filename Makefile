@@ -34,7 +34,7 @@ lint: build  ## clippy, rustdoc, ruff, mypy, stubtest
 	cargo fmt --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps -p antires-core
-	$(BIN)/ruff check python tests examples benchmarks docs .ci
+	$(BIN)/ruff check python tests reference examples benchmarks docs .ci
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest antires_rs --mypy-config-file pyproject.toml --allowlist .ci/stubtest_allowlist.txt
 
@@ -83,8 +83,8 @@ $(BIN)/maturin: pyproject.toml
 	@touch $@
 
 bench: build  ## speed and accuracy tables of the README
-	$(BIN)/python benchmarks/objective_speed.py
-	$(BIN)/python benchmarks/chain8_study.py
+	$(BIN)/python -m benchmarks.objective_speed
+	$(BIN)/python -m benchmarks.chain8_study
 
 clean:  ## remove everything that was built
 	rm -rf $(VENV) target dist demo_output python/antires_rs/*.so
