@@ -1,4 +1,4 @@
-"""Mend blanks at the ends of lines and files: ``python .ci/end_of_file.py FILE ...``; exit code 1 if any were."""
+"""Mend blanks at the ends of lines and files: ``python .ci/end_of_file.py FILE ...``; exit code 1 if any."""
 
 import sys
 from pathlib import Path
