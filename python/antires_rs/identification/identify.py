@@ -340,8 +340,13 @@ def _checked(
         method=method,
     )
     if strict and checked.fatal:
-        fatal = [str(f) for f in checked.findings if f.severity == "fatal"]
-        raise UnsuitableDataError("source: " + " ".join(fatal))
+        fatal = [f for f in checked.findings if f.severity == "fatal"]
+        raise UnsuitableDataError(
+            "source",
+            "data in which the check finds: " + " ".join(f.text for f in fatal).rstrip("."),
+            "data without fatal findings, as strict=True asks for",
+            " ".join(f.advice for f in fatal),
+        )
     if not checked.ok:
         warnings.warn("data check: " + " ".join(checked.warnings), AntiresWarning, stacklevel=4)
     return checked
@@ -351,13 +356,17 @@ def _can_answer(source: Recording | FrequencyResponse, use_force: bool) -> None:
     """Refuse sources that lack what the route needs."""
     if not use_force and len(source.dofs) < 2:
         raise UnsuitableDataError(
-            "source: got a single channel; wanted two or more for route='transmissibility', whose poles are "
-            "the antiresonances. Add a channel, or measure the force and use route='frf'."
+            "source",
+            "a single channel",
+            "two or more for route='transmissibility', whose poles are the antiresonances",
+            "Add a channel, or measure the force and use route='frf'.",
         )
     if use_force and isinstance(source, Recording) and source.force is None:
         raise UnsuitableDataError(
-            "route: got 'frf' for a Recording without force; wanted a measured force. Use "
-            "route='transmissibility': it needs none."
+            "route",
+            "'frf' for a Recording without force",
+            "a measured force",
+            "Use route='transmissibility': it needs none.",
         )
 
 
