@@ -4,7 +4,8 @@ Under one force at k the responses are X_p = N_pk F / D: their numerators N_pk h
 zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Two formulations:
 
 - "numerators": all N_pk at once from the whole spectral matrix of the responses
-  (:mod:`~antires_rs.identification.numerators`). For averaged records, whose segments tell the noise and the errors.
+  (:mod:`~antires_rs.identification.numerators`). For averaged records, whose segments tell the noise and the
+  errors.
 - "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j. For
   single hits and given curves, where nothing tells the noise.
 
@@ -102,10 +103,11 @@ def identify_antiresonances(
         How a record is averaged; "auto" looks at its energy profile.
     estimator : {"rank1", "h1", "h2", "hv"}
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
-        :func:`~antires_rs.signals.transfer_functions.transmissibility` and :func:`~antires_rs.signals.transfer_functions.frf`.
+        :func:`~antires_rs.signals.transfer_functions.transmissibility` and
+        :func:`~antires_rs.signals.transfer_functions.frf`.
     formulation : {"auto", "numerators", "joint", "sum", "power", "eq10"}, optional
-        See the module, and :mod:`~antires_rs.identification.formulations` for the last three. "auto" (default) takes
-        "numerators" for averaged records with ``estimator="rank1"``, else "joint".
+        See the module, and :mod:`~antires_rs.identification.formulations` for the last three. "auto"
+        (default) takes "numerators" for averaged records with ``estimator="rank1"``, else "joint".
     preset : {None, "paper", "strict", "sensitive"}
         A named set of the options formulation, freq_tol to min_dominance and persistent, see
         :mod:`~antires_rs.order_sweep.presets`. What is given beside it wins.
@@ -337,8 +339,13 @@ def _checked(
         method=method,
     )
     if strict and checked.fatal:
-        fatal = [str(f) for f in checked.findings if f.severity == "fatal"]
-        raise UnsuitableDataError("source: " + " ".join(fatal))
+        fatal = [f for f in checked.findings if f.severity == "fatal"]
+        raise UnsuitableDataError(
+            "source",
+            "data in which the check finds: " + " ".join(f.text for f in fatal).rstrip("."),
+            "data without fatal findings, as strict=True asks for",
+            " ".join(f.advice for f in fatal),
+        )
     if not checked.ok:
         warnings.warn("data check: " + " ".join(checked.warnings), AntiresWarning, stacklevel=4)
     return checked
@@ -348,13 +355,17 @@ def _can_answer(source: Recording | FrequencyResponse, use_force: bool) -> None:
     """Refuse sources that lack what the route needs."""
     if not use_force and len(source.dofs) < 2:
         raise UnsuitableDataError(
-            "source: got a single channel; wanted two or more for route='transmissibility', whose poles are "
-            "the antiresonances. Add a channel, or measure the force and use route='frf'."
+            "source",
+            "a single channel",
+            "two or more for route='transmissibility', whose poles are the antiresonances",
+            "Add a channel, or measure the force and use route='frf'.",
         )
     if use_force and isinstance(source, Recording) and source.force is None:
         raise UnsuitableDataError(
-            "route: got 'frf' for a Recording without force; wanted a measured force. Use "
-            "route='transmissibility': it needs none."
+            "route",
+            "'frf' for a Recording without force",
+            "a measured force",
+            "Use route='transmissibility': it needs none.",
         )
 
 

@@ -22,6 +22,7 @@ FORMAT = "antires_rs.AntiresonanceSet"
 VERSION = 2
 COLUMNS = ("freq_hz", "damping_ratio", "std_hz")
 ACTIONS = ("drop", "add")
+_ANOTHER = "It was cut, or is another file: save the set again, or name the file that holds it."
 
 
 def to_json(
@@ -49,7 +50,7 @@ def from_json(text: str, path: str) -> dict[str, Any]:
     try:
         data = json.loads(text)
     except ValueError as exc:
-        raise InvalidInputError(f"path: got {path!r}, which is not JSON ({exc}); wanted {wanted}.") from exc
+        raise InvalidInputError("path", f"{path!r}, which is not JSON ({exc})", wanted, _ANOTHER) from exc
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         reject("path", f"{path!r} without the mark {FORMAT!r}", wanted)
     if not isinstance(data.get("version"), int) or data["version"] > VERSION:
@@ -69,8 +70,10 @@ def from_json(text: str, path: str) -> dict[str, Any]:
 def damaged(path: str, exc: Exception) -> InvalidInputError:
     """The error of a file whose contents cannot be."""
     return InvalidInputError(
-        f"path: got {path!r}, which is damaged ({exc}); wanted a file written by "
-        f"AntiresonanceSet.save, version {VERSION} or older."
+        "path",
+        f"{path!r}, which is damaged ({exc})",
+        f"a file written by AntiresonanceSet.save, version {VERSION} or older",
+        _ANOTHER,
     )
 
 

@@ -1,6 +1,7 @@
 """Updating parameters: what may change in a model, and within which bounds.
 
-Those of this module act on the terms of any model; :mod:`antires_rs.models.frame_parameters` has those of frames.
+Those of this module act on the terms of any model; :mod:`antires_rs.models.frame_parameters` has those of
+frames.
 
 Each function returns one :class:`Parameter` for a single element, or a list with one parameter for
 each element of a sequence; add the lists to mix kinds. With ``together=True`` a sequence forms one

@@ -14,8 +14,8 @@ persistent      True           False        False        True
 
 "paper" is the rule of V. Meruane, J. Sound Vib. 332 (2013) 807-820: stable within 1 % and 5 % in more than 10
 consecutive orders, and nothing else (on the joint fit of all transmissibilities: the paper's own sum cannot
-be fitted, see :mod:`~antires_rs.identification.formulations`). "strict" wants poles that own their curve and stand still:
-for values that must be right. "sensitive" is for values that someone will look at afterwards.
+be fitted, see :mod:`~antires_rs.identification.formulations`). "strict" wants poles that own their curve and
+stand still: for values that must be right. "sensitive" is for values that someone will look at afterwards.
 
 Found of all, and false values a record, on simulated records with the options as above (chain8 from
 noise-free to 10 %: 1 % damping, 200 s, seeds 100 to 104; the others at 5 % noise, mean of seeds 110 to 112):

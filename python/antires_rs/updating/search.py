@@ -50,7 +50,8 @@ def update(
         Show progress on standard error; by default on a terminal, after one second.
     checkpoint : path-like, optional
         File in which the search is kept, written every two seconds and at the end. If it is there, the search
-        goes on from it, to the same bits as if it had never stopped; see :mod:`antires_rs.optimize.checkpoint`.
+        goes on from it, to the same bits as if it had never stopped; see
+        :mod:`antires_rs.optimize.checkpoint`.
 
     Returns
     -------
@@ -91,6 +92,7 @@ def search(
     progress: bool | None,
     checkpoint: Any,
 ) -> tuple[OptimizeResult, int]:
+    """The core's search as ``update`` and ``assess_damage`` run it, and the seed that was used."""
     ga = IslandGA() if optimizer is None else optimizer
     if not isinstance(ga, IslandGA):
         reject("optimizer", optimizer, "an IslandGA")

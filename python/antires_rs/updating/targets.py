@@ -82,22 +82,27 @@ class AntiresonanceTargets:
         )
 
     def weights(self, given: Any) -> FloatArray | None:
+        """Factors on the residuals, one a measured antiresonance or mode."""
         return residual_weights(given, self.sets, self.hz)
 
     def core(self, *parts: Any) -> _core.Objective:
+        """The core's objective."""
         model, parameters, *rest = parts
         return _core.Objective.antiresonance(model, parameters, self._parts, *rest)
 
     def residuals(self, core: _core.Objective, x: FloatArray) -> FloatArray:
+        """Signed residuals e at ``x``; 1 without a partner."""
         paired = core.pairs(x)[0]
         return np.where(np.isnan(paired), 1.0, (paired / self.hz) ** 2 - 1.0)
 
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> FrequencyTable:
+        """Measured, before and after."""
         return FrequencyTable(
             self.dofs, self.excitations, self.hz, core.pairs(before)[0], core.pairs(after)[0], self.names
         )
 
     def change(self, core: _core.Objective, behind: FloatArray, ahead: FloatArray) -> FloatArray:
+        """How what was measured differs between two parameter vectors."""
         return np.asarray((core.pairs(ahead)[0] ** 2 - core.pairs(behind)[0] ** 2) / self.hz**2)
 
     def exact(
@@ -137,6 +142,7 @@ class ModalTargets:
         self.numbers = np.concatenate([np.flatnonzero(each.freq_hz != 0.0) for each in sets])
 
     def weights(self, given: Any) -> FloatArray | None:
+        """Factors on the residuals, one a measured antiresonance or mode."""
         if isinstance(given, str):
             reject(
                 "weights",
@@ -147,6 +153,7 @@ class ModalTargets:
         return residual_weights(given, (), self.hz)
 
     def core(self, *parts: Any) -> _core.Objective:
+        """The core's objective."""
         model, parameters, *rest = parts
         return _core.Objective.modal(model, parameters, self._parts, *rest)
 
@@ -167,6 +174,7 @@ class ModalTargets:
         return np.where(np.isnan(both), 1.0, both)
 
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> ModalTable:
+        """Measured, before and after."""
         (hz, mac, _), (hz_after, mac_after, _) = self._pairs(core, before), self._pairs(core, after)
         return ModalTable(self.numbers, self.hz, hz, hz_after, mac, mac_after)
 
