@@ -7,16 +7,15 @@ import pytest
 from tests.support.paths import ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+STUDIES = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
 
 
-def test_the_examples_run_as_printed(capsys):
-    first, second = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-    lines = [line for line in first.splitlines() if line.strip()]
+def test_the_example_runs_as_printed(capsys):
+    (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    lines = [line for line in example.splitlines() if line.strip()]
     assert len(lines) <= 15
-    names = {}
-    exec(compile(first, "README.md", "exec"), names)
+    exec(compile(example, "README.md", "exec"), {})
     assert "spring 5" in capsys.readouterr().out
-    exec(compile(second, "README.md", "exec"), names)
 
 
 @pytest.mark.parametrize("target", sorted(set(re.findall(r"\]\((?!https?://)([^)]+)\)", README))))
@@ -24,9 +23,25 @@ def test_every_file_it_links_to_exists(target):
     assert (ROOT / target).exists()
 
 
-@pytest.mark.parametrize("script", sorted(set(re.findall(r"benchmarks[./](\w+)", README))))
-def test_every_benchmark_it_names_exists(script):
-    assert (ROOT / "benchmarks" / f"{script}.py").exists()
+@pytest.mark.parametrize("study", sorted(set(re.findall(r"benchmarks[./](\w+)", STUDIES))))
+def test_every_study_of_the_page_of_figures_exists(study):
+    assert (ROOT / "benchmarks" / f"{study}.py").exists()
+
+
+@pytest.mark.parametrize("script", sorted(set(re.findall(r"(?:examples|tests)/[\w/]+\.py", STUDIES))))
+def test_every_script_of_the_page_of_figures_exists(script):
+    assert (ROOT / script).exists()
+
+
+def test_every_study_it_names_is_on_the_page_of_figures():
+    """The last column of its tables holds the name of the study."""
+    named = set(re.findall(r"\| `(\w+)[^`|]*` \|$", README, re.MULTILINE))
+    assert named
+    assert named <= set(re.findall(r"benchmarks\.(\w+)", STUDIES))
+
+
+def test_it_stays_short():
+    assert len(README.split()) <= 1200
 
 
 @pytest.mark.parametrize("target", sorted(set(re.findall(r"^make (\w+)", README, re.MULTILINE))))

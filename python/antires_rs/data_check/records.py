@@ -50,7 +50,8 @@ def of_recording(
         try:
             spectra = transient_spectra(live, include_force=live.force is not None)
         except UnsuitableDataError as exc:
-            finding = Finding(MISSED_HIT, "fatal", (), 0.0, 0.0, "No whole hit is in the record.", str(exc))
+            advice = f"{exc.got[0].upper()}{exc.got[1:]}. {exc.remedy}"
+            finding = Finding(MISSED_HIT, "fatal", (), 0.0, 0.0, "No whole hit is in the record.", advice)
             return [*said, finding, *_none_by_line("no whole hit is in the record")], None
         length, taper = None, None
         said += _single_hit(spectra.n_averages)

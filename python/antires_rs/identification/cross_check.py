@@ -217,8 +217,10 @@ def second_opinion(
     band = frequency_band("band_hz", band_hz, low_hz=low_hz, high_hz=high_hz)
     if force and isinstance(source, Recording) and source.force is None:
         raise UnsuitableDataError(
-            "source: got a single channel and no force; wanted two or more channels, or a force, so that "
-            "there is a quotient to fit. Add a channel."
+            "source",
+            "a single channel and no force",
+            "two or more channels, or a force, so that there is a quotient to fit",
+            "Add a channel.",
         )
     lines_for = lines_of(
         source,

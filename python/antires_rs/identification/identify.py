@@ -33,6 +33,7 @@ from ..order_sweep.diagram import PoleSweep, StabilizationDiagram, ZeroSweep, di
 from ..order_sweep.persistence import add_persistent
 from ..order_sweep.presets import rule_options
 from ..order_sweep.rule import Rule
+from ..order_sweep.scores import graded, scored
 from ..order_sweep.windows import join, windows
 from ..signals.band import band_of
 from ..signals.frequency_response import FrequencyResponse
@@ -242,23 +243,21 @@ def identify_antiresonances(
     if not keep_common:
         found = without_common(found)
     found = {dof: found[dof] for dof in wanted}
-    identified = AntiresonanceSet(
-        excitation,
-        {dof: d.identified for dof, d in found.items()},
-        {dof: d.identified_damping for dof, d in found.items()},
-        {dof: d.accepted.std_hz for dof, d in found.items()} if formulation == "numerators" else None,
-        diagrams=found,
-        scores={dof: d.accepted.scores(graded=formulation == "numerators") for dof, d in found.items()},
-    )
-    identified.data_check = checked
+    opinion = None
     if second_opinion is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
         from .cross_check import judge
 
         step("second opinion")
-        values = {dof: identified[dof] for dof in wanted}
-        identified.second_opinion = judge(lines_for, source.dofs, values, band, second_opinion)
-    return identified
+        values = {dof: d.identified for dof, d in found.items()}
+        opinion = judge(lines_for, source.dofs, values, band, second_opinion)
+    return AntiresonanceSet.from_tables(
+        excitation,
+        {dof: graded(d.accepted) if formulation == "numerators" else d.accepted for dof, d in found.items()},
+        diagrams=found,
+        data_check=checked,
+        cross_check=opinion,
+    )
 
 
 def _from_numerators(
@@ -313,7 +312,7 @@ def _one_by_one(
             if part.snr_known and rule.persistent:
                 one = add_persistent(one, sweep, rule, part.channel_snr(row), part.added_decay_per_s)
             curves = sweep.curves(swept[len(swept) // 2])
-            parts.append(replace(one, accepted=one.accepted.scored(part.freq_hz, background, *curves)))
+            parts.append(replace(one, accepted=scored(one.accepted, part.freq_hz, background, *curves)))
         found[dof] = join(parts, cut, band, rule.freq_tol)
     return found
 
@@ -340,8 +339,13 @@ def _checked(
         method=method,
     )
     if strict and checked.fatal:
-        fatal = [str(f) for f in checked.findings if f.severity == "fatal"]
-        raise UnsuitableDataError("source: " + " ".join(fatal))
+        fatal = [f for f in checked.findings if f.severity == "fatal"]
+        raise UnsuitableDataError(
+            "source",
+            "data in which the check finds: " + " ".join(f.text for f in fatal).rstrip("."),
+            "data without fatal findings, as strict=True asks for",
+            " ".join(f.advice for f in fatal),
+        )
     if not checked.ok:
         warnings.warn("data check: " + " ".join(checked.warnings), AntiresWarning, stacklevel=4)
     return checked
@@ -351,13 +355,17 @@ def _can_answer(source: Recording | FrequencyResponse, use_force: bool) -> None:
     """Refuse sources that lack what the route needs."""
     if not use_force and len(source.dofs) < 2:
         raise UnsuitableDataError(
-            "source: got a single channel; wanted two or more for route='transmissibility', whose poles are "
-            "the antiresonances. Add a channel, or measure the force and use route='frf'."
+            "source",
+            "a single channel",
+            "two or more for route='transmissibility', whose poles are the antiresonances",
+            "Add a channel, or measure the force and use route='frf'.",
         )
     if use_force and isinstance(source, Recording) and source.force is None:
         raise UnsuitableDataError(
-            "route: got 'frf' for a Recording without force; wanted a measured force. Use "
-            "route='transmissibility': it needs none."
+            "route",
+            "'frf' for a Recording without force",
+            "a measured force",
+            "Use route='transmissibility': it needs none.",
         )
 
 
