@@ -1,7 +1,7 @@
 """Files that the version before wrote: read to the same bits, or refused by name.
 
-``tests/data/before_issue_11`` was written by version 1 of the layouts of results and searches: there an updated
-model stands as the problem it came from.
+``tests/data/before_issue_11`` was written by version 1 of the layouts of results and searches, in which an
+updated model stands as the problem it came from.
 """
 
 import json
