@@ -9,7 +9,7 @@ campaign = pytest.mark.campaign
 
 
 def some_of(cases, kept=1):
-    """Values for ``parametrize``: the first ``kept``, or those listed in it, always; the rest in the campaign."""
+    """Values for ``parametrize``: the first ``kept``, or those listed, always; the rest in the campaign."""
     cases = list(cases)
     always = cases[:kept] if isinstance(kept, int) else kept
     return [case if case in always else _later(case) for case in cases]
