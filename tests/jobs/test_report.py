@@ -21,7 +21,7 @@ band_hz = [3, 130]
 
 [identification]
 max_order = 24
-dofs = [0, 3, 4]""",
+dofs = [0, 4]""",
 ).replace("report = false", 'title = "A chain"')
 
 
@@ -53,7 +53,7 @@ def test_a_report_drawn_again_is_the_same(ran, capsys):
         if "before and after" in heading:  # curves are kept in half the digits
             mine, other = (re.sub(r"data:image/png;base64,[^\"]*", "", text) for text in (mine, other))
         assert mine == other, heading
-    assert second.count("Stabilization diagram of dof") == first.count("Stabilization diagram of dof") == 6
+    assert second.count("Stabilization diagram of dof") == first.count("Stabilization diagram of dof") == 4
     assert "Transmissibilities over dof 0" in second
     assert again.stat().st_size < 1e6
 
