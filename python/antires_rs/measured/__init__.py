@@ -6,7 +6,7 @@ it knows no record and no structure.
 
 - ``antiresonance_set``: :math:`\\omega_A` of every H_jk under one force at k, a ``ResponseTable`` for each j
 - ``response_tables``, ``edited_tables``: what it stands on, the mapping with its columns, and edits on record
-- ``tables``, ``edits``, ``set_file``, ``evidence``: what a caller gives, checked; a drop or add; the JSON file;
+- ``tables``, ``edits``, ``set_file``, ``evidence``: what a caller gives, checked; a drop or add; its JSON;
   what a set asks of its data check and cross-check
 - ``modal_set``: resonances, damping ratios, shapes
 """
