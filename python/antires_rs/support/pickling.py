@@ -31,9 +31,9 @@ class AroundCore(Generic[Core]):
         return {name: value for name, value in self.__dict__.items() if name != "_core"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)  # past the __setattr__ of immutable objects
+        vars(self).update(state)
         _freeze(state)
-        self.__dict__["_core"] = self._made_core()
+        vars(self).update(_core=self._made_core())
 
 
 class ReadOnly:

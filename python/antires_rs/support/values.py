@@ -1,40 +1,19 @@
-"""Values that stay as they were made, and are equal where their contents are."""
+"""Frozen dataclasses that hold arrays."""
 
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
-from .pickling import ReadOnly
+from .pickling import ReadOnly, frozen
 
-__all__ = ["Immutable", "Value", "frozen_or_none"]
-
-
-class Immutable:
-    """An object whose attributes nobody may set or delete.
-
-    Constructors fill it by :meth:`_fill`; a ``cached_property`` keeps its value as usual.
-    """
-
-    def _fill(self, **attributes: Any) -> None:
-        """Set the attributes, in the constructor."""
-        self.__dict__.update(attributes)
-
-    def __setattr__(self, name: str, value: Any) -> NoReturn:
-        self._refuse(name)
-
-    def __delattr__(self, name: str) -> NoReturn:
-        self._refuse(name)
-
-    def _refuse(self, name: str) -> NoReturn:
-        kind = type(self).__name__
-        raise AttributeError(f"{kind}.{name} is read-only: make another {kind} instead.", name=name, obj=self)
+__all__ = ["Value", "frozen_or_none"]
 
 
 class Value(ReadOnly):
-    """Of frozen dataclasses that hold arrays: read-only copies of them, compared by their contents."""
+    """Base of frozen dataclasses that hold arrays: read-only copies of them, compared by their contents."""
 
     def __post_init__(self) -> None:
         self.__setstate__({field.name: _kept(getattr(self, field.name)) for field in fields(self)})  # type: ignore[arg-type]
@@ -47,7 +26,7 @@ class Value(ReadOnly):
 
 def frozen_or_none(array: Any) -> Any:
     """Read-only copy of an array, None where there is none."""
-    return None if array is None else _kept(np.asarray(array))
+    return None if array is None else frozen(array)
 
 
 def _kept(value: Any) -> Any:
