@@ -37,10 +37,19 @@ class AroundCore(Generic[Core]):
 
 
 class ReadOnly:
-    """An object whose arrays, alone or in dicts and tuples, nobody may change."""
+    """An object that nobody may change: no attribute, and no array, alone or in dicts and tuples.
+
+    A constructor writes by ``vars(self).update(...)``.
+    """
+
+    def __setattr__(self, name: str, value: Any) -> NoReturn:
+        raise AttributeError(f"{type(self).__name__} is read-only: {name!r} cannot be set. Make another one.")
+
+    def __delattr__(self, name: str) -> NoReturn:
+        raise AttributeError(f"{type(self).__name__} is read-only: {name!r} cannot be deleted.")
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)  # past the __setattr__ of frozen dataclasses
+        vars(self).update(state)
         _freeze(state)
 
 
