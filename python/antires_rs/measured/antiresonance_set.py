@@ -156,7 +156,12 @@ class AntiresonanceSet(EditedTables):
         kept = [dofs[dof] for dof in self if dof in dofs]
         twice = [dof for dof in kept if kept.count(dof) > 1]
         if twice:
-            reject("dofs", f"{twice[0]!r} for two of {tuple(self)}", "each dof once")
+            reject(
+                "dofs",
+                f"{twice[0]!r} for two of {tuple(self)}",
+                "each dof once",
+                "Name one otherwise, or leave it out.",
+            )
 
         def moved(tables: Mapping[Any, ResponseTable]) -> dict[Any, ResponseTable]:
             return {dofs[dof]: table for dof, table in tables.items() if dof in dofs}
