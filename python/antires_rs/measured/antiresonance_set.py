@@ -95,9 +95,7 @@ class AntiresonanceSet(EditedTables):
         cross_check: CrossCheck | None = None,
     ) -> None:
         super().__init__(label("excitation", excitation), tables_of(freq_hz, damping_ratio, std_hz, scores))
-        vars(self).update(
-            _diagrams=FrozenDict(diagrams or {}), _data_check=data_check, _cross_check=cross_check
-        )
+        self._fill(_diagrams=FrozenDict(diagrams or {}), _data_check=data_check, _cross_check=cross_check)
 
     @classmethod
     def from_tables(
