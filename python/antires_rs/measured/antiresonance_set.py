@@ -95,9 +95,7 @@ class AntiresonanceSet(EditedTables):
         cross_check: CrossCheck | None = None,
     ) -> None:
         super().__init__(label("excitation", excitation), tables_of(freq_hz, damping_ratio, std_hz, scores))
-        vars(self).update(
-            _diagrams=FrozenDict(diagrams or {}), _data_check=data_check, _cross_check=cross_check
-        )
+        self._fill(_diagrams=FrozenDict(diagrams or {}), _data_check=data_check, _cross_check=cross_check)
 
     @classmethod
     def from_tables(
@@ -156,7 +154,12 @@ class AntiresonanceSet(EditedTables):
         kept = [dofs[dof] for dof in self if dof in dofs]
         twice = [dof for dof in kept if kept.count(dof) > 1]
         if twice:
-            reject("dofs", f"{twice[0]!r} for two of {tuple(self)}", "each dof once")
+            reject(
+                "dofs",
+                f"{twice[0]!r} for two of {tuple(self)}",
+                "each dof once",
+                "Name one otherwise, or leave it out.",
+            )
 
         def moved(tables: Mapping[Any, ResponseTable]) -> dict[Any, ResponseTable]:
             return {dofs[dof]: table for dof, table in tables.items() if dof in dofs}

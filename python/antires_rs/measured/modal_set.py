@@ -80,7 +80,7 @@ class ModalSet(ReadOnly):
             damping = frozen(_maybe_empty("damping_ratio", damping_ratio, "an array (n_modes,)"))
             if damping.shape != freq.shape:
                 reject("damping_ratio", f"{damping.size} values", f"{freq.size}, one a mode")
-        vars(self).update(
+        self._fill(
             freq_hz=freq,
             shapes=frozen(array),
             dofs=dof_labels("dofs", dofs, array.shape[1]),

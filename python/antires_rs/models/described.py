@@ -23,7 +23,7 @@ class Described(AroundCore["CoreModel"], ReadOnly):
 
     def _build(self, description: ModelDescription, core: CoreModel | None = None) -> None:
         """Fill the model; ``core`` where it is at hand already."""
-        vars(self).update(_description=description, _core=description.core() if core is None else core)
+        self._fill(_description=description, _core=description.core() if core is None else core)
 
     def _made_core(self) -> CoreModel:
         return self._description.core()

@@ -95,7 +95,7 @@ class OptimizeResult(Value):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        vars(self).update(options=FrozenDict(self.options))
+        self._fill(options=FrozenDict(self.options))
 
     @property
     def migrations(self) -> int:

@@ -178,7 +178,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         _core.check_bounds(model._core, parts, bounds[:, 0].copy(), bounds[:, 1].copy())
         names = tuple(parameter_name(model, p) for p in chosen)
         warn_far(chosen, names, nominal)
-        vars(self).update(
+        self._fill(
             model=model,
             parameters=chosen,
             measured=targets.sets,
@@ -194,7 +194,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
             _nominal=frozen(nominal),
             _names=names,
         )
-        vars(self).update(_core=self._made_core())
+        self._fill(_core=self._made_core())
 
     def _made_core(self) -> _core.Objective:
         prices = (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None

@@ -85,7 +85,7 @@ class UpdateResult(ReadOnly):
     def __init__(self, problem: UpdatingProblem, search: OptimizeResult, seed: int) -> None:
         told = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations")
         of_search = {name: getattr(search, name) for name in told}
-        vars(self).update(problem=problem, search=search, seed=seed, **of_search)
+        self._fill(problem=problem, search=search, seed=seed, **of_search)
 
     @property
     def history(self) -> History:
