@@ -13,9 +13,9 @@ import pytest
 
 import antires_rs as ar
 from antires_rs import cli
-from tests.jobs.test_interrupt import LONG, stopped
 from tests.support.job_files import write_measured
 from tests.support.paths import ROOT
+from tests.support.signalled import LONG, stopped
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork and SIGKILL")
 
