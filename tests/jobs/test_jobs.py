@@ -13,6 +13,7 @@ from antires_rs.jobs import read_job
 from antires_rs.jobs.measured import measured_of
 from antires_rs.jobs.model import model_of
 from antires_rs.jobs.unknowns import parameters_of
+from tests.support.campaign import some_of
 from tests.support.job_files import DAMAGE, UPDATE, write_measured
 
 FOUND = {"spring 5": 0.55}
@@ -114,7 +115,9 @@ def records(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("kind", SIGNALS)
+@pytest.mark.parametrize(
+    "kind", some_of(SIGNALS, ["names in the job", "one left out", "points of a universal file", "CSV"])
+)
 def test_damage_from_records_of_every_format(records, tmp_path, kind):
     file, dofs = SIGNALS[kind]
     force = '"a0"' if dofs.startswith("dofs = { a0") else "0"
