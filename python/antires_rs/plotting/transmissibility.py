@@ -124,7 +124,7 @@ def plot_transmissibility(
 
 def _named(model: StructuralModel, dof: Any) -> str:
     """A dof as the tables name it."""
-    return model.dof_label(dof)
+    return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
 
 
 def _of_model(

@@ -41,7 +41,7 @@ MOST_NAMES = 40
 
 def dof_name(model: StructuralModel, dof: Any) -> str:
     """A dof as the model calls it."""
-    return model.dof_label(dof)
+    return str(model.dof_name(dof)) if isinstance(model, FrameModel) else f"dof {dof}"
 
 
 def named_diagrams(
