@@ -31,8 +31,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..order_sweep.shared import shared
 from ..rational.dominance import dominance
 from ..rational.forsythe import Basis, forsythe_basis, roots
 from ..support.validation import ComplexArray, FloatArray
@@ -41,8 +41,6 @@ from ..support.validation import ComplexArray, FloatArray
 RIDGE = 1e-13
 # Inverse iterations; eigenvalues 2 and 1 lie far apart at the true order, and beyond it any will do.
 TURNS = 4
-# Roots of all rows this close, relative to abs(s), are one common factor.
-SHARED = 0.003
 
 
 class NumeratorFit:
@@ -166,11 +164,3 @@ class NumeratorSweep:
         """Share of each root's own peak in the curves at its frequency; none if all rows have the root."""
         share = self.fit.dominances(self._solution(order), self.row, s, self.others)
         return np.where(shared(s, [other.roots(order) for other in self.companions]), 0.0, share)
-
-
-def shared(s: ComplexArray, others: Sequence[ComplexArray], within: float = SHARED) -> NDArray[np.bool_]:
-    """Whether all of two or more other rows have a root near each of ``s``: a common factor."""
-    if len(others) < 2:
-        return np.zeros(s.size, dtype=bool)
-    near = [np.abs(r[None, :] - s[:, None]).min(axis=1, initial=np.inf) <= within * np.abs(s) for r in others]
-    return np.asarray(np.all(near, axis=0))

@@ -13,8 +13,7 @@ It is accepted at once, unless there is a doubt: if it is hardly damped or right
 curve and be far from every root that all rows share; if it is near such a root, or owns less than half of its
 curve, most higher orders must have it too. Values without a chain in the diagram are marked "persistent".
 
-The limits were set on simulated structures (chains, random stiffness, a plane frame; seeds 100-119), never on
-the records that the published tables are made from.
+The limits, with their reasons, are in :mod:`~antires_rs.order_sweep.limits`.
 """
 
 from __future__ import annotations
@@ -26,34 +25,31 @@ import numpy as np
 
 from ..order_sweep.accepted import Accepted, Value
 from ..order_sweep.diagram import StabilizationDiagram, diagram
+from ..order_sweep.limits import (
+    KNOWN,
+    LEAST_DAMPING,
+    MOST_NEGATIVE,
+    NEARLY_SHARED,
+    OTHER_HALF,
+    PAIR,
+    PAIR_DAMPING,
+    PRESENCE,
+    RIGHT_DOMINANCE,
+    SAME,
+    SAME_DAMPING,
+    WEAK,
+    WIDEST,
+)
 from ..order_sweep.rule import Rule
+from ..order_sweep.shared import shared
 from ..order_sweep.windows import Window
 from ..support.progress import step
 from ..support.validation import ComplexArray, FloatArray
 from .likelihood import Likeliest, likeliest
-from .numerators import NumeratorSweep, shared
-from .response_lines import SNR_CAP, Lines
+from .lines import SNR_CAP, Lines
+from .numerators import NumeratorSweep
+from .options import IdentificationOptions
 from .uncertainty import Influence, standard_deviations
-
-# A chain and a zero of the likeliest fit this close belong together: the chain may be biased by so much.
-SAME = 0.05
-# Largest standard deviation in frequency tolerances.
-KNOWN = 0.5
-# Damped less than this, or right of the axis, are few physical zeros (two that nearly coincide part so), and
-# many roots glued to the noise of single lines: such a zero must own this much of its curve.
-LEAST_DAMPING, MOST_NEGATIVE = 5e-4, 0.01
-RIGHT_DOMINANCE = 0.9
-# Two zeros of one modulus, whose frequencies differ by less than this share of the difference of their
-# damping ratios, are the halves of one that is complex without damping; at least so far apart in damping.
-PAIR, PAIR_DAMPING = 0.5, 0.004
-# Roots up to this damping, and with this share of the curve, may be the other half of such a pair.
-WIDEST, OTHER_HALF = 0.15, 0.02
-# Doubtful are zeros this near to a root that all rows share, or that own less than this share of their curve;
-# they need a root of the same frequency and damping in this share of the higher orders.
-NEARLY_SHARED = 0.05
-WEAK = 0.5
-PRESENCE = 0.75
-SAME_DAMPING = 0.002
 
 
 class Zero(NamedTuple):
@@ -70,10 +66,11 @@ class Zero(NamedTuple):
 
 
 def select(
-    lines: Lines, n_responses: int, window: Window, orders: range, rule: Rule, keep_common: bool
+    lines: Lines, n_responses: int, window: Window, options: IdentificationOptions
 ) -> list[StabilizationDiagram]:
     """One diagram for each of the first ``n_responses`` rows of ``lines``."""
-    rule = replace(rule, both_sides=True)
+    rule, keep_common = replace(options.rule, both_sides=True), options.keep_common
+    orders = rule.orders(options.orders, lines.freq_hz.size)
     best = likeliest(lines.freq_hz, lines.covariance(), SNR_CAP, lines.independent, orders[-1])
     influence = Influence(best.fit, best.coefficients, best.misfit)
     # The force, if it is there, has the poles for zeros: only where there is no second response may it say

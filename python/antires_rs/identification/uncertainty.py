@@ -19,8 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..support.validation import ComplexArray, FloatArray
+from .lines import Lines
 from .numerators import NumeratorFit
-from .response_lines import Lines
 
 # Without segments: so many blocks of neighbouring lines stand for independent draws.
 BLOCKS = 64
