@@ -5,8 +5,8 @@ of it antiresonances are identified without the force, modes from the FRFs with 
 alone; each goes to ``assess_damage`` with the same penalties, Eqs. 12 and 18 of V. Meruane, J. Sound Vib. 332
 (2013) 807-820. Nothing exact enters.
 
-    python benchmarks/both_objectives.py                        # five records
-    python benchmarks/both_objectives.py --perturbation 0.02    # with a model that is not quite the structure
+    python -m benchmarks.both_objectives                        # five records
+    python -m benchmarks.both_objectives --perturbation 0.02    # with a model that is not quite the structure
 
 ``--picture docs/images/both_objectives.png`` draws the bar chart of the first record; the one there is of the
 second command.
@@ -25,11 +25,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from study_tools import add_options, print_table
 
 import antires_rs as ar
 from antires_rs.plotting import plot_damages
 from antires_rs.plotting.canvas import picture
+from benchmarks.study_tools import add_options, print_table
 
 DAMAGED, NOISE = 4, 0.01
 APPROACHES = ("antiresonances, no force", "modes from FRFs", "modes from responses, no force")

@@ -1,6 +1,6 @@
 """Wall time of a whole chain8 damage run: the library against six optimizers on a vectorised objective.
 
-Run:  python benchmarks/chain8_race.py [--seeds 10] [--limit 100000]     (with the dependency group "rivals")
+Run:  python -m benchmarks.chain8_race [--seeds 10] [--limit 100000]     (with the dependency group "rivals")
 
 Spring 5 has lost 55 %; the targets are the exact antiresonances. A rival's clock stops at the first candidate
 whose severities are all within 0.5 % of the truth, exact zeros included (severities below 1e-3 count as zero,
@@ -21,10 +21,10 @@ import statistics
 import time
 
 import numpy as np
-from objective_speed import by_numpy
-from rival_searches import pycma, pymoo_ga, scipy_de
 
 import antires_rs as ar
+from benchmarks.objective_speed import by_numpy
+from benchmarks.rival_searches import pycma, pymoo_ga, scipy_de
 
 SNAP, WITHIN, UPPER = 1e-3, 0.005, 0.99
 TRUTH = np.array([0, 0, 0, 0, 0.55, 0, 0])

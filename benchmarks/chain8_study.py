@@ -3,8 +3,8 @@
 Four tables, each from records that were simulated, identified and used as on a real test; nothing
 exact enters but the truth they are compared with.
 
-    python benchmarks/chain8_study.py            # all of it
-    python benchmarks/chain8_study.py --quick    # two seeds of each
+    python -m benchmarks.chain8_study            # all of it
+    python -m benchmarks.chain8_study --quick    # two seeds of each
 """
 
 from __future__ import annotations

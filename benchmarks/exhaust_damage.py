@@ -5,8 +5,8 @@ each level's record is identified and the losses of elements 18 to 47 are search
 The crack lies in element 31, behind the weld near its joint with element 30. Beside the antiresonances, from
 the same records, the paper's comparison: resonances and mode shapes (Eq. 18), with a baseline of its own.
 
-    python benchmarks/exhaust_damage.py                       # seeds 20 to 24, three levels
-    python benchmarks/exhaust_damage.py --seeds 100 --levels 1 3 --pictures out
+    python -m benchmarks.exhaust_damage                       # seeds 20 to 24, three levels
+    python -m benchmarks.exhaust_damage --seeds 100 --levels 1 3 --pictures out
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from exhaust_study import NOISE, count, identify
 
 import antires_rs as ar
+from benchmarks.exhaust_study import NOISE, count, identify
 
 #: What counts as a false damage.
 FALSE = 0.10

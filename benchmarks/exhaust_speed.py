@@ -1,6 +1,6 @@
 """Speed of one objective value of the exhaust, one core, against SciPy on the pencils, same run.
 
-Run:  python benchmarks/exhaust_speed.py
+Run:  python -m benchmarks.exhaust_speed
 The damage problem of the exhaust: 144 dofs, 16 responses, 30 elements, the exact antiresonances up to 260 Hz
 with element 31 at 75 % as measurement. Values are compared before times are. The rivals solve the same J:
 SciPy's QZ on each deleted pencil, and numpy's eigh once for all responses with the roots between the poles by
@@ -17,9 +17,9 @@ import warnings
 
 import numpy as np
 import scipy.linalg
-from objective_speed import misfit, real_hz, seconds
 
 import antires_rs as ar
+from benchmarks.objective_speed import misfit, real_hz, seconds
 
 
 def by_pencil(pairs, measured, limit_hz, excitation):

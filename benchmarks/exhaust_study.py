@@ -4,8 +4,8 @@ Per seed: a record of 10 minutes with 1 % sensor noise, its antiresonances, the 
 accelerometers, and what it does to what was kept out: 4 accelerometers and all resonances (identified from
 the same record). Differences are printed with the nearest pairing, which the objective uses, and one to one.
 
-    python benchmarks/exhaust_study.py                        # seeds 20 to 24
-    python benchmarks/exhaust_study.py --seeds 100 101 --pictures out
+    python -m benchmarks.exhaust_study                        # seeds 20 to 24
+    python -m benchmarks.exhaust_study --seeds 100 101 --pictures out
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The modal route against SciPy's QZ on random frames, and against 50 digits on some of them.
 
-Run:  python benchmarks/frames_against_scipy.py [frames=200] [of them in 50 digits=20] [first=0]
+Run:  python -m benchmarks.frames_against_scipy [frames=200] [of them in 50 digits=20] [first=0]
 Plane and space frames, trees and loops, free and supported, up to 300 dofs; the band holds 5 to 40 modes.
 Where the two differ by more than 1e-7, or in number, 50 digits say which of them is right. There the
 number of roots at the driving point, those that cancel included, is also held against Sylvester's law.
@@ -13,7 +13,6 @@ import os
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
-import pathlib
 import sys
 import time
 import warnings
@@ -22,11 +21,9 @@ import numpy as np
 import scipy.linalg
 
 import antires_rs as ar
-
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "tests"))
-from exact_roots import ExactPencil
-from random_frames import random_frame, rigid_hz
-from random_models import Oracle, cancelled
+from reference.exact_roots import ExactPencil
+from reference.random_frames import random_frame, rigid_hz
+from reference.random_models import Oracle, cancelled
 
 SAME, PROMISE = 1e-7, 1e-9
 

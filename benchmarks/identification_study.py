@@ -5,8 +5,8 @@ antiresonances of the undamped chain; found means within 1 %, one to one. Row 1:
 3 and 4: 2, 5 and 10 % noise, and a short record of a lightly damped chain. The bars are for the default
 route, which reads the responses only; the FRF route, which reads the force too, runs on the same records.
 
-    python benchmarks/identification_study.py                      # all rows, seeds 20 to 29: some minutes
-    python benchmarks/identification_study.py --rows 2 3 --seeds 3 --first-seed 100
+    python -m benchmarks.identification_study                      # all rows, seeds 20 to 29: some minutes
+    python -m benchmarks.identification_study --rows 2 3 --seeds 3 --first-seed 100
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from study_tools import Score, add_options, each, print_table, score_run
 
 import antires_rs as ar
+from benchmarks.study_tools import Score, add_options, each, print_table, score_run
 
 ROUTES = ("transmissibility", "frf")
 #: Largest difference between the two routes where both have the value.

@@ -4,7 +4,7 @@ Each run is a process of its own that is sent SIGINT during an endless search. T
 signal and stops when the process has ended, with its result, summary and checkpoint written. The checkpoint
 is then taken up again for one second.
 
-Run: ``python benchmarks/interrupt_study.py [RUNS]``, 20 by default.
+Run: ``python -m benchmarks.interrupt_study [RUNS]``, 20 by default.
 """
 
 import os
@@ -16,10 +16,10 @@ import time
 from pathlib import Path
 
 import numpy as np
-from chain8_job import MEASURED, UPDATING
 
 import antires_rs as ar
 from antires_rs.optimize.checkpoint import Checkpoint
+from benchmarks.chain8_job import MEASURED, UPDATING
 
 #: A search that no rule of its own would end.
 JOB = (

@@ -9,7 +9,7 @@ nothing waits, by the command that it names; the script by itself. In the end al
 that nobody stopped, byte for byte: only the seconds in ``summary.json`` and the date in ``report.html`` may
 differ.
 
-Run: ``python benchmarks/kill_study.py [RUNS] [SEED]``, 100 and 0 by default.
+Run: ``python -m benchmarks.kill_study [RUNS] [SEED]``, 100 and 0 by default.
 """
 
 import functools
@@ -27,7 +27,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from chain8_job import MEASURED, UPDATING
+
+from benchmarks.chain8_job import MEASURED, UPDATING
 
 #: At 0 every generation is written, at 2, the default, the search here is written once, at its end.
 INTERVALS_S = (0.0, 0.02, 0.2, 2.0)
@@ -122,8 +123,9 @@ def process(folder: Path, every_s: float, command: tuple[str, ...], kill_after_s
     log.write_bytes(b"")
     start = time.monotonic()
     with subprocess.Popen(
-        [sys.executable, __file__, "child", str(log), str(every_s), *command],
+        [sys.executable, "-m", "benchmarks.kill_study", "child", str(log), str(every_s), *command],
         cwd=folder,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,

@@ -1,6 +1,6 @@
 """Speed of one chain8 objective value, one core: the Rust core against the same J in numpy and SciPy.
 
-Run:  python benchmarks/objective_speed.py
+Run:  python -m benchmarks.objective_speed
 The three compute the same J of spring 5 at 55 % for the same random severities; values are compared
 before times are. Figures are ratios of one run; absolute times depend on the machine.
 """

@@ -1,16 +1,16 @@
 """Identification of structures that it was not made on: found, false and errors.
 
 Random chains, local dashpots, a spring to ground, a full random stiffness, a plane frame with 16 sensors,
-and coloured, drifting or unequal sensor noise (tests/structures.py). Every seed draws a new structure and a
-new record of 200 s at 512 Hz, with 1 % modal damping; settings are the defaults everywhere.
+and coloured, drifting or unequal sensor noise (reference/structures.py). Every seed draws a new structure and
+a new record of 200 s at 512 Hz, with 1 % modal damping; settings are the defaults everywhere.
 
 Truth are the antiresonances of the undamped structure in band, found means within 1 %, one to one. Damping
 moves the zeros; so two columns compare with abs(s) of the damped ones: the largest error of what is found,
 and how many of the false values are such zeros all the same. Those are complex in the undamped structure: the
 FRF has a shallow dip there, which no undamped model has.
 
-    python benchmarks/other_structures.py                   # 10 structures x 3 noise levels, seeds 20 to 24
-    python benchmarks/other_structures.py --only frame full --noise 0.01 --first-seed 100 --seeds 3
+    python -m benchmarks.other_structures                   # 10 structures x 3 noise levels, seeds 20 to 24
+    python -m benchmarks.other_structures --only frame full --noise 0.01 --first-seed 100 --seeds 3
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ import time
 import warnings
 
 import numpy as np
-from study_tools import Score, add_options, each, print_table, score_run
 
 import antires_rs as ar
-from matching import match
-from structures import STRUCTURES
+from benchmarks.study_tools import Score, add_options, each, print_table, score_run
+from reference.matching import match
+from reference.structures import STRUCTURES
 
 #: Damped zeros with more damping than this are no dips that anyone would want to find.
 DIP_DAMPING = 0.10

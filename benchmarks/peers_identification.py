@@ -8,8 +8,8 @@ so that no peer is starved. Settings were chosen on seeds 100-102 for the most f
 explained where it is set, in ``peers/``.
 
     pip install sdypy-EMA pyoma-2 strid pyfbs scikit-rf PyDynamic       # those you want; the others are named
-    python benchmarks/peers_identification.py                           # half an hour
-    python benchmarks/peers_identification.py --quick --only strid      # one record
+    python -m benchmarks.peers_identification                           # half an hour
+    python -m benchmarks.peers_identification --quick --only strid      # one record
 
 Times are of a whole record, from the samples to the values of all eight dofs, after a first call that is not
 counted, on one core: BLAS has one thread.
@@ -33,13 +33,13 @@ import warnings
 from dataclasses import dataclass, field
 
 import numpy as np
-import peers
 import scipy
-from peers.method import MAX_ORDER, Method
-from peers.rule import select
-from study_tools import Score, add_options, print_table, score_run
 
 import antires_rs as ar
+from benchmarks import peers
+from benchmarks.peers.method import MAX_ORDER, Method
+from benchmarks.peers.rule import select
+from benchmarks.study_tools import Score, add_options, print_table, score_run
 
 BAND_HZ = (3.0, 130.0)
 DAMPING = 0.01

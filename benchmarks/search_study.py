@@ -1,6 +1,6 @@
 """Which search finds one damaged element among 30? Success rate and evaluations, ours and others'.
 
-Run:  python benchmarks/search_study.py [--elements 17 46] [--seeds 5] [--limit 20000] [--methods ours ...]
+Run:  python -m benchmarks.search_study [--elements 17 46] [--seeds 5] [--limit 20000] [--methods ours ...]
 
 Each problem has exact targets of the very model that is searched, with one element at 75 % loss, so the
 question is the search alone. Solved means J <= min(J(truth), J(0)) + 1e-6 within the limit of
@@ -15,9 +15,9 @@ import statistics
 import time
 
 import numpy as np
-from rival_searches import pycma, pymoo_ga, scipy_de
 
 import antires_rs as ar
+from benchmarks.rival_searches import pycma, pymoo_ga, scipy_de
 
 SEVERITY, TOLERANCE = 0.75, 1e-6
 

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import multiprocessing
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-from matching import Matched, match
+from reference.matching import Matched, match
 
 #: More processes than this have no place on a shared machine.
 MOST_JOBS = 2

@@ -6,7 +6,7 @@ equal to that of the whole file (a last line end was lost); "silent" is what mus
 boundary of a format that does not state its size. Formats with ``partial=True`` are read that way too. A
 crash of the process ends the table.
 
-Run: ``python benchmarks/truncated_files.py [--cuts 300] [--seed 0] [NAME ...]``; half a minute.
+Run: ``python -m benchmarks.truncated_files [--cuts 300] [--seed 0] [NAME ...]``; half a minute.
 """
 
 import argparse
@@ -14,8 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-import truncation
+from reference import truncation
 
 OUTCOMES = ("error", "warning", "whole", "silence")
 

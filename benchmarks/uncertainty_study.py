@@ -4,8 +4,8 @@ Records of 200 s with 1 % damping, 1 % and 5 % noise. The truth is abs(s) / 2 pi
 roots of the numerators of the damped receptances. An interval is the identified value plus and minus 1.645
 ``std_hz``.
 
-    python benchmarks/uncertainty_study.py               # 200 seeds, about ten minutes
-    python benchmarks/uncertainty_study.py --seeds 20
+    python -m benchmarks.uncertainty_study               # 200 seeds, about ten minutes
+    python -m benchmarks.uncertainty_study --seeds 20
 """
 
 from __future__ import annotations

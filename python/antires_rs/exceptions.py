@@ -2,12 +2,17 @@
 
 Every error that a caller can mend also derives from the fitting builtin, so that
 ``except ValueError`` keeps working in code that does not know this package. The Rust
-core raises these same classes.
+core raises these same classes. What they say stands in fields; the sentence is made from them.
 """
+
+from __future__ import annotations
+
+from typing import Any
 
 __all__ = [
     "AntiresError",
     "AntiresWarning",
+    "Argument",
     "InternalError",
     "InvalidInputError",
     "MissingDependencyError",
@@ -32,8 +37,69 @@ class AntiresError(Exception):
     """
 
 
-class InvalidInputError(AntiresError, ValueError):
-    """An argument is malformed. The message names it, what was got, and what is wanted.
+class Argument(str):
+    """The name of an argument or of a part of it, which also knows where that part is.
+
+    Attributes
+    ----------
+    path : tuple
+        The argument's name, then indices, keys and attributes.
+
+    Examples
+    --------
+    >>> from antires_rs.exceptions import Argument
+    >>> part = Argument("point_masses").item(2).attribute("inertia_kg_m2")
+    >>> print(part, part.path)
+    point_masses[2].inertia_kg_m2 ('point_masses', 2, 'inertia_kg_m2')
+    """
+
+    path: tuple[Any, ...]
+
+    def __new__(cls, label: str, path: tuple[Any, ...] | None = None) -> Argument:
+        """An argument by its name; an argument stays what it is."""
+        made = super().__new__(cls, label)
+        made.path = getattr(label, "path", (str(label),)) if path is None else path
+        return made
+
+    def item(self, key: Any) -> Argument:
+        """An item of this argument, by index or key."""
+        return Argument(f"{self}[{key!r}]", (*self.path, key))
+
+    def attribute(self, name: str) -> Argument:
+        """An attribute of this argument."""
+        return Argument(f"{self}.{name}", (*self.path, name))
+
+
+class _Refusal(Exception):
+    """What an error about an argument says, in four fields."""
+
+    def __init__(self, argument: str, got: str = "", wanted: str = "", remedy: str = "") -> None:
+        super().__init__(argument, got, wanted, remedy)
+        self.argument = argument if isinstance(argument, Argument) else Argument(argument)
+        self.got, self.wanted, self.remedy = got, wanted, remedy
+
+    @property
+    def path(self) -> tuple[Any, ...]:
+        """Where in the argument: ``("bounds", 3)`` for ``bounds[3]``."""
+        return self.argument.path
+
+    def __str__(self) -> str:
+        if not self.wanted:  # a sentence of a core that was built before the fields
+            return str(self.argument)
+        return f"{self.argument}: got {self.got}; wanted {self.wanted}. {self.remedy}".rstrip()
+
+
+class InvalidInputError(_Refusal, AntiresError, ValueError):
+    """An argument is malformed.
+
+    Attributes
+    ----------
+    argument : str
+        Its name, with an index where it has one: ``bounds[3]``.
+    path : tuple
+        The same as data: ``("bounds", 3)``.
+    got, wanted, remedy : str
+        What was given, what would have been accepted, and what to do.
 
     Examples
     --------
@@ -41,8 +107,8 @@ class InvalidInputError(AntiresError, ValueError):
     >>> try:
     ...     ar.MassSpringChain([1.0, -1.0], [500.0])
     ... except ValueError as error:                  # ar.InvalidInputError is one
-    ...     print(error)
-    masses_kg: got -1 kg at index 1; wanted positive, finite values.
+    ...     print(str(error).split(".")[0])
+    masses_kg: got -1 kg at index 1; wanted positive, finite values
     """
 
 
@@ -64,6 +130,11 @@ class UnsuitableDataError(InvalidInputError):
 class NumericalError(AntiresError, ArithmeticError):
     """A solver did not converge or a matrix is numerically unusable.
 
+    Attributes
+    ----------
+    what, detail : str
+        The computation, and how it failed.
+
     Examples
     --------
     >>> import antires_rs as ar
@@ -74,9 +145,18 @@ class NumericalError(AntiresError, ArithmeticError):
      M) failed: the stiffness is indefinite
     """
 
+    def __init__(self, what: str, detail: str = "") -> None:
+        super().__init__(what, detail)
+        self.what, self.detail = what, detail
 
-class ObjectiveError(AntiresError, ValueError):
+    def __str__(self) -> str:
+        return f"{self.what} failed: {self.detail}" if self.detail else self.what
+
+
+class ObjectiveError(_Refusal, AntiresError, ValueError):
     """A user's objective function returned something that is not one finite cost per candidate.
+
+    It has the fields of an :class:`InvalidInputError`.
 
     Examples
     --------

@@ -51,7 +51,8 @@ def of_recording(
         try:
             averages = _averaged(rec, band, options, hits)
         except UnsuitableDataError as exc:
-            finding = Finding(MISSED_HIT, "fatal", (), 0.0, 0.0, "No whole hit is in the record.", str(exc))
+            advice = f"{exc.got[0].upper()}{exc.got[1:]}. {exc.remedy}"
+            finding = Finding(MISSED_HIT, "fatal", (), 0.0, 0.0, "No whole hit is in the record.", advice)
             return [*said, finding, *_none_by_line("no whole hit is in the record")], None
     if averages is None:
         return said + [_hopeless(live)] + _none_by_line("the record is too short for a spectrum"), None

@@ -223,8 +223,10 @@ def cross_check(
     band = frequency_band("band_hz", band_hz, low_hz=low_hz, high_hz=high_hz)
     if force and isinstance(source, Recording) and source.force is None:
         raise UnsuitableDataError(
-            "source: got a single channel and no force; wanted two or more channels, or a force, so that "
-            "there is a quotient to fit. Add a channel."
+            "source",
+            "a single channel and no force",
+            "two or more channels, or a force, so that there is a quotient to fit",
+            "Add a channel.",
         )
     averages = None
     if isinstance(source, Recording):

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..order_sweep.diagram import PoleSweep, StabilizationDiagram, ZeroSweep, diagram
 from ..order_sweep.persistence import add_persistent
+from ..order_sweep.scores import scored
 from ..order_sweep.shared import without_common
 from ..order_sweep.windows import join, windows
 from ..support.progress import step
@@ -85,6 +86,6 @@ def _one_by_one(
             if part.snr_known and rule.persistent:
                 one = add_persistent(one, sweep, rule, part.channel_snr(row), part.added_decay_per_s)
             curves = sweep.curves(swept[len(swept) // 2])
-            parts.append(replace(one, accepted=one.accepted.scored(part.freq_hz, background, *curves)))
+            parts.append(replace(one, accepted=scored(one.accepted, part.freq_hz, background, *curves)))
         found[dof] = join(parts, cut, band, rule.freq_tol)
     return found

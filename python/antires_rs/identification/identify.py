@@ -27,6 +27,7 @@ from ..data_check import DataCheck
 from ..data_check.check import judged
 from ..exceptions import AntiresWarning, UnsuitableDataError
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..order_sweep.scores import graded
 from ..signals.averaging import Averages, Averaging, average
 from ..signals.band import band_of
 from ..signals.frequency_response import FrequencyResponse
@@ -190,25 +191,23 @@ def identify_antiresonances(
     lines_for = lines_of(source, averages, band, use_force=options.use_force, estimator=options.estimator)
     checked = _checked(source, excitation, band, averages, options)
     step("fit")
-    found, graded = diagrams_of(source.dofs, lines_for, band, options)
+    found, of_numerators = diagrams_of(source.dofs, lines_for, band, options)
     found = {dof: found[dof] for dof in wanted}
-    identified = AntiresonanceSet(
-        excitation,
-        {dof: d.identified for dof, d in found.items()},
-        {dof: d.identified_damping for dof, d in found.items()},
-        {dof: d.accepted.std_hz for dof, d in found.items()} if graded else None,
-        diagrams=found,
-        scores={dof: d.accepted.scores(graded=graded) for dof, d in found.items()},
-    )
-    identified.data_check = checked
+    compared = None
     if options.cross_check is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
         from .cross_check import judge
 
         step("cross-check")
-        values = {dof: identified[dof] for dof in wanted}
-        identified.second_opinion = judge(lines_for, source.dofs, values, band, options.cross_check)
-    return identified
+        values = {dof: d.identified for dof, d in found.items()}
+        compared = judge(lines_for, source.dofs, values, band, options.cross_check)
+    return AntiresonanceSet.from_tables(
+        excitation,
+        {dof: graded(d.accepted) if of_numerators else d.accepted for dof, d in found.items()},
+        diagrams=found,
+        data_check=checked,
+        cross_check=compared,
+    )
 
 
 def _checked(
@@ -225,8 +224,13 @@ def _checked(
         source = without_force(source)
     checked = judged(source, excitation, band, options.averaging, averages)
     if options.check == "raise" and checked.fatal:
-        fatal = [str(f) for f in checked.findings if f.severity == "fatal"]
-        raise UnsuitableDataError("source: " + " ".join(fatal))
+        fatal = [f for f in checked.findings if f.severity == "fatal"]
+        raise UnsuitableDataError(
+            "source",
+            "data in which the check finds: " + " ".join(f.text for f in fatal).rstrip("."),
+            "data without fatal findings, as check='raise' asks for",
+            " ".join(f.advice for f in fatal),
+        )
     if not checked.ok:
         warnings.warn("data check: " + " ".join(checked.warnings), AntiresWarning, stacklevel=4)
     return checked
@@ -236,13 +240,17 @@ def _can_answer(source: Recording | FrequencyResponse, use_force: bool) -> None:
     """Refuse sources that lack what the route needs."""
     if not use_force and len(source.dofs) < 2:
         raise UnsuitableDataError(
-            "source: got a single channel; wanted two or more for route='transmissibility', whose poles are "
-            "the antiresonances. Add a channel, or measure the force and use route='frf'."
+            "source",
+            "a single channel",
+            "two or more for route='transmissibility', whose poles are the antiresonances",
+            "Add a channel, or measure the force and use route='frf'.",
         )
     if use_force and isinstance(source, Recording) and source.force is None:
         raise UnsuitableDataError(
-            "route: got 'frf' for a Recording without force; wanted a measured force. Use "
-            "route='transmissibility': it needs none."
+            "route",
+            "'frf' for a Recording without force",
+            "a measured force",
+            "Use route='transmissibility': it needs none.",
         )
 
 

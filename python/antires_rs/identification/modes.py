@@ -158,8 +158,11 @@ def identify_modes(
     else:
         if source.kind != "frf":
             raise UnsuitableDataError(
-                "source: got transmissibilities; wanted FRFs or a Recording. The resonances cancel in a "
-                "quotient of responses: transmissibilities hold the antiresonances only."
+                "source",
+                "transmissibilities",
+                "FRFs or a Recording",
+                "The resonances cancel in a quotient of responses: transmissibilities hold the "
+                "antiresonances only.",
             )
         if route == "responses":
             reject("route", "'responses' with a source of FRFs", "'auto' or 'frf'")
@@ -183,8 +186,10 @@ def _of_recording(
     """Curves of a record by one of the routes; segments as the band wants them, lines as asked for."""
     if route == "frf" and rec.force is None:
         raise UnsuitableDataError(
-            "route: got 'frf' for a Recording without force; wanted a measured force. "
-            "Use route='responses', for a force that is broadband."
+            "route",
+            "'frf' for a Recording without force",
+            "a measured force",
+            "Use route='responses', for a force that is broadband.",
         )
     if options.nperseg is not None:
         integer("nperseg", options.nperseg, low=32, high=rec.n_samples)
@@ -224,8 +229,10 @@ def _of_responses(rec: Recording, nperseg: int | None) -> Callable[[tuple[float,
     if not scale.all():
         dead = rec.dofs[int(np.flatnonzero(scale == 0.0)[0])]
         raise UnsuitableDataError(
-            f"source: got no signal at all from dof {dead!r}; wanted a live channel. "
-            "Leave the dead channel out of the Recording."
+            "source",
+            f"no signal at all from dof {dead!r}",
+            "a live channel",
+            "Leave the dead channel out of the Recording.",
         )
     half = half_spectra(rec, nperseg=nperseg)
     units = scale[np.array(half.references)][:, None] * scale

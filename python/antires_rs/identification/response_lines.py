@@ -51,8 +51,10 @@ def lines_of_recording(
         dead = int(np.flatnonzero(auto == 0.0)[0])
         name = f"dof {rec.dofs[dead]!r}" if dead < rec.n_channels else "the force"
         raise UnsuitableDataError(
-            f"source: got no signal at all from {name} in the band; wanted a live "
-            "channel. Leave the dead channel out of the Recording."
+            "source",
+            f"no signal at all from {name} in the band",
+            "a live channel",
+            "Leave the dead channel out of the Recording.",
         )
     vectors, snr = response_vectors(spectra.matrix, spectra.noise)
     if averages.nperseg is None:
@@ -113,8 +115,10 @@ def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, 
     if not power.all():
         dead = resp.dofs[int(np.flatnonzero(power == 0.0)[0])]
         raise UnsuitableDataError(
-            f"source: got zeros only for dof {dead!r} in the band; wanted a live "
-            "channel. Leave the dead channel out of the FrequencyResponse."
+            "source",
+            f"zeros only for dof {dead!r} in the band",
+            "a live channel",
+            "Leave the dead channel out of the FrequencyResponse.",
         )
     if resp.kind == "transmissibility":
         if use_force:

@@ -44,9 +44,7 @@ def existing_file(path: str | os.PathLike[str]) -> Path:
 
 def unsuitable(path: Path, found: str, wanted: str, remedy: str = "") -> NoReturn:
     """Raise for a file that is damaged or of another kind."""
-    raise UnsuitableDataError(
-        f"path: got {str(path)!r}, {found}; wanted {wanted}.{' ' + remedy if remedy else ''}"
-    )
+    raise UnsuitableDataError("path", f"{str(path)!r}, {found}", wanted, remedy)
 
 
 def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) -> None:

@@ -75,8 +75,10 @@ class Job:
         )
         remedy += r" A path is written with / or in single quotes: 'C:\tests\a.uff'." if "\\" in line else ""
         raise InvalidInputError(
-            f"{self._name}, line {number}: got {line!r}, which is no TOML ({reason}); wanted lines such as "
-            f"key = value under a [section]. {remedy}"
+            f"{self._name}, line {number}",
+            f"{line!r}, which is no TOML ({reason})",
+            "lines such as key = value under a [section]",
+            remedy,
         )
 
     def _unknown_sections(self, raw: Mapping[str, Any]) -> None:
@@ -182,7 +184,7 @@ class Job:
 
     def reject(self, place: Keys, got: str, wanted: str, remedy: str) -> NoReturn:
         """Refuse what stands at a place."""
-        raise InvalidInputError(f"{self.where(place)}: got {got}; wanted {wanted}. {remedy}")
+        raise InvalidInputError(self.where(place), got, wanted, remedy)
 
     def missing(self, place: Keys, key: str) -> NoReturn:
         """Refuse a section for a key that is not there."""
@@ -256,16 +258,20 @@ def read_job(path: str | os.PathLike[str]) -> Job:
     if not file.is_file():
         what = "is a folder" if file.is_dir() else "does not exist"
         raise InvalidInputError(
-            f"JOB: got {str(path)!r}, which {what}; wanted a job file. "
-            "'antires init job.toml' writes one to be filled in."
+            "JOB",
+            f"{str(path)!r}, which {what}",
+            "a job file",
+            "'antires init job.toml' writes one to be filled in.",
         )
     try:
         text = file.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as exc:
         line = file.read_bytes()[: exc.start].count(b"\n") + 1
         raise InvalidInputError(
-            f"{file.name}, line {line}: got bytes that are no UTF-8 text; wanted a job "
-            "file in TOML. Save it as UTF-8."
+            f"{file.name}, line {line}",
+            "bytes that are no UTF-8 text",
+            "a job file in TOML",
+            "Save it as UTF-8.",
         ) from exc
     return Job(file, text)
 

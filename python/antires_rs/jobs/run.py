@@ -241,9 +241,10 @@ def _kept_sets(
     ]
     if changed:
         raise UnsuitableDataError(
-            f"JOB: got {', '.join(changed)}, changed since the search began; wanted "
-            f"the files as they were. Put them back, or begin anew with 'antires "
-            f"{job.task} {job.path.name} --fresh'."
+            "JOB",
+            f"{', '.join(changed)}, changed since the search began",
+            "the files as they were",
+            f"Put them back, or begin anew with 'antires {job.task} {job.path.name} --fresh'.",
         )
     sets = []
     for i, each in enumerate(measured):

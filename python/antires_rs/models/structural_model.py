@@ -111,8 +111,9 @@ class StructuralModel(AroundCore["CoreModel"]):
         freq, shapes = self._core.modes(limit, most)
         if np.isnan(freq).any():
             raise NumericalError(
-                "modes of (K, M) failed: the stiffness is indefinite, so that "
-                f"{np.isnan(freq).sum()} motion(s) grow without bound. Check its signs."
+                "modes of (K, M)",
+                f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound. "
+                "Check its signs.",
             )
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
         if limit is not None and keep == 0:

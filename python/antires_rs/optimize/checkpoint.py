@@ -95,8 +95,10 @@ class Checkpoint:
             return
         if damaged:
             raise UnsuitableDataError(
-                f"checkpoint: got damaged files, {', '.join(damaged)}; wanted one that "
-                "is whole. Remove them to begin anew."
+                "checkpoint",
+                f"damaged files, {', '.join(damaged)}",
+                "one that is whole",
+                "Remove them to begin anew.",
             )
 
     def begin(self, problem: bytes, seed: int) -> None:

@@ -346,19 +346,23 @@ class _batch:
             costs = costs.astype(np.float64)
         except (TypeError, ValueError) as exc:
             raise ObjectiveError(
-                f"fun: got {type(answer).__name__} that is not numeric ({exc}); wanted {wanted}."
+                "fun", f"{type(answer).__name__} that is not numeric ({exc})", wanted, _RETURN
             ) from exc
         if costs.shape != (len(candidates),):
-            raise ObjectiveError(f"fun: got an array of shape {costs.shape}; wanted {wanted}.")
+            raise ObjectiveError("fun", f"an array of shape {costs.shape}", wanted, _RETURN)
         # A cost that is not finite is the worst there is; a whole first generation of them is a mistake.
         self.seen_finite = self.seen_finite or bool(np.isfinite(costs).any())
         if not self.seen_finite:
             raise ObjectiveError(
-                f"fun: got no finite cost for any of {len(candidates)} candidates; wanted {wanted}."
+                "fun",
+                f"no finite cost for any of {len(candidates)} candidates",
+                wanted,
+                "Call the function at a point inside the bounds to see why.",
             )
         return costs
 
 
+_RETURN = "Return a float for each candidate: an array (m,) of them with vectorized=True."
 #: More than any machine has; a larger number is a slip.
 _MOST_WORKERS = 1024
 #: Largest count that the core can hold.

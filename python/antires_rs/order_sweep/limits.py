@@ -14,8 +14,9 @@ SMALL_DAMPING = 0.01
 # --- what all channels share
 #: Roots of all responses this close, relative to abs(s), are one common factor of the numerators.
 SHARED = 0.003
-#: Largest spread over the channels of a value that they share: a mode that the force hardly excites. On measured
-#: frames and beams at most 0.41 %; antiresonances of neighbouring parts of a chain came within 0.6 %.
+#: Largest spread over the channels of a value that they share: a mode that the force hardly excites. On
+#: measured frames and beams at most 0.41 %; antiresonances of neighbouring parts of a chain came within
+#: 0.6 %.
 COMMON = 0.005
 #: A zero this near to a root that all responses share is doubtful.
 NEARLY_SHARED = 0.05

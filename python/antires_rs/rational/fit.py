@@ -337,8 +337,8 @@ def fit_rational(
             d = nested.low_and_norm(order)[0 if constraint == "low" else 1]
         except np.linalg.LinAlgError as exc:
             raise NumericalError(
-                f"fit_rational: the least-squares problem of order {order} did not converge "
-                f"({exc}); lower the order or narrow the band."
+                f"the least-squares problem of order {order}",
+                f"no convergence ({exc}); lower the order or narrow the band",
             ) from exc
         fits.append(_fit_of(nested, freq, d, first, single))
         terms = nested.denominator_basis.p * d

@@ -51,8 +51,10 @@ def two_channel(matrix: ComplexArray, j: int, estimator: str) -> tuple[ComplexAr
     if not s_jj[1:].all() or not auto.any(axis=1).all():
         dead = int(np.flatnonzero(~auto[:, 1:].all(axis=1))[0])
         raise UnsuitableDataError(
-            f"responses: channel {dead} has no energy at some frequencies; wanted "
-            "signals that are not zero. Leave the dead channel out."
+            "responses",
+            f"channel {dead} without energy at some frequencies",
+            "signals that are not zero",
+            "Leave the dead channel out.",
         )
     with np.errstate(divide="ignore", invalid="ignore"):
         coherence = np.clip(np.abs(s_jp) ** 2 / (s_jj * auto), 0.0, 1.0)

@@ -89,10 +89,11 @@ def require_stationary(rec: Recording) -> None:
     """Raise :class:`UnsuitableDataError` if Welch's method does not fit the record."""
     if is_transient(rec):
         raise UnsuitableDataError(
-            "method: got 'auto' for a record whose energy decays by more than 20 dB; wanted steady vibration "
-            "for Welch's averages, because a segment that starts within a decay does not hold its own "
-            "excitation. Use method='transient' (one transform over each whole hit), or force it with "
-            "method='welch'."
+            "method",
+            "'auto' for a record whose energy decays by more than 20 dB",
+            "steady vibration for Welch's averages, because a segment that starts within a decay does not "
+            "hold its own excitation",
+            "Use method='transient' (one transform over each whole hit), or force it with method='welch'.",
         )
 
 
@@ -136,8 +137,10 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
         hits.append(b)
     if not hits:
         raise UnsuitableDataError(
-            "responses: no hit found, the energy never rises from rest; wanted a record that starts before "
-            "the hit. Record again with a pre-trigger: what was missed at the start cannot be recovered."
+            "responses",
+            "a record without a hit: the energy never rises from rest",
+            "a record that starts before the hit",
+            "Record again with a pre-trigger: what was missed at the start cannot be recovered.",
         )
     events = []
     for i, b in enumerate(hits):

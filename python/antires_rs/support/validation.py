@@ -24,7 +24,7 @@ T = TypeVar("T")
 def reject(name: str, got: object, wanted: str, remedy: str = "") -> NoReturn:
     """Raise the package's input error in its one sentence pattern."""
     text = got if isinstance(got, str) else repr(got)
-    raise InvalidInputError(f"{name}: got {text}; wanted {wanted}.{' ' + remedy if remedy else ''}")
+    raise InvalidInputError(name, text, wanted, remedy)
 
 
 def _array(name: str, value: Any, dtype: type, ndim: int | None, wanted: str) -> NDArray[Any]:

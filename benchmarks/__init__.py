@@ -1,0 +1,1 @@
+"""Studies and races; run from the top of the repository: ``python -m benchmarks.NAME``."""

@@ -1,0 +1,1 @@
+"""Structures, records and oracles with known answers, which tests and benchmarks compare with."""

@@ -1,0 +1,1 @@
+"""The tests; each folder has those of the package of its name."""

@@ -1,0 +1,321 @@
+"""MAT, HDF5 and npz of other programs: which array is what; limits of the child process."""
+
+import contextlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+import antires_rs as ar
+from reference.io_signals import recording
+
+h5py = pytest.importorskip("h5py")
+
+N = 300
+TIME = np.arange(N) / 250.0
+A, B, F = np.random.default_rng(0).standard_normal((3, N))
+H = A + 1j * B
+
+
+def npz(path, **arrays):
+    np.savez(path.with_suffix(".npz"), **arrays)
+    return path.with_suffix(".npz")
+
+
+def mat(path, **arrays):
+    savemat(path, arrays)
+    return path
+
+
+def hdf5(path, **arrays):
+    with h5py.File(path, "w") as file:
+        for name, value in arrays.items():
+            file[name] = value
+    return path
+
+
+BAGS = [(npz, ar.read_npz), (mat, ar.read_mat), (hdf5, ar.read_hdf5)]
+every_bag = pytest.mark.parametrize(("save", "read"), BAGS)
+
+
+@every_bag
+def test_names_tell_the_roles(tmp_path, save, read):
+    rec = read(save(tmp_path / "a", time=TIME, acc=A, root=B, force=F, temperature=21.5))
+    assert (rec.fs_hz, rec.dofs) == (250.0, ("acc", "root"))
+    np.testing.assert_array_equal(rec.responses, [A, B])
+    np.testing.assert_array_equal(rec.force, F)
+
+
+@every_bag
+def test_roles_are_named(tmp_path, save, read):
+    path = save(tmp_path / "a", Fs=250, acc1=A, acc2=B, cell=F)
+    rec = read(path, responses="acc*", force="cell", unit="g", dofs={"acc1": 4, "acc2": 2})
+    assert (rec.fs_hz, rec.dofs) == (250.0, (4, 2))
+    np.testing.assert_allclose(rec.responses, 9.80665 * np.array([A, B]), rtol=1e-15)
+    np.testing.assert_array_equal(rec.force, F)
+    assert read(path, responses=["acc2"], fs_hz=100.0).fs_hz == 100.0
+    with pytest.raises(ar.InvalidInputError, match="^responses: got 'vel'; wanted arrays of .*acc1 "):
+        read(path, responses="vel")
+    with pytest.raises(ar.InvalidInputError, match="^time: got 'uhr'; wanted a numeric array of"):
+        read(path, time="uhr")
+    with pytest.raises(ar.InvalidInputError, match="^force: got 'hammer'; wanted 'auto', None or an array"):
+        read(path, force="hammer")
+
+
+@every_bag
+@pytest.mark.parametrize("turned", [False, True])
+def test_matrices_have_channels_along_the_shorter_axis(tmp_path, save, read, turned):
+    rows = np.array([A, B])
+    rec = read(save(tmp_path / "a", t=TIME, y=rows.T if turned else rows))
+    assert rec.dofs == ("y[0]", "y[1]")
+    np.testing.assert_array_equal(rec.responses, rows)
+
+
+@every_bag
+def test_responses_over_frequency(tmp_path, save, read):
+    path = save(tmp_path / "a", freq=TIME, H=np.array([H, 2 * H]), coherence=np.full((2, N), 0.9))
+    found = read(path, dofs=[1, 0], unit="g/N")
+    assert (found.kind, found.dofs, found.coherence.max()) == ("frf", (1, 0), 0.9)
+    np.testing.assert_allclose(found.values[1], 9.80665 * 2 * H, rtol=1e-15)
+    assert read(path, dofs=[None, 7]).dofs == (7,)
+    ones = save(tmp_path / "b", f=TIME, T=np.array([H, np.ones(N)]))
+    assert read(ones, kind="transmissibility", dofs=[0, 1], reference=1).reference == 1
+    with pytest.raises(ar.UnsuitableDataError, match="is real; wanted complex FRFs.*lost the phase"):
+        read(save(tmp_path / "c", f=TIME, H=A))
+
+
+@every_bag
+def test_what_is_not_clear_is_asked(tmp_path, save, read):
+    with pytest.raises(ar.UnsuitableDataError, match="without a sampling rate or a time .*Name time= or"):
+        read(save(tmp_path / "a", acc=A))
+    with pytest.raises(ar.UnsuitableDataError, match="both 't' and 'freq'"):
+        read(save(tmp_path / "b", t=TIME, freq=TIME, acc=A))
+    late = TIME.copy()
+    late[100:] += 0.004
+    with pytest.raises(ar.UnsuitableDataError, match="such gaps"):
+        read(save(tmp_path / "c", t=late, acc=A))
+
+
+@pytest.mark.parametrize("version", ["5", "4"])
+def test_structs_and_old_versions(tmp_path, version):
+    if version == "4":
+        savemat(tmp_path / "a.mat", {"time": TIME, "tip": A}, format="4")
+        assert ar.read_mat(tmp_path / "a.mat").dofs == ("tip",)
+        return
+    runs = np.array([({"t": TIME, "a": A},), ({"t": TIME, "a": B},)], dtype=object)
+    path = mat(tmp_path / "a.mat", test={"time": TIME, "acc": {"x": A, "y": B}}, runs=runs, note="hello")
+    names = set(ar.io.mat_arrays(path))
+    assert {"test.time", "test.acc.x", "runs[0].t", "runs[1].a"} <= names
+    with pytest.raises(ar.UnsuitableDataError, match="several candidates for time=.*Name it: time='test"):
+        ar.read_mat(path)
+    rec = ar.read_mat(path, time="test.time", responses="test.acc.*")
+    assert rec.dofs == ("x", "y")
+    np.testing.assert_array_equal(rec.responses, [A, B])
+    assert ar.read_mat(path, time="runs[1].t", responses="runs[1].a").dofs == ("a",)
+
+
+def test_version_73(tmp_path):
+    path = tmp_path / "a.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        group = file.create_group("test")
+        for name, value in (("time", TIME[None]), ("acc", np.array([A, B]))):
+            group.create_dataset(name, data=value.T).attrs["MATLAB_class"] = np.bytes_("double")
+        pair = np.zeros((N, 1), dtype=[("real", "f8"), ("imag", "f8")])
+        pair["real"][:, 0], pair["imag"][:, 0] = A, B
+        file.create_dataset("H", data=pair).attrs["MATLAB_class"] = np.bytes_("double")
+        file["note"] = np.frombuffer(b"hello", dtype=np.uint8)
+    rec = ar.read_mat(path, responses="test.acc")
+    np.testing.assert_array_equal(rec.responses, [A, B])
+    np.testing.assert_array_equal(ar.io.mat_arrays(path)["H"], [H])
+
+
+def cells_73(path):
+    """Cells and struct arrays as MATLAB 7.3 has them: references to datasets and groups in #refs#."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        hidden = file.create_group("#refs#")
+
+        def put(group, name, value, made="double"):
+            group.create_dataset(name, data=value).attrs["MATLAB_class"] = np.bytes_(made)
+            return group[name].ref
+
+        def references(group, name, targets, made=None):
+            table = group.create_dataset(name, data=np.array([targets], dtype=object), dtype=h5py.ref_dtype)
+            if made:
+                table.attrs["MATLAB_class"] = np.bytes_(made)
+            return table.ref
+
+        def struct(group, name):
+            group.create_group(name).attrs["MATLAB_class"] = np.bytes_("struct")
+            return group[name]
+
+        a, b = put(hidden, "a", A[:, None]), put(hidden, "b", B[:, None])
+        t = put(hidden, "t", TIME[:, None])
+        word = put(hidden, "w", np.array([[104]], dtype=np.uint16), "char")
+        runs = struct(file, "runs")
+        references(runs, "t", [t, t])
+        references(runs, "a", [a, b])
+        inner = struct(hidden, "s")
+        put(inner, "x", A[:, None])
+        references(inner, "deep", [b], "cell")
+        both = references(hidden, "c", [a, word], "cell")
+        references(file, "channels", [a, b, inner.ref, both, h5py.Reference()], "cell")
+        ring = references(hidden, "ring", [a], "cell")
+        hidden["ring"][0, 0] = ring
+        references(file, "endless", [ring], "cell")
+    return path
+
+
+def test_cells_and_struct_arrays_of_version_73(tmp_path):
+    path = cells_73(tmp_path / "a.mat")
+    arrays = ar.io.mat_arrays(path)
+    expected = {
+        "runs[0].t": TIME,
+        "runs[1].t": TIME,
+        "runs[0].a": A,
+        "runs[1].a": B,
+        "channels[0]": A,
+        "channels[1]": B,
+        "channels[2].x": A,
+        "channels[2].deep[0]": B,
+        "channels[3][0]": A,
+    }
+    assert set(arrays) == set(expected)
+    for name, values in expected.items():
+        np.testing.assert_array_equal(arrays[name], [values])
+    # The same names as of the same variables in version 5.
+    old = ar.io.mat_arrays(
+        mat(
+            tmp_path / "b.mat",
+            channels=np.array(
+                [
+                    A,
+                    B,
+                    {"x": A, "deep": np.array([B, None], dtype=object)[:1]},
+                    np.array([A, "h"], dtype=object),
+                ],
+                dtype=object,
+            ),
+            runs=np.array([(TIME, A), (TIME, B)], dtype=[("t", "O"), ("a", "O")]),
+        )
+    )
+    assert set(old) == set(expected)
+    rec = ar.read_mat(path, time="runs[1].t", responses=["runs[1].a", "channels[0]"])
+    np.testing.assert_array_equal(rec.responses, [B, A])
+
+
+def test_pickles_are_refused(tmp_path):
+    np.savez(tmp_path / "a.npz", acc=np.array([{"a": 1}], dtype=object), allow_pickle=True)
+    with pytest.raises(ar.UnsuitableDataError, match="only pickle reads; .* Save arrays of numbers"):
+        ar.read_npz(tmp_path / "a.npz")
+    np.save(tmp_path / "b.npy", A)
+    with pytest.raises(ar.UnsuitableDataError, match="no archive.*use numpy.load"):
+        ar.read_npz(tmp_path / "b.npy")
+
+
+@pytest.mark.parametrize(("write", "read"), [(ar.write_npz, ar.read_npz), (ar.write_hdf5, ar.read_hdf5)])
+def test_changed_bytes_are_noticed(tmp_path, write, read):
+    """Both formats have checksums: no flipped byte of the data may pass."""
+    path = write(tmp_path / "a", recording(n=2000))
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 0x55
+    path.write_bytes(data)
+    with pytest.raises(ar.UnsuitableDataError, match="cannot be read"):
+        read(path)
+
+
+def test_a_newer_version_is_refused():
+    import json
+    from pathlib import Path
+
+    from antires_rs.io._packing import pack, unpack
+
+    text, arrays = pack(recording())
+    newer = {**json.loads(text), "version": 2}
+    with pytest.raises(ar.UnsuitableDataError, match="of version 2.*Update antires_rs"):
+        unpack(Path("a"), json.dumps(newer), arrays)
+    with pytest.raises(ar.UnsuitableDataError, match="without force of its 2 arrays"):
+        unpack(Path("a"), text, {"responses": arrays["responses"]})
+    with pytest.raises(ar.UnsuitableDataError, match="whose force has shape"):
+        unpack(Path("a"), text, {**arrays, "force": arrays["force"][:-1]})
+
+
+def test_the_reader_of_old_matlab_files_has_limits(tmp_path):
+    path = mat(tmp_path / "a.mat", time=TIME, acc=A)
+    with pytest.raises(ar.UnsuitableDataError, match="was not read within 0.01 s.*Raise time_limit_s"):
+        ar.read_mat(path, time_limit_s=0.01)
+    with pytest.raises(ar.InvalidInputError, match="^memory_limit_gb: got 0"):
+        ar.read_mat(path, memory_limit_gb=0)
+    if sys.platform.startswith("linux"):
+        with pytest.raises(ar.UnsuitableDataError, match="cannot be read"):
+            ar.read_mat(path, memory_limit_gb=0.02)
+
+
+def test_damaged_matlab_files_do_not_end_the_process(tmp_path):
+    """Flipped bytes beyond the head, where the element's length still fits: only the child reads them."""
+    path = ar.write_mat(tmp_path / "a.mat", recording(n=50))
+    data, rng = path.read_bytes(), np.random.default_rng(0)
+    for _ in range(12):
+        changed = bytearray(data)
+        for at in rng.integers(136, len(data), 4):
+            changed[at] = rng.integers(256)
+        path.write_bytes(changed)
+        with contextlib.suppress(ar.InvalidInputError):  # any other error, or the end of the process, fails
+            ar.read_mat(path)
+
+
+def test_nothing_optional_is_imported_in_the_parent(tmp_path):
+    path = mat(tmp_path / "a.mat", time=TIME, acc=A)
+    code = (
+        f"import sys, antires_rs as ar; ar.read_mat({str(path)!r}); "
+        "print([m for m in ('scipy.io', 'h5py', 'pyuff', 'pandas', 'xarray') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_without_h5py(tmp_path, monkeypatch):
+    path = ar.write_hdf5(tmp_path / "a.h5", recording())
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    for call in (lambda: ar.read_hdf5(path), lambda: ar.write_hdf5(path, recording())):
+        with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[hdf5\]"'):
+            call()
+
+
+@every_bag
+def test_what_contradicts_itself_is_refused(tmp_path, save, read):
+    path = save(tmp_path / "a", t=TIME[: N // 2], acc=A)
+    with pytest.raises(ar.UnsuitableDataError, match="300 samples of 'acc' over 150 instants of 't'"):
+        read(path)
+    assert read(path, fs_hz=250.0).n_samples == N
+    path = save(tmp_path / "b", t=1000 * TIME, Fs=250.0, acc=A)  # in ms
+    with pytest.raises(ar.UnsuitableDataError, match="Fs of 250 Hz and a 't' of 0.25 Hz, if it is in s"):
+        read(path)
+
+
+@every_bag
+def test_what_is_left_out_is_told(tmp_path, save, read):
+    with pytest.warns(ar.AntiresWarning, match=r"shorter than the 300 samples of the longest, root \(299\)"):
+        assert read(save(tmp_path / "a", t=TIME, acc=A, root=B[:-1], settings=np.ones(9))).dofs == ("acc",)
+    path = save(tmp_path / "b", t=TIME, acc=A, all_runs=np.ones((2, 3, N)))
+    with pytest.warns(ar.AntiresWarning, match="of three and more axes, all_runs, which are not read"):
+        assert read(path).dofs == ("acc",)
+    assert read(path, responses="acc").dofs == ("acc",)
+
+
+@every_bag
+def test_magnitude_and_phase_beside_an_frf_are_no_responses(tmp_path, save, read):
+    path = save(tmp_path / "a", freq=TIME, H=H, magnitude=np.abs(H), phase=np.angle(H))
+    assert read(path).dofs == ("H",)
+    with pytest.raises(ar.UnsuitableDataError, match="whose magnitude is real"):
+        read(path, responses=["H", "magnitude"])
+
+
+def test_texts_of_matlab_7_3_are_no_channels(tmp_path):
+    path = hdf5(tmp_path / "a.mat", t=TIME, acc=A, note=np.arange(N, dtype=np.uint16), none=np.array([0, 0]))
+    with h5py.File(path, "a") as file:
+        file["note"].attrs["MATLAB_class"] = np.bytes_("char")
+        file["none"].attrs["MATLAB_empty"] = np.uint8(1)
+    assert ar.read_mat(path).dofs == ("acc",)
+    assert set(ar.io.mat_arrays(path)) == {"t", "acc"}

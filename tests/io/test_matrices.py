@@ -1,0 +1,142 @@
+"""Matrices of other programs become models; the dof map names their rows."""
+
+import gzip
+
+import numpy as np
+import pytest
+import scipy.sparse
+from scipy.io import mmwrite
+
+import antires_rs as ar
+from tests.support.paths import DOCS
+
+CHAIN = ar.MassSpringChain([1.0, 2.0, 1.5], [500.0, 400.0], ground_first_n_per_m=100.0)
+K, M = CHAIN.stiffness(), CHAIN.mass()
+SPRING = np.array([[500.0, -500.0, 0.0], [-500.0, 500.0, 0.0], [0.0, 0.0, 0.0]])
+MASS = np.diag([1.0, 0.0, 0.0])
+
+
+def market(path, matrix, **options):
+    mmwrite(str(path), matrix, **options)
+    return path
+
+
+def same(model):
+    assert model.n_dof == 3
+    for i in range(3):
+        np.testing.assert_allclose(model.antiresonances(i, 0), CHAIN.antiresonances(i, 0), rtol=1e-9)
+    problem = ar.UpdatingProblem(model, ar.stiffness_reduction(0), ar.AntiresonanceSet(0, {0: 3.0}))
+    np.testing.assert_allclose(problem.model_at([0.5]).stiffness().toarray(), K - 0.5 * SPRING)
+
+
+@pytest.mark.parametrize("symmetry", ["symmetric", "general"])
+@pytest.mark.parametrize("sparse", [True, False])
+def test_matrix_market(tmp_path, symmetry, sparse):
+    form = scipy.sparse.coo_array if sparse else np.asarray
+    names = [
+        market(tmp_path / f"{i}.mtx", form(m), symmetry=symmetry, precision=17)
+        for i, m in enumerate((K, M, SPRING, MASS))
+    ]
+    same(ar.read_matrices(*names[:2], stiffness_terms=[names[2]], mass_terms=[str(names[3])]))
+    packed = tmp_path / "K.mtx.gz"
+    packed.write_bytes(gzip.compress(names[0].read_bytes()))
+    same(ar.read_matrices(packed, M, stiffness_terms=[SPRING]))
+    packed.write_bytes(packed.read_bytes()[:-20])
+    with pytest.raises(ar.UnsuitableDataError, match="K.mtx.gz', which cannot be unpacked"):
+        ar.read_matrices(packed, M)
+
+
+def test_sparse_archives(tmp_path):
+    for name, matrix in (("K", K), ("S", SPRING)):
+        scipy.sparse.save_npz(tmp_path / f"{name}.npz", scipy.sparse.csc_array(matrix))
+    same(
+        ar.read_matrices(tmp_path / "K.npz", scipy.sparse.csr_array(M), stiffness_terms=[tmp_path / "S.npz"])
+    )
+    np.savez(tmp_path / "other.npz", a=K)
+    with pytest.raises(ar.UnsuitableDataError, match="wanted a file of scipy.sparse.save_npz"):
+        ar.read_matrices(tmp_path / "other.npz", M)
+
+
+def test_one_file_for_a_model(tmp_path):
+    model = ar.MatrixModel(K, M, stiffness_terms=[SPRING], mass_terms=[MASS])
+    back = ar.read_matrices(ar.write_matrices(tmp_path / "model.npz", model))
+    same(back)
+    assert repr(back) == repr(model)
+    for mine, theirs in ((model.stiffness(), back.stiffness()), (model.mass(), back.mass())):
+        np.testing.assert_array_equal(mine.toarray(), theirs.toarray())
+    with pytest.raises(ar.InvalidInputError, match="^model: got MassSpringChain; wanted a MatrixModel"):
+        ar.write_matrices(tmp_path / "x.npz", CHAIN)
+    problem = ar.UpdatingProblem(model, ar.stiffness_reduction(0), ar.AntiresonanceSet(0, {0: 3.0}))
+    with pytest.raises(ar.InvalidInputError, match="^model: got an updated model.*result.save"):
+        ar.write_matrices(tmp_path / "x.npz", problem.model_at([0.5]))
+
+
+def test_wrong_files(tmp_path):
+    with pytest.raises(ar.InvalidInputError, match="^mass: got None; wanted the mass matrix"):
+        ar.read_matrices(K)
+    (tmp_path / "K.txt").write_text("1 2 3\n")
+    with pytest.raises(ar.InvalidInputError, match="^stiffness: got '.*K.txt'; wanted a file that ends"):
+        ar.read_matrices(tmp_path / "K.txt", M)
+    path = market(tmp_path / "K.mtx", scipy.sparse.coo_array(K), symmetry="symmetric")
+    text = path.read_text()
+    path.write_text(text.rsplit("\n", 2)[0] + "\n")
+    with pytest.raises(ar.UnsuitableDataError, match="with 4 of 5 entries"):
+        ar.read_matrices(path, M)
+    path.write_text(text.replace("5\n", "five\n", 1))
+    with pytest.raises(ar.UnsuitableDataError, match="with the sizes"):
+        ar.read_matrices(path, M)
+    path.write_text(text.rstrip("\n"))
+    with pytest.raises(ar.UnsuitableDataError, match="the last without a line end"):
+        ar.read_matrices(path, M)
+    with pytest.raises(FileNotFoundError):
+        ar.read_matrices(tmp_path / "none.mtx", M)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "# node direction\n12 +Z\n12 RX\n7 x\n",
+        "12,3\n12,4\n7,1\n",
+        "Matrix Eqn  Node  DOF\n 1 12 UZ\n 2 12 ROTX\n 3 7 UX\n",
+    ],
+)
+def test_dof_map(tmp_path, text):
+    path = tmp_path / "dofs.txt"
+    path.write_text(text)
+    assert ar.io.read_dof_map(path) == {(12, "+Z"): 0, (12, "+RX"): 1, (7, "+X"): 2}
+
+
+def test_a_dof_map_names_the_channels_of_a_test(tmp_path):
+    pytest.importorskip("pyuff")
+    (tmp_path / "dofs.txt").write_text("1 UZ\n2 UZ\n3 UZ\n")
+    made = ar.Recording(np.random.default_rng(0).standard_normal((2, 64)), 128.0, ["3+Z", "1-Z"])
+    rec = ar.read_uff(ar.write_uff(tmp_path / "a.uff", made), dofs=ar.io.read_dof_map(tmp_path / "dofs.txt"))
+    assert rec.dofs == (2, 0)
+    np.testing.assert_array_equal(rec.responses, made.responses * [[1.0], [-1.0]])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("nothing\n", "without such a line"),
+        ("1 X\n1 X\n", "twice or out of range in line 2"),
+        ("0 1 X\n", "twice or out of range in line 1"),
+        ("1 X\n2 Q\n", "whose line 2 is '2 Q'"),
+    ],
+)
+def test_wrong_dof_maps(tmp_path, text, message):
+    (tmp_path / "dofs.txt").write_text(text)
+    with pytest.raises(ar.UnsuitableDataError, match=message):
+        ar.io.read_dof_map(tmp_path / "dofs.txt")
+
+
+def test_the_recipe_for_scikit_fem():
+    """docs/recipes/scikit_fem.md: a cantilever of Hermite elements has Euler's frequencies."""
+    pytest.importorskip("skfem", reason="scikit-fem is not installed")
+    recipe = (DOCS / "recipes/scikit_fem.md").read_text()
+    code = recipe.split("```python\n")[1].split("```")[0]
+    names = {}
+    exec(compile(code, "scikit_fem.md", "exec"), names)
+    found = names["model"].modes(2).freq_hz
+    exact = np.array([1.8751040687, 4.6940911330]) ** 2 / (2 * np.pi) * np.sqrt(names["EI"] / names["RHO_A"])
+    np.testing.assert_allclose(found, exact, rtol=1e-4)

@@ -1,0 +1,93 @@
+"""Row 2 of the files' bar: every format and every kind of data comes back to the format's precision."""
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from reference.io_signals import KINDS, differences, recording, response
+
+pytest.importorskip("h5py")
+pytest.importorskip("pyuff")
+
+#: Writer and reader of the formats that keep every bit of everything.
+EXACT = {
+    "npz": (ar.write_npz, ar.read_npz, ".npz"),
+    "HDF5": (ar.write_hdf5, ar.read_hdf5, ".h5"),
+    "MAT": (ar.write_mat, ar.read_mat, ".mat"),
+    "CSV": (ar.write_csv, ar.read_csv, ".csv"),
+    "TSV": (lambda path, s: ar.write_csv(path, s, delimiter="\t"), ar.read_csv, ".tsv"),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("form", EXACT)
+def test_every_bit_comes_back(tmp_path, form, kind):
+    write, read, ending = EXACT[form]
+    made = KINDS[kind]()
+    path = write(tmp_path / f"signal{ending}", made)
+    assert path == tmp_path / f"signal{ending}"
+    assert set(differences(made, read(path)).values()) == {0.0}
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if "deviations" not in k])
+@pytest.mark.parametrize("binary", [True, False])
+def test_universal_files(tmp_path, kind, binary):
+    made = KINDS[kind]()
+    back = ar.read_uff(ar.write_uff(tmp_path / "signal.uff", made, binary=binary))
+    found = differences(made, back)
+    # Text has 12 digits; its abscissa, where it is uneven, 6. Even lines are made again from first and step.
+    digits = 0.0 if binary else 5e-12
+    uneven = 0.0 if binary else 5e-6
+    limits = {
+        "responses": digits,
+        "force": digits,
+        "values": digits,
+        "coherence": digits,
+        "freq_hz": uneven if kind == "FRF on uneven lines" else 1e-12,
+        # Derived from coherence, where 1 - coherence loses digits.
+        "std": 0.0 if binary else 1e-9,
+    }
+    assert all(found[name] <= limits[name] for name in found), found
+
+
+def test_universal_files_keep_no_deviations_of_their_own(tmp_path):
+    made = response(std=True)
+    with pytest.warns(ar.AntiresWarning, match="standard deviations are not those of coherence"):
+        back = ar.read_uff(ar.write_uff(tmp_path / "signal.uff", made))
+    np.testing.assert_array_equal(back.values, made.values)
+    assert not np.allclose(back.std, made.std)
+
+
+@pytest.mark.parametrize("form", EXACT)
+def test_labels_that_no_file_holds_are_refused(tmp_path, form):
+    odd = ar.Recording(np.ones((1, 4)), 1.0, dofs=[(3, "z")])
+    with pytest.raises(ar.InvalidInputError, match=r"^signal: got the dof \(3, 'z'\)"):
+        EXACT[form][0](tmp_path / "x", odd)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("write", [ar.write_npz, ar.write_hdf5, ar.write_mat, ar.write_csv, ar.write_uff])
+def test_writers_take_signals_and_existing_folders(tmp_path, write):
+    with pytest.raises(ar.InvalidInputError, match="^signal: got list; wanted a Recording"):
+        write(tmp_path / "x", [1.0])
+    with pytest.raises(ar.InvalidInputError, match="^path: got .*; wanted a file in a folder that exists"):
+        write(tmp_path / "none" / "x", recording())
+
+
+@pytest.mark.parametrize("read", [ar.read_npz, ar.read_hdf5, ar.read_mat, ar.read_csv, ar.read_uff])
+def test_readers_name_the_file(tmp_path, read):
+    with pytest.raises(FileNotFoundError):
+        read(tmp_path / "none")
+    with pytest.raises(ar.InvalidInputError, match="^path: got .*; wanted a file, not a folder"):
+        read(tmp_path)
+    with pytest.raises(ar.InvalidInputError, match="^path: got 3; wanted the path of a file"):
+        read(3)
+    (tmp_path / "empty").write_bytes(b"")
+    with pytest.raises(ar.UnsuitableDataError, match="^path: got '.*empty', which is empty"):
+        read(tmp_path / "empty")
+    (tmp_path / "noise").write_bytes(np.random.default_rng(0).bytes(5000))
+    with pytest.raises(ar.UnsuitableDataError, match="^path: got '.*noise', .*; wanted "):
+        read(tmp_path / "noise")
+    (tmp_path / "prose").write_text("To whom it may concern:\nno number here.\n")
+    with pytest.raises(ar.UnsuitableDataError, match="^path: got '.*prose', .*; wanted "):
+        read(tmp_path / "prose")

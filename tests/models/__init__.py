@@ -1,0 +1,1 @@
+"""Chains, frames and matrices: modes, responses, antiresonances."""

@@ -1,0 +1,200 @@
+"""Laws that hold for every structure, on models drawn by hypothesis."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import antires_rs as ar
+from tests.support.tolerances import DIP, FACTORS, LAW, RIGID
+
+FEW = settings(
+    max_examples=60,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
+)
+
+
+@st.composite
+def chains(draw, grounded=None, largest=8):
+    """A chain of 2 to ``largest`` masses that differ by at most a factor of four."""
+    n = draw(st.integers(2, largest))
+    masses = draw(st.lists(st.floats(0.5, 2.0), min_size=n, max_size=n))
+    springs = draw(st.lists(st.floats(5e3, 2e4), min_size=n - 1, max_size=n - 1))
+    held = draw(st.booleans()) if grounded is None else grounded
+    ground = draw(st.floats(5e3, 2e4)) if held else 0.0
+    return ar.MassSpringChain(masses, springs, ground_first_n_per_m=ground)
+
+
+@FEW
+@given(chains())
+def test_stiffness_is_symmetric_and_positive_semi_definite(model):
+    stiffness = model.stiffness()
+    np.testing.assert_array_equal(stiffness, stiffness.T)
+    assert np.linalg.eigvalsh(stiffness).min() >= -LAW * stiffness.max()
+
+
+@FEW
+@given(chains())
+def test_shapes_are_orthonormal_in_mass_and_diagonal_in_stiffness(model):
+    modes = model.modes()
+    phi, lam = modes.shapes.T, (2 * np.pi * modes.freq_hz) ** 2
+    np.testing.assert_allclose(phi.T @ model.mass() @ phi, np.eye(len(lam)), atol=LAW)
+    np.testing.assert_allclose(phi.T @ model.stiffness() @ phi, np.diag(lam), atol=LAW * lam.max())
+    assert np.all(np.diff(modes.freq_hz) >= 0)
+
+
+@FEW
+@given(chains(grounded=False))
+def test_a_free_chain_has_one_rigid_body_mode_at_zero(model):
+    modes = model.modes()
+    assert modes.freq_hz[0] == 0.0
+    assert modes.freq_hz[1] > 0.0
+    np.testing.assert_allclose(modes.shapes[0] / modes.shapes[0, 0], 1.0, rtol=RIGID)
+
+
+@FEW
+@given(chains(grounded=True))
+def test_a_held_chain_has_no_rigid_body_mode(model):
+    assert model.modes().freq_hz[0] > 0.0
+
+
+@FEW
+@given(chains(), st.integers(0, 7))
+def test_driving_point_zeros_interlace_the_resonances(model, dof):
+    dof %= model.n_dof
+    zeros = model.antiresonances(dof, dof, include_cancelled=True)
+    resonances = model.modes().freq_hz
+    assert zeros.size == model.n_dof - 1
+    slack = 1.0 + LAW
+    assert np.all(resonances[:-1] <= zeros * slack)
+    assert np.all(zeros <= resonances[1:] * slack)
+
+
+@FEW
+@given(chains(), st.integers(0, 7), st.integers(0, 7))
+def test_antiresonances_are_zeros_of_the_undamped_frf(model, i, k):
+    """At each of them H is far below what it is one per cent aside."""
+    i, k = i % model.n_dof, k % model.n_dof
+    zeros = model.antiresonances(i, k)
+    resonances = model.modes().freq_hz
+    for zero in zeros:
+        if np.abs(resonances / zero - 1.0).min() < 0.02:
+            continue  # too near a pole to tell
+        aside = model.frf(i, k, zero * np.array([0.99, 1.0, 1.01]), damping_ratio=0.0, kind="receptance")
+        assert abs(aside[1]) <= DIP * min(abs(aside[0]), abs(aside[2]))
+
+
+@FEW
+@given(chains(), st.integers(0, 7), st.integers(0, 7))
+def test_reciprocity(model, i, k):
+    i, k = i % model.n_dof, k % model.n_dof
+    np.testing.assert_allclose(model.antiresonances(i, k), model.antiresonances(k, i), rtol=LAW)
+    freq = np.array([0.0, 3.0, 17.0])
+    there, back = (model.frf(a, b, freq, damping_ratio=0.02) for a, b in ((i, k), (k, i)))
+    np.testing.assert_allclose(there, back, rtol=LAW, atol=LAW * np.abs(there).max())
+
+
+@FEW
+@given(chains(), st.floats(0.1, 10.0))
+def test_scaling_stiffness_and_mass_together_changes_no_frequency(model, scale):
+    scaled = ar.MatrixModel(scale * model.stiffness(), scale * model.mass())
+    np.testing.assert_allclose(scaled.antiresonances(0, 0), model.antiresonances(0, 0), rtol=LAW)
+    np.testing.assert_allclose(scaled.modes().freq_hz[1:], model.modes().freq_hz[1:], rtol=LAW)
+
+
+@FEW
+@given(chains(), st.floats(1.01, 4.0))
+def test_stiffening_moves_no_driving_point_zero_down(model, factor):
+    """Rayleigh: an eigenvalue of the clamped structure grows with its stiffness."""
+    stiffer = ar.MatrixModel(factor * model.stiffness(), model.mass())
+    np.testing.assert_allclose(
+        stiffer.antiresonances(0, 0), np.sqrt(factor) * model.antiresonances(0, 0), rtol=LAW
+    )
+
+
+# ---- the objective ----------------------------------------------------------------------------------
+
+CASE = ar.cases.chain8()
+DAMAGE = CASE.damage_problem()
+UPDATING = CASE.updating_problem(ar.cases.chain8(perturbation=0.08, rng=3).exact())
+severities = st.lists(st.one_of(st.just(0.0), st.just(0.99), st.floats(0.0, 0.99)), min_size=7, max_size=7)
+factors = st.lists(st.one_of(st.just(0.9), st.just(1.1), st.floats(0.9, 1.1)), min_size=15, max_size=15)
+
+
+@FEW
+@given(severities)
+def test_the_damage_objective_is_finite_and_not_negative_everywhere(x):
+    cost = DAMAGE.cost(x)
+    assert np.isfinite(cost)
+    assert cost >= 0.0
+
+
+@FEW
+@given(factors)
+def test_the_updating_objective_is_finite_and_not_negative_everywhere(x):
+    cost = UPDATING.cost(x)
+    assert np.isfinite(cost)
+    assert cost >= 0.0
+
+
+def test_the_objective_is_finite_where_an_element_is_lost_altogether():
+    """beta = 1 leaves two parts, of which the response may be on the far one."""
+    problem = ar.UpdatingProblem(
+        CASE.model, ar.stiffness_reduction(range(7), bounds=(0.0, 1.0)), CASE.exact(), penalty=(0.1, 0.1)
+    )
+    for corner in np.vstack([np.eye(7), np.ones((1, 7)), np.zeros((1, 7))]):
+        assert np.isfinite(problem.cost(corner))
+
+
+@FEW
+@given(severities)
+def test_snapping_twice_is_snapping_once(x):
+    once = DAMAGE._core.repaired(np.array(x))
+    np.testing.assert_array_equal(DAMAGE._core.repaired(once), once)
+    assert np.all((once == 0.0) | (once >= 1e-3))
+    assert DAMAGE.cost(once) == DAMAGE.cost(x)
+
+
+@FEW
+@given(factors, st.randoms(use_true_random=False))
+def test_pairing_does_not_depend_on_the_order_of_the_measured_values(x, random):
+    """Dofs and values in any order: the same pairs, and the same cost but for the rounding of a sum."""
+    exact = dict(UPDATING.measured[0])
+    dofs = list(exact)
+    random.shuffle(dofs)
+    shuffled = {dof: random.sample(list(exact[dof]), len(exact[dof])) for dof in dofs}
+    other = CASE.updating_problem(ar.AntiresonanceSet(0, shuffled))
+    assert other.cost(x) == pytest.approx(UPDATING.cost(x), rel=LAW)
+
+    def pairs(problem):
+        keys = zip(problem.measured_dofs, problem.measured_hz, strict=True)
+        return dict(zip(keys, problem.paired_hz(x), strict=True))
+
+    assert pairs(other) == pairs(UPDATING)
+
+
+@FEW
+@given(st.floats(0.5, 1.5), st.floats(0.0, 0.9), st.integers(0, 6))
+def test_factors_multiply_whatever_their_order(factor, beta, element):
+    reduction = ar.stiffness_reduction(element)
+    scale = ar.stiffness_factor(element, bounds=(0.5, 1.5))
+    both = [
+        ar.UpdatingProblem(CASE.model, p, CASE.exact()).model_at(x).stiffness()
+        for p, x in (([reduction, scale], [beta, factor]), ([scale, reduction], [factor, beta]))
+    ]
+    np.testing.assert_array_equal(both[0], both[1])
+    wanted = 56.7e3 * factor * (1 - beta)
+    assert -both[0][element, element + 1] == pytest.approx(wanted, rel=FACTORS, abs=FACTORS * 56.7e3)
+
+
+@FEW
+@given(severities)
+def test_the_truth_costs_nothing_but_its_penalty(beta):
+    """Targets from the model at x: at x only the penalties are left."""
+    x = DAMAGE._core.repaired(np.array(beta))
+    zeros = DAMAGE.model_at(x).antiresonances(range(8), 0)
+    problem = CASE.damage_problem(ar.AntiresonanceSet(0, dict(enumerate(zeros))))
+    penalty = 0.1 * x.sum() + 0.1 * np.count_nonzero(x)
+    assert problem.cost(x) == pytest.approx(penalty, abs=LAW)

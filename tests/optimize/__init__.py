@@ -1,0 +1,1 @@
+"""The island search, its checkpoints and its end."""

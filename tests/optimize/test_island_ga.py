@@ -1,0 +1,291 @@
+"""The island search on Python objectives: contract, not performance."""
+
+import multiprocessing
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from tests.support.tolerances import GENE_AGREEMENT, SPHERE
+
+BOX = [(-1.0, 1.0)] * 3
+SHORT = {"max_evaluations": 2000}
+
+
+def sphere(x):
+    """At module level, so that a process pool can pickle it."""
+    return float(np.sum((np.asarray(x) - 0.3) ** 2))
+
+
+def spheres(candidates):
+    return np.sum((candidates - 0.3) ** 2, axis=1)
+
+
+def same(a, b):
+    np.testing.assert_array_equal(a.x, b.x)
+    np.testing.assert_array_equal(a.history.cost, b.history.cost)
+    np.testing.assert_array_equal(a.populations, b.populations)
+
+
+def test_finds_the_minimum_and_says_why_it_ended():
+    result = ar.IslandGA().minimize(sphere, BOX, rng=0)
+    assert result.success
+    assert result.status in ("agreed", "cost agreed")
+    np.testing.assert_allclose(result.x, 0.3, atol=SPHERE)
+    assert result.fun == sphere(result.x)
+    assert "agree" in result.message
+
+
+def test_what_agreed_claims_holds_for_the_populations():
+    """Bests at a corner of the box, which boundary mutation reaches exactly."""
+    result = ar.IslandGA().minimize(lambda x: float(np.abs(x).sum()), [(0, 1)] * 3, rng=1)
+    assert result.status == "agreed"
+    bests = result.populations[np.arange(4), result.population_costs.argmin(axis=1)]
+    assert np.ptp(bests, axis=0).max() <= GENE_AGREEMENT
+
+
+def test_shapes_and_order_of_the_outcome():
+    result = ar.IslandGA(islands=3, population=10, max_evaluations=1000).minimize(sphere, BOX, rng=2)
+    assert result.populations.shape == (3, 10, 3)
+    assert result.population_costs.shape == (3, 10)
+    assert result.history.cost.shape == (result.nit + 1, 3)
+    assert result.history.nfev.shape == (result.nit + 1,)
+    assert np.all(np.diff(result.history.cost, axis=0) <= 0)
+    assert np.all(np.diff(result.history.nfev.astype(int)) >= 0)
+    assert result.history.nfev[-1] == result.nfev
+    assert result.history.cost[-1].min() == result.fun
+    costs = [[sphere(x) for x in island] for island in result.populations]
+    np.testing.assert_array_equal(result.population_costs, costs)
+    assert np.all((result.populations >= -1) & (result.populations <= 1))
+
+
+@pytest.mark.parametrize("islands", [1, 2, 6])
+def test_any_number_of_islands(islands):
+    result = ar.IslandGA(islands=islands).minimize(sphere, BOX, rng=0)
+    assert result.populations.shape[0] == islands
+    assert result.success
+    assert (result.status == "stagnated") == (islands == 1)
+
+
+def test_the_budget_of_evaluations_is_never_exceeded():
+    calls = []
+
+    def counted(x):
+        calls.append(1)
+        return sphere(x)
+
+    for budget in (1, 17, 160, 500):
+        calls.clear()
+        result = ar.IslandGA(max_evaluations=budget).minimize(counted, BOX, rng=0)
+        assert result.nfev == len(calls) <= budget
+        assert (result.status, result.success) == ("budget", False)
+        assert "evaluations" in result.message
+
+
+def test_the_budget_of_generations_and_of_time():
+    result = ar.IslandGA(max_generations=5).minimize(sphere, BOX, rng=0)
+    assert (result.nit, result.status) == (5, "budget")
+    assert "generations" in result.message
+    result = ar.IslandGA(max_seconds=0.0).minimize(sphere, BOX, rng=0)
+    assert result.status == "budget"
+    assert "time" in result.message
+
+
+def test_vectorized_and_mapped_objectives_give_the_same_bits():
+    ga = ar.IslandGA(**SHORT)
+    one = ga.minimize(sphere, BOX, rng=5)
+    same(one, ga.minimize(spheres, BOX, rng=5, vectorized=True))
+    same(one, ga.minimize(sphere, BOX, rng=5, workers=map))
+    with ThreadPoolExecutor(2) as pool:
+        same(one, ga.minimize(sphere, BOX, rng=5, workers=pool.map))
+
+
+def test_a_pool_of_processes_gives_the_same_bits_and_is_gone_afterwards():
+    ga = ar.IslandGA(max_evaluations=400)
+    same(ga.minimize(sphere, BOX, rng=5), ga.minimize(sphere, BOX, rng=5, workers=2))
+    assert multiprocessing.active_children() == []
+
+
+def test_a_whole_generation_is_one_call():
+    sizes = []
+
+    def batch(candidates):
+        sizes.append(len(candidates))
+        return spheres(candidates)
+
+    result = ar.IslandGA(**SHORT).minimize(batch, BOX, rng=0, vectorized=True)
+    assert sizes[0] == 4 * 40
+    assert sum(sizes) == result.nfev
+    assert len(sizes) <= result.nit + 1
+
+
+def test_the_same_seed_gives_the_same_search_and_another_seed_another():
+    ga = ar.IslandGA(**SHORT)
+    same(ga.minimize(sphere, BOX, rng=7), ga.minimize(sphere, BOX, rng=7))
+    generators = [np.random.default_rng(7) for _ in range(2)]
+    same(*(ga.minimize(sphere, BOX, rng=g) for g in generators))
+    assert not np.array_equal(ga.minimize(sphere, BOX, rng=8).x, ga.minimize(sphere, BOX, rng=7).x)
+
+
+def test_guesses_join_the_populations():
+    ga = ar.IslandGA(max_generations=0)
+    guess = [0.3, 0.3, 0.3]
+    result = ga.minimize(sphere, BOX, rng=0, x0=guess)
+    assert result.fun == 0.0
+    np.testing.assert_array_equal(result.x, guess)
+    several = ga.minimize(sphere, BOX, rng=0, x0=[[0.9, 0.9, 0.9], guess])
+    assert several.fun == 0.0
+
+
+def test_equal_bounds_fix_a_variable():
+    result = ar.IslandGA(**SHORT).minimize(sphere, [(-1, 1), (0.5, 0.5)], rng=0)
+    assert result.x[1] == 0.5
+    assert np.all(result.populations[:, :, 1] == 0.5)
+
+
+def test_the_callback_sees_the_state_and_can_stop():
+    states = []
+
+    def watch(state):
+        states.append(state)
+        return len(states) == 3
+
+    result = ar.IslandGA().minimize(sphere, BOX, rng=0, callback=watch)
+    assert (result.status, result.success) == ("callback", False)
+    assert len(states) == 3
+    last = states[-1]
+    assert set(last) == {"nit", "nfev", "fun", "x", "islands", "migrations"}
+    assert last["nit"] == result.nit
+    assert last["fun"] == sphere(last["x"]) == result.fun
+    assert [state for _, state in last["islands"]] == ["searching"] * 4
+
+
+class Unlucky(Exception):
+    """An exception of the user's own."""
+
+
+@pytest.mark.parametrize("where", ["fun", "callback", "vectorized"])
+def test_exceptions_of_the_user_come_out_unchanged(where):
+    error = Unlucky("as it was raised")
+
+    def fail(_):
+        raise error
+
+    options = {"callback": fail} if where == "callback" else {"vectorized": where == "vectorized"}
+    with pytest.raises(Unlucky) as caught:
+        ar.IslandGA(**SHORT).minimize(sphere if where == "callback" else fail, BOX, rng=0, **options)
+    assert caught.value is error
+
+
+@pytest.mark.parametrize(
+    ("fun", "got"),
+    [
+        (lambda X: spheres(X)[:-1], r"shape \(159,\)"),
+        (lambda X: X, r"shape \(160, 3\)"),
+        (lambda X: 1.0, r"shape \(\)"),
+        (lambda X: ["a"] * len(X), "not numeric"),
+        (lambda X: None, r"shape \(\)|not numeric"),
+        (lambda X: spheres(X) + 0j, "complex"),
+    ],
+)
+def test_a_wrong_answer_of_the_objective_is_named(fun, got):
+    with pytest.raises(ar.ObjectiveError, match=f"^fun: got .*{got}.*; wanted 160 real costs"):
+        ar.IslandGA().minimize(fun, BOX, rng=0, vectorized=True)
+
+
+def test_a_vector_for_one_candidate_is_named():
+    with pytest.raises(ar.ObjectiveError, match="^fun: got .*wanted 160 real costs"):
+        ar.IslandGA().minimize(lambda x: x, BOX, rng=0)
+
+
+def test_infinite_and_nan_costs_are_the_worst():
+    def half(x):
+        return sphere(x) if x[0] > 0 else (np.nan if x[1] > 0 else np.inf)
+
+    result = ar.IslandGA(**SHORT).minimize(half, BOX, rng=0)
+    assert result.x[0] > 0
+    assert np.isfinite(result.fun)
+
+
+def test_options_in_force_are_shown_with_their_defaults():
+    options = ar.IslandGA(population=20, crossovers=("blend",)).options
+    assert (options["population"], options["islands"], options["max_evaluations"]) == (20, 4, 200_000)
+    assert options["crossovers"] == ["blend"]
+    assert ar.IslandGA().options["crossovers"] == ["arithmetic", "heuristic", "blend", "uniform"]
+    assert repr(ar.IslandGA()) == "IslandGA(islands=4, population=40)"
+
+
+def test_agreement_in_genes_alone_does_not_end_in_a_flat_valley():
+    """cost = (x + y - 1)^2: any point of a line is best, and the islands' bests stay apart."""
+
+    def valley(candidates):
+        return (candidates.sum(axis=1) - 1.0) ** 2
+
+    box = [(0.0, 1.0)] * 2
+    both = ar.IslandGA().minimize(valley, box, rng=3, vectorized=True)
+    genes = ar.IslandGA(agreement="genes").minimize(valley, box, rng=3, vectorized=True)
+    assert both.status == "cost agreed"
+    assert genes.nfev > both.nfev
+    assert genes.status != "cost agreed"
+
+
+def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
+    from antires_rs.support import progress as _progress
+
+    monkeypatch.setattr(_progress, "FIRST_S", 0.0)
+    ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0, progress=True)
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert "evaluations" in shown.err
+    assert shown.err.endswith("\n")
+    ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0, progress=False)
+    ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0)
+    assert capsys.readouterr().err == ""
+
+
+def test_progress_tells_how_long_the_budget_lasts():
+    from antires_rs.support import progress as _progress
+
+    state = {"nfev": 3000, "fun": 0.5, "nit": 7, "islands": [(0.5, "searching"), (0.6, "waiting")]}
+    line = _progress._line(state, 5000, 10.0, 1000)  # 2000 of them before, by the run it goes on from
+    assert "3,000 of at most 5,000 evaluations" in line
+    assert "1/2 islands waiting" in line
+    assert line.endswith("10 s, at most 20 s left")
+    assert _progress._left(2000, 10.0, 0) == "time left not known yet"
+    assert _progress._left(30_000, 10.0, 1000) == "at most 5 min left"
+    assert _progress._left(10**6, 10.0, 1000) == "at most 3 h left"
+
+
+def test_an_objective_without_any_finite_cost_is_refused():
+    with pytest.raises(ar.ObjectiveError, match="no finite cost"):
+        ar.IslandGA().minimize(lambda x: float("nan"), [(0, 1)] * 2, rng=0)
+
+
+def test_a_polish_is_asked_for_with_a_truth_value():
+    options = ar.IslandGA().options
+    assert (options["polish"], options["polish_interval"], options["polish_evaluations"]) == (None, 10, 1000)
+    assert ar.IslandGA(polish=False).options["polish"] is False
+    with pytest.raises(ar.InvalidInputError, match="polish"):
+        ar.IslandGA(polish="yes")
+    with pytest.raises(ar.InvalidInputError, match="polish_interval"):
+        ar.IslandGA(polish_interval=0)
+
+
+def test_a_polished_function_reaches_its_minimum_to_more_digits():
+    plain = ar.IslandGA(**SHORT).minimize(sphere, BOX, rng=0)
+    polished = ar.IslandGA(**SHORT, polish=True).minimize(sphere, BOX, rng=0)
+    assert polished.fun < min(1e-10, plain.fun)
+    assert polished.nfev <= SHORT["max_evaluations"]
+
+
+def test_a_polished_function_has_exact_zeros():
+    """One damage of seven, each further one to be paid for."""
+
+    def penalised(x):
+        misfit = np.abs(x - np.array([0, 0, 0.55, 0, 0, 0, 0])).sum()
+        return float(misfit + 0.1 * x.sum() + 0.1 * np.count_nonzero(x))
+
+    result = ar.IslandGA(polish=True, max_evaluations=6000).minimize(penalised, [(0, 0.99)] * 7, rng=0)
+    np.testing.assert_allclose(result.x, [0, 0, 0.55, 0, 0, 0, 0], atol=1e-5)
+    assert np.count_nonzero(result.x) == 1

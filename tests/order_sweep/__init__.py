@@ -1,0 +1,1 @@
+"""Many model orders, and what persists through them."""

@@ -1,0 +1,66 @@
+"""The examples end in values known from elsewhere."""
+
+import importlib.util
+
+import numpy as np
+import pytest
+
+from tests.support.paths import EXAMPLES
+
+
+def load(name):
+    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_southampton_frame():
+    """At most 2 %; no chain of three masses can fit these zeros below 1.1 %."""
+    example = load("southampton_frame")
+    if example.data_folder() is None:
+        pytest.skip("Southampton data absent; set ANTIRES_DATA to the folder that holds them")
+    _, result = example.main()
+    assert result.table.measured_hz.size == 8
+    assert 1.1 < result.table.largest_after_percent <= 2.0 < result.table.largest_before_percent
+
+
+def test_southampton_frame_without_data(monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("ANTIRES_DATA", str(tmp_path))
+    assert load("southampton_frame").main() is None
+    assert "ANTIRES_DATA" in capsys.readouterr().out
+
+
+def test_brake_reuss_beam():
+    example = load("brake_reuss_beam")
+    if not example.data_file().is_file():
+        pytest.skip(f"record absent: {example.data_file()}; set ANTIRES_DATA")
+    found = example.main()
+    aims = {
+        "acc1": [222.7, 556.0, 666.4, 1071.9],
+        "acc2": [78.9, 326.2, 568.0, 776.0],
+        "acc3": [291.0, 816.0],
+    }
+    for dof, values in aims.items():
+        for value in values:
+            assert np.abs(found[dof] / value - 1.0).min() < 0.01, (dof, value)
+
+
+def test_brake_reuss_beam_without_data(monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("ANTIRES_DATA", str(tmp_path))
+    assert load("brake_reuss_beam").main() is None
+    assert "ANTIRES_DATA" in capsys.readouterr().out
+
+
+def test_from_file_to_report(tmp_path, capsys):
+    """A newcomer's path: the damaged spring at the end, in a report that says what repeats it."""
+    report = load("from_file_to_report").main(tmp_path / "study")
+    text = report.read_text(encoding="utf-8")
+    assert "Spring 5 has lost 55." in text
+    assert "antires damage damage.toml" in text
+    assert "test.uff  " in text
+    assert report.stat().st_size < 3_000_000
+    out, err = capsys.readouterr()
+    assert "stiffness loss of spring 5" in out
+    assert err == ""
+    assert len(list((report.parent / "pictures").glob("*.png"))) == 13

@@ -1,0 +1,183 @@
+"""Without the optional packages: what needs none works, and the rest says what to install."""
+
+import re
+import sys
+import tomllib
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs import cli, plotting
+from reference.io_signals import recording
+from tests.support.paths import ROOT
+
+PROJECT = ROOT / "pyproject.toml"
+#: What each extra brings.
+PACKAGES = {
+    "plot": ("matplotlib",),
+    "report": ("jinja2",),
+    "uff": ("pyuff",),
+    "hdf5": ("h5py",),
+    "tables": ("pandas", "xarray"),
+}
+
+
+@pytest.fixture
+def bare(monkeypatch):
+    """An installation without extras."""
+    missing = {package for packages in PACKAGES.values() for package in packages}
+    for name in [name for name in sys.modules if name.split(".")[0] in missing]:
+        monkeypatch.delitem(sys.modules, name)
+    for package in missing:
+        monkeypatch.setitem(sys.modules, package, None)
+
+
+@pytest.fixture(scope="module")
+def study():
+    """Results of every kind, of a case that takes a moment."""
+    case = ar.cases.chain8()
+    record = case.experiment(level=1, noise=0.01, rng=1)
+    zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), max_order=30)
+    search = ar.IslandGA(islands=2, population=10, max_evaluations=200)
+    return {
+        "case": case,
+        "record": record,
+        "zeros": zeros,
+        "damage": ar.assess_damage(case.model, zeros, optimizer=search, rng=0),
+        "check": ar.check_data(record, excitation=0, band_hz=(3, 130)),
+        "lines": ar.transmissibility(record, 0, nperseg=4096),
+    }
+
+
+def frame():
+    return ar.FrameModel([(0.0, 0.0), (1.0, 0.0)], [(0, 1)], ar.Tube(0.04, 0.002, 2.1e11, 7800.0))
+
+
+#: A call of each function of ``plotting``.
+PICTURES = {
+    "plot_chain": lambda s: plotting.plot_chain(s["case"].model),
+    "plot_coherence": lambda s: plotting.plot_coherence(s["lines"]),
+    "plot_convergence": lambda s: plotting.plot_convergence(s["damage"]),
+    "plot_damage": lambda s: plotting.plot_damage(s["damage"]),
+    "plot_damages": lambda s: plotting.plot_damages({"one": s["damage"], "two": s["damage"]}),
+    "plot_damping_clusters": lambda s: plotting.plot_damping_clusters(s["zeros"].diagrams[0]),
+    "plot_differences": lambda s: plotting.plot_differences(s["damage"].table),
+    "plot_frame": lambda s: plotting.plot_frame(frame()),
+    "plot_singular_values": lambda s: plotting.plot_singular_values(s["check"]),
+    "plot_stabilization": lambda s: plotting.plot_stabilization(s["zeros"].diagrams[0]),
+    "plot_transmissibility": lambda s: plotting.plot_transmissibility(
+        s["lines"], s["case"].model, dof=1, excitation=0
+    ),
+    "UpdateResult.plot": lambda s: ar.UpdateResult.plot(s["damage"]),
+    "DamageResult.plot": lambda s: s["damage"].plot(),
+    "DataCheck.plot": lambda s: s["check"].plot(),
+    "AntiresonanceSet.plot": lambda s: s["zeros"].plot(0),
+    "StabilizationDiagram.plot": lambda s: s["zeros"].diagrams[0].plot(),
+    "FrameModel.plot": lambda s: frame().plot(),
+}
+
+
+def test_no_picture_is_forgotten():
+    methods = {f"{name}.plot" for name in ar.__all__ if hasattr(getattr(ar, name), "plot")}
+    assert {name for name in plotting.__all__ if name.startswith("plot_")} | methods == set(PICTURES)
+
+
+@pytest.mark.parametrize("name", sorted(PICTURES))
+def test_pictures_say_what_to_install(bare, study, name):
+    with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[plot\]"'):
+        PICTURES[name](study)
+
+
+def test_reports_say_what_to_install(bare, study, monkeypatch, tmp_path):
+    for package in ("jinja2", "matplotlib"):
+        with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[report\]"'):
+            study["damage"].report(tmp_path / "run.html")
+        monkeypatch.delitem(sys.modules, package)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("name", "extra"), [("a.uff", "uff"), ("a.h5", "hdf5"), ("a.mat", "hdf5")])
+def test_readers_say_what_to_install(bare, tmp_path, name, extra):
+    path = tmp_path / name
+    if extra == "uff":
+        ar.write_uff(path, recording())  # writing needs no package
+    else:
+        path.write_bytes(
+            (b"MATLAB 7.3 MAT-file" + 493 * b" " if name == "a.mat" else b"")
+            + b"\x89HDF\r\n\x1a\n"
+            + bytes(64)
+        )
+    said = rf'{PACKAGES[extra][0]}.*pip install "antires-rs\[{extra}\]"'
+    for read in {
+        "a.uff": (ar.read_uff, ar.io.list_uff),
+        "a.h5": (ar.read_hdf5,),
+        "a.mat": (ar.read_mat, ar.io.mat_arrays),
+    }[name]:
+        with pytest.raises(ar.MissingDependencyError, match=said):
+            read(path)
+
+
+def test_writers_say_what_to_install(bare, tmp_path):
+    with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[hdf5\]"'):
+        ar.write_hdf5(tmp_path / "a.h5", recording())
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("method", ["to_dataframe", "to_xarray"])
+def test_tables_say_what_to_install(bare, study, method):
+    for thing in (study["record"], study["lines"], study["zeros"]):
+        with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[tables\]"'):
+            getattr(thing, method)()
+
+
+def test_everything_else_needs_no_extra(bare, study, tmp_path, capsys):
+    for read, write, name in (
+        (ar.read_csv, ar.write_csv, "a.csv"),
+        (ar.read_npz, ar.write_npz, "a.npz"),
+        (ar.read_mat, ar.write_mat, "a.mat"),
+    ):
+        write(tmp_path / name, recording())
+        np.testing.assert_allclose(read(tmp_path / name).responses, recording().responses, rtol=1e-12)
+    assert ar.from_sep005(ar.to_sep005(recording())).n_samples == recording().n_samples
+    model = ar.MatrixModel(study["case"].model.stiffness(), study["case"].model.mass())
+    ar.write_matrices(tmp_path / "model.npz", model)
+    np.testing.assert_array_equal(
+        ar.read_matrices(tmp_path / "model.npz").modes().freq_hz, model.modes().freq_hz
+    )
+    study["zeros"].save(tmp_path / "zeros.json")
+    assert ar.AntiresonanceSet.load(tmp_path / "zeros.json").excitation == 0
+    study["damage"].save(tmp_path / "damage.npz")
+    assert ar.DamageResult.load(tmp_path / "damage.npz").fun == study["damage"].fun
+    table = str(ar.write_csv(tmp_path / "record.csv", study["record"]))
+    assert cli.main(["identify", table, "--band", "3", "130", "--excitation", "0"]) == 0
+    assert "0      7  11.570" in capsys.readouterr().out
+
+
+def test_the_command_line_says_what_to_install(bare, study, tmp_path, capsys):
+    ar.write_uff(tmp_path / "a.uff", recording())
+    assert cli.main(["identify", str(tmp_path / "a.uff"), "--band", "3", "9", "--excitation", "0"]) == 1
+    assert 'pip install "antires-rs[uff]"' in capsys.readouterr().err
+    study["damage"].save(tmp_path / "result.npz")
+    assert cli.main(["report", str(tmp_path)]) == 1
+    assert 'pip install "antires-rs[report]"' in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not PROJECT.is_file(), reason="needs the source tree")
+def test_the_extras_bring_what_the_messages_promise():
+    extras = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    for extra, packages in PACKAGES.items():
+        assert set(packages) <= {re.split("[<>=]", wanted)[0] for wanted in extras[extra]}
+    assert set(extras) == {*PACKAGES, "all"}
+    assert set(re.findall(r"\w+", extras["all"][0].partition("[")[2])) == set(PACKAGES)
+    named = {
+        extra
+        for source in (PROJECT.parent / "python").rglob("*.py")
+        for extra in re.findall(r"antires-rs\[(\w+)\]", source.read_text(encoding="utf-8"))
+    }
+    called = {
+        extra
+        for source in (PROJECT.parent / "python").rglob("*.py")
+        for extra in re.findall(r'missing_package\([^)]*"(\w+)", exc\)', source.read_text(encoding="utf-8"))
+    }
+    assert named | called == set(PACKAGES)

@@ -1,0 +1,54 @@
+"""The README keeps its word: its example runs as printed, and what it names is there."""
+
+import re
+
+import pytest
+
+from tests.support.paths import ROOT
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+STUDIES = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+
+
+def test_the_example_runs_as_printed(capsys):
+    (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    lines = [line for line in example.splitlines() if line.strip()]
+    assert len(lines) <= 15
+    exec(compile(example, "README.md", "exec"), {})
+    assert "spring 5" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("target", sorted(set(re.findall(r"\]\((?!https?://)([^)]+)\)", README))))
+def test_every_file_it_links_to_exists(target):
+    assert (ROOT / target).exists()
+
+
+@pytest.mark.parametrize("study", sorted(set(re.findall(r"benchmarks[./](\w+)", STUDIES))))
+def test_every_study_of_the_page_of_figures_exists(study):
+    assert (ROOT / "benchmarks" / f"{study}.py").exists()
+
+
+@pytest.mark.parametrize("script", sorted(set(re.findall(r"(?:examples|tests)/[\w/]+\.py", STUDIES))))
+def test_every_script_of_the_page_of_figures_exists(script):
+    assert (ROOT / script).exists()
+
+
+def test_every_study_it_names_is_on_the_page_of_figures():
+    """The last column of its tables holds the name of the study."""
+    named = set(re.findall(r"\| `(\w+)[^`|]*` \|$", README, re.MULTILINE))
+    assert named
+    assert named <= set(re.findall(r"benchmarks\.(\w+)", STUDIES))
+
+
+def test_it_stays_short():
+    assert len(README.split()) <= 1200
+
+
+@pytest.mark.parametrize("target", sorted(set(re.findall(r"^make (\w+)", README, re.MULTILINE))))
+def test_every_make_target_it_names_exists(target):
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    assert re.search(rf"^{target}:", makefile, re.MULTILINE)
+
+
+def test_nothing_is_left_to_fill_in():
+    assert not re.search(r"\b(TODO|TBD|[A-Z]+TABLE)\b", README)

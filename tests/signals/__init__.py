@@ -1,0 +1,1 @@
+"""Records, responses and their spectra."""
