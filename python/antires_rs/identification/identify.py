@@ -139,8 +139,9 @@ def identify_antiresonances(
     Notes
     -----
     Near their noise, responses have antiresonances that are there in most orders but do not stand still;
-    they are accepted by a second rule (modules ``persistence``, ``numerator_selection``) and marked
-    "persistent" in ``.scores[dof]["how"]``.
+    they are accepted by a second rule (modules ``persistence``, ``selection``) and marked "persistent" in
+    ``.scores[dof]["how"]``. What the fit of the likeliest order shows clearly is accepted without either;
+    it is marked "likeliest order".
     An antiresonance that *all* channels share, when there are three or more, is not one of the responses: it
     is the zero beside the pole of a mode that the force hardly excites (a force near a node, a local or
     sideways mode). A model without that mode does not have it, and one with it has it cancelled; so it is

@@ -11,7 +11,8 @@ candidate is
 
 It is accepted at once, unless there is a doubt: if it is hardly damped or right of the axis it must own its
 curve and be far from every root that all rows share; if it is near such a root, or owns less than half of its
-curve, most higher orders must have it too. Values without a chain in the diagram are marked "persistent".
+curve, most higher orders must have it too. Without a chain in the diagram it is marked
+"persistent" if most higher orders have it, else "likeliest order": what speaks for it is that fit alone.
 
 The limits, with their reasons, are in :mod:`~antires_rs.order_sweep.limits`.
 """
@@ -50,7 +51,7 @@ from .likelihood import Likeliest, likeliest
 from .lines import SNR_CAP, Lines
 from .numerators import NumeratorSweep
 from .options import IdentificationOptions
-from .uncertainty import Influence, standard_deviations
+from .uncertainty import Influence
 
 
 def select(
@@ -60,7 +61,7 @@ def select(
     rule, keep_common = replace(options.rule, both_sides=True), options.keep_common
     orders = rule.orders(options.orders, lines.freq_hz.size)
     best = likeliest(lines.freq_hz, lines.covariance(), SNR_CAP, lines.independent, orders[-1])
-    influence = Influence(best.fit, best.coefficients, best.misfit)
+    influence = Influence(best.fit, best.coefficients, best.misfit, lines)
     # The force, if it is there, has the poles for zeros: only where there is no second response may it say
     # what a zero owns, since a zero beside a resonance owns little of the quotient with the force.
     rows = range(n_responses if n_responses > 1 else lines.vectors.shape[0])
@@ -82,9 +83,10 @@ def select(
         own = roots[row][~shared(roots[row], others)]
         s, share, std = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
         seen = [_seen(zero, sweep, best.order, orders, rule) for zero in s.tolist()]
-        zeros = _table(s, share, std, seen, one.accepted, lines.added_decay_per_s)
-        higher = sum(m > best.order for m in orders)
-        keep = _credible(s, zeros, np.array([len(own) for own in seen], dtype=int), higher, others, rule)
+        counts = np.array([len(own) for own in seen], dtype=int)
+        stays = (counts > rule.min_rows) & (counts >= PRESENCE * sum(m > best.order for m in orders))
+        zeros = _table(s, share, std, seen, stays, one.accepted, lines.added_decay_per_s)
+        keep = _credible(s, zeros, stays, others)
         if not rule.persistent:
             keep &= zeros.how == "chain"
         fitted = np.delete(numerators, row, axis=0) / numerators[row]
@@ -116,7 +118,7 @@ def _candidates(
     share = best.fit.dominances(best.coefficients, sweep.row, s, sweep.others)
     least = min(OTHER_HALF, rule.min_dominance)
     s, share = s[share >= least], share[share >= least]
-    std = standard_deviations(influence, sweep.row, s, lines)
+    std = influence.standard_deviations(sweep.row, s)
     known = std <= KNOWN * rule.freq_tol * np.abs(s) / (2 * np.pi)
     s, share, std = s[known], share[known], std[known]
     size = np.abs(s)
@@ -141,14 +143,11 @@ def _paired(freq: FloatArray, damping: FloatArray, std: FloatArray) -> Any:
     return ((apart > least) & (np.abs(freq[:, None] / freq - 1.0) <= PAIR * apart)).any(axis=1)
 
 
-def _credible(
-    s: ComplexArray, zeros: ResponseTable, seen: Any, higher: int, others: list[ComplexArray], rule: Rule
-) -> Any:
-    """Which zeros may be accepted: at once, or because ``seen`` of the ``higher`` orders have it too."""
+def _credible(s: ComplexArray, zeros: ResponseTable, stays: Any, others: list[ComplexArray]) -> Any:
+    """Which zeros may be accepted: at once, or because they stay, most higher orders having them too."""
     # With fewer than two others nothing can be told of what all rows share: the higher orders decide.
     unknown = len(others) < 2
     near = np.zeros(s.size, dtype=bool) if unknown else shared(s, others, NEARLY_SHARED)
-    stays = (seen > rule.min_rows) & (seen >= PRESENCE * higher)
     hardly_damped = ~near & (zeros.dominance >= RIGHT_DOMINANCE) & (stays | (not unknown))
     damped = stays | ~(near | unknown | (zeros.dominance < WEAK))
     return np.where(zeros.damping_ratio < LEAST_DAMPING, hardly_damped, damped)
@@ -188,6 +187,7 @@ def _table(
     dominance: FloatArray,
     std_hz: FloatArray,
     seen: list[list[float]],
+    stays: Any,
     chains: ResponseTable,
     added_decay_per_s: float,
 ) -> ResponseTable:
@@ -206,5 +206,5 @@ def _table(
         rows=rows,
         spread=spread,
         dominance=dominance,
-        how=np.where(chain >= 0, "chain", "persistent"),
+        how=np.where(chain >= 0, "chain", np.where(stays, "persistent", "likeliest order")),
     )

@@ -20,7 +20,7 @@ CURVE = "#B8B8B8"
 #: Look of the values: accepted because they stand still, because most orders have them, and by hand.
 LOOKS: dict[str, dict[str, Any]] = {
     "accepted": {"color": COLOURS["vermillion"], "ls": "--", "lw": 1.1},
-    "accepted: in most orders, not at rest": {"color": COLOURS["vermillion"], "ls": "-.", "lw": 1.1},
+    "accepted: not stable over the orders": {"color": COLOURS["vermillion"], "ls": "-.", "lw": 1.1},
     "added by hand": {"color": COLOURS["black"], "ls": (0, (8, 3)), "lw": 1.1},
     "dropped by hand": {"color": COLOURS["black"], "ls": ":", "lw": 1.1},
 }
@@ -155,7 +155,7 @@ def mark_values(
     resting, moving, by_hand, out = LOOKS
     gone = np.asarray(dropped, dtype=np.float64)
     marks = [
-        (float(f), out if f in gone else moving if how == "persistent" else resting)
+        (float(f), out if f in gone else resting if how == "chain" else moving)
         for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)
     ]
     marks = sorted(marks + [(float(f), by_hand) for f in added])
