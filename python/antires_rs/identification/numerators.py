@@ -150,7 +150,7 @@ class NumeratorFit:
         weighted = fields * self.weights[lines, None]
         out[0::2] = self._even[lines, : count[0]].T @ weighted.real
         out[1::2] = self._odd[lines, : count[1]].T @ weighted.imag
-        return out * self._signs[: order + 1, None]
+        return np.asarray(out * self._signs[: order + 1, None])
 
     def zeros(self, c: FloatArray, row: int) -> ComplexArray:
         """Roots of one numerator in rad/s."""

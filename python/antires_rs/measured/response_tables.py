@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,15 +26,7 @@ class ResponseTables(ReadOnly, Mapping[Any, FloatArray]):
     _tables: FrozenDict[Any, ResponseTable]
 
     def __init__(self, excitation: Any, tables: Mapping[Any, ResponseTable]) -> None:
-        vars(self).update(_excitation=excitation, _tables=FrozenDict(tables))
-
-    def __setattr__(self, name: str, value: Any) -> NoReturn:
-        raise AttributeError(
-            f"{type(self).__name__} is read-only; got a value for {name!r}. Make another set."
-        )
-
-    def __delattr__(self, name: str) -> NoReturn:
-        raise AttributeError(f"{type(self).__name__} is read-only; {name!r} stays.")
+        self._fill(_excitation=excitation, _tables=FrozenDict(tables))
 
     @property
     def excitation(self) -> Any:

@@ -17,7 +17,7 @@ __all__ = ["mark_values", "plot_stabilization", "pole_table"]
 
 #: Lighter than every mark, also where colours are lost.
 CURVE = "#B8B8B8"
-#: Look of the values: accepted because they stand still, because most orders have them, and by hand.
+#: Look of the antiresonances: accepted as stable, accepted without it, and added by hand.
 LOOKS: dict[str, dict[str, Any]] = {
     "accepted": {"color": COLOURS["vermillion"], "ls": "--", "lw": 1.1},
     "accepted: not stable over the orders": {"color": COLOURS["vermillion"], "ls": "-.", "lw": 1.1},
@@ -33,7 +33,7 @@ def plot_stabilization(
     dropped: Sequence[float] | FloatArray = (),
     added: Sequence[float] | FloatArray = (),
 ) -> Any:
-    """Draw poles of every order, the stable ones, and the values accepted.
+    """Draw the poles of every order, the stable ones, and the accepted antiresonances.
 
     Parameters
     ----------
@@ -149,13 +149,13 @@ def mark_values(
 ) -> None:
     """Vertical lines with their frequencies above the axes, pushed apart where they would overlap.
 
-    A dropped value has its frequency in parentheses.
+    A dropped antiresonance has its frequency in parentheses.
     """
     low, high = diagram.band_hz
-    resting, moving, by_hand, out = LOOKS
+    stable, unsteady, by_hand, out = LOOKS
     gone = np.asarray(dropped, dtype=np.float64)
     marks = [
-        (float(f), out if f in gone else resting if how == "chain" else moving)
+        (float(f), out if f in gone else stable if how == "chain" else unsteady)
         for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)
     ]
     marks = sorted(marks + [(float(f), by_hand) for f in added])
@@ -185,4 +185,4 @@ def mark_values(
             },
         )
     if not marks:
-        ax.set_title("no value accepted in this band", fontsize="medium")
+        ax.set_title("no antiresonance accepted in this band", fontsize="medium")

@@ -12,7 +12,7 @@ from typing import Any, Generic, NoReturn, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AroundCore", "FrozenDict", "ReadOnly", "frozen"]
+__all__ = ["AroundCore", "FrozenDict", "Immutable", "ReadOnly", "frozen"]
 
 Core = TypeVar("Core")
 Key = TypeVar("Key")
@@ -31,15 +31,37 @@ class AroundCore(Generic[Core]):
         return {name: value for name, value in self.__dict__.items() if name != "_core"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._core = self._made_core()
+        self.__dict__.update(state)  # past the __setattr__ of immutable objects
+        _freeze(state)
+        self.__dict__["_core"] = self._made_core()
 
 
-class ReadOnly:
-    """An object whose arrays, alone or in dicts and tuples, nobody may change."""
+class Immutable:
+    """An object whose attributes nobody may set or delete.
+
+    Constructors fill it by :meth:`_fill`; a ``cached_property`` keeps its value as usual.
+    """
+
+    def _fill(self, **attributes: Any) -> None:
+        """Set the attributes, in the constructor."""
+        self.__dict__.update(attributes)
+
+    def __setattr__(self, name: str, value: Any) -> NoReturn:
+        self._refuse(name)
+
+    def __delattr__(self, name: str) -> NoReturn:
+        self._refuse(name)
+
+    def _refuse(self, name: str) -> NoReturn:
+        kind = type(self).__name__
+        raise AttributeError(f"{kind}.{name} is read-only: make another {kind} instead.", name=name, obj=self)
+
+
+class ReadOnly(Immutable):
+    """An immutable object whose arrays, alone or in dicts and tuples, nobody may change either."""
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)  # past the __setattr__ of frozen dataclasses
+        self._fill(**state)
         _freeze(state)
 
 
