@@ -226,10 +226,7 @@ def of_search(result: UpdateResult) -> Facts:
     return {
         "Ended": [f"{result.status}: {result.message}"],
         "Objective": [f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"],
-        "Search": [
-            f"{result.nfev:,} evaluations, {result.nit} generations, {count} islands",
-            "; ".join(options),
-        ],
+        "Search": [f"{result.search.effort}, {count} islands", "; ".join(options)],
         "Seed": [f"{result.seed}"],
     }
 
