@@ -8,10 +8,13 @@ PYTHON ?= $(shell for p in python3 python3.11 python3.12 python3.13 python3.14 p
 VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
+DOCS_STAMP := $(VENV)/.docs_tools
 RUST   := $(shell find rust -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 
+SOURCES := python tests reference examples benchmarks docs .ci
+
 .DEFAULT_GOAL := all
-.PHONY: all help demo test test-rust test-python lint format build docs wheel sdist bench clean
+.PHONY: all help demo test test-rust test-python coverage campaign lint format build docs wheel sdist bench clean
 
 all: format lint build test  ## format, lint, build and test
 
@@ -26,20 +29,32 @@ test: test-rust test-python  ## cargo and pytest suites
 test-rust:  ## tests of the Rust core
 	cargo test --locked
 
-test-python: build  ## tests of the Python package, the documentation built among them
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(DOCS_TOOLS)
-	$(BIN)/python -m pytest
+# One worker a core, each with one thread of BLAS.
+PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
-lint: build  ## clippy, rustdoc, ruff, mypy, stubtest
+test-python: $(STAMP) $(DOCS_STAMP)  ## tests of the Python package, the documentation built among them, with its coverage
+	$(PYTEST) --cov antires_rs
+
+coverage: $(STAMP) $(DOCS_STAMP)  ## the same, line by line, into target/coverage/html
+	$(PYTEST) --cov antires_rs --cov-report html
+
+campaign: $(STAMP)  ## the studies of which the suites have a part: half an hour
+	PROPTEST_CASES=4000 cargo test --locked --release
+	$(PYTEST) -m campaign
+
+lint: build  ## clippy, rustdoc, ruff, import contracts, mypy, stubtest
 	cargo fmt --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps -p antires-core
-	$(BIN)/ruff check python tests reference examples benchmarks docs .ci
+	$(BIN)/ruff format --check $(SOURCES)
+	$(BIN)/ruff check $(SOURCES)
+	$(BIN)/lint-imports
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest antires_rs --mypy-config-file pyproject.toml --allowlist .ci/stubtest_allowlist.txt
 
-format:  ## format the Rust sources
+format: $(STAMP)  ## format the sources
 	cargo fmt
+	$(BIN)/ruff format $(SOURCES)
 
 build: $(STAMP)  ## make .venv and build the extension into it
 
@@ -49,6 +64,10 @@ $(STAMP): pyproject.toml $(RUST)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(BUILD_TOOLS) $(TEST_TOOLS)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 		--no-build-isolation --editable ".[all]"
+	@touch $@
+
+$(DOCS_STAMP): pyproject.toml | $(STAMP)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(DOCS_TOOLS)
 	@touch $@
 
 define VENV_MADE
@@ -63,8 +82,7 @@ TEST_TOOLS = $(call group,test)
 DOCS_TOOLS = $(call group,docs)
 BUILD_TOOLS = $(call listed,["build-system"]["requires"])
 
-docs: build  ## pages and executed gallery into docs/_build/html, warnings are errors
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(DOCS_TOOLS)
+docs: $(STAMP) $(DOCS_STAMP)  ## pages and executed gallery into docs/_build/html, warnings are errors
 	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
 
 # Messages of dependencies name their source files; the folders of this machine stay out of a wheel.

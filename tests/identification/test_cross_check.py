@@ -141,12 +141,14 @@ def test_what_all_channels_share_is_no_candidate():
 
 
 def test_a_set_with_its_opinion_says_so_in_the_table(record, truth):
-    from antires_rs.measured.columns import table
+    from antires_rs.io.tables import rows_of
 
-    found = ar.AntiresonanceSet(0, {dof: np.append(f, 3.0) for dof, f in truth.items()})
-    found.second_opinion = second_opinion(record, found, band_hz=BAND)
+    values = {dof: np.append(f, 3.0) for dof, f in truth.items()}
+    opinion = second_opinion(record, values, band_hz=BAND)
+    found = ar.AntiresonanceSet(0, values, cross_check=opinion)
+    assert found.second_opinion is found.cross_check is opinion
     edited = found.add(3, 5.0)
-    names, rows = table(edited)
+    names, rows = rows_of(edited)
     assert names[-1] == "confirmed"
     said = {(r["dof"], r["freq_hz"]): r["confirmed"] for r in rows}
     assert said[0, float(truth[0][0])] is True

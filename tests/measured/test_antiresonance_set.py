@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from antires_rs.exceptions import InvalidInputError, MissingDependencyError
+from antires_rs.io.tables import rows_of
 from antires_rs.measured.antiresonance_set import AntiresonanceSet, Edit
-from antires_rs.measured.columns import table
 
 
 def example():
@@ -338,7 +338,7 @@ def test_scores_belong_to_values(scores):
 
 def test_rows_of_the_data_frame():
     # The part of to_dataframe that needs no pandas.
-    names, rows = table(scored().drop(0, 20.0).add(0, 15.0, damping_ratio=0.05))
+    names, rows = rows_of(scored().drop(0, 20.0).add(0, 15.0, damping_ratio=0.05))
     assert names == ["dof", "freq_hz", "damping_ratio", "std_hz", "source", "rows", "how", "residual"]
     assert [(r["freq_hz"], r["source"], r["how"]) for r in rows[:3]] == [
         (12.2, "identified", "persistent"),

@@ -15,7 +15,6 @@ from antires_rs import exceptions
 from tests.support.paths import ROOT
 
 IN_SOURCE_TREE = (ROOT / "Cargo.toml").is_file()
-LONGEST_FILE = 400
 
 
 def test_all_is_sorted_and_without_repetition():
@@ -89,59 +88,3 @@ def test_results_of_the_core_are_arrays_of_numpys_own():
     freq, shapes = ar.cases.chain8().model._core.modes()
     assert (freq.dtype, shapes.dtype) == (np.float64, np.float64)
     assert freq.flags.writeable
-
-
-# ---- the house --------------------------------------------------------------------------------------
-
-needs_source = pytest.mark.skipif(not IN_SOURCE_TREE, reason="needs the source tree")
-
-
-@needs_source
-def test_the_core_knows_neither_python_nor_numpy():
-    manifest = tomllib.loads((ROOT / "rust/antires-core/Cargo.toml").read_text())
-    for section in ("dependencies", "dev-dependencies", "build-dependencies"):
-        assert not {"pyo3", "numpy", "pyo3-ffi"} & set(manifest.get(section, {}))
-    sources = list((ROOT / "rust/antires-core/src").rglob("*.rs"))
-    assert sources
-    for source in sources:
-        assert not re.search(r"^\s*use (pyo3|numpy)\b", source.read_text(), re.MULTILINE), source.name
-
-
-@needs_source
-def test_the_optimizer_sees_no_structure():
-    """It knows f(x) only; linalg knows no models; the signal side meets the models in AntiresonanceSet."""
-    core = ROOT / "rust/antires-core/src"
-    forbidden = {
-        "optimize": "fem|modal|update|linalg",
-        "linalg": "fem|modal|optimize|update",
-        "fem": "modal|optimize|update",
-        "modal": "optimize|update",
-    }
-    for folder, others in forbidden.items():
-        sources = list((core / folder).rglob("*.rs"))
-        assert sources, folder
-        for source in sources:
-            code = "\n".join(line for line in source.read_text().splitlines() if "//" not in line)
-            assert not re.search(rf"\bcrate::({others})\b", code), f"{folder}/{source.name}"
-    package = ROOT / "python/antires_rs"
-    for folder in ("signals", "rational", "order_sweep", "data_check", "identification"):
-        sources = list((package / folder).rglob("*.py"))
-        assert sources, folder
-        for source in sources:
-            code = source.read_text()
-            above = r"^\s*from antires_rs\.(models|updating|optimize|_core)\b"
-            assert not re.search(above, code, re.MULTILINE), f"{folder}/{source.name}"
-
-
-@needs_source
-def test_no_source_file_is_too_long():
-    folders = ("python", "tests", "reference", "examples", "benchmarks", "rust")
-    sources = [
-        path
-        for folder in folders
-        for suffix in ("*.py", "*.rs", "*.pyi")
-        for path in (ROOT / folder).rglob(suffix)
-    ]
-    lengths = {str(path.relative_to(ROOT)): len(path.read_text().splitlines()) for path in sources}
-    assert len(lengths) > 50
-    assert {name: n for name, n in lengths.items() if n > LONGEST_FILE} == {}

@@ -125,7 +125,7 @@ def test_without_a_value_it_says_so(identified, ax, kind):
 def test_values_that_do_not_stand_still_have_a_dash_of_their_own(identified, ax, kind):
     diagram = identified.diagrams[0]
     how = np.array(["chain", "persistent", "chain"])
-    DRAW[kind](replace(diagram, accepted=replace(diagram.accepted, how=how)), ax=ax)
+    DRAW[kind](replace(diagram, accepted=diagram.accepted.with_scores(how=how)), ax=ax)
     resting, moving = list(LOOKS)[:2]
     assert verticals(ax, resting) == [diagram.identified[0], diagram.identified[2]]
     assert verticals(ax, moving) == [diagram.identified[1]]

@@ -33,6 +33,7 @@ from ..order_sweep.diagram import PoleSweep, StabilizationDiagram, ZeroSweep, di
 from ..order_sweep.persistence import add_persistent
 from ..order_sweep.presets import rule_options
 from ..order_sweep.rule import Rule
+from ..order_sweep.scores import graded, scored
 from ..order_sweep.windows import join, windows
 from ..signals.band import band_of
 from ..signals.frequency_response import FrequencyResponse
@@ -242,23 +243,21 @@ def identify_antiresonances(
     if not keep_common:
         found = without_common(found)
     found = {dof: found[dof] for dof in wanted}
-    identified = AntiresonanceSet(
-        excitation,
-        {dof: d.identified for dof, d in found.items()},
-        {dof: d.identified_damping for dof, d in found.items()},
-        {dof: d.accepted.std_hz for dof, d in found.items()} if formulation == "numerators" else None,
-        diagrams=found,
-        scores={dof: d.accepted.scores(graded=formulation == "numerators") for dof, d in found.items()},
-    )
-    identified.data_check = checked
+    opinion = None
     if second_opinion is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
         from .cross_check import judge
 
         step("second opinion")
-        values = {dof: identified[dof] for dof in wanted}
-        identified.second_opinion = judge(lines_for, source.dofs, values, band, second_opinion)
-    return identified
+        values = {dof: d.identified for dof, d in found.items()}
+        opinion = judge(lines_for, source.dofs, values, band, second_opinion)
+    return AntiresonanceSet.from_tables(
+        excitation,
+        {dof: graded(d.accepted) if formulation == "numerators" else d.accepted for dof, d in found.items()},
+        diagrams=found,
+        data_check=checked,
+        cross_check=opinion,
+    )
 
 
 def _from_numerators(
@@ -313,7 +312,7 @@ def _one_by_one(
             if part.snr_known and rule.persistent:
                 one = add_persistent(one, sweep, rule, part.channel_snr(row), part.added_decay_per_s)
             curves = sweep.curves(swept[len(swept) // 2])
-            parts.append(replace(one, accepted=one.accepted.scored(part.freq_hz, background, *curves)))
+            parts.append(replace(one, accepted=scored(one.accepted, part.freq_hz, background, *curves)))
         found[dof] = join(parts, cut, band, rule.freq_tol)
     return found
 

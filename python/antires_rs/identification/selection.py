@@ -20,13 +20,14 @@ the records that the published tables are made from.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..order_sweep.accepted import Accepted, Value
 from ..order_sweep.diagram import StabilizationDiagram, diagram
 from ..order_sweep.rule import Rule
+from ..order_sweep.scores import scored
+from ..order_sweep.table import ResponseTable
 from ..order_sweep.windows import Window
 from ..support.progress import step
 from ..support.validation import ComplexArray, FloatArray
@@ -56,19 +57,6 @@ PRESENCE = 0.75
 SAME_DAMPING = 0.002
 
 
-class Zero(NamedTuple):
-    """A zero of the likeliest fit that may be physical."""
-
-    s: complex
-    dominance: float
-    std_hz: float
-
-    @property
-    def freq_hz(self) -> float:
-        """abs(s) / 2 pi."""
-        return float(abs(self.s) / (2 * np.pi))
-
-
 def select(
     lines: Lines, n_responses: int, window: Window, orders: range, rule: Rule, keep_common: bool
 ) -> list[StabilizationDiagram]:
@@ -95,17 +83,15 @@ def select(
             sweep, orders, window.report_hz, rule, lines.freq_hz, background, lines.added_decay_per_s
         )
         own = roots[row][~shared(roots[row], others)]
-        zeros = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
+        s, share, std = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
+        seen = [_seen(zero, sweep, best.order, orders, rule) for zero in s.tolist()]
+        zeros = _table(s, share, std, seen, one.accepted, lines.added_decay_per_s)
         higher = sum(m > best.order for m in orders)
-        values = []
-        for zero in zeros:
-            seen = _seen(zero, sweep, best.order, orders, rule)
-            if _credible(zero, len(seen), higher, others, rule, lines.added_decay_per_s):
-                value = _value(zero, seen, _chain_of(zero, zeros, one.accepted), lines.added_decay_per_s)
-                if rule.persistent or value.how == "chain":
-                    values.append(value)
+        keep = _credible(s, zeros, np.array([len(own) for own in seen], dtype=int), higher, others, rule)
+        if not rule.persistent:
+            keep &= zeros.how == "chain"
         fitted = np.delete(numerators, row, axis=0) / numerators[row]
-        accepted = Accepted.of(values).scored(lines.freq_hz, background, quotients, fitted)
+        accepted = scored(zeros.take(keep), lines.freq_hz, background, quotients, fitted)
         diagrams.append(replace(one, accepted=accepted))
     return diagrams
 
@@ -118,8 +104,8 @@ def _candidates(
     lines: Lines,
     report_hz: tuple[float, float],
     rule: Rule,
-) -> list[Zero]:
-    """Zeros in the band, lightly damped, well known, and not half of a complex pair."""
+) -> tuple[ComplexArray, FloatArray, FloatArray]:
+    """Zeros in the band, lightly damped, well known, not half of a complex pair; dominance, std in Hz."""
     size = np.abs(s)
     damping = -(s.real + lines.added_decay_per_s) / size
     s = s[
@@ -129,7 +115,7 @@ def _candidates(
         & (np.abs(damping) <= WIDEST)
     ]
     if not s.size:
-        return []
+        return s, np.empty(0), np.empty(0)
     share = best.fit.dominances(best.coefficients, sweep.row, s, sweep.others)
     least = min(OTHER_HALF, rule.min_dominance)
     s, share = s[share >= least], share[share >= least]
@@ -146,9 +132,9 @@ def _candidates(
         & (share >= rule.min_dominance)
         & ~_paired(freq, damping, std / freq)
     )
-    return [
-        Zero(complex(z), float(d), float(e)) for z, d, e in zip(s[keep], share[keep], std[keep], strict=True)
-    ]
+    # In the order of the table that is made of them.
+    rank = sorted(np.flatnonzero(keep), key=lambda i: abs(complex(s[i]) + lines.added_decay_per_s))
+    return s[rank], share[rank], std[rank]
 
 
 def _paired(freq: FloatArray, damping: FloatArray, std: FloatArray) -> Any:
@@ -158,28 +144,22 @@ def _paired(freq: FloatArray, damping: FloatArray, std: FloatArray) -> Any:
     return ((apart > least) & (np.abs(freq[:, None] / freq - 1.0) <= PAIR * apart)).any(axis=1)
 
 
-def _of(s: complex, added: float) -> tuple[float, float]:
-    """Frequency and damping ratio without the decay of an exponential window."""
-    moved = s + added
-    return float(abs(moved) / (2 * np.pi)), float(-moved.real / abs(moved))
-
-
 def _credible(
-    zero: Zero, seen: int, higher: int, others: list[ComplexArray], rule: Rule, added: float
-) -> bool:
-    """Whether a zero may be accepted: at once, or because the higher orders have it too."""
+    s: ComplexArray, zeros: ResponseTable, seen: Any, higher: int, others: list[ComplexArray], rule: Rule
+) -> Any:
+    """Which zeros may be accepted: at once, or because ``seen`` of the ``higher`` orders have it too."""
     # With fewer than two others nothing can be told of what all rows share: the higher orders decide.
     unknown = len(others) < 2
-    near = not unknown and bool(shared(np.array([zero.s]), others, NEARLY_SHARED)[0])
-    stays = seen > rule.min_rows and seen >= PRESENCE * higher
-    if _of(zero.s, added)[1] < LEAST_DAMPING:
-        return not near and zero.dominance >= RIGHT_DOMINANCE and (stays or not unknown)
-    return stays or not (near or unknown or zero.dominance < WEAK)
+    near = np.zeros(s.size, dtype=bool) if unknown else shared(s, others, NEARLY_SHARED)
+    stays = (seen > rule.min_rows) & (seen >= PRESENCE * higher)
+    hardly_damped = ~near & (zeros.dominance >= RIGHT_DOMINANCE) & (stays | (not unknown))
+    damped = stays | ~(near | unknown | (zeros.dominance < WEAK))
+    return np.where(zeros.damping_ratio < LEAST_DAMPING, hardly_damped, damped)
 
 
-def _seen(zero: Zero, sweep: NumeratorSweep, order: int, orders: range, rule: Rule) -> list[float]:
+def _seen(zero: complex, sweep: NumeratorSweep, order: int, orders: range, rule: Rule) -> list[float]:
     """Moduli of the roots of higher orders that agree with a zero in frequency and damping."""
-    size, damping = abs(zero.s), -zero.s.real / abs(zero.s)
+    size, damping = abs(zero), -zero.real / abs(zero)
     seen = []
     for m in orders:
         if m <= order:
@@ -192,26 +172,42 @@ def _seen(zero: Zero, sweep: NumeratorSweep, order: int, orders: range, rule: Ru
             & (np.abs(-s.real / own - damping) <= rule.damping_tol * abs(damping) + SAME_DAMPING)
         ]
         if s.size:
-            seen.append(float(np.abs(s[np.argmin(np.abs(s - zero.s))])))
+            seen.append(float(np.abs(s[np.argmin(np.abs(s - zero))])))
     return seen
 
 
-def _chain_of(zero: Zero, zeros: list[Zero], chains: Accepted) -> Value | None:
-    """The chain nearest to a zero, if no other zero is nearer to it."""
+def _chains_of(freq_hz: FloatArray, chains: ResponseTable) -> Any:
+    """The chain nearest to each zero; -1 if there is none, or if another zero is nearer to it."""
     if not len(chains):
-        return None
-    distance = np.abs(chains.freq_hz / zero.freq_hz - 1.0)
-    i = int(np.argmin(distance))
-    nearest = min(abs(chains.freq_hz[i] / other.freq_hz - 1.0) for other in zeros)
-    return chains.values()[i] if distance[i] <= min(SAME, nearest) else None
+        return np.full(freq_hz.size, -1)
+    distance = np.abs(chains.freq_hz[:, None] / freq_hz - 1.0)
+    row, zero = np.argmin(distance, axis=0), np.arange(freq_hz.size)
+    near = distance[row, zero] <= np.minimum(SAME, distance.min(axis=1, initial=np.inf)[row])
+    return np.where(near, row, -1)
 
 
-def _value(zero: Zero, seen: list[float], chain: Value | None, added: float) -> Value:
-    """The value, with the scores of its chain if it has one."""
-    freq, damping = _of(zero.s, added)
-    if chain is not None:
-        return chain._replace(
-            freq_hz=freq, damping_ratio=damping, dominance=zero.dominance, std_hz=zero.std_hz
-        )
-    spread = float(np.std(seen) / abs(zero.s)) if seen else float("nan")
-    return Value(freq, damping, len(seen), spread, zero.dominance, "persistent", zero.std_hz)
+def _table(
+    s: ComplexArray,
+    dominance: FloatArray,
+    std_hz: FloatArray,
+    seen: list[list[float]],
+    chains: ResponseTable,
+    added_decay_per_s: float,
+) -> ResponseTable:
+    """The zeros less the decay of an exponential window, with the scores of a chain where they have one."""
+    size = [abs(zero) for zero in s.tolist()]
+    moved = (s + added_decay_per_s).tolist()
+    chain = _chains_of(np.array(size) / (2 * np.pi), chains)
+    rows, spread = [], []
+    for own_size, own, row in zip(size, seen, chain, strict=True):
+        rows.append(chains.rows[row] if row >= 0 else len(own))
+        spread.append(chains.spread[row] if row >= 0 else np.std(own) / own_size if own else np.nan)
+    return ResponseTable.of_sweep(
+        [abs(zero) / (2 * np.pi) for zero in moved],
+        [-zero.real / abs(zero) for zero in moved],
+        std_hz,
+        rows=rows,
+        spread=spread,
+        dominance=dominance,
+        how=np.where(chain >= 0, "chain", "persistent"),
+    )

@@ -1,7 +1,8 @@
 """Files in and out: recordings and responses, matrices of models, results.
 
-Each format has a file of its own; docs/files.md has a table of what each keeps. Optional packages (h5py,
-pyuff, pandas, xarray) and ``scipy.io`` are imported where they are used.
+Each format has a file of its own; docs/files.md has a table of what each keeps. Uses the values that it reads
+and writes (``signals``, ``measured``, ``models``, ``optimize``, ``updating``); it computes nothing. Optional
+packages (h5py, pyuff, pandas, xarray) and ``scipy.io`` are imported where they are used.
 """
 
 from .delimited import read_csv

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..measured.columns import table
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.edits import BY_HAND
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ._common import missing_package
 
-if TYPE_CHECKING:
-    from ..measured.antiresonance_set import AntiresonanceSet
-
-__all__ = ["to_dataframe", "to_xarray"]
+__all__ = ["rows_of", "to_dataframe", "to_xarray"]
 
 
 def to_dataframe(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:
@@ -37,8 +35,30 @@ def to_dataframe(source: Recording | FrequencyResponse | AntiresonanceSet) -> An
             index=pd.Index(source.freq_hz, name="freq_hz"),
             columns=pd.Index(list(source.dofs), dtype=object),
         )
-    names, rows = table(source)
+    names, rows = rows_of(source)
     return pd.DataFrame(rows, columns=names)
+
+
+def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
+    """Column names and one row an antiresonance."""
+    scores = list(dict.fromkeys(name for table in found.tables.values() for name in table.scores))
+    checked = found.cross_check
+    rows = []
+    for dof, table in found.tables.items():
+        for i, freq in enumerate(table.freq_hz.tolist()):
+            row = {
+                "dof": dof,
+                "freq_hz": freq,
+                "damping_ratio": float(table.damping_ratio[i]),
+                "std_hz": float(table.std_hz[i]),
+                "source": BY_HAND if table.by_hand[i] else "identified",
+            }
+            row |= {name: table.scores[name][i].item() if name in table.scores else None for name in scores}
+            if checked is not None:
+                row["confirmed"] = checked.is_confirmed(dof, freq)
+            rows.append(row)
+    known = ["dof", "freq_hz", "damping_ratio", "std_hz", "source"]
+    return [*known, *scores, *([] if checked is None else ["confirmed"])], rows
 
 
 def to_xarray(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +17,8 @@ import numpy as np
 
 from ..exceptions import UnsuitableDataError
 from ..io._store import Store, read_store, write_store
-from ..order_sweep.accepted import Accepted
 from ..order_sweep.diagram import StabilizationDiagram
+from ..order_sweep.table import ResponseTable
 from ..report.facts import of_evidence, of_identification, of_signal
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
@@ -29,6 +29,7 @@ __all__ = ["Evidence", "evidence_of", "heard", "measurement_of"]
 
 FORMAT, VERSION = "antires_rs.evidence", 1
 _ROWS = ("freq_hz", "damping_ratio", "stable")
+_COLUMNS = ("freq_hz", "damping_ratio", "std_hz")
 _CURVES = ("orders", "background_freq_hz", "background")
 
 
@@ -142,20 +143,26 @@ def _described(diagram: StabilizationDiagram, store: Store) -> dict[str, Any]:
         "counts": store.put(np.array([len(row) for row in diagram.freq_hz], dtype=np.int64)),
         **{name: store.put(np.concatenate([np.empty(0), *getattr(diagram, name)])) for name in _ROWS},
         **{name: store.put(getattr(diagram, name)) for name in _CURVES},
-        "accepted": {f.name: store.put(getattr(diagram.accepted, f.name)) for f in fields(Accepted)},
+        "accepted": {name: store.put(values) for name, values in _columns(diagram.accepted).items()},
     }
+
+
+def _columns(table: ResponseTable) -> dict[str, Any]:
+    return {**{name: getattr(table, name) for name in _COLUMNS}, **table.scores}
 
 
 def _made(data: dict[str, Any]) -> StabilizationDiagram:
     ends = np.cumsum(data["counts"])[:-1]
     freq, damping, stable = (tuple(np.split(data[name], ends)) for name in _ROWS)
     low, high = data["band_hz"]
+    scores = dict(data["accepted"])
+    hz, zeta, std = (scores.pop(name) for name in _COLUMNS)
     return StabilizationDiagram(
         data["orders"],
         freq,
         damping,
         tuple(row.astype(bool) for row in stable),
-        Accepted(**data["accepted"]),
+        ResponseTable(hz, zeta, std, scores),
         data["background_freq_hz"],
         data["background"],
         (low, high),

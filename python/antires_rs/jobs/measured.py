@@ -161,18 +161,9 @@ def _renamed(
     force = find(at, (names or {}).get(str(found.excitation), found.excitation))
     if force == found.excitation and all(new == dof for dof, new in table.items()):
         return found
-
-    def moved(rows: Any) -> dict[Any, Any]:
-        return {table[dof]: row for dof, row in rows.items() if table[dof] is not False}
-
+    moved = {table[dof]: rows for dof, rows in found.tables.items() if table[dof] is not False}
     with job.blame(place, {"freq_hz": at}):
-        return AntiresonanceSet(
-            _checked(job, at, force, model),
-            moved(found),
-            moved(found.damping_ratio),
-            moved(found.std_hz),
-            scores=moved(found.scores),
-        )
+        return AntiresonanceSet.from_tables(_checked(job, at, force, model), moved)
 
 
 def _checked(job: Job, place: Keys, dof: Any, model: StructuralModel | None, name: Any = None) -> Any:

@@ -4,29 +4,28 @@ from __future__ import annotations
 
 import copy
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ..order_sweep.table import ResponseTable
 from ..support.files import write_atomically
-from ..support.pickling import ReadOnly, frozen
-from ..support.validation import FloatArray, choice, reject
+from ..support.pickling import FrozenDict
+from ..support.validation import choice, reject
 from . import edits as _edits
 from . import set_file as _set_file
-from .columns import companions, label, sorted_scores, values_of, with_column
 from .edits import Edit
-
-if TYPE_CHECKING:
-    from ..data_check import DataCheck
-    from ..identification.cross_check import SecondOpinion
+from .evidence import CrossCheck, DataCheck
+from .response_tables import ResponseTables
+from .tables import label, tables_of
 
 __all__ = ["AntiresonanceSet", "Edit"]
 
 
-class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
-    """Antiresonant frequencies by response dof, a mapping ``{dof: freq_hz}``.
+class AntiresonanceSet(ResponseTables):
+    """Antiresonant frequencies by response dof, a mapping ``{dof: freq_hz}``; read-only.
 
     Parameters
     ----------
@@ -36,26 +35,28 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
         Antiresonances in Hz, in any order; a number stands for a list of one; an empty list says that the dof
         was looked at and has none.
     damping_ratio, std_hz : mapping of dof to array_like, optional
-        Damping ratio and standard deviation of each value, in the order of ``freq_hz``; NaN where not known.
+        Damping ratio and standard deviation of each, in the order of ``freq_hz``; NaN where not known.
         Dofs may be missing.
-    diagrams, scores : mapping of dof, optional
+    scores, diagrams, data_check, cross_check : optional
         See Attributes.
 
     Attributes
     ----------
     excitation : int or str
+    tables : dict
+        By dof: one :class:`~antires_rs.order_sweep.table.ResponseTable`, from which the next three are taken.
     damping_ratio, std_hz : dict
         By dof, in the order of the sorted frequencies; without the dofs for which they are not known. After
-        :meth:`add` single values may be NaN.
+        :meth:`add` single ones may be NaN.
     scores : dict
-        By dof: what speaks for each value, a dict of name to (n,) array, see
+        By dof: what speaks for each antiresonance, a dict of name to (n,) array, see
         :mod:`antires_rs.order_sweep.scores`. Empty where a set was made by hand.
     edits : tuple of Edit
         What was dropped and added by hand, in order.
     diagrams : dict
         Stabilization diagram by dof where the set was identified; not saved.
-    second_opinion : SecondOpinion or None
-        What another method says of the values, where it was asked; not saved.
+    cross_check, second_opinion : SecondOpinion or None
+        What another method says of the antiresonances, where it was asked (one thing, two names); not saved.
     data_check : DataCheck or None
         Whether the data were fit for it; not saved.
 
@@ -78,8 +79,11 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
       2      0  -
     """
 
-    second_opinion: SecondOpinion | None
-    data_check: DataCheck | None
+    _edits: tuple[Edit, ...]
+    _diagrams: FrozenDict[Any, Any]
+    _data_check: DataCheck | None
+    _cross_check: CrossCheck | None
+    _original: AntiresonanceSet | None
 
     def __init__(
         self,
@@ -88,67 +92,60 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
         damping_ratio: Mapping[Any, Any] | None = None,
         std_hz: Mapping[Any, Any] | None = None,
         *,
-        diagrams: Mapping[Any, Any] | None = None,
         scores: Mapping[Any, Mapping[str, Any]] | None = None,
+        diagrams: Mapping[Any, Any] | None = None,
+        data_check: DataCheck | None = None,
+        cross_check: CrossCheck | None = None,
     ) -> None:
-        self.excitation = label("excitation", excitation)
-        if not isinstance(freq_hz, Mapping) or not freq_hz:
-            got = "an empty mapping" if isinstance(freq_hz, Mapping) else type(freq_hz).__name__
-            reject("freq_hz", got, "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}")
-        self._freq_hz: dict[Any, FloatArray] = {}
-        self.diagrams: dict[Any, Any] = dict(diagrams or {})
-        self.edits: tuple[Edit, ...] = ()
-        self.second_opinion = self.data_check = None
-        self._original: AntiresonanceSet | None = None
-        rank: dict[Any, Any] = {}
-        for key, value in freq_hz.items():
-            dof = label("freq_hz", key)
-            if dof in self._freq_hz:
-                reject("freq_hz", f"dof {dof!r} more than once", "each dof once")
-            values = values_of(f"freq_hz[{dof!r}]", value, "positive frequencies in Hz")
-            if values.size and values.min() <= 0.0:
-                reject(f"freq_hz[{dof!r}]", f"{values.min():g} Hz", "positive frequencies in Hz")
-            rank[dof] = np.argsort(values, kind="stable")
-            self._freq_hz[dof] = frozen(values[rank[dof]])
-        self.damping_ratio = companions("damping_ratio", damping_ratio, rank)
-        self.std_hz = companions("std_hz", std_hz, rank)
-        self.scores = sorted_scores(scores, rank)
-
-    def __getitem__(self, dof: Any) -> FloatArray:
-        return self._freq_hz[dof]
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter(self._freq_hz)
-
-    def __len__(self) -> int:
-        return len(self._freq_hz)
-
-    def __eq__(self, other: object) -> bool:
-        """Same excitation, dofs and values, bit for bit; diagrams, scores and edits do not count."""
-        if not isinstance(other, AntiresonanceSet):
-            return NotImplemented
-        mine, theirs = (s._tables() for s in (self, other))
-        return self.excitation == other.excitation and all(
-            a.keys() == b.keys() and all(np.array_equal(a[dof], b[dof], equal_nan=True) for dof in a)
-            for a, b in zip(mine, theirs, strict=True)
+        super().__init__(label("excitation", excitation), tables_of(freq_hz, damping_ratio, std_hz, scores))
+        vars(self).update(
+            _edits=(),
+            _diagrams=FrozenDict(diagrams or {}),
+            _data_check=data_check,
+            _cross_check=cross_check,
+            _original=None,
         )
 
-    __hash__ = None  # type: ignore[assignment]
+    @classmethod
+    def from_tables(
+        cls, excitation: Any, tables: Mapping[Any, ResponseTable], **evidence: Any
+    ) -> AntiresonanceSet:
+        """A set of tables that are there; ``evidence`` as for the constructor, from ``diagrams`` on."""
+        new = cls(excitation, {dof: table.freq_hz for dof, table in tables.items()}, **evidence)
+        return new._with(_tables=FrozenDict(zip(new, tables.values(), strict=True)))
 
-    def _tables(self) -> tuple[dict[Any, FloatArray], ...]:
-        return self._freq_hz, self.damping_ratio, self.std_hz
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        """What was dropped and added by hand, in order."""
+        return self._edits
 
-    def __repr__(self) -> str:
-        counts = ", ".join(f"{dof!r}: {f.size}" for dof, f in self._freq_hz.items())
-        return f"AntiresonanceSet(excitation={self.excitation!r}, values by dof {{{counts}}})"
+    @property
+    def diagrams(self) -> Mapping[Any, Any]:
+        """Stabilization diagram by dof where the set was identified."""
+        return self._diagrams
+
+    @property
+    def data_check(self) -> DataCheck | None:
+        """Whether the data were fit for identification, where they were checked."""
+        return self._data_check
+
+    @property
+    def cross_check(self) -> CrossCheck | None:
+        """What another method says of the antiresonances, where it was asked."""
+        return self._cross_check
+
+    @property
+    def second_opinion(self) -> CrossCheck | None:
+        """The older name of ``cross_check``."""
+        return self._cross_check
 
     def __str__(self) -> str:
-        width = max(3, *(len(str(dof)) for dof in self._freq_hz))
+        width = max(3, *(len(str(dof)) for dof in self))
         lines = [f"antiresonances, force at {self.excitation}"]
         if self.data_check is not None:
             lines += [f"do not trust: {f.text}" for f in self.data_check.findings if f.severity == "fatal"]
         lines.append(f"{'dof':>{width}}  count  freq_hz")
-        for dof, freq in self._freq_hz.items():
+        for dof, freq in self.items():
             values = "  ".join(f"{f:.3f}" for f in freq) or "-"
             lines.append(f"{dof!s:>{width}}  {freq.size:5d}  {values}")
         if self.edits:
@@ -190,10 +187,8 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
         >>> print(fewer.edits[0])
         dropped 12.20 Hz at dof 0 (mains hum of the shaker)
         """
-        dof = self._known(dof)
-        return self._edited(
-            dof, _edits.dropped(dof, self.columns(dof), self.scores.get(dof, {}), freq_hz, reason, tol_hz)
-        )
+        dof = self._dof(dof)
+        return self._edited(dof, *_edits.dropped(dof, self.tables[dof], freq_hz, reason, tol_hz))
 
     def add(
         self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None, reason: str = ""
@@ -231,13 +226,8 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
           1      1  14.400
         edited by hand: added 12.20 Hz at dof 0 (clear in the phase)
         """
-        dof = self._known(dof)
-        return self._edited(
-            dof,
-            _edits.added(
-                dof, self.columns(dof), self.scores.get(dof, {}), freq_hz, damping_ratio, std_hz, reason
-            ),
-        )
+        dof = self._dof(dof)
+        return self._edited(dof, *_edits.added(dof, self.tables[dof], freq_hz, damping_ratio, std_hz, reason))
 
     def original(self) -> AntiresonanceSet:
         """The set before the first edit by hand; itself if there was none."""
@@ -262,7 +252,7 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
             matplotlib is not installed.
         """
         choice("kind", kind, ("stabilization", "damping_clusters"))
-        if self._known(dof) not in self.diagrams:
+        if self._dof(dof) not in self.diagrams:
             reject(
                 "dof",
                 f"{dof!r}, which has no stabilization diagram",
@@ -280,50 +270,25 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
             added=self[dof][~np.isin(self[dof], found)],
         )
 
-    def _known(self, dof: Any) -> Any:
-        dof = label("dof", dof)
-        if dof not in self._freq_hz:
-            reject("dof", dof, f"one of {tuple(self._freq_hz)}")
-        return dof
-
-    def columns(self, dof: Any) -> dict[str, FloatArray]:
-        """All columns of a dof, NaN where not known."""
-        freq = self._freq_hz[dof]
-        unknown = np.full(freq.size, np.nan)
-        return {
-            "freq_hz": freq,
-            "damping_ratio": self.damping_ratio.get(dof, unknown),
-            "std_hz": self.std_hz.get(dof, unknown),
-        }
-
-    def _edited(self, dof: Any, edited: _edits.Edited) -> AntiresonanceSet:
-        """A copy with other columns at one dof; whatever else the set carries stays with it."""
-        columns, scores, records = edited
+    def _with(self, **parts: Any) -> AntiresonanceSet:
+        """A copy with other parts; whatever else the set carries stays with it."""
         new = copy.copy(self)
-        new._freq_hz = {**self._freq_hz, dof: frozen(columns["freq_hz"])}
-        new.damping_ratio = with_column(self.damping_ratio, dof, columns["damping_ratio"])
-        new.std_hz = with_column(self.std_hz, dof, columns["std_hz"])
-        new.scores = dict(self.scores)
-        if scores:
-            new.scores[dof] = {name: frozen(column) for name, column in scores.items()}
-        new.diagrams = dict(self.diagrams)
-        new.edits = (*self.edits, *records)
-        new._original = self.original()
+        vars(new).update(parts)
         return new
 
-    def by_hand(self) -> set[tuple[Any, float]]:
-        """(dof, frequency in Hz) of the values that are there because they were added by hand."""
-        made: set[tuple[Any, float]] = set()
-        for edit in self.edits:
-            (made.add if edit.action == "add" else made.discard)((edit.dof, edit.freq_hz))
-        return made
+    def _edited(self, dof: Any, table: ResponseTable, records: Sequence[Edit]) -> AntiresonanceSet:
+        return self._with(
+            _tables=FrozenDict({**self._tables, dof: table}),
+            _edits=(*self._edits, *records),
+            _original=self.original(),
+        )
 
     def to_dataframe(self) -> Any:
         """One row a value: dof, freq_hz, damping_ratio, std_hz (NaN where not known), source, and the scores.
 
         ``source`` is "by hand" for values that were added by hand, "identified" for those that the set was
-        made with. A column for each score follows, and, after a second opinion, ``confirmed`` (None where a
-        value was not judged).
+        made with. A column for each score follows, and, after a cross-check, ``confirmed`` (None where an
+        antiresonance was not judged).
 
         Returns
         -------
@@ -347,7 +312,7 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write as JSON, whole or not at all; every float comes back bit for bit.
 
-        Values, scores, edits and the values before them are saved; diagrams and second opinion are not.
+        Tables, edits and the tables before them are saved; diagrams and cross-check are not.
 
         Parameters
         ----------
@@ -363,13 +328,8 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
 
     def to_json(self) -> str:
         """The text that :meth:`save` writes."""
-        first = self.original()
         return _set_file.to_json(
-            self.excitation,
-            self._tables(),
-            self.scores,
-            self.edits,
-            (first._tables(), first.scores) if self.edits else None,
+            self.excitation, self.tables, self.edits, self.original().tables if self.edits else None
         )
 
     @classmethod
@@ -399,9 +359,15 @@ class AntiresonanceSet(ReadOnly, Mapping[Any, FloatArray]):
         data = _set_file.from_json(text, name)
         try:
             new = cls(data["excitation"], **data["now"])
-            if data["before"] is not None:
-                new._original = cls(data["excitation"], **data["before"])
-                new.edits = data["edits"]
-            return new
+            if data["before"] is None:
+                return new
+            edits = data["edits"]
+            return new._with(
+                _tables=FrozenDict(
+                    {dof: _edits.marked(table, dof, edits) for dof, table in new.tables.items()}
+                ),
+                _edits=edits,
+                _original=cls(data["excitation"], **data["before"]),
+            )
         except (TypeError, ValueError) as exc:
             raise _set_file.damaged(name, exc) from exc

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from ..order_sweep.table import ResponseTable
+from ..support.pickling import FrozenDict
 from ..support.validation import FloatArray, finite_scalar, real_array, reject
-from .columns import unknown_scores
 
-__all__ = ["Edit", "added", "described", "dropped"]
+__all__ = ["BY_HAND", "Edit", "added", "described", "dropped", "marked"]
 
 #: Distance of a frequency named by hand from the value it means, relative.
 NAMED_WITHIN = 0.01
 #: Values closer than this are one and the same.
 SAME = 1e-9
+#: The source of what was added by hand, and what its text scores say.
+BY_HAND = "by hand"
 
 
 @dataclass(frozen=True)
@@ -44,14 +47,13 @@ class Edit:
     std_hz: float | None = None
     scores: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "scores", FrozenDict(self.scores))
+
     def __str__(self) -> str:
         verb = {"drop": "dropped", "add": "added"}[self.action]
         why = f" ({self.reason})" if self.reason else ""
         return f"{verb} {self.freq_hz:.2f} Hz at dof {self.dof}{why}"
-
-
-#: Columns, scores and records of one dof after an edit.
-Edited = tuple[dict[str, FloatArray], dict[str, Any], list[Edit]]
 
 
 def described(edits: Sequence[Edit]) -> str:
@@ -60,66 +62,60 @@ def described(edits: Sequence[Edit]) -> str:
 
 
 def dropped(
-    dof: Any,
-    there: Mapping[str, FloatArray],
-    scores: Mapping[str, Any],
-    freq_hz: Any,
-    reason: Any,
-    tol_hz: float | None,
-) -> Edited:
-    """The columns ``there`` of a dof and their scores without the values meant by ``freq_hz``."""
-    chosen = _nearest(_values_hz(freq_hz), there["freq_hz"], dof, tol_hz)
+    dof: Any, table: ResponseTable, freq_hz: Any, reason: Any, tol_hz: float | None
+) -> tuple[ResponseTable, list[Edit]]:
+    """The table of a dof without the rows meant by ``freq_hz``, and the record of it."""
+    chosen = _nearest(_values_hz(freq_hz), table.freq_hz, dof, tol_hz)
     reason = _check_reason(reason)
-    records = []
-    for i in chosen:
-        known = {
-            name: float(there[name][i])
-            for name in ("damping_ratio", "std_hz")
-            if not np.isnan(there[name][i])
-        }
-        own = {
-            name: column[i].item() for name, column in scores.items() if column[i] == column[i]
-        }  # NaN is not equal to itself
-        records.append(Edit("drop", dof, float(there["freq_hz"][i]), reason, **known, scores=own))
-    left = np.delete(np.arange(there["freq_hz"].size), chosen)
-    return (
-        {name: column[left] for name, column in there.items()},
-        {name: column[left] for name, column in scores.items()},
-        records,
-    )
+    records = [
+        Edit(
+            "drop",
+            dof,
+            float(table.freq_hz[i]),
+            reason,
+            _known(table.damping_ratio[i]),
+            _known(table.std_hz[i]),
+            # NaN is not equal to itself
+            {name: values[i].item() for name, values in table.scores.items() if values[i] == values[i]},
+        )
+        for i in chosen
+    ]
+    return table.take(np.delete(np.arange(len(table)), chosen)), records
 
 
 def added(
-    dof: Any,
-    there: Mapping[str, FloatArray],
-    scores: Mapping[str, Any],
-    freq_hz: Any,
-    damping_ratio: Any,
-    std_hz: Any,
-    reason: Any,
-) -> Edited:
-    """The columns ``there`` of a dof and their scores with new values among them."""
+    dof: Any, table: ResponseTable, freq_hz: Any, damping_ratio: Any, std_hz: Any, reason: Any
+) -> tuple[ResponseTable, list[Edit]]:
+    """The table of a dof with new rows, and the record of it."""
     new = _values_hz(freq_hz)
-    _clash(new, there["freq_hz"], dof)
-    given = {
-        "damping_ratio": _companion("damping_ratio", damping_ratio, new.size, ""),
-        "std_hz": _companion("std_hz", std_hz, new.size, " in Hz"),
-    }
+    _clash(new, table.freq_hz, dof)
+    damping = _companion("damping_ratio", damping_ratio, new.size, "")
+    std = _companion("std_hz", std_hz, new.size, " in Hz")
     reason = _check_reason(reason)
     records = [
-        Edit("add", dof, float(f), reason, damping, std)
-        for f, damping, std in zip(new, given["damping_ratio"], given["std_hz"], strict=True)
+        Edit("add", dof, float(f), reason, _known(zeta), _known(s))
+        for f, zeta, s in zip(new, damping, std, strict=True)
     ]
-    columns = {"freq_hz": new, **{name: np.array(v, dtype=np.float64) for name, v in given.items()}}
-    rank = np.argsort(np.concatenate([there["freq_hz"], new]), kind="stable")
-    return (
-        {name: np.concatenate([column, columns[name]])[rank] for name, column in there.items()},
-        {
-            name: np.concatenate([column, unknown_scores(column, new.size)])[rank]
-            for name, column in scores.items()
-        },
-        records,
-    )
+    # No method found them: their scores are not known.
+    scores = {
+        name: np.full(new.size, BY_HAND if values.dtype.kind == "U" else np.nan)
+        for name, values in table.scores.items()
+    }
+    rows = ResponseTable(new, damping, std, scores, np.full(new.size, True))
+    return ResponseTable.concatenated([table, rows]), records
+
+
+def marked(table: ResponseTable, dof: Any, edits: Sequence[Edit]) -> ResponseTable:
+    """The table as a file has it, with the rows marked that the edits added and did not drop again."""
+    made: set[float] = set()
+    for edit in edits:
+        if edit.dof == dof:
+            (made.add if edit.action == "add" else made.discard)(edit.freq_hz)
+    return replace(table, by_hand=np.isin(table.freq_hz, list(made)))
+
+
+def _known(value: float) -> float | None:
+    return None if np.isnan(value) else float(value)
 
 
 def _values_hz(value: Any) -> FloatArray:
@@ -166,17 +162,17 @@ def _nearest(asked_hz: FloatArray, there_hz: FloatArray, dof: Any, tol_hz: float
     return chosen
 
 
-def _companion(name: str, value: Any, count: int, unit: str) -> list[float | None]:
-    """One number for all new values, or one each; None where not known."""
+def _companion(name: str, value: Any, count: int, unit: str) -> FloatArray:
+    """One number for all new rows, or one each; NaN where not known."""
     if value is None:
-        return [None] * count
+        return np.full(count, np.nan)
     wanted = f"one finite number{unit}, or {count}, one for each frequency"
     array = np.atleast_1d(real_array(name, value, ndim=None, wanted=wanted)).ravel()
     if array.size not in (1, count):
         reject(name, f"{array.size} values", wanted)
     if name == "std_hz" and array.min() < 0.0:
         reject(name, f"{array.min():g} Hz", "standard deviations of at least 0 Hz")
-    return [float(v) for v in np.broadcast_to(array, count)]
+    return np.broadcast_to(array, count)
 
 
 def _clash(new_hz: FloatArray, there_hz: FloatArray, dof: Any) -> None:

@@ -14,38 +14,38 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import InvalidInputError
+from ..order_sweep.table import ResponseTable
 from ..support.validation import reject
 from .edits import Edit
 
 FORMAT = "antires_rs.AntiresonanceSet"
 VERSION = 2
-TABLES = ("freq_hz", "damping_ratio", "std_hz")
+COLUMNS = ("freq_hz", "damping_ratio", "std_hz")
 ACTIONS = ("drop", "add")
 _ANOTHER = "It was cut, or is another file: save the set again, or name the file that holds it."
 
 
 def to_json(
     excitation: Any,
-    tables: tuple[Mapping[Any, Any], ...],
-    scores: Mapping[Any, Mapping[str, Any]],
+    tables: Mapping[Any, ResponseTable],
     edits: tuple[Edit, ...],
-    before: tuple[tuple[Mapping[Any, Any], ...], Mapping[Any, Any]] | None,
+    before: Mapping[Any, ResponseTable] | None,
 ) -> str:
-    """The file's text; ``before`` holds tables and scores before the first edit."""
+    """The file's text; ``before`` holds the tables before the first edit."""
     data: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
         "excitation": excitation,
-        "dofs": _rows(tables, scores),
+        "dofs": _rows(tables),
     }
     if edits and before is not None:
         data["edits"] = [asdict(edit) for edit in edits]
-        data["before_edits"] = _rows(*before)
+        data["before_edits"] = _rows(before)
     return json.dumps(data, indent=1, allow_nan=False) + "\n"
 
 
 def from_json(text: str, path: str) -> dict[str, Any]:
-    """excitation, tables and scores, edits, and tables and scores before them (None without edits)."""
+    """excitation, columns and scores, edits, and columns and scores before them (None without edits)."""
     wanted = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
     try:
         data = json.loads(text)
@@ -77,34 +77,30 @@ def damaged(path: str, exc: Exception) -> InvalidInputError:
     )
 
 
-def _rows(
-    tables: tuple[Mapping[Any, Any], ...], scores: Mapping[Any, Mapping[str, Any]]
-) -> list[dict[str, Any]]:
+def _rows(tables: Mapping[Any, ResponseTable]) -> list[dict[str, Any]]:
     rows = []
-    for dof in tables[0]:
+    for dof, table in tables.items():
         row: dict[str, Any] = {"dof": dof}
-        row |= {
-            name: [_plain(v) for v in table[dof].tolist()]
-            for name, table in zip(TABLES, tables, strict=True)
-            if dof in table
-        }
-        if scores.get(dof):
-            row["scores"] = {
-                name: [_plain(v) for v in column.tolist()] for name, column in scores[dof].items()
-            }
+        for name in COLUMNS:
+            values = getattr(table, name)
+            # A column of which nothing is known is left out.
+            if not values.size or not np.isnan(values).all():
+                row[name] = _plain(values)
+        if table.scores:
+            row["scores"] = {name: _plain(values) for name, values in table.scores.items()}
         rows.append(row)
     return rows
 
 
 def _read(rows: Any) -> dict[str, dict[Any, Any]]:
     """Keyword arguments of AntiresonanceSet."""
-    out: dict[str, dict[Any, Any]] = {name: {} for name in (*TABLES, "scores")}
+    out: dict[str, dict[Any, Any]] = {name: {} for name in (*COLUMNS, "scores")}
     for row in rows:
         dof = row["dof"]
         if dof in out["freq_hz"]:
             raise ValueError(f"dof {dof!r} more than once")
         out["freq_hz"][dof] = row["freq_hz"]
-        for name in TABLES[1:]:
+        for name in COLUMNS[1:]:
             if name in row:
                 out[name][dof] = [np.nan if v is None else v for v in row[name]]
         if "scores" in row:
@@ -114,7 +110,8 @@ def _read(rows: Any) -> dict[str, dict[Any, Any]]:
 
 def _edit(row: dict[str, Any]) -> Edit:
     edit = Edit(**row)
-    if edit.action not in ACTIONS or not isinstance(edit.reason, str) or not isinstance(edit.scores, dict):
+    known = isinstance(row.get("scores", {}), dict) and isinstance(edit.reason, str)
+    if edit.action not in ACTIONS or not known:
         raise ValueError(f"edit {row!r}")
     if not isinstance(edit.freq_hz, int | float) or not edit.freq_hz > 0.0:
         raise ValueError(f"edit of {edit.freq_hz!r} Hz")
@@ -132,6 +129,6 @@ def _column(values: list[Any]) -> Any:
     return np.array([np.nan if v is None else v for v in values], dtype=np.float64)
 
 
-def _plain(value: Any) -> Any:
+def _plain(values: Any) -> list[Any]:
     """NaN becomes null."""
-    return None if isinstance(value, float) and np.isnan(value) else value
+    return [None if value != value else value for value in values.tolist()]

@@ -22,8 +22,8 @@ from ..rational.dominance import dominance
 from ..rational.fit import NestedFit, prepare
 from ..support.pickling import ReadOnly, frozen
 from ..support.validation import ComplexArray, FloatArray, integer
-from .accepted import Accepted, Value
 from .rule import Rule
+from .table import ResponseTable
 
 __all__ = ["StabilizationDiagram", "stabilization"]
 
@@ -40,8 +40,8 @@ class StabilizationDiagram(ReadOnly):
     orders : (n_orders,) int
     freq_hz, damping_ratio, stable : tuple of n_orders arrays
         Poles of each order inside the band, left half plane, by ascending frequency.
-    accepted : Accepted
-        The values accepted, with their scores, see :class:`~antires_rs.order_sweep.accepted.Accepted`.
+    accepted : ResponseTable
+        What was accepted, with its scores, see :class:`~antires_rs.order_sweep.table.ResponseTable`.
     background_freq_hz, background : (n_freq,)
         ``abs(sum over outputs)`` of the data, for drawing behind the poles.
     band_hz : (low, high)
@@ -60,7 +60,7 @@ class StabilizationDiagram(ReadOnly):
     freq_hz: tuple[FloatArray, ...]
     damping_ratio: tuple[FloatArray, ...]
     stable: tuple[Any, ...]
-    accepted: Accepted
+    accepted: ResponseTable
     background_freq_hz: FloatArray
     background: FloatArray
     band_hz: tuple[float, float]
@@ -266,7 +266,7 @@ def diagram(
     """Sweep, link, select; ``added_decay_per_s`` of the exponential window is taken off every root."""
     rows = [_physical(sweep.roots(order), band, rule, added_decay_per_s) for order in orders]
     chains, stable = _link(rows, rule)
-    found = []
+    values, shares = [], []
     for chain in chains:
         # n poles in a row are n - 1 stable orders and the one they start from.
         if len(chain) - 1 <= rule.min_rows:
@@ -275,7 +275,10 @@ def diagram(
         some = members[:: max(1, len(members) // 5)]
         share = float(np.median([sweep.dominances(order, np.array([s]))[0] for order, s in some]))
         if share >= rule.min_dominance:
-            found.append(_value(sweep, members, share, rule.freq_tol, added_decay_per_s))
+            values.append(_value(sweep, members, rule.freq_tol, added_decay_per_s))
+            shares.append(share)
+    freq, damping, counts, spread = np.array(values).reshape(-1, 4).T
+    found = ResponseTable.of_sweep(freq, damping, rows=counts, spread=spread, dominance=shares, how="chain")
     rows = [s + added_decay_per_s for s in rows]
     sizes = [np.abs(s) for s in rows]
     return StabilizationDiagram(
@@ -283,7 +286,7 @@ def diagram(
         freq_hz=tuple(frozen(size / (2 * np.pi)) for size in sizes),
         damping_ratio=tuple(frozen(-s.real / size) for s, size in zip(rows, sizes, strict=True)),
         stable=tuple(frozen(mark) for mark in stable),
-        accepted=Accepted.of(_merge(found, rule)),
+        accepted=_merged(found, rule),
         background_freq_hz=frozen(freq_hz),
         background=frozen(background),
         band_hz=band,
@@ -337,8 +340,10 @@ def _link(rows: list[ComplexArray], rule: Rule) -> tuple[list[list[tuple[int, in
     return chains, marks
 
 
-def _value(sweep: Sweep, members: list[tuple[int, complex]], share: float, tol: float, added: float) -> Value:
-    """The value of a chain: each member gives way to the nearest root of the second solution."""
+def _value(
+    sweep: Sweep, members: list[tuple[int, complex]], tol: float, added: float
+) -> tuple[float, float, int, float]:
+    """Frequency, damping, length, spread of a chain; its members give way to roots of the second solution."""
     refined = []
     for order, s in members:
         others = sweep.roots(order, norm=True)
@@ -346,26 +351,23 @@ def _value(sweep: Sweep, members: list[tuple[int, complex]], share: float, tol: 
         refined.append(near if abs(near - s) <= tol * abs(s) else s)
     roots = np.array(refined) + added
     size = np.abs(roots)
-    return Value(
+    return (
         float(np.median(size)) / (2 * np.pi),
         float(np.median(-roots.real / size)),
         len(members),
         float(np.std(size) / np.median(size)),
-        share,
-        "chain",
     )
 
 
-def _merge(values: list[Value], rule: Rule) -> list[Value]:
+def _merged(found: ResponseTable, rule: Rule) -> ResponseTable:
     """Chains closer than the tolerance are one pole, interrupted or split by noise; the longest stays."""
-    kept: list[Value] = []
-    for value in sorted(values, key=lambda v: v.freq_hz):
-        last = kept[-1] if kept else None
-        if last is not None and value.freq_hz - last.freq_hz <= rule.freq_tol * value.freq_hz:
-            kept[-1] = max(last, value, key=lambda v: v.rows)
+    kept: list[int] = []
+    for i, freq in enumerate(found.freq_hz):
+        if kept and freq - found.freq_hz[kept[-1]] <= rule.freq_tol * freq:
+            kept[-1] = max(kept[-1], i, key=lambda at: found.rows[at])
         else:
-            kept.append(value)
-    return kept
+            kept.append(i)
+    return found.take(kept)
 
 
 # Largest spread over the channels of a value that they share: a mode that the force hardly excites. On

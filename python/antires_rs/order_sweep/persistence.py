@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from ..support.validation import FloatArray
-from .accepted import Accepted, Value
 from .diagram import StabilizationDiagram, Sweep
 from .rule import Rule
+from .table import ResponseTable
 
 WIDTH = 0.02
 PRESENCE = 0.75
@@ -39,7 +39,7 @@ def add_persistent(
     """
     orders = found.orders.astype(int)
     pool = _dominant(sweep, orders, found, channel_snr, added_decay_per_s)
-    new: list[Value] = []
+    new: list[tuple[float, float, int, float]] = []
     while len(pool):
         first = np.searchsorted(pool[:, 0], pool[:, 0] * (1.0 - WIDTH))
         last = np.searchsorted(pool[:, 0], pool[:, 0] * (1.0 + WIDTH))
@@ -54,19 +54,18 @@ def add_persistent(
         present = (counts[best] - 1) / (orders[-1] - opened + 1)
         if present >= PRESENCE:
             new.append(
-                Value(
-                    value,
-                    float(np.median(group[:, 2])),
-                    int(counts[best]),
-                    float(np.std(group[:, 0]) / value),
-                    float("nan"),
-                    "persistent",
-                )
+                (value, float(np.median(group[:, 2])), int(counts[best]), float(np.std(group[:, 0]) / value))
             )
         keep = (pool[:, 0] < value * (1.0 - WIDTH)) | (pool[:, 0] > value * (1.0 + WIDTH))
         keep[first[best] : last[best]] = False
         pool = pool[keep]
-    return replace(found, accepted=Accepted.of([*found.accepted.values(), *new])) if new else found
+    if not new:
+        return found
+    freq, damping, rows, spread = np.array(new).T
+    more = ResponseTable.of_sweep(
+        freq, damping, rows=rows, spread=spread, dominance=np.full(len(new), np.nan), how="persistent"
+    )
+    return replace(found, accepted=ResponseTable.concatenated([found.accepted, more]))
 
 
 def _dominant(

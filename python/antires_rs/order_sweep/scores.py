@@ -1,9 +1,9 @@
-r"""What speaks for an accepted value, beyond that it stands still.
+r"""What speaks for an accepted antiresonance, beyond that it stands still.
 
 ===============  =====================================================================================
 score            what it says
 ===============  =====================================================================================
-rows             orders of its chain (or orders in which a persistent value was seen)
+rows             model orders of its chain (or those in which a persistent one was seen)
 spread           relative standard deviation of its frequency over these orders
 dominance        share of the curve that the pole owns at its frequency; 1 is all of it
 how              "chain": stable in consecutive orders; "persistent": in most orders, without standing still
@@ -23,8 +23,9 @@ from typing import Any
 import numpy as np
 
 from ..support.validation import ComplexArray, FloatArray
+from .table import ResponseTable
 
-__all__ = ["grades", "local_misfit", "prominence_db"]
+__all__ = ["graded", "grades", "local_misfit", "prominence_db", "scored"]
 
 # The five tests of a grade.
 MORE_ROWS, MOST_SPREAD, LEAST_DOMINANCE, MOST_RESIDUAL, LEAST_PROMINENCE_DB = 20, 1e-3, 0.9, 0.1, 6.0
@@ -33,6 +34,28 @@ MORE_ROWS, MOST_SPREAD, LEAST_DOMINANCE, MOST_RESIDUAL, LEAST_PROMINENCE_DB = 20
 NEAR_WIDTHS, LEAST_LINES = 3.0, 4
 # The foot of a peak: from so many bandwidths on, to so many. A single peak lies 14 to 22 dB over it.
 FOOT_WIDTHS = (2.5, 7.5)
+
+
+def scored(
+    table: ResponseTable,
+    freq_hz: FloatArray,
+    background: FloatArray,
+    data: ComplexArray,
+    fitted: ComplexArray,
+) -> ResponseTable:
+    """The same antiresonances with residual and prominence, see the two functions below."""
+    at = (table.freq_hz, table.damping_ratio)
+    return table.with_scores(
+        residual=local_misfit(freq_hz, data, fitted, *at),
+        prominence_db=prominence_db(freq_hz, background, *at),
+    )
+
+
+def graded(table: ResponseTable) -> ResponseTable:
+    """The same antiresonances with a grade, see :func:`grades`."""
+    return table.with_scores(
+        grade=grades(table.rows, table.spread, table.dominance, table.residual, table.prominence_db)
+    )
 
 
 def local_misfit(

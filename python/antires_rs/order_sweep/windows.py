@@ -14,8 +14,8 @@ import numpy as np
 from ..signals.segment_length import MOST_LINES
 from ..support.pickling import frozen
 from ..support.validation import FloatArray
-from .accepted import Accepted, Value
 from .diagram import StabilizationDiagram
+from .table import ResponseTable
 
 WINDOW_LINES = 2500
 # Values this close to a cut, as a share of the window's width, are left to the neighbour.
@@ -76,13 +76,6 @@ def join(
             for k in range(orders.size)
         )
 
-    every = [value for d in parts for value in d.accepted.values()]
-    # Poles that stand still before those that only stay near; long chains before short ones.
-    every.sort(key=lambda v: (v.how != "chain", -v.rows))
-    kept: list[Value] = []
-    for value in every:
-        if all(abs(value.freq_hz / other.freq_hz - 1.0) > tol for other in kept):
-            kept.append(value)
     lines = [
         (d.background_freq_hz >= w.core_hz[0]) & (d.background_freq_hz < w.core_hz[1])
         for d, w in zip(parts, cut, strict=True)
@@ -97,5 +90,20 @@ def join(
             np.concatenate([d.background_freq_hz[k] for d, k in zip(parts, lines, strict=True)])
         ),
         background=frozen(np.concatenate([d.background[k] for d, k in zip(parts, lines, strict=True)])),
-        accepted=Accepted.of(kept),
+        accepted=_once([d.accepted for d in parts], tol),
     )
+
+
+def _once(tables: list[ResponseTable], tol: float) -> ResponseTable:
+    """All antiresonances of the windows; of those found twice the better one."""
+    every = [(part, i) for part, table in enumerate(tables) for i in range(len(table))]
+    # Poles that stand still before those that only stay near; long chains before short ones.
+    every.sort(key=lambda at: (tables[at[0]].how[at[1]] != "chain", -tables[at[0]].rows[at[1]]))
+    kept: list[list[int]] = [[] for _ in tables]
+    freq: list[float] = []
+    for part, i in every:
+        value = tables[part].freq_hz[i]
+        if all(abs(value / other - 1.0) > tol for other in freq):
+            freq.append(value)
+            kept[part].append(i)
+    return ResponseTable.concatenated([table.take(some) for table, some in zip(tables, kept, strict=True)])

@@ -3,7 +3,8 @@
 Every function draws into ``ax`` and returns it. Without ``ax`` it makes a new pyplot figure, so that
 ``plt.show()`` and notebooks display it as usual; no style, backend or rcParam is ever changed. Colours are
 those of Okabe and Ito, and no curve, bar or mark is told from another by colour alone. :func:`data_of` gives
-the numbers behind any of them.
+the numbers behind any of them. Uses the values that are drawn, and ``support``; nothing is computed here but
+what a picture needs.
 """
 
 from .canvas import data_of

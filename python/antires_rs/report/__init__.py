@@ -1,7 +1,8 @@
 """Reports: one self-contained HTML file for a result (``pip install "antires-rs[report]"``).
 
 Style and pictures are inside the file and nothing is fetched when it is opened, so it can be mailed, archived
-and printed.
+and printed. Uses results, ``plotting`` and jinja2; ``facts`` finds the words, ``rows`` the tables,
+``figures`` the pictures, ``template.html`` the page.
 """
 
 from __future__ import annotations

@@ -103,7 +103,9 @@ def of_identification(
     )
     formulation = rule.pop("formulation")
     if formulation == "auto":
-        formulation = f"auto, here {'numerators' if found.std_hz else 'joint'}"
+        # Only the fit of all numerators is graded, see order_sweep.scores.
+        graded = any("grade" in scores for scores in found.scores.values())
+        formulation = f"auto, here {'numerators' if graded else 'joint'}"
     thresholds = [f"{name} {value}" for name, value in rule.items()]
     preset = [] if used["preset"] is None else [f"preset {used['preset']}"]
     low, high = band_hz
@@ -168,8 +170,8 @@ def of_evidence(found: AntiresonanceSet) -> Facts:
         ]
     if found.data_check is not None:
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
-    if found.second_opinion is not None:
-        facts["Second opinion"] = [repr(found.second_opinion)]
+    if found.cross_check is not None:
+        facts["Second opinion"] = [repr(found.cross_check)]
     return facts
 
 

@@ -6,14 +6,17 @@ again. A pickle is for the same version of this package; files are written by ``
 
 from __future__ import annotations
 
-from typing import Any, Generic, TypeVar
+from collections.abc import Mapping
+from typing import Any, Generic, NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AroundCore", "ReadOnly", "frozen"]
+__all__ = ["AroundCore", "FrozenDict", "ReadOnly", "frozen"]
 
 Core = TypeVar("Core")
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 
 
 class AroundCore(Generic[Core]):
@@ -38,6 +41,31 @@ class ReadOnly:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)  # past the __setattr__ of frozen dataclasses
         _freeze(state)
+
+
+class FrozenDict(dict[Key, Value]):
+    """A dict that nobody may change; unlike a ``MappingProxyType`` it can be pickled and copied.
+
+    Examples
+    --------
+    >>> from antires_rs.support.pickling import FrozenDict
+    >>> FrozenDict(a=1)["b"] = 2
+    Traceback (most recent call last):
+    TypeError: this dict is read-only; dict(...) makes one that can be changed
+    """
+
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError("this dict is read-only; dict(...) makes one that can be changed")
+
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> Any:
+        return _frozen_dict, (dict(self),)
+
+
+def _frozen_dict(items: Mapping[Key, Value]) -> FrozenDict[Key, Value]:
+    _freeze(items)
+    return FrozenDict(items)
 
 
 def _freeze(value: Any) -> None:

@@ -28,9 +28,7 @@ def residual_weights(
     if isinstance(weights, str):
         if weights != "std":
             reject("weights", repr(weights), "None, 'std', or one number for each measured value")
-        std = np.concatenate(
-            [each.std_hz.get(dof, np.full(len(freq), np.nan)) for each in sets for dof, freq in each.items()]
-        )
+        std = np.concatenate([table.std_hz for each in sets for table in each.tables.values()])
         if not np.isfinite(std).any():
             reject(
                 "weights",

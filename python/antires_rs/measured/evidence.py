@@ -1,0 +1,51 @@
+"""What a set of antiresonances carries beside its tables, and what it asks of it.
+
+The data check and the cross-check are made by packages that use this one: here stands only what is read of
+them, so that nothing below knows the classes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+__all__ = ["CrossCheck", "DataCheck", "Finding"]
+
+
+class Finding(Protocol):
+    """One thing seen in the data, see :class:`antires_rs.Finding`."""
+
+    @property
+    def severity(self) -> str:
+        """Fatal, warning or note."""
+
+    @property
+    def text(self) -> str:
+        """What was seen."""
+
+
+class DataCheck(Protocol):
+    """Whether the data were fit for identification, see :class:`antires_rs.DataCheck`."""
+
+    @property
+    def findings(self) -> Sequence[Finding]:
+        """Worst first."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """Of them what is more than a note, in words."""
+
+    @property
+    def n_averages(self) -> float | None:
+        """Effective number of independent averages."""
+
+    @property
+    def nperseg(self) -> int | None:
+        """Samples per segment of the spectra."""
+
+
+class CrossCheck(Protocol):
+    """What another method says, see :class:`antires_rs.identification.cross_check.SecondOpinion`."""
+
+    def is_confirmed(self, dof: Any, freq_hz: float) -> bool | None:
+        """Whether this very antiresonance is confirmed; None if it was not judged."""

@@ -1,0 +1,168 @@
+"""One table for the antiresonances of one response, from the order sweep to the saved set.
+
+The sweep makes it, selection and the joining of windows take rows out of it, an
+:class:`~antires_rs.AntiresonanceSet` holds one for each response, and files, data frames and reports are
+written from it. It is never changed: whoever wants other rows or columns makes another table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..support.pickling import FrozenDict, ReadOnly, frozen
+from ..support.validation import FloatArray, reject
+
+__all__ = ["ResponseTable"]
+
+
+def _score(name: str, says: str) -> Any:
+    """A column of ``scores`` as an attribute."""
+    return property(lambda table: table.scores[name], doc=says)
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class ResponseTable(ReadOnly):
+    """The antiresonances of one response, a row each, ascending in frequency, with what is known of them.
+
+    Parameters
+    ----------
+    freq_hz : array_like, (n,)
+        In any order; the other columns follow it.
+    damping_ratio, std_hz : array_like, (n,), optional
+        NaN where not known, which is the default.
+    scores : mapping of name to array_like, (n,), optional
+        What speaks for each, see :mod:`~antires_rs.order_sweep.scores`.
+    by_hand : array_like of bool, (n,), optional
+        Whether a person added it; by default none was.
+
+    Attributes
+    ----------
+    freq_hz, damping_ratio, std_hz, by_hand : (n,)
+    scores : dict of name to (n,)
+        Empty for antiresonances that no order sweep found. Those below are attributes of the table too.
+    rows, orders : (n,) int
+        Model orders of the chain, or those in which a persistent one was seen ("rows" in ``scores``).
+    spread : (n,)
+        Relative standard deviation of the frequency over those orders.
+    dominance : (n,)
+        Share of the curve that the pole owns at its frequency.
+    how : (n,) str
+        "chain": stable over consecutive orders; "persistent": in most orders, though it does not stand still.
+    residual, prominence_db : (n,)
+        Misfit around it and height of its peak; NaN where not known.
+
+    Examples
+    --------
+    >>> from antires_rs.order_sweep.table import ResponseTable
+    >>> table = ResponseTable([14.2, 8.7], std_hz=[0.1, 0.2], scores={"how": ["chain", "persistent"]})
+    >>> table.freq_hz.tolist(), table.std_hz.tolist(), table.how.tolist(), table.damping_ratio.tolist()
+    ([8.7, 14.2], [0.2, 0.1], ['persistent', 'chain'], [nan, nan])
+    """
+
+    freq_hz: FloatArray
+    damping_ratio: FloatArray
+    std_hz: FloatArray
+    scores: Mapping[str, NDArray[Any]]
+    by_hand: NDArray[np.bool_]
+
+    rows = orders = _score("rows", "Model orders that have it.")
+    spread = _score("spread", "Relative standard deviation of its frequency over the orders.")
+    dominance = _score("dominance", "Share of the curve at its frequency.")
+    how = _score("how", "Whether it stands still: chain or persistent.")
+    residual = _score("residual", "Relative misfit of the fit around it.")
+    prominence_db = _score("prominence_db", "Height of its peak.")
+
+    def __init__(
+        self,
+        freq_hz: ArrayLike,
+        damping_ratio: ArrayLike | None = None,
+        std_hz: ArrayLike | None = None,
+        scores: Mapping[str, ArrayLike] | None = None,
+        by_hand: ArrayLike | None = None,
+    ) -> None:
+        freq = np.asarray(freq_hz, dtype=np.float64)
+        rank = np.argsort(freq, kind="stable")
+
+        def column(name: str, values: Any, default: float | bool | None = None) -> NDArray[Any]:
+            kind = None if default is None else type(default)
+            array = np.full(freq.size, default) if values is None else np.asarray(values, dtype=kind)
+            if array.shape != freq.shape:
+                reject(name, f"an array of shape {array.shape}", f"{freq.size}, one for each frequency")
+            return frozen(array[rank])
+
+        vars(self).update(
+            freq_hz=frozen(freq[rank]),
+            damping_ratio=column("damping_ratio", damping_ratio, np.nan),
+            std_hz=column("std_hz", std_hz, np.nan),
+            scores=FrozenDict({name: column(name, values) for name, values in (scores or {}).items()}),
+            by_hand=column("by_hand", by_hand, False),
+        )
+
+    @classmethod
+    def of_sweep(
+        cls,
+        freq_hz: ArrayLike,
+        damping_ratio: ArrayLike,
+        std_hz: ArrayLike | None = None,
+        *,
+        rows: Sequence[int] | NDArray[Any],
+        spread: ArrayLike,
+        dominance: ArrayLike,
+        how: str | Sequence[str] | NDArray[Any],
+    ) -> ResponseTable:
+        """What an order sweep tells; ``how`` is one for all, or one each. The other scores are not known."""
+        n = len(rows)
+        scores = {
+            "rows": np.array(rows, dtype=np.int64),
+            "spread": np.array(spread, dtype=np.float64),
+            "dominance": np.array(dominance, dtype=np.float64),
+            "how": np.full(n, how) if isinstance(how, str) else np.array(how, dtype=np.str_),
+            "residual": np.full(n, np.nan),
+            "prominence_db": np.full(n, np.nan),
+        }
+        return cls(freq_hz, damping_ratio, std_hz, scores)
+
+    @classmethod
+    def concatenated(cls, tables: Sequence[ResponseTable]) -> ResponseTable:
+        """All rows of some tables with the same scores."""
+
+        def stacked(column: Callable[[ResponseTable], NDArray[Any]]) -> NDArray[Any]:
+            return np.concatenate([column(table) for table in tables])
+
+        return cls(
+            stacked(lambda table: table.freq_hz),
+            stacked(lambda table: table.damping_ratio),
+            stacked(lambda table: table.std_hz),
+            {name: np.concatenate([table.scores[name] for table in tables]) for name in tables[0].scores},
+            stacked(lambda table: table.by_hand),
+        )
+
+    def take(self, chosen: Sequence[int] | NDArray[Any]) -> ResponseTable:
+        """Some of the rows, by index or by mask."""
+        at = np.asarray(chosen, dtype=None if len(chosen) else np.intp)
+        return ResponseTable(
+            self.freq_hz[at],
+            self.damping_ratio[at],
+            self.std_hz[at],
+            {name: values[at] for name, values in self.scores.items()},
+            self.by_hand[at],
+        )
+
+    def with_scores(self, **columns: Any) -> ResponseTable:
+        """The same rows with more scores, or others."""
+        return replace(self, scores={**self.scores, **columns})
+
+    def same_as(self, other: ResponseTable) -> bool:
+        """Same frequencies, damping ratios and standard deviations, bit for bit; scores do not count."""
+        return all(
+            np.array_equal(getattr(self, name), getattr(other, name), equal_nan=True)
+            for name in ("freq_hz", "damping_ratio", "std_hz")
+        )
+
+    def __len__(self) -> int:
+        return int(self.freq_hz.size)

@@ -1,0 +1,118 @@
+"""The rules of the house that code can check: arrows between packages, cycles, sizes of files."""
+
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+
+import pytest
+
+from tests.support.paths import ROOT
+
+PACKAGE = ROOT / "python/antires_rs"
+#: Lines of a source file: half of them, nine of ten, and all stay below.
+MEDIAN, MOST, LONGEST = 120, 300, 400
+
+pytestmark = pytest.mark.skipif(not (ROOT / "Cargo.toml").is_file(), reason="needs the source tree")
+
+
+def contracts(folder):
+    """Run import-linter over the package below ``folder``; returns its exit code and what it said."""
+    pytest.importorskip("importlinter")
+    command = "from importlinter.cli import lint_imports_command as run; run()"
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(folder / 'python')!r}); {command}"],
+        capture_output=True,
+        text=True,
+        cwd=folder,
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+@pytest.fixture(scope="module")
+def copied(tmp_path_factory):
+    """A copy of the sources in which a test may write a wrong import."""
+    folder = tmp_path_factory.mktemp("house")
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    shutil.copytree(PACKAGE, folder / "python/antires_rs", ignore=shutil.ignore_patterns("__pycache__"))
+    return folder
+
+
+def test_every_import_keeps_the_contracts():
+    code, said = contracts(ROOT)
+    assert code == 0, said
+    assert "0 broken" in said
+
+
+@pytest.mark.parametrize(
+    ("file", "line", "rule"),
+    [
+        ("signals/spectra.py", "from antires_rs.updating.problem import UpdatingProblem", "stand on"),
+        ("identification/identify.py", "from ..models.chain import MassSpringChain", "never sees a model"),
+        ("models/chain.py", "    from ..signals.spectra import CrossSpectra", "never see a record"),
+        ("optimize/checkpoint.py", "from ..measured.modal_set import ModalSet", "f\\(x\\) only"),
+        ("signals/noise.py", "from .transfer_functions import frf", "No cycles are allowed"),
+    ],
+    ids=["above", "model", "lazy", "search", "circle"],
+)
+def test_a_wrong_import_is_found(copied, file, line, rule):
+    target = copied / "python/antires_rs" / file
+    right = target.read_text()
+    wrong = f"\n\ndef _wrong():\n{line}\n" if line.startswith(" ") else f"\n{line}\n"
+    target.write_text(right + wrong)
+    try:
+        code, said = contracts(copied)
+    finally:
+        target.write_text(right)
+    assert code != 0
+    assert re.search(rule, " ".join(said.split())), said
+
+
+def test_the_signal_side_does_not_load_the_core():
+    for folder in ("signals", "order_sweep", "measured", "data_check"):
+        sources = list((PACKAGE / folder).rglob("*.py"))
+        assert sources, folder
+        for source in sources:
+            assert not re.search(r"^\s*from \.+ import _core\b", source.read_text(), re.MULTILINE), (
+                source.name
+            )
+
+
+def test_little_stands_beside_the_packages():
+    files = [path.name for path in PACKAGE.iterdir() if path.is_file() and path.suffix != ".so"]
+    assert sorted(files) == ["__init__.py", "__init__.pyi", "_core.pyi", "exceptions.py", "py.typed"]
+
+
+def test_every_package_says_what_it_knows():
+    for init in PACKAGE.rglob("__init__.py"):
+        text = init.read_text()
+        assert re.match(r'r?"""\S', text), init.parent.name
+        if init.parent.parent == PACKAGE and init.parent.name != "cli":
+            assert re.search(r"\b[Uu]ses\b", text), f"{init.parent.name} does not say what it uses"
+
+
+@pytest.mark.parametrize("suffixes", [(".py", ".pyi"), (".rs",)], ids=["python", "rust"])
+def test_files_are_short(suffixes):
+    folders = ("python", "tests", "reference", "examples", "benchmarks", "docs", "rust")
+    lengths = {
+        str(path.relative_to(ROOT)): len(path.read_text().splitlines())
+        for folder in folders
+        for path in (ROOT / folder).rglob("*")
+        if path.suffix in suffixes and not {"_build", "gallery", "generated"} & set(path.parts)
+    }
+    ranked = sorted(lengths.values())
+    assert len(ranked) > 50
+    assert {name: n for name, n in lengths.items() if n > LONGEST} == {}
+    assert ranked[len(ranked) // 2] <= MEDIAN
+    assert ranked[9 * len(ranked) // 10] <= MOST
+
+
+def test_the_core_knows_neither_python_nor_numpy():
+    manifest = tomllib.loads((ROOT / "rust/antires-core/Cargo.toml").read_text())
+    for section in ("dependencies", "dev-dependencies", "build-dependencies"):
+        assert not {"pyo3", "numpy", "pyo3-ffi"} & set(manifest.get(section, {}))
+    sources = list((ROOT / "rust/antires-core/src").rglob("*.rs"))
+    assert sources
+    for source in sources:
+        assert not re.search(r"^\s*use (pyo3|numpy)\b", source.read_text(), re.MULTILINE), source.name
