@@ -110,7 +110,12 @@ def check_data(
     if excitation is not None and (
         isinstance(excitation, bool) or not isinstance(excitation, int | np.integer | str)
     ):
-        reject("excitation", excitation, "a dof named by an integer or a string, or None")
+        reject(
+            "excitation",
+            excitation,
+            "a dof named by an integer or a string, or None",
+            "Name the dof as the source does, or leave it out if it is not known.",
+        )
     band = band_of(source, band_hz)
     if isinstance(source, Recording):
         said, seen = of_recording(source, excitation, band, nperseg, noverlap, window, method)

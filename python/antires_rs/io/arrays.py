@@ -55,7 +55,12 @@ def signal_of_arrays(
             "read. Slice them to (n_channels, n_samples) if they are responses."
         )
     if not numeric:
-        unsuitable(path, f"with no numeric array ({_listed(arrays)})", "arrays of numbers")
+        unsuitable(
+            path,
+            f"with no numeric array ({_listed(arrays)})",
+            "arrays of numbers",
+            "Export the signals as arrays of numbers, one row or column a channel.",
+        )
     freq = _role(path, "freq", freq, numeric, _FREQ)
     time = _role(path, "time", time, numeric, _TIME)
     taken = {name for name in (freq, time) if name}
@@ -72,7 +77,12 @@ def signal_of_arrays(
     taken |= {name for name in numeric if _last(name) in _RATE}
     pushed = force if isinstance(force, str) and force in numeric else None
     if isinstance(force, str) and force != "auto" and pushed is None:
-        reject("force", repr(force), f"'auto', None or an array of the file: {_listed(arrays)}")
+        reject(
+            "force",
+            repr(force),
+            f"'auto', None or an array of the file: {_listed(arrays)}",
+            "Name an array of the file, or pass None for no force.",
+        )
     if pushed is None:
         found = [n for n in numeric if _last(n) in _FORCE and len(numeric[n]) == 1]
         pushed = found[0] if len(found) == 1 and force == "auto" else None
@@ -122,7 +132,10 @@ def _response(
     for name, values in rows:
         if values.size != lines.size:
             unsuitable(
-                path, f"with {values.size} values of {name!r} over {lines.size} frequencies", "as many"
+                path,
+                f"with {values.size} values of {name!r} over {lines.size} frequencies",
+                "as many",
+                "Export values and frequencies of the same test.",
             )
     labels = renamed("dofs", [name for name, _ in rows], dofs)
     kept = [i for i, label in enumerate(labels) if label is not None]
@@ -131,7 +144,12 @@ def _response(
     if coherence is not None and coherence.shape == (len(rows), lines.size):
         coherence = coherence[kept]
     elif coherence is not None:
-        unsuitable(path, f"with coherences of shape {coherence.shape}", f"({len(rows)}, {lines.size})")
+        unsuitable(
+            path,
+            f"with coherences of shape {coherence.shape}",
+            f"({len(rows)}, {lines.size})",
+            "Export a coherence for each response, over the same frequencies.",
+        )
     if unit is not None:
         values = in_si(values, named_unit("unit", unit))
     return FrequencyResponse(lines, values, [labels[i] for i in kept], cast(Kind, kind), reference, coherence)
@@ -168,7 +186,12 @@ def _role(
     """The array the user names for a role, or the only one whose name says it."""
     if given is not None:
         if given not in numeric:
-            reject(argument, repr(given), f"a numeric array of {str(path)!r}: {_listed(numeric)}")
+            reject(
+                argument,
+                repr(given),
+                f"a numeric array of {str(path)!r}: {_listed(numeric)}",
+                "Correct the name; those of the file are listed.",
+            )
         return given
     found = [n for n in numeric if _last(n) in names and len(numeric[n]) == 1 and numeric[n].size > 1]
     if len(found) > 1:
@@ -217,7 +240,12 @@ def _chosen(
                 ]
             )
             if not hits:
-                reject("responses", repr(pattern), f"arrays of {str(path)!r}: {_listed(numeric)}")
+                reject(
+                    "responses",
+                    repr(pattern),
+                    f"arrays of {str(path)!r}: {_listed(numeric)}",
+                    "Correct the pattern; the names of the file are listed.",
+                )
             names += [n for n in hits if n not in names]
     if not names:
         unsuitable(

@@ -130,7 +130,12 @@ def read_csv(
                 kept,
             )
     if len(table.values) < 2:
-        unsuitable(file, f"with {len(table.values)} rows of numbers", "at least two")
+        unsuitable(
+            file,
+            f"with {len(table.values)} rows of numbers",
+            "at least two",
+            "Export more of the record; a single row is no signal.",
+        )
     if "kind" in table.header:
         return own_signal(
             file,
@@ -175,7 +180,12 @@ def _own(file: Path, table: Table) -> Signal:
     except AntiresError:
         raise
     except (KeyError, TypeError, ValueError, IndexError) as exc:
-        unsuitable(file, f"whose header is damaged ({type(exc).__name__}: {exc})", "a file of write_csv")
+        unsuitable(
+            file,
+            f"whose header is damaged ({type(exc).__name__}: {exc})",
+            "a file of write_csv",
+            "Write it again; leave the lines at the top as they are.",
+        )
 
 
 def _foreign(
@@ -214,7 +224,12 @@ def _foreign(
         )
     skip = 0 if first == "channel" else 1
     if len(columns) <= skip:
-        unsuitable(file, "with no column of values", "at least one beside the first")
+        unsuitable(
+            file,
+            "with no column of values",
+            "at least one beside the first",
+            "Export the channels beside the first column.",
+        )
     labels = names if table.names else [i - skip for i in range(len(names))]
     if first == "freq":
         return _response(file, columns, labels, units, dofs, unit, kind, reference)

@@ -100,7 +100,12 @@ def _describe_model(model: StructuralModel, store: Store) -> dict[str, Any]:
         }
     if isinstance(model, FrameModel):
         return _describe_frame(model, store)
-    reject("model", type(model).__name__, "a MassSpringChain, FrameModel or MatrixModel")
+    reject(
+        "model",
+        type(model).__name__,
+        "a MassSpringChain, FrameModel or MatrixModel",
+        "Build the model as one of these first.",
+    )
 
 
 def _made_model(data: dict[str, Any], name: str) -> StructuralModel:

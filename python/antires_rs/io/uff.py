@@ -112,7 +112,9 @@ def read_uff(
             )
         kind = there[0]  # type: ignore[assignment]
     elif kind not in there:
-        unsuitable(file, f"with {found}", f"kind={kind!r}")
+        unsuitable(
+            file, f"with {found}", f"kind={kind!r}", "Pass the kind that the file holds, or leave it out."
+        )
     own = {f.response: f.own["dof"] for f in functions if f.own.get("dof") is not None}
     named = dof_of(dofs, own)
     if kind == "time":
@@ -174,7 +176,12 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
     channels, signs = [], {}
     for f in functions:
         if np.iscomplexobj(f.values):
-            unsuitable(file, f"with a complex time record of {label_of(f.response)}", "real ones")
+            unsuitable(
+                file,
+                f"with a complex time record of {label_of(f.response)}",
+                "real ones",
+                "Export the record as real numbers.",
+            )
         named_by_user = unit is not None and f.role != "force"
         values = f.values if f.scale == 1.0 or named_by_user else f.values * f.scale
         channels.append(Channel(f.response, values, f.unit, f.role))

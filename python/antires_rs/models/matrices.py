@@ -29,8 +29,18 @@ def as_term(name: str, matrix: Any, n: int) -> tuple[NDArray[np.uint32], NDArray
     """Entries (rows, columns, values) of a symmetric (n, n) matrix."""
     dense = as_dense(name, matrix)
     if dense.shape != (n, n):
-        reject(name, f"a matrix of shape {dense.shape}", f"shape ({n}, {n}), as the stiffness")
+        reject(
+            name,
+            f"a matrix of shape {dense.shape}",
+            f"shape ({n}, {n}), as the stiffness",
+            "Expand it to all dofs of the model, with zeros elsewhere.",
+        )
     if not np.allclose(dense, dense.T, rtol=0, atol=1e-9 * np.abs(dense).max()):
-        reject(name, "a matrix that is not symmetric", "a symmetric term")
+        reject(
+            name,
+            "a matrix that is not symmetric",
+            "a symmetric term",
+            "Pass (A + A.T) / 2 if the difference is rounding.",
+        )
     rows, cols = np.nonzero(dense)
     return rows.astype(np.uint32), cols.astype(np.uint32), np.ascontiguousarray(dense[rows, cols])

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from .. import _core
+from ..support.validation import part
 from .matrices import as_dense, as_sparse, as_term
 from .structural_model import StructuralModel
 
@@ -50,8 +51,8 @@ class MatrixModel(StructuralModel):
     ) -> None:
         k = as_dense("stiffness", stiffness)
         self._made = (
-            [as_term(f"stiffness_terms[{i}]", t, len(k)) for i, t in enumerate(stiffness_terms)],
-            [as_term(f"mass_terms[{i}]", t, len(k)) for i, t in enumerate(mass_terms)],
+            [as_term(part("stiffness_terms", i), t, len(k)) for i, t in enumerate(stiffness_terms)],
+            [as_term(part("mass_terms", i), t, len(k)) for i, t in enumerate(mass_terms)],
         )
         self._core = _core.Model.from_matrices(k, as_dense("mass", mass), *self._made)
 

@@ -6,7 +6,7 @@ import warnings
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..exceptions import AntiresWarning
+from ..exceptions import AntiresWarning, Argument
 from ..support.validation import finite_scalar, reject
 
 __all__ = ["Rectangle", "Section", "Tube"]
@@ -114,7 +114,12 @@ class Section:
 
     def _parts(self, name: str, in_space: bool) -> SectionParts:
         if in_space and self.torsion_m4 is None:
-            reject(f"{name}.torsion_m4", None, "the torsion constant in m^4, as the frame is in space")
+            reject(
+                Argument(name).attribute("torsion_m4"),
+                None,
+                "the torsion constant in m^4, as the frame is in space",
+                "Give the section its torsion_m4, or use a plane frame.",
+            )
         across = self.inertia_m4 if self.inertia_y_m4 is None else self.inertia_y_m4
         torsion = self.inertia_m4 if self.torsion_m4 is None else self.torsion_m4
         kind, (area, inertia), youngs, density, poisson = _parts(
@@ -122,16 +127,16 @@ class Section:
         )
         size = [
             area,
-            finite_scalar(f"{name}.inertia_y_m4", across),
+            finite_scalar(Argument(name).attribute("inertia_y_m4"), across),
             inertia,
-            finite_scalar(f"{name}.torsion_m4", torsion),
+            finite_scalar(Argument(name).attribute("torsion_m4"), torsion),
         ]
         return kind, size, youngs, density, poisson
 
 
 def _parts(section: Any, name: str, kind: str, sizes: list[str]) -> SectionParts:
     def number(attribute: str) -> float:
-        return finite_scalar(f"{name}.{attribute}", getattr(section, attribute))
+        return finite_scalar(Argument(name).attribute(attribute), getattr(section, attribute))
 
     if 0.0 < number("youngs_modulus_pa") < SOFTEST_PA:
         warnings.warn(

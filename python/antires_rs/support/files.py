@@ -26,7 +26,7 @@ def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
             f"Make the folder {str(target.parent)!r} first.",
         )
     if target.is_dir():
-        reject("path", str(target), "a file, not a folder")
+        reject("path", str(target), "a file, not a folder", "Name a file in it.")
     # Same folder, so that the replacement is one step of the file system.
     beside = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     try:

@@ -25,7 +25,7 @@ from ..models.parameters import Parameter, core_parameters, parameter_name, warn
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import thread_count
 from ..support.pickling import AroundCore
-from ..support.validation import FloatArray, choice, finite_scalar, real_array, reject
+from ..support.validation import FloatArray, choice, finite_scalar, part, real_array, reject
 from .tables import FrequencyTable, ModalTable
 from .targets import AntiresonanceTargets, ModalTargets, targets_of
 
@@ -147,7 +147,12 @@ class UpdatingProblem(AroundCore[_core.Objective]):
         weights: Any = None,
     ) -> None:
         if not isinstance(model, StructuralModel):
-            reject("model", model, "a MassSpringChain, FrameModel or MatrixModel")
+            reject(
+                "model",
+                model,
+                "a MassSpringChain, FrameModel or MatrixModel",
+                "Build the model as one of these first.",
+            )
         self.parameters = _parameters(parameters)
         if objective is not None:
             choice("objective", objective, ("antiresonance", "modal"))
@@ -217,7 +222,12 @@ class UpdatingProblem(AroundCore[_core.Objective]):
         n = len(self.parameters)
         rows = real_array("candidates", candidates, ndim=2, wanted=f"an array (m, {n}), one candidate a row")
         if rows.shape[1] != n:
-            reject("candidates", f"shape {rows.shape}", f"(m, {n})")
+            reject(
+                "candidates",
+                f"shape {rows.shape}",
+                f"(m, {n})",
+                "Give a row for each candidate, a column for each parameter.",
+            )
         return self._core.evaluate_many(rows, thread_count(workers))
 
     def model_at(self, x: Any) -> StructuralModel:
@@ -237,7 +247,12 @@ class UpdatingProblem(AroundCore[_core.Objective]):
         n = len(self.parameters)
         vector = real_array("x", x, ndim=1, wanted=f"an array ({n},), one value for each parameter")
         if vector.size != n:
-            reject("x", f"{vector.size} values", f"{n}, one for each parameter")
+            reject(
+                "x",
+                f"{vector.size} values",
+                f"{n}, one for each parameter",
+                "Give them in the order of the parameters; problem.names lists them.",
+            )
         return vector
 
     def __repr__(self) -> str:
@@ -251,10 +266,10 @@ def _parameters(parameters: Iterable[Parameter] | Parameter) -> tuple[Parameter,
     try:
         chosen = tuple(parameters)
     except TypeError:
-        reject("parameters", parameters, wanted)
+        reject("parameters", parameters, wanted, "Make them by stiffness_factor, mass_factor and the like.")
     for i, parameter in enumerate(chosen):
         if not isinstance(parameter, Parameter):
-            reject(f"parameters[{i}]", parameter, wanted, "Join lists with +, without nesting them.")
+            reject(part("parameters", i), parameter, wanted, "Join lists with +, without nesting them.")
     return chosen
 
 
@@ -262,5 +277,10 @@ def _penalty(penalty: Any) -> DamagePenalty | None:
     if penalty is None or isinstance(penalty, DamagePenalty):
         return penalty
     if np.shape(penalty) != (2,):
-        reject("penalty", penalty, "a DamagePenalty, a pair (gamma1, gamma2) or None")
+        reject(
+            "penalty",
+            penalty,
+            "a DamagePenalty, a pair (gamma1, gamma2) or None",
+            "Write it as in penalty=(0.1, 0.1).",
+        )
     return DamagePenalty(*penalty)
