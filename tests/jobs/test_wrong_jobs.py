@@ -34,7 +34,7 @@ RECORD = DAMAGE.replace('file = "measured.json"', 'file = "record.npz"\nexcitati
 WRONG = {
     "no TOML: text without quotes": (DAMAGE.replace('"chain"', "chain"), 5),
     "no TOML: a key twice": (DAMAGE.replace("seed = 1", "seed = 1\nseed = 2"), 13),
-    "no TOML: a list that does not end": (DAMAGE.replace("56.7e3]", "56.7e3"), 9),
+    "no TOML: a list that does not end": (DAMAGE.replace("56.7e3]", "56.7e3"), 7),
     "no TOML: [data] twice": (DAMAGE.replace("[model]", '[data]\nfile = "b.json"\n[model]'), 4),
     "a key of records beside antiresonances": (DAMAGE.replace("[model]", "excitation = 3\n[model]"), 4),
     "a force at a channel that is left out": (

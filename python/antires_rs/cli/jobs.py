@@ -60,7 +60,7 @@ def _channels(file: Path) -> dict[str, object] | None:
     from ..jobs.reading import read_signal
     from ..measured.antiresonance_set import AntiresonanceSet
 
-    with arguments({"path": "--data"}, "Write the job without --data, and fill in [data] by hand."):
+    with arguments({"path": "--data"}):
         names = (
             list(AntiresonanceSet.load(file))
             if kind == "antiresonances"

@@ -14,6 +14,7 @@ from ..exceptions import AntiresWarning, MissingDependencyError, UnsuitableDataE
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.validation import reject
+from ..support.wording import Passed, Wording
 
 __all__ = [
     "Signal",
@@ -52,7 +53,11 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
     if partial and kept:
         warn(f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
         return
-    remedy = "Copy or export it again" + (", or pass partial=True to read what is whole." if kept else ".")
+    remedy = (
+        Wording("Copy or export it again, or pass {} to read what is whole.", Passed("partial", True))
+        if kept
+        else "Copy or export it again."
+    )
     unsuitable(path, found, wanted, remedy)
 
 

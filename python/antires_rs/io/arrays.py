@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice, finite_scalar, reject, shape_of
+from ..support.wording import Passed, Wording
 from ._common import Signal, rate_of, unsuitable, warn
 from .channels import Channel, Dofs, in_si, recording_of, renamed
 from .units import named_unit
@@ -69,7 +70,12 @@ def signal_of_arrays(
             path,
             f"with both {time!r} and {freq!r} ({_listed(arrays)})",
             "one of them",
-            "Name the responses=, and the time= or freq= that belongs to them.",
+            Wording(
+                "Name the {}, and the {} or {} that belongs to them.",
+                Passed("responses"),
+                Passed("time"),
+                Passed("freq"),
+            ),
         )
     if freq is not None:
         return _response(path, numeric, freq, responses, dofs, unit, kind, reference)
@@ -96,7 +102,7 @@ def signal_of_arrays(
                 path,
                 f"with {c.values.size} samples of {c.name!r} over {instants} instants of {time!r}",
                 "as many",
-                "Name the time= that belongs to them, or give fs_hz=.",
+                Wording("Name the {} that belongs to them, or give {}.", Passed("time"), Passed("fs_hz")),
             )
     if pushed is not None:
         channels.append(Channel(pushed, numeric[pushed][0], "N", "force"))
@@ -167,7 +173,7 @@ def _rate(path: Path, numeric: dict[str, NDArray[Any]], time: str | None, fs_hz:
                 path,
                 f"with {rates[0]} of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s",
                 "one rate",
-                "Give the true one by fs_hz=.",
+                Wording("Give the true one by {}.", Passed("fs_hz")),
             )
         return rate
     if len(rates) != 1:
@@ -175,7 +181,12 @@ def _rate(path: Path, numeric: dict[str, NDArray[Any]], time: str | None, fs_hz:
             path,
             f"without a sampling rate or a time ({_listed(numeric)})",
             "one of them",
-            "Name time= or give fs_hz=; for responses over frequency name freq=.",
+            Wording(
+                "Name {} or give {}; for responses over frequency name {}.",
+                Passed("time"),
+                Passed("fs_hz"),
+                Passed("freq"),
+            ),
         )
     return finite_scalar(rates[0], float(numeric[rates[0]][0, 0].real), low=0.0, low_open=True, unit="Hz")
 

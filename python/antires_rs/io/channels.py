@@ -11,6 +11,7 @@ import numpy as np
 
 from ..signals.recording import Recording
 from ..support.validation import FloatArray, reject, shape_of
+from ..support.wording import LeftOut, Passed, Wording
 from ._common import unsuitable, warn
 from .units import Unit, named_unit, parse_unit
 
@@ -86,7 +87,7 @@ def recording_of(
             path,
             f"with channels of {sorted(lengths)} samples",
             "channels of one length",
-            "Leave out those of other lengths by dofs=.",
+            Wording("Leave out those of other lengths by {}.", Passed("dofs")),
         )
     if unit is not None:
         units |= {id(c): named_unit("unit", unit) for c in used}
@@ -98,7 +99,9 @@ def recording_of(
             "with responses of several kinds, "
             + ", ".join(f"{c.name!r} in {c.unit or 'no unit'}" for c in used),
             "accelerations, velocities or displacements alone",
-            "Leave out those of other kinds by dofs=, or name the unit= of all.",
+            Wording(
+                "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
+            ),
         )
     return Recording(
         np.stack([in_si(c.values, units[id(c)]) for c in used]),
@@ -119,7 +122,7 @@ def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
                 argument,
                 f"no dof for {lost}",
                 f"a dof for each of {list(names)}",
-                "Map a channel to None to leave it out.",
+                Wording("{}.", LeftOut("channel")),
             )
         return [dofs[name] for name in names]
     if callable(dofs):

@@ -16,6 +16,7 @@ import numpy as np
 from ..exceptions import AntiresError, UnsuitableDataError
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice, finite_scalar
+from ..support.wording import Passed, Wording
 from ._common import Signal, existing_file, missing_part, rate_of, unsuitable, warn
 from .channels import Channel, Dofs, in_si, recording_of, renamed, unit_or_warning
 from .delimited_text import Table, table_of
@@ -220,7 +221,13 @@ def _foreign(
             file,
             f"whose first column, {names[0]!r}, is neither called time nor frequency",
             "to know what it is",
-            "Pass first='time', first='freq' or, with fs_hz=, first='channel'.",
+            Wording(
+                "Pass {}, {} or, with {}, {}.",
+                Passed("first", "time"),
+                Passed("first", "freq"),
+                Passed("fs_hz"),
+                Passed("first", "channel"),
+            ),
         )
     skip = 0 if first == "channel" else 1
     if len(columns) <= skip:
@@ -234,7 +241,9 @@ def _foreign(
     if first == "freq":
         return _response(file, columns, labels, units, dofs, unit, kind, reference)
     if any(np.iscomplexobj(c) for c in columns):
-        unsuitable(file, "with complex columns over time", "real ones", "Pass first='freq'.")
+        unsuitable(
+            file, "with complex columns over time", "real ones", Wording("Pass {}.", Passed("first", "freq"))
+        )
     instants = columns[0] * abscissa_factor(units[0]) if first == "time" else None
     if instants is not None and fs_hz is None:
         rate = rate_of(file, instants, digits=table.digits)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..support.wording import Passed, Wording
 from ._common import unsuitable, warn
 from .units import abscissa_factor, parse_unit
 
@@ -104,7 +105,10 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
         unsuitable(
-            file, "without a row of numbers", "columns of numbers", "Name the delimiter= and decimal=."
+            file,
+            "without a row of numbers",
+            "columns of numbers",
+            Wording("Name the {} and {}.", Passed("delimiter"), Passed("decimal")),
         )
     rows = body[start:]
     width = len(_split(rows[0], between))

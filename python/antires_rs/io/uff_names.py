@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..support.validation import reject
+from ..support.wording import LeftOut, Wording
 
 __all__ = ["CODES", "DIRECTIONS", "Point", "as_point", "dof_of", "label_of", "points_of"]
 
@@ -79,7 +80,7 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
                 "dofs",
                 f"no dof for {label_of(point)}",
                 "a dof for every response of the file",
-                "Map a point to None to leave it out; antires_rs.io.list_uff shows all points.",
+                Wording("{}; antires_rs.io.list_uff shows all points.", LeftOut("point")),
             )
 
         return look_up

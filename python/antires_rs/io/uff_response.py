@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import FloatArray
+from ..support.wording import Passed, Wording
 from ._common import simplest_rate, unsuitable, warn
 from .uff_names import Point, as_point, label_of
 from .uff_sets import Function
@@ -135,11 +136,21 @@ def _reference(file: Path, functions: list[Function], given: Any) -> Point:
         point = as_point("reference", given)
         if point not in points:
             unsuitable(
-                file, f"with the references {shown}", f"reference={label_of(point)!r}", "Pass one of them."
+                file,
+                f"with the references {shown}",
+                Wording("{}", Passed("reference", label_of(point))),
+                "Pass one of them.",
             )
         return point
     if len(points) != 1:
-        unsuitable(file, f"with the references {shown}", "one", "Choose it by reference=." if points else "")
+        unsuitable(
+            file,
+            f"with the references {shown}",
+            "one",
+            Wording("Choose it by {}.", Passed("reference"))
+            if points
+            else "Export the functions with their references.",
+        )
     return points[0]
 
 
@@ -171,7 +182,9 @@ def _check_kinds(file: Path, wanted: list[Function]) -> None:
             "with responses of several kinds, "
             + ", ".join(f"{label_of(point)} {kind or 'in no known unit'}" for point, kind in kinds.items()),
             "accelerations, velocities or displacements alone",
-            "Leave out those of other kinds by dofs=, or name the unit= of all.",
+            Wording(
+                "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
+            ),
         )
 
 

@@ -169,7 +169,13 @@ def integer(name: str, value: Any, *, low: int | None = None, high: int | None =
 
 
 def _into_limits(below: bool, above: bool) -> str:
-    return "Pass a larger one." if below else "Pass a smaller one." if above else "Check the computation that gave it."
+    return (
+        "Pass a larger one."
+        if below
+        else "Pass a smaller one."
+        if above
+        else "Check the computation that gave it."
+    )
 
 
 def choice(name: str, value: Any, options: Sequence[T]) -> T:
