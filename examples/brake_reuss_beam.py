@@ -1,7 +1,7 @@
-"""Antiresonances of the Brake-Reuss beam from one hammer hit whose force was not recorded.
+"""Antiresonances of the Brake-Reuss beam from one hammer impact whose force was not recorded.
 
 Three accelerometers on a bolted, free-free beam; one impact; time histories only. The force is not needed: it
-cancels in the quotients of the responses, and so do the resonances. What is left are the antiresonances.
+cancels in the quotients of the responses, and so do the resonances. What remains are the antiresonances.
 
 Data: HammerImpact.mat of M. Cenedese, BRBtesting (GPL-3.0), see Jin et al., MSSP 166 (2022) 108402. The
 folder that holds ``brake_reuss_beam/`` is taken from the environment variable ANTIRES_DATA, or is
@@ -15,9 +15,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from antires_rs.identification.identify import identify_antiresonances
-from antires_rs.io import read_mat
-from antires_rs.measured.antiresonance_set import AntiresonanceSet
+import antires_rs as ar
 
 
 def data_file() -> Path:
@@ -26,16 +24,16 @@ def data_file() -> Path:
     return Path(os.environ.get("ANTIRES_DATA", beside)) / "brake_reuss_beam" / "HammerImpact.mat"
 
 
-def main() -> AntiresonanceSet | None:
+def main() -> ar.AntiresonanceSet | None:
     """From time histories to antiresonances; None where the data are absent."""
     path = data_file()
     if not path.is_file():
         print(f"The record {path} is not here. Set ANTIRES_DATA to the folder that holds brake_reuss_beam/.")
         return None
-    record = read_mat(path)  # three accelerometers, m/s^2 at 12.8 kHz
+    record = ar.read_mat(path)  # three accelerometers, m/s^2 at 12.8 kHz
     print(record)
-    # The hit is recognised from the energy profile; the impact point has no channel, so it gets a name.
-    found = identify_antiresonances(record, excitation="hammer", band_hz=(60.0, 1200.0))
+    # The impact is recognised from the energy profile; its place has no channel, so it gets a name.
+    found = ar.identify_antiresonances(record, excitation="hammer", band_hz=(60.0, 1200.0))
     print(found)
     return found
 

@@ -2,8 +2,8 @@
 Damage of the eight-mass chain
 ==============================
 
-The first case of the paper: eight masses in a row, free at both ends, shaken at mass 1. Spring 5 has lost
-55 % of its stiffness. Eight accelerometers record; the force is not used.
+The first case of the paper: eight masses in line, free at both ends, shaken at mass 1. Spring 5 has lost
+55 % of its stiffness. Eight accelerometers are recorded; the force is not used.
 """
 
 import matplotlib.pyplot as plt
@@ -21,14 +21,14 @@ zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130))
 print(zeros)
 
 # %%
-# The search looks at one stiffness loss for each spring. The two penalties prefer few damaged springs, so
-# all but one come out as exactly zero.
+# The unknowns are one stiffness loss for each spring. The two penalties favour few damaged springs, so all
+# but one come out as exactly zero.
 damage = ar.assess_damage(case.model, zeros, rng=0)
 print(damage.summary())
 
 # %%
-# Diamonds are the truth. The short lines across the bars are what could just have been seen: smaller damage
-# of that spring would come out as none.
+# Diamonds are the truth. The short lines across the bars are the smallest damage that would have been found:
+# a smaller loss of that spring would come out as zero.
 fig, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
 damage.plot(ax=left, truth=case.truth(level=1)["severity"])
 plotting.plot_differences(damage.table, ax=right, names=("undamaged model", "damage found"))

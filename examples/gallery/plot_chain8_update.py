@@ -19,8 +19,8 @@ result = ar.update(case.updating_problem(zeros), rng=0)
 print(result)
 
 # %%
-# What the result says of itself: mass 1, where the force acts, enters no antiresonance, and all masses and
-# springs together may be scaled. So thirteen of the fifteen combinations are known, not fifteen.
+# What the data do not determine: mass 1, where the force acts, enters no antiresonance, and scaling all
+# masses and springs together changes none. So thirteen of the fifteen combinations are determined.
 for note in result.notes:
     print("-", note)
 
@@ -30,7 +30,8 @@ fig, ax = plt.subplots(figsize=(9, 4), layout="constrained")
 plotting.plot_differences(result.table, ax=ax)
 
 # %%
-# Beside the truth, once the common scale is taken out: the values agree, except mass 1, which is not known.
+# Beside the truth, once the common scale is removed: the parameters agree, except mass 1, which is not
+# determined.
 truth = np.concatenate([case.truth()["mass_factor"], case.truth()["stiffness_factor"]])
 seen = np.arange(15) != 0
 scale = np.median(truth[seen] / result.x[seen])
@@ -43,5 +44,5 @@ ax.set_ylabel("Factor on the nominal value (-)")
 ax.legend()
 
 # %%
-# How the search got there. Polishing finds the bottom; what remains is the islands' agreement.
+# The course of the search. The polish finds the minimum early; the rest is the agreement of the islands.
 plotting.plot_convergence(result)

@@ -2,7 +2,7 @@
 Two forces, and a force at the wrong place
 ==========================================
 
-Everything rests on one force at a known place. Before a fit the data are asked whether that is so.
+The method assumes one force at a known place. The data check tests this before anything is fitted.
 """
 
 import matplotlib.pyplot as plt
@@ -15,15 +15,15 @@ good = case.experiment(noise=0.01, duration_s=100.0, rng=0)
 print(ar.check_data(good, excitation=0, band_hz=(3, 130)))
 
 # %%
-# The responses of a second, unrelated force at mass 7 are added: a machine that ran next door.
+# The responses of a second, unrelated force at mass 7 are added: a machine running next door.
 other = case.model.simulate(excitation=6, fs_hz=good.fs_hz, duration_s=100.0, damping_ratio=0.01, rng=1)
 both = ar.Recording(np.array(good.responses) + 0.3 * np.array(other.responses), good.fs_hz)
 checked = ar.check_data(both, excitation=0, band_hz=(3, 130))
 print(checked)
 
 # %%
-# The second singular value tells: under one force it lies where noise and leakage put it (below), here it
-# does not.
+# The second singular value shows it: under one force it is as small as noise and leakage make it (below);
+# here it is not.
 fig, axes = plt.subplots(2, 1, sharex=True, figsize=(9, 7), layout="constrained")
 for ax, check, name in zip(
     axes,

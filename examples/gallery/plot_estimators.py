@@ -2,9 +2,9 @@
 Four estimators at an antiresonance
 ===================================
 
-At an antiresonance of the reference its channel is mostly noise. H1 has that noise below the fraction and
-flattens the peak; H2 has the noise of the response above it and fills the dip. No amount of averaging
-helps: a bias is no scatter. The dominant eigenvector of all channels, ``rank1``, has neither.
+At an antiresonance of the reference its channel is mostly noise. H1 has that noise in the denominator and
+flattens the peak; H2 has the noise of the response in the numerator and fills the dip. Averaging does not
+help, since both are biases. The dominant eigenvector of all channels, ``rank1``, has neither bias.
 """
 
 import matplotlib.pyplot as plt

@@ -31,14 +31,14 @@ baseline = ar.update(problem, optimizer=search, rng=0)
 print(baseline)
 
 # %%
-# The damage: thirty elements, of which the search may blame any number.
+# The damage: thirty candidate elements, any number of which may be damaged.
 damage = ar.assess_damage(baseline.model, cracked, elements=case.candidates, optimizer=search, rng=0)
 print(damage.damaged, [round(damage.severity[element], 3) for element in damage.damaged])
 
 # %%
-# Element 31 (30, counted from zero) holds the crack. The diamond is the stiffness loss that the crack
-# amounts to. Towards the free ends only a break would be seen: the short lines are high there, or missing
-# where nothing could be seen at all.
+# Element 31 (30, counted from zero) holds the crack. The diamond is the stiffness loss equivalent to the
+# crack. Towards the free ends only a complete break would be found: the short lines are high there, or
+# missing where no loss at all would be found.
 fig, (bars, picture) = plt.subplots(2, 1, figsize=(10, 8), layout="constrained")
 damage.plot(ax=bars, truth=case.truth(2)["severity"])
 loss = {element: 100 * beta for element, beta in damage.severity.items()}

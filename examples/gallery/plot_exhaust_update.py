@@ -3,8 +3,8 @@ Updating the exhaust
 ====================
 
 The second case of the paper, as a documented surrogate: a car's exhaust on soft cords. The tested structure
-has a mesh four times finer and other walls, moduli, masses and bends than the model; every wall differs
-from piece to piece, so no choice of the 21 parameters fits it exactly.
+has a mesh four times finer and other wall thicknesses, moduli, masses and bends than the model. The wall
+thickness also varies from piece to piece, so no choice of the 21 parameters fits it exactly.
 """
 
 import matplotlib.pyplot as plt
@@ -24,8 +24,8 @@ zeros = ar.identify_antiresonances(record, excitation=case.excitation, band_hz=c
 print(sum(len(zeros[dof]) for dof in zeros), "antiresonances")
 
 # %%
-# Twelve accelerometers are fitted, four are kept out to see whether the model has become truer or only more
-# obliging.
+# Twelve accelerometers are fitted. Four are kept out, to test whether the model predicts what it was not
+# fitted to.
 problem = case.updating_problem(zeros)
 result = ar.update(problem, optimizer=ar.IslandGA(max_evaluations=20_000), rng=0)
 print(result)

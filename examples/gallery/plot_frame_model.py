@@ -2,7 +2,8 @@
 A frame with parameters that have units
 =======================================
 
-Walls, moduli, masses, supports and angles of a frame of tubes; they may all be mixed in one updating.
+Wall thicknesses, moduli, masses, supports and angles of a frame of tubes; they may all be mixed in one
+updating.
 """
 
 import matplotlib.pyplot as plt
@@ -28,7 +29,7 @@ fig, ax = plt.subplots(figsize=(6, 5.5), layout="constrained")
 plotting.plot_frame(model, ax=ax, sensors=sensors, excitation=sensors[3])
 
 # %%
-# Three unknowns of different kind, each with bounds in its own unit.
+# Three parameters of different kinds, each with bounds in its own unit.
 zeros = tested.antiresonances(sensors, sensors[3], f_max_hz=400.0)
 measured = ar.AntiresonanceSet(sensors[3], dict(zip(sensors, zeros, strict=True)))
 parameters = [

@@ -2,8 +2,9 @@
 The island genetic algorithm on any function
 ============================================
 
-Four populations, each with a crossover of its own, exchange their best when all are stuck. It knows only
-f(x), so it serves any bounded problem; same seed, same bits, for any number of threads.
+Four populations, each with a crossover of its own, exchange their best when none improves any more. The
+algorithm knows only f(x), so it serves any bounded problem. The same seed gives bit-identical results for
+any number of threads.
 """
 
 import matplotlib.pyplot as plt
@@ -29,6 +30,6 @@ fig, ax = plt.subplots(figsize=(9, 4), layout="constrained")
 plotting.plot_convergence(result, ax=ax)
 
 # %%
-# All settings, the paper's and those it leaves open:
+# All settings, the paper's and those that it leaves open:
 for name, value in search.options.items():
     print(f"{name:24s} {value}")

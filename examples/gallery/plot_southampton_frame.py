@@ -3,9 +3,9 @@ A measured three-storey frame
 =============================
 
 The shear frame of the Digital Twin Operational Platform in Southampton (Cristallo, BSD-3-Clause):
-accelerances of three floors, one column for each floor that was shaken. Two of its zeros contradict a chain
-of three masses: the zero of H_12 would be the top mass alone on its spring, as would one of H_22, but they
-are measured at 14.5 and 15.0 Hz. So the fit ends near 1.4 %, and least squares shares that out.
+accelerances of three floors, one column for each floor that was shaken. Two of its antiresonances contradict
+a chain of three masses: that of H_12 would be the top mass alone on its spring, and so would one of H_22,
+but they are measured at 14.5 and 15.0 Hz. So the fit ends near 1.4 %; least squares distributes the error.
 
 The data are not part of this repository: ``ANTIRES_DATA`` names the folder that holds them.
 """

@@ -2,8 +2,8 @@
 Reading a stabilization diagram
 ===============================
 
-One response of the chain in 10 % noise, whose lowest antiresonance lies deep in it; and how a value is put
-in by hand.
+One response of the chain in 10 % noise, whose lowest antiresonance lies deep in it; and how an
+antiresonance is added by hand.
 """
 
 import matplotlib.pyplot as plt
@@ -15,30 +15,30 @@ zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130))
 
 # %%
 # Orders upwards, frequencies to the right, the summed transmissibilities behind. Antiresonances are the
-# upright chains; poles that wander from order to order are mathematics, not structure. Vertical lines are
-# the values taken.
+# upright chains; poles that wander from order to order are spurious. Vertical lines are the accepted
+# antiresonances.
 dof = 0
 fig, ax = plt.subplots(figsize=(9, 4.5), layout="constrained")
 zeros.plot(dof, ax=ax)
 
 # %%
-# The same poles in the plane of frequency and damping: an antiresonance gathers its poles in one spot.
+# The same poles in the plane of frequency and damping: those of an antiresonance gather in one spot.
 fig, ax = plt.subplots(figsize=(9, 4), layout="constrained")
 zeros.plot(dof, kind="damping_clusters", ax=ax)
 
 # %%
-# What speaks for each value, in numbers. "sure" was wrong in 3 of 1,000, "weak" in one of ten.
+# The scores of each antiresonance. In simulations 3 of 1,000 graded "sure" were false, and one of ten "weak".
 scores = zeros.scores[dof]
-print("       Hz    +- Hz  rows  dominance  grade")
+print("       Hz    +- Hz orders dominance  grade")
 for i, value in enumerate(zeros[dof]):
     row = [scores[name][i] for name in ("rows", "dominance", "grade")]
     print(f"{value:9.3f} {zeros.std_hz[dof][i]:8.3f} {row[0]:5.0f} {row[1]:10.2f}  {row[2]}")
 
 # %%
-# The lowest antiresonance, 12.2 Hz in truth, is not among them: this response is there 37 dB under its
-# noise. The poles know it all the same, as the chain at the left shows, but their damping changes its sign
-# from order to order, and the rule says no. The last word is yours, and it is kept on record: in the table,
-# in the picture, in the saved file.
+# The lowest antiresonance, 12.2 Hz in truth, is not among them: there, this response is 37 dB below its
+# noise. The chain of poles at the left shows it all the same, but their damping changes sign from order to
+# order, so the rule rejects it. You can add it by hand; the edit is kept in the table, in the picture and in
+# the saved file.
 edited = zeros.add(dof, 12.0, std_hz=0.2, reason="upright chain in the diagram")
 print(edited.edits[0])
 fig, ax = plt.subplots(figsize=(9, 4.5), layout="constrained")

@@ -2,8 +2,9 @@
 What a transmissibility shows
 =============================
 
-Under one force the responses share their resonances. In a quotient of two of them these cancel, and with
-them the force; what is left are the antiresonances of the one below as peaks, and of the one above as dips.
+Under one force the responses share their resonances. In the quotient of two responses these cancel, and so
+does the force. What remains are the antiresonances: those of the denominator are peaks, those of the
+numerator dips.
 """
 
 import matplotlib.pyplot as plt
@@ -27,9 +28,10 @@ below.legend()
 
 # %%
 # One pair does not show all: near 58.5 Hz both responses have an antiresonance, and the quotient has no
-# peak (third line). So all pairs are looked at together.
+# peak (third line). So all pairs are used together.
 #
-# Measured, whatever response stands above, the peaks stay. Eq. 10 of the paper adds them up, for the eye.
+# In the measured quotients the peaks are the same for every numerator. Eq. 10 of the paper sums them up in
+# one picture.
 record = case.experiment(noise=0.01, duration_s=128.0, rng=0)
 measured = ar.transmissibility(record, 0, nperseg=8192, estimator="rank1")
 inside = (measured.freq_hz > 3) & (measured.freq_hz < 125)

@@ -2,8 +2,8 @@
 Antiresonances beside resonances with shapes
 ============================================
 
-The paper compares its objective with one of resonances and mode shapes (Eq. 18). Both from the same record,
-with the same search and penalties.
+The paper compares its objective with one of resonances and mode shapes (Eq. 18). Here both are used on the
+same record, with the same search and penalties.
 """
 
 import matplotlib.pyplot as plt
@@ -28,5 +28,5 @@ for name, damage in damages.items():
     print(f"{name:20s} spring {damage.damaged[0] + 1}: {100 * damage.severity[4]:.2f} % (true: 55 %)")
 
 # %%
-# The modes before and after, with the likeness of their shapes.
+# The modes before and after, with the MAC of their shapes.
 print(damages["resonances, shapes"].table)

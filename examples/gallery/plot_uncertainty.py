@@ -1,9 +1,9 @@
 """
-How far a value may be off
-==========================
+Standard deviations of antiresonances
+=====================================
 
-Every identified value has a standard deviation, from what each segment of the record would move it by. Here
-eight records of the same structure: the bars are what each record says of itself.
+Every identified antiresonance has a standard deviation, estimated from the influence of each segment of the
+record. Here eight records of the same structure are compared; each bar comes from its own record alone.
 """
 
 import matplotlib.pyplot as plt
@@ -35,7 +35,7 @@ for ax, true in zip(axes, truth, strict=True):
     ax.set(xlabel="Record", ylabel="Antiresonance of $H_{61}$ (Hz)", title="90 % intervals and the truth")
 
 # %%
-# The updating can use them: with ``weights="std"`` what is known badly counts less.
+# The updating can use them: with ``weights="std"`` uncertain antiresonances get less weight.
 springs = ar.stiffness_factor(range(7), bounds=(0.9, 1.1))
 problem = ar.UpdatingProblem(case.model, springs, found[0], weights="std")
 for name, factor in zip(problem.names, ar.update(problem, rng=0).x, strict=True):

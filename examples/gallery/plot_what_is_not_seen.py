@@ -2,8 +2,8 @@
 What the data cannot tell
 =========================
 
-Which springs of the chain would show how small a damage? It depends on where the force acts, and on the
-penalties.
+How small a damage of each spring of the chain would be found? It depends on the place of the force and on
+the penalties.
 """
 
 import matplotlib.pyplot as plt
@@ -31,8 +31,8 @@ axes[0].set_ylabel("Smallest visible loss (%)")
 axes[0].legend()
 
 # %%
-# What a result says of its parameters: here four, of which mass 1 is in no antiresonance of a force at mass
-# 1.
+# What a result states about its parameters: here four, of which mass 1 enters no antiresonance, since the
+# force acts on it.
 measured = ar.AntiresonanceSet(0, dict(enumerate(chain.antiresonances(range(8), 0))))
 parameters = ar.mass_factor([0, 1], bounds=(0.9, 1.1)) + ar.stiffness_factor([0, 1], bounds=(0.9, 1.1))
 result = ar.update(ar.UpdatingProblem(chain, parameters, measured), rng=0)

@@ -8,6 +8,7 @@ from scipy.sparse.linalg import splu
 
 import antires_rs as ar
 from antires_rs.cases.exhaust import crack, experiment, geometry
+from tests.support.campaign import campaign
 
 LEVELS = (1, 2, 3)
 #: Sizes of the issue that ordered the case.
@@ -226,6 +227,7 @@ def test_the_search_problem_costs_only_its_penalties_at_the_truth(case, element)
     assert problem.cost(x) == pytest.approx(0.1 * 0.75 + 0.1, abs=1e-8)
 
 
+@campaign
 def test_a_short_record_gives_the_ordered_number_of_antiresonances(case):
     record = case.experiment(duration_s=100.0, rng=100)
     zeros = ar.identify_antiresonances(record, excitation=case.excitation, band_hz=case.updating_band_hz)

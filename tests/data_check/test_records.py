@@ -11,6 +11,7 @@ from antires_rs.signals.noise import noise_power
 from antires_rs.signals.recording import Recording
 from antires_rs.signals.spectra import cross_spectra
 from reference.virtual_records import chain8_matrices, hit_record, random_record
+from tests.support.campaign import some_of
 
 STIFFNESS, MASS = chain8_matrices()
 BAND = (3.0, 130.0)
@@ -139,7 +140,7 @@ def test_noise_of_channels_is_found_whatever_the_number_of_forces():
 
 
 @pytest.mark.parametrize("with_force", [False, True])
-@pytest.mark.parametrize(("noise", "seed"), [(0.0, 54), (0.05, 55)])
+@pytest.mark.parametrize(("noise", "seed"), some_of([(0.05, 55), (0.0, 54)]))
 def test_every_wrong_place_is_named_and_the_right_one_suggested(with_force, noise, seed):
     rec = record(noise, seed, with_force=with_force)
     assert check(rec, 0).named("force_location") == ()

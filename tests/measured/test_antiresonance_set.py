@@ -1,6 +1,8 @@
 """The set by hand: order, mapping, file, and what it refuses."""
 
+import copy
 import json
+import pickle
 import sys
 
 import numpy as np
@@ -356,3 +358,94 @@ def test_rows_of_the_data_frame():
         "how": None,
         "residual": None,
     }
+
+
+# ---- read-only --------------------------------------------------------------------------------------
+
+ATTRIBUTES = [
+    "excitation",
+    "tables",
+    "damping_ratio",
+    "std_hz",
+    "scores",
+    "edits",
+    "diagrams",
+    "data_check",
+    "cross_check",
+    "second_opinion",
+]
+COPIES = [lambda s: s, copy.copy, copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))]
+
+
+def set_first(mapping):
+    mapping[0] = 1
+
+
+@pytest.mark.parametrize("copied", COPIES)
+def test_a_set_cannot_be_changed(copied):
+    made = copied(scored().add(1, 9.0))
+    for name in (*ATTRIBUTES, "new"):
+        with pytest.raises(AttributeError):
+            setattr(made, name, None)
+    with pytest.raises(AttributeError, match="read-only"):
+        del made._tables
+    for mapping in (made.tables, made.damping_ratio, made.std_hz, made.scores, made.scores[0], made.diagrams):
+        for change in (lambda m: m.update({0: 1}), lambda m: m.pop(0), lambda m: m.clear(), set_first):
+            with pytest.raises(TypeError, match="read-only"):
+                change(mapping)
+    for array in (made[0], made.damping_ratio[0], made.std_hz[0], made.scores[0]["rows"]):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+    assert made == scored().add(1, 9.0)
+    assert made.original() == scored()
+    assert made.by_hand() == {(1, 9.0)}
+
+
+def test_what_goes_in_is_copied():
+    values, damping = np.array([1.0, 2.0]), np.array([0.1, 0.2])
+    made = AntiresonanceSet(0, {0: values}, {0: damping})
+    values[:], damping[:] = 5.0, 5.0
+    assert made[0].tolist() == [1.0, 2.0]
+    assert made.damping_ratio[0].tolist() == [0.1, 0.2]
+
+
+def test_evidence_is_given_at_construction_and_stays_with_edits():
+    check, cross = object(), object()
+    made = AntiresonanceSet(0, {0: [1.0, 2.0]}, data_check=check, cross_check=cross)
+    for each in (made, made.drop(0, 1.0), copy.copy(made)):
+        assert each.data_check is check
+        assert each.cross_check is each.second_opinion is cross
+
+
+def test_the_columns_are_those_of_the_tables():
+    made = scored().add(0, 15.0)
+    for dof, table in made.tables.items():
+        assert made[dof] is table.freq_hz
+        assert made.columns(dof)["std_hz"] is table.std_hz
+    assert made.tables[0].by_hand.tolist() == [False, True, False, False]
+    assert made.scores[0]["rows"] is made.tables[0].rows is made.tables[0].orders
+
+
+# ---- other names of the dofs ------------------------------------------------------------------------
+
+
+def test_edits_move_with_the_names():
+    made = scored().drop(0, 12.2, reason="hum").add(1, 9.0).relabelled("hammer", {0: "tip", 2: 5})
+    assert made.excitation == "hammer"
+    assert list(made) == ["tip", 5]
+    assert made["tip"].tolist() == [20.0, 36.2]
+    assert made.std_hz["tip"].tolist() == [0.3, 0.2]
+    assert [(e.action, e.dof) for e in made.edits] == [("drop", "tip")]
+    assert made.original()["tip"].tolist() == [12.2, 20.0, 36.2]
+    assert dict(made.diagrams) == {}
+    only = scored().add(1, 9.0).relabelled(0, {0: 0})
+    assert only.edits == ()
+    assert only.original() is only
+
+
+@pytest.mark.parametrize(
+    ("dofs", "said"), [({}, "^freq_hz: got an empty mapping"), ({0: 3, 1: 3}, "^dofs: got 3 for two of")]
+)
+def test_names_that_cannot_be_are_told(dofs, said):
+    with pytest.raises(InvalidInputError, match=said):
+        scored().relabelled(0, dofs)

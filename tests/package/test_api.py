@@ -12,6 +12,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs import exceptions
+from tests.support.campaign import campaign
 from tests.support.paths import ROOT
 
 IN_SOURCE_TREE = (ROOT / "Cargo.toml").is_file()
@@ -73,6 +74,7 @@ def test_the_package_is_typed():
         assert (Path(ar.__file__).parent / name).is_file()
 
 
+@campaign  # and in `make lint`
 def test_the_stub_is_that_of_the_built_module(tmp_path):
     pytest.importorskip("mypy")
     done = subprocess.run(

@@ -5,6 +5,7 @@ import importlib.util
 import numpy as np
 import pytest
 
+from tests.support.campaign import campaign
 from tests.support.paths import EXAMPLES
 
 
@@ -52,6 +53,7 @@ def test_brake_reuss_beam_without_data(monkeypatch, tmp_path, capsys):
     assert "ANTIRES_DATA" in capsys.readouterr().out
 
 
+@campaign
 def test_from_file_to_report(tmp_path, capsys):
     """A newcomer's path: the damaged spring at the end, in a report that says what repeats it."""
     report = load("from_file_to_report").main(tmp_path / "study")

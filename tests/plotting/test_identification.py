@@ -117,7 +117,7 @@ def test_poles_without_damping_stand_on_the_foot(identified, ax):
 def test_without_a_value_it_says_so(identified, ax, kind):
     assert identified.diagrams[3].identified.size == 0
     DRAW[kind](identified.diagrams[3], ax=ax)
-    assert ax.get_title() == "no value accepted in this band"
+    assert ax.get_title() == "no antiresonance accepted in this band"
     assert texts(ax) == []
 
 

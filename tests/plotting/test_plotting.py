@@ -129,7 +129,7 @@ def test_stabilization_counts_poles_and_names_the_accepted(identified, ax):
 def test_stabilization_without_an_antiresonance_says_so(identified, ax):
     assert identified.diagrams[3].identified.size == 0
     plotting.plot_stabilization(identified.diagrams[3], ax=ax)
-    assert ax.get_title() == "no value accepted in this band"
+    assert ax.get_title() == "no antiresonance accepted in this band"
     assert texts(ax) == []
 
 

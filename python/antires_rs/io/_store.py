@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ._common import existing_file, unsuitable
 from .npz import TEXT, read_archive, write_archive
 
-__all__ = ["Store", "read_store", "square", "write_store"]
+__all__ = ["Store", "read_store", "write_store"]
 
 
 class Store:
@@ -30,19 +30,6 @@ class Store:
         name = f"a{len(self.arrays)}"
         self.arrays[name] = np.ascontiguousarray(array)
         return {"array": name}
-
-    def put_matrix(self, dense: Any) -> list[dict[str, str]]:
-        """Keep the entries of a matrix that are not zero."""
-        rows, columns = np.nonzero(dense)
-        return [self.put(rows), self.put(columns), self.put(dense[rows, columns])]
-
-
-def square(entries: list[Any], n: int) -> NDArray[np.float64]:
-    """The (n, n) matrix of entries as :meth:`Store.put_matrix` keeps them."""
-    rows, columns, values = entries
-    dense = np.zeros((n, n))
-    dense[rows, columns] = values
-    return dense
 
 
 def write_store(path: str | os.PathLike[str], data: dict[str, Any], store: Store) -> Path:

@@ -11,12 +11,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..models.matrix_model import MatrixModel
+from ..models.recipes import Entries, MatrixRecipe
 from ..support.validation import part, reject
 from ._common import existing_file, unsuitable
-from ._store import Store, read_store, square, write_store
+from ._store import Store, read_store, write_store
 from .npz import read_archive
 from .uff_names import CODES, DIRECTIONS
 
@@ -117,7 +116,8 @@ def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
     ...     ar.read_matrices(file).n_dof
     2
     """
-    if not isinstance(model, MatrixModel) or model._origin is not None:
+    recipe = model.description.recipe if isinstance(model, MatrixModel) else None
+    if not isinstance(recipe, MatrixRecipe) or model.description.applied:
         reject(
             "model",
             "an updated model" if isinstance(model, MatrixModel) else type(model).__name__,
@@ -125,8 +125,11 @@ def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
             "Save the result of an updating with result.save.",
         )
     store = Store()
-    matrices = [store.put_matrix(np.asarray(m)) for m in (model._core.stiffness(), model._core.mass())]
-    terms = [[[store.put(part) for part in term] for term in each] for each in model._made]
+    matrices = [[store.put(part) for part in matrix] for matrix in (recipe.stiffness, recipe.mass)]
+    terms = [
+        [[store.put(part) for part in term] for term in each]
+        for each in (recipe.stiffness_terms, recipe.mass_terms)
+    ]
     return write_store(
         path,
         {"format": FORMAT, "version": VERSION, "n_dof": model.n_dof, "matrices": matrices, "terms": terms},
@@ -196,8 +199,8 @@ def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tu
 def _own(path: str | os.PathLike[str]) -> MatrixModel:
     _, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
     n = data["n_dof"]
-    stiffness, mass = (square(entries, n) for entries in data["matrices"])
-    terms = [[square(term, n) for term in each] for each in data["terms"]]
+    stiffness, mass = (Entries(*entries).dense(n) for entries in data["matrices"])
+    terms = [[Entries(*term).dense(n) for term in each] for each in data["terms"]]
     return MatrixModel(stiffness, mass, stiffness_terms=terms[0], mass_terms=terms[1])
 
 

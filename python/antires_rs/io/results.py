@@ -1,8 +1,8 @@
 """Results of updating and damage assessment as one file: what was asked, how it went, what came out.
 
-A NumPy archive with a JSON text, version 1: model, parameters, measured sets, penalty, weights, the
+A NumPy archive with a JSON text, version 2: model, parameters, measured sets, penalty, weights, the
 optimizer's options, seed, x, history, final populations and the versions it was made with. No pickle; every
-part has a checksum.
+part has a checksum. Version 1 kept an updated model as the problem it came from; it is read as well.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .problems import describe_problem, made_problem
 
 __all__ = ["load_result", "save_result"]
 
-FORMAT, VERSION = "antires_rs.result", 1
+FORMAT, VERSION = "antires_rs.result", 2
 _ARRAYS = ("x", "populations", "population_costs")
 _PLAIN = ("fun", "success", "status", "message", "nfev", "nit")
 _CLASSES = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}

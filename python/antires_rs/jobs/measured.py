@@ -161,9 +161,9 @@ def _renamed(
     force = find(at, (names or {}).get(str(found.excitation), found.excitation))
     if force == found.excitation and all(new == dof for dof, new in table.items()):
         return found
-    moved = {table[dof]: rows for dof, rows in found.tables.items() if table[dof] is not False}
-    with job.blame(place, {"freq_hz": at}):
-        return AntiresonanceSet.from_tables(_checked(job, at, force, model), moved)
+    kept = {dof: new for dof, new in table.items() if new is not False}
+    with job.blame(place, {"freq_hz": at, "dofs": at}):
+        return found.relabelled(_checked(job, at, force, model), kept)
 
 
 def _checked(job: Job, place: Keys, dof: Any, model: StructuralModel | None, name: Any = None) -> Any:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import copy
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -14,17 +14,16 @@ from ..order_sweep.table import ResponseTable
 from ..support.files import write_atomically
 from ..support.pickling import FrozenDict
 from ..support.validation import choice, reject
-from . import edits as _edits
-from . import set_file as _set_file
-from .edits import Edit
+from . import set_file
+from .edited_tables import EditedTables
+from .edits import Edit, described, marked
 from .evidence import CrossCheck, DataCheck
-from .response_tables import ResponseTables
 from .tables import label, tables_of
 
 __all__ = ["AntiresonanceSet", "Edit"]
 
 
-class AntiresonanceSet(ResponseTables):
+class AntiresonanceSet(EditedTables):
     """Antiresonant frequencies by response dof, a mapping ``{dof: freq_hz}``; read-only.
 
     Parameters
@@ -79,11 +78,9 @@ class AntiresonanceSet(ResponseTables):
       2      0  -
     """
 
-    _edits: tuple[Edit, ...]
     _diagrams: FrozenDict[Any, Any]
     _data_check: DataCheck | None
     _cross_check: CrossCheck | None
-    _original: AntiresonanceSet | None
 
     def __init__(
         self,
@@ -99,25 +96,80 @@ class AntiresonanceSet(ResponseTables):
     ) -> None:
         super().__init__(label("excitation", excitation), tables_of(freq_hz, damping_ratio, std_hz, scores))
         vars(self).update(
-            _edits=(),
-            _diagrams=FrozenDict(diagrams or {}),
-            _data_check=data_check,
-            _cross_check=cross_check,
-            _original=None,
+            _diagrams=FrozenDict(diagrams or {}), _data_check=data_check, _cross_check=cross_check
         )
 
     @classmethod
     def from_tables(
-        cls, excitation: Any, tables: Mapping[Any, ResponseTable], **evidence: Any
-    ) -> AntiresonanceSet:
-        """A set of tables that are there; ``evidence`` as for the constructor, from ``diagrams`` on."""
-        new = cls(excitation, {dof: table.freq_hz for dof, table in tables.items()}, **evidence)
-        return new._with(_tables=FrozenDict(zip(new, tables.values(), strict=True)))
+        cls,
+        excitation: Any,
+        tables: Mapping[Any, ResponseTable],
+        *,
+        edits: Sequence[Edit] = (),
+        before: Mapping[Any, ResponseTable] | None = None,
+        **evidence: Any,
+    ) -> Self:
+        """A set of tables that are there.
 
-    @property
-    def edits(self) -> tuple[Edit, ...]:
-        """What was dropped and added by hand, in order."""
-        return self._edits
+        Parameters
+        ----------
+        excitation : int or str
+        tables : mapping of dof to ResponseTable
+        edits, before : optional
+            What was edited by hand in these tables, and the tables before it.
+        **evidence
+            ``diagrams``, ``data_check``, ``cross_check`` as for the constructor.
+        """
+        new = cls(excitation, {dof: table.freq_hz for dof, table in tables.items()}, **evidence)
+        original = cls.from_tables(excitation, before) if edits and before is not None else None
+        return new._with(
+            _tables=FrozenDict(zip(new, tables.values(), strict=True)),
+            _edits=tuple(edits),
+            _original=original,
+        )
+
+    def relabelled(self, excitation: Any, dofs: Mapping[Any, Any]) -> Self:
+        """The set with other names of the dofs, in tables and edits; diagrams and checks stay behind.
+
+        Parameters
+        ----------
+        excitation : int or str
+            The dof of the force.
+        dofs : mapping of dof to int or str
+            The new name of each; dofs that it lacks are left out.
+
+        Raises
+        ------
+        InvalidInputError
+            No dof is left, or two have one name.
+
+        Examples
+        --------
+        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
+        >>> found = AntiresonanceSet("tip", {"tip": [8.7], "root": 14.4}).add("tip", 9.9)
+        >>> print(found.relabelled(0, {"tip": 0}))
+        antiresonances, force at 0
+        dof  count  freq_hz
+          0      2  8.700  9.900
+        edited by hand: added 9.90 Hz at dof 0
+        """
+        kept = [dofs[dof] for dof in self if dof in dofs]
+        twice = [dof for dof in kept if kept.count(dof) > 1]
+        if twice:
+            reject(
+                "dofs",
+                f"{twice[0]!r} for two of {tuple(self)}",
+                "each dof once",
+                "Give each response a dof of its own.",
+            )
+
+        def moved(tables: Mapping[Any, ResponseTable]) -> dict[Any, ResponseTable]:
+            return {dofs[dof]: table for dof, table in tables.items() if dof in dofs}
+
+        edits = [replace(edit, dof=dofs[edit.dof]) for edit in self.edits if edit.dof in dofs]
+        return self.from_tables(
+            excitation, moved(self.tables), edits=edits, before=moved(self.original().tables)
+        )
 
     @property
     def diagrams(self) -> Mapping[Any, Any]:
@@ -149,89 +201,8 @@ class AntiresonanceSet(ResponseTables):
             values = "  ".join(f"{f:.3f}" for f in freq) or "-"
             lines.append(f"{dof!s:>{width}}  {freq.size:5d}  {values}")
         if self.edits:
-            lines.append(_edits.described(self.edits))
+            lines.append(described(self.edits))
         return "\n".join(lines)
-
-    def drop(
-        self, dof: Any, freq_hz: Any, *, reason: str = "", tol_hz: float | None = None
-    ) -> AntiresonanceSet:
-        """A new set without some values; this one stays as it is.
-
-        Parameters
-        ----------
-        dof : int or str
-        freq_hz : float or array_like
-            Each drops the value nearest to it.
-        reason : str
-            Kept with the record of what was done, ``edits``.
-        tol_hz : float, optional
-            How far the nearest value may be; default 1 % of ``freq_hz``.
-
-        Returns
-        -------
-        AntiresonanceSet
-            ``original()`` gives back the set before all edits.
-
-        Raises
-        ------
-        InvalidInputError
-            No such dof, no value that near, or two frequencies that mean the same value.
-
-        Examples
-        --------
-        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
-        >>> table = AntiresonanceSet(0, {0: [8.7, 12.2], 1: 14.4})
-        >>> fewer = table.drop(0, 12.2, reason="mains hum of the shaker")
-        >>> table[0].tolist(), fewer[0].tolist()
-        ([8.7, 12.2], [8.7])
-        >>> print(fewer.edits[0])
-        dropped 12.20 Hz at dof 0 (mains hum of the shaker)
-        """
-        dof = self._dof(dof)
-        return self._edited(dof, *_edits.dropped(dof, self.tables[dof], freq_hz, reason, tol_hz))
-
-    def add(
-        self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None, reason: str = ""
-    ) -> AntiresonanceSet:
-        """A new set with more values; this one stays as it is.
-
-        Parameters
-        ----------
-        dof : int or str
-            One of the set's.
-        freq_hz : float or array_like, (n,)
-        damping_ratio, std_hz : float or array_like, (n,), optional
-            One for all, or one each. Not known by default.
-        reason : str
-            Kept with the record of what was done, ``edits``.
-
-        Returns
-        -------
-        AntiresonanceSet
-            ``original()`` gives back the set before all edits. In tables the values' source is "by hand".
-
-        Raises
-        ------
-        InvalidInputError
-            No such dof, a frequency that is not positive, or a value that is there already.
-
-        Examples
-        --------
-        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
-        >>> more = AntiresonanceSet(0, {0: [8.7], 1: 14.4}).add(0, 12.2, reason="clear in the phase")
-        >>> print(more)
-        antiresonances, force at 0
-        dof  count  freq_hz
-          0      2  8.700  12.200
-          1      1  14.400
-        edited by hand: added 12.20 Hz at dof 0 (clear in the phase)
-        """
-        dof = self._dof(dof)
-        return self._edited(dof, *_edits.added(dof, self.tables[dof], freq_hz, damping_ratio, std_hz, reason))
-
-    def original(self) -> AntiresonanceSet:
-        """The set before the first edit by hand; itself if there was none."""
-        return self if self._original is None else self._original
 
     def plot(self, dof: Any, *, kind: str = "stabilization", ax: Any = None) -> Any:
         """Draw the evidence for one dof, edits by hand included; returns the axes.
@@ -269,19 +240,6 @@ class AntiresonanceSet(ResponseTables):
             ax=ax,
             dropped=found[~np.isin(found, self[dof])],
             added=self[dof][~np.isin(self[dof], found)],
-        )
-
-    def _with(self, **parts: Any) -> AntiresonanceSet:
-        """A copy with other parts; whatever else the set carries stays with it."""
-        new = copy.copy(self)
-        vars(new).update(parts)
-        return new
-
-    def _edited(self, dof: Any, table: ResponseTable, records: Sequence[Edit]) -> AntiresonanceSet:
-        return self._with(
-            _tables=FrozenDict({**self._tables, dof: table}),
-            _edits=(*self._edits, *records),
-            _original=self.original(),
         )
 
     def to_dataframe(self) -> Any:
@@ -329,12 +287,12 @@ class AntiresonanceSet(ResponseTables):
 
     def to_json(self) -> str:
         """The text that :meth:`save` writes."""
-        return _set_file.to_json(
+        return set_file.to_json(
             self.excitation, self.tables, self.edits, self.original().tables if self.edits else None
         )
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> AntiresonanceSet:
+    def load(cls, path: str | os.PathLike[str]) -> Self:
         """Read what :meth:`save` wrote, in this version or an older one.
 
         Parameters
@@ -351,24 +309,20 @@ class AntiresonanceSet(ResponseTables):
         try:
             text = Path(path).read_text(encoding="utf-8")
         except UnicodeDecodeError as exc:
-            raise _set_file.damaged(str(path), exc) from exc
+            raise set_file.damaged(str(path), exc) from exc
         return cls.from_json(text, str(path))
 
     @classmethod
-    def from_json(cls, text: str, name: str = "text") -> AntiresonanceSet:
+    def from_json(cls, text: str, name: str = "text") -> Self:
         """A set from the text of :meth:`to_json`; ``name`` stands for it in messages."""
-        data = _set_file.from_json(text, name)
+        data = set_file.from_json(text, name)
         try:
-            new = cls(data["excitation"], **data["now"])
-            if data["before"] is None:
-                return new
-            edits = data["edits"]
-            return new._with(
-                _tables=FrozenDict(
-                    {dof: _edits.marked(table, dof, edits) for dof, table in new.tables.items()}
-                ),
-                _edits=edits,
-                _original=cls(data["excitation"], **data["before"]),
+            edits, before = data["edits"], data["before"]
+            return cls.from_tables(
+                data["excitation"],
+                {dof: marked(table, dof, edits) for dof, table in tables_of(**data["now"]).items()},
+                edits=edits,
+                before=None if before is None else tables_of(**before),
             )
         except (TypeError, ValueError) as exc:
-            raise _set_file.damaged(name, exc) from exc
+            raise set_file.damaged(name, exc) from exc

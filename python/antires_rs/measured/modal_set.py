@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..support.pickling import ReadOnly, frozen
 from ..support.validation import FloatArray, dof_labels, real_array, reject
@@ -32,7 +33,7 @@ class ModalSet(ReadOnly):
     Attributes
     ----------
     freq_hz, shapes, dofs, damping_ratio, diagram
-        As given, arrays read-only.
+        As given, read-only.
 
     Raises
     ------
@@ -49,6 +50,12 @@ class ModalSet(ReadOnly):
     [[1.0, 0.0], [0.0, 1.0]]
     """
 
+    freq_hz: FloatArray
+    shapes: NDArray[Any]
+    dofs: tuple[Any, ...]
+    damping_ratio: FloatArray | None
+    diagram: Any
+
     def __init__(
         self,
         freq_hz: Any,
@@ -58,9 +65,8 @@ class ModalSet(ReadOnly):
         *,
         diagram: Any = None,
     ) -> None:
-        wanted = "an array (n_modes,) in Hz"
-        self.freq_hz: FloatArray = frozen(_maybe_empty("freq_hz", freq_hz, wanted))
-        if np.any(np.diff(self.freq_hz) < 0):
+        freq = frozen(_maybe_empty("freq_hz", freq_hz, "an array (n_modes,) in Hz"))
+        if np.any(np.diff(freq) < 0):
             reject(
                 "freq_hz",
                 "frequencies out of order",
@@ -68,11 +74,11 @@ class ModalSet(ReadOnly):
                 "Sort the modes by frequency, shapes and damping with them.",
             )
         array = np.asarray(shapes)
-        if array.ndim != 2 or array.shape[0] != self.freq_hz.size or not array.shape[1]:
+        if array.ndim != 2 or array.shape[0] != freq.size or not array.shape[1]:
             reject(
                 "shapes",
                 f"an array of shape {array.shape}",
-                f"({self.freq_hz.size}, n_dofs), one mode a row",
+                f"({freq.size}, n_dofs), one mode a row",
                 "Transpose it if the modes are in the columns.",
             )
         if array.dtype.kind not in "biufc":
@@ -89,20 +95,23 @@ class ModalSet(ReadOnly):
                 "finite shapes",
                 "Leave out the modes or dofs that were not measured.",
             )
-        self.shapes = frozen(array)
-        self.dofs = dof_labels("dofs", dofs, array.shape[1])
-        self.damping_ratio: FloatArray | None = None
+        damping = None
         if damping_ratio is not None:
-            damping = _maybe_empty("damping_ratio", damping_ratio, "an array (n_modes,)")
-            if damping.shape != self.freq_hz.shape:
+            damping = frozen(_maybe_empty("damping_ratio", damping_ratio, "an array (n_modes,)"))
+            if damping.shape != freq.shape:
                 reject(
                     "damping_ratio",
                     f"{damping.size} values",
-                    f"{self.freq_hz.size}, one a mode",
+                    f"{freq.size}, one a mode",
                     "Give a damping ratio for each mode, or leave it out.",
                 )
-            self.damping_ratio = frozen(damping)
-        self.diagram = diagram
+        vars(self).update(
+            freq_hz=freq,
+            shapes=frozen(array),
+            dofs=dof_labels("dofs", dofs, array.shape[1]),
+            damping_ratio=damping,
+            diagram=diagram,
+        )
 
     def mac(self, other: ModalSet) -> FloatArray:
         """Modal assurance criterion between two sets of shapes, over the dofs that both have.

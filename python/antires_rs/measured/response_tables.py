@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,14 +27,6 @@ class ResponseTables(ReadOnly, Mapping[Any, FloatArray]):
 
     def __init__(self, excitation: Any, tables: Mapping[Any, ResponseTable]) -> None:
         vars(self).update(_excitation=excitation, _tables=FrozenDict(tables))
-
-    def __setattr__(self, name: str, value: Any) -> NoReturn:
-        raise AttributeError(
-            f"{type(self).__name__} is read-only; got a value for {name!r}. Make another set."
-        )
-
-    def __delattr__(self, name: str) -> NoReturn:
-        raise AttributeError(f"{type(self).__name__} is read-only; {name!r} stays.")
 
     @property
     def excitation(self) -> Any:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import _core
 from ..support.validation import finite_scalar, real_array
+from .description import ModelDescription
+from .recipes import ChainRecipe
 from .structural_model import StructuralModel
 
 if TYPE_CHECKING:
-    from .._core import Model as CoreModel
     from ..support.validation import FloatArray
 
 __all__ = ["MassSpringChain"]
@@ -48,6 +48,8 @@ class MassSpringChain(StructuralModel):
            [-500.,  500.]])
     """
 
+    _recipe_type = ChainRecipe
+
     def __init__(
         self,
         masses_kg: Any,
@@ -64,16 +66,19 @@ class MassSpringChain(StructuralModel):
                 "springs_n_per_m", springs_n_per_m, ndim=1, wanted="an array (n - 1,) of stiffnesses in N/m"
             )
         )
-        self._made = (
+        recipe = ChainRecipe(
             masses,
             springs,
             finite_scalar("ground_first_n_per_m", ground_first_n_per_m),
             finite_scalar("ground_last_n_per_m", ground_last_n_per_m),
         )
-        self._core = self._nominal_core()
+        self._build(ModelDescription(recipe))
 
-    def _nominal_core(self) -> CoreModel:
-        return _core.Model.chain(*self._made)
+    @property
+    def _recipe(self) -> ChainRecipe:
+        recipe = self._description.recipe
+        assert isinstance(recipe, ChainRecipe)  # the constructors take no other
+        return recipe
 
     def element_label(self, element: int) -> str:
         """``spring 1`` to ``spring n-1`` between the masses, then the two ground springs."""
@@ -92,7 +97,8 @@ class MassSpringChain(StructuralModel):
     @property
     def _springs(self) -> list[int]:
         """Without those to ground that are not there: a free end is a spring of zero."""
-        to_ground = enumerate(self._made[2:], start=self.n_dof - 1)
+        ends = self._recipe.ground_first_n_per_m, self._recipe.ground_last_n_per_m
+        to_ground = enumerate(ends, start=self.n_dof - 1)
         return self.default_elements + [term for term, stiffness in to_ground if stiffness != 0.0]
 
     def stiffness(self) -> FloatArray:

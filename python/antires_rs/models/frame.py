@@ -9,32 +9,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from ..exceptions import AntiresWarning
-from ..support.validation import FloatArray, integer, part, real_array, reject
-from .frame_parts import (
-    GroundSpring,
-    NodeSpring,
-    PointMass,
-    core_ground_springs,
-    core_masses,
-    core_node_springs,
-    fixed_dofs,
-    iterable,
-    scaled_node_springs,
-    text,
-)
+from ..support.validation import FloatArray, integer
+from .description import ModelDescription
+from .frame_input import frame_recipe
+from .frame_parts import GroundSpring, NodeSpring, PointMass, scaled_node_springs, text
 from .matrices import as_sparse
-from .sections import Rectangle, Section, Tube, section_of
+from .recipes import FrameRecipe, section_argument
+from .sections import AnySection, section_of, warn_soft
 from .structural_model import StructuralModel
 
 if TYPE_CHECKING:
     from .._core import Frame as CoreFrame
-    from .._core import Model as CoreModel
 
 __all__ = ["FrameModel"]
-
-AnySection = Tube | Rectangle | Section
 
 
 class FrameModel(StructuralModel):
@@ -86,6 +74,8 @@ class FrameModel(StructuralModel):
     array([ 63.5, 205.7])
     """
 
+    _recipe_type = FrameRecipe
+
     def __init__(
         self,
         nodes_m: Any,
@@ -98,41 +88,12 @@ class FrameModel(StructuralModel):
         fixed: Iterable[Any] = (),
         orientation: Any = None,
     ) -> None:
-        wanted = "an array (n_nodes, 2) or (n_nodes, 3) of coordinates in m"
-        nodes = real_array("nodes_m", nodes_m, ndim=2, wanted=wanted)
-        if nodes.shape[1] not in (2, 3):
-            reject(
-                "nodes_m",
-                f"an array of shape {nodes.shape}",
-                wanted,
-                "Give each node its coordinates in a row, in m.",
-            )
-        pairs = "pairs of nodes (first, second), or triples with a section"
-        rows = [
-            tuple(iterable(part("elements", i), row, pairs))
-            for i, row in enumerate(iterable("elements", elements, pairs))
-        ]
-        if not rows:
-            reject(
-                "elements",
-                "none",
-                "at least one pair of nodes",
-                "A frame is at least one beam between two nodes.",
-            )
-        self._names, listed, chosen = _sections(sections, rows)
-        ends = [[integer(part("elements", i), node, low=0) for node in row[:2]] for i, row in enumerate(rows)]
-        self._beams = tuple((a, b, section) for (a, b), section in zip(ends, chosen, strict=True))
-        in_space = nodes.shape[1] == 3
-        self._fixed = tuple(fixed_dofs(fixed, in_space))
-        self._made = (
-            nodes,
-            listed,
-            _orientation(orientation, len(rows), in_space),
-            core_masses(point_masses),
-            core_ground_springs(ground_springs),
-            core_node_springs(node_springs),
+        recipe = frame_recipe(
+            nodes_m, elements, sections, point_masses, ground_springs, node_springs, fixed, orientation
         )
-        self._core = self._nominal_core()
+        for name, section in zip(recipe.section_names, recipe.sections, strict=True):
+            warn_soft(section_argument(name), section, stacklevel=2)
+        self._build(ModelDescription(recipe))
         parts = np.array(self._frame.parts())
         if parts.max() > 0:
             alone = [int(node) for node in np.flatnonzero(parts != parts[0])]
@@ -143,17 +104,11 @@ class FrameModel(StructuralModel):
                 stacklevel=2,
             )
 
-    def _nominal_core(self) -> CoreModel:
-        nodes, listed, orientation, masses, to_ground, between = self._made
-        sections = [
-            s._parts(part("sections", name), nodes.shape[1] == 3)
-            for name, s in zip(self._names, listed, strict=True)
-        ]
-        return _core.Model.from_frame(
-            _core.Frame(
-                nodes, list(self._beams), orientation, sections, masses, to_ground, between, list(self._fixed)
-            )
-        )
+    @property
+    def _recipe(self) -> FrameRecipe:
+        recipe = self._description.recipe
+        assert isinstance(recipe, FrameRecipe)  # the constructors take no other
+        return recipe
 
     @property
     def _frame(self) -> CoreFrame:
@@ -169,17 +124,18 @@ class FrameModel(StructuralModel):
     @property
     def elements(self) -> NDArray[np.intp]:
         """Nodes of each beam, (n_elements, 2)."""
-        return np.array([beam[:2] for beam in self._beams], dtype=np.intp)
+        return np.array([beam[:2] for beam in self._recipe.beams], dtype=np.intp)
 
     @property
     def sections(self) -> dict[str | int, AnySection]:
         """Sections by name, or by index where they have none, with the values of this state."""
-        return dict(zip(self._names, map(section_of, self._frame.sections()), strict=True))
+        return dict(zip(self._recipe.section_names, map(section_of, self._frame.sections()), strict=True))
 
     @property
     def element_sections(self) -> list[str | int]:
         """Name (or index) of each beam's section."""
-        return [self._names[section] for _, _, section in self._beams]
+        names = self._recipe.section_names
+        return [names[section] for _, _, section in self._recipe.beams]
 
     @property
     def point_masses(self) -> list[PointMass]:
@@ -197,18 +153,17 @@ class FrameModel(StructuralModel):
     @property
     def node_springs(self) -> list[NodeSpring]:
         """Springs between nodes with the values of this state."""
-        if self._origin is None:
-            return [NodeSpring(node, other, k, direction) for node, other, direction, k in self._made[5]]
-        problem, x = self._origin
-        first = len(self._beams) + len(self.ground_springs)
-        return scaled_node_springs(
-            problem.model.node_springs, first, problem.parameters, problem._repaired(x)
-        )
+        recipe = self._recipe
+        springs = list(recipe.node_springs)
+        first = len(recipe.beams) + len(recipe.ground_springs)
+        for applied in self._description.applied:
+            springs = scaled_node_springs(springs, first, applied.parameters, applied.values)
+        return springs
 
     @property
     def fixed(self) -> list[tuple[int, str]]:
         """Fixed dofs as (node, direction)."""
-        return list(self._fixed)
+        return list(self._recipe.fixed)
 
     def dof(self, node: int, direction: str) -> int:
         """Number of the dof ``direction`` of ``node``, zero-based.
@@ -238,23 +193,16 @@ class FrameModel(StructuralModel):
 
     def section_index(self, name: str | int) -> int:
         """Index of a section, by its name."""
-        if name not in self._names and isinstance(name, str):
-            reject(
-                "sections",
-                repr(name),
-                f"a section of the model: {', '.join(map(repr, self._names))}",
-                "Correct the name.",
-            )
-        return self._names.index(name) if isinstance(name, str) else integer("sections", name, low=0)
+        return self._recipe.section_index(name)
 
     def section_label(self, section: int) -> str:
         """Name of a section in tables; those without a name are counted from 1."""
-        name = self._names[section]
+        name = self._recipe.section_names[section]
         return name if isinstance(name, str) else f"section {section + 1}"
 
     def element_label(self, element: int) -> str:
         """``element 1`` and on for the beams, then the springs to ground, then those between nodes."""
-        ground = element - len(self._beams)
+        ground = element - len(self._recipe.beams)
         if ground < 0:
             return f"element {element + 1}"
         springs = self.ground_springs
@@ -264,13 +212,13 @@ class FrameModel(StructuralModel):
 
     def mass_label(self, term: int) -> str:
         """``element 1`` and on for the beams, then the point masses."""
-        lump = term - len(self._beams)
+        lump = term - len(self._recipe.beams)
         return f"element {term + 1}" if lump < 0 else f"mass {lump + 1} (node {self.point_masses[lump].node})"
 
     @property
     def default_elements(self) -> list[int]:
         """The beams, in order; springs only on request."""
-        return list(range(len(self._beams)))
+        return list(range(len(self._recipe.beams)))
 
     def stiffness(self) -> Any:
         """Stiffness of the free dofs as ``scipy.sparse.csc_array``, (n, n), N/m."""
@@ -288,95 +236,5 @@ class FrameModel(StructuralModel):
 
     def __repr__(self) -> str:
         where = "space" if self.nodes_m.shape[1] == 3 else "plane"
-        return (
-            f"FrameModel({where}, {len(self.nodes_m)} nodes, {len(self._beams)} elements, {self.n_dof} dofs)"
-        )
-
-
-def _sections(
-    sections: Any, rows: list[tuple[Any, ...]]
-) -> tuple[tuple[str | int, ...], list[AnySection], list[int]]:
-    """Names and values of the sections, and the index of each beam's."""
-    wanted = "a Tube, Rectangle or Section, or a sequence or mapping of them"
-    named = isinstance(sections, Mapping)
-    listed = (
-        list(sections.values())
-        if isinstance(sections, Mapping)
-        else (
-            [sections] if isinstance(sections, AnySection) else list(iterable("sections", sections, wanted))
-        )
-    )
-    names: tuple[str | int, ...] = tuple(sections) if named else tuple(range(len(listed)))
-    for name, section in zip(names, listed, strict=True):
-        if not isinstance(section, AnySection):
-            reject(
-                part("sections", name), section, wanted, "Make it by antires_rs.Tube, Rectangle or Section."
-            )
-        if named and not isinstance(name, str):
-            reject("sections", f"the name {name!r}", "names that are text", "Put the name in quotes.")
-    for i, row in enumerate(rows):
-        if len(row) not in (2, 3):
-            reject(
-                part("elements", i),
-                row,
-                "two nodes, or two nodes and a section",
-                "Write it as (0, 1) or (0, 1, 'pipe').",
-            )
-    referring = [len(row) == 3 for row in rows]
-    if not any(referring):
-        if len(listed) == 1:
-            return names, listed, [0] * len(rows)
-        if named or len(listed) != len(rows):
-            reject(
-                "elements",
-                f"no section for any of {len(rows)} elements and {len(listed)} sections",
-                "(node, node, section) for each element, or one section each",
-                "Name a section as the third item of each element.",
-            )
-        # Equal sections are one, so that a parameter acts on all beams that have it.
-        unique = list(dict.fromkeys(listed))
-        return tuple(range(len(unique))), unique, [unique.index(section) for section in listed]
-    if not all(referring):
-        reject(
-            part("elements", referring.index(False)),
-            "no section",
-            "a section for every element, or for none",
-            "Name its section as the third item.",
-        )
-    chosen = []
-    for i, row in enumerate(rows):
-        if named and row[2] not in names:
-            reject(
-                part("elements", i),
-                f"section {row[2]!r}",
-                f"one of {', '.join(map(repr, names))}",
-                "Correct the name, or add that section.",
-            )
-        chosen.append(
-            names.index(row[2])
-            if named
-            else integer(part("elements", i), row[2], low=0, high=len(listed) - 1)
-        )
-    return names, listed, chosen
-
-
-def _orientation(orientation: Any, n: int, in_space: bool) -> FloatArray | None:
-    if orientation is None:
-        return None
-    wanted = f"one direction (3,), or an array ({n}, 3) with one for each element"
-    if not in_space:
-        reject(
-            "orientation",
-            "a direction for a plane frame",
-            "None",
-            "Leave it out: all beams of a plane frame bend in its plane.",
-        )
-    rows = np.atleast_2d(real_array("orientation", orientation, ndim=None, wanted=wanted))
-    if rows.shape not in ((1, 3), (n, 3)):
-        reject(
-            "orientation",
-            f"an array of shape {np.shape(orientation)}",
-            wanted,
-            "Give one direction for all elements, or one for each.",
-        )
-    return np.ascontiguousarray(np.broadcast_to(rows, (n, 3)))
+        nodes, beams = len(self.nodes_m), len(self._recipe.beams)
+        return f"FrameModel({where}, {nodes} nodes, {beams} elements, {self.n_dof} dofs)"

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..support.validation import finite_scalar, integer, real_array, reject, shape_of
-from .parameters import Parameter, build
+from .parameter import Parameter, build
 
 __all__ = [
     "angle",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..support.validation import FloatArray, finite_scalar, integer, part, reject, shape_of
 
 if TYPE_CHECKING:
-    from .parameters import Parameter
+    from .parameter import Parameter
 
 __all__ = ["GroundSpring", "NodeSpring", "PointMass"]
 
@@ -94,49 +94,49 @@ def iterable(name: str, value: Any, wanted: str) -> Iterable[Any]:
     return value
 
 
-def core_masses(items: Iterable[Any]) -> list[tuple[int, float, tuple[float, float, float]]]:
-    """Point masses as the core takes them."""
-    return [
-        (
+def point_masses_of(items: Iterable[Any]) -> tuple[PointMass, ...]:
+    """Point masses as given, checked, each with three inertias."""
+    return tuple(
+        PointMass(
             _node("point_masses", i, m.node),
             _number("point_masses", i, "mass_kg", m.mass_kg),
             _inertia(i, m.inertia_kg_m2),
         )
         for i, m in enumerate(_items("point_masses", items, PointMass))
-    ]
+    )
 
 
-def core_ground_springs(items: Iterable[Any]) -> list[tuple[int, str, float]]:
-    """Springs to ground as the core takes them."""
-    return [
-        (
+def ground_springs_of(items: Iterable[Any]) -> tuple[GroundSpring, ...]:
+    """Springs to ground as given, checked."""
+    return tuple(
+        GroundSpring(
             _node("ground_springs", i, s.node),
             text("ground_springs", i, s.direction),
             _number("ground_springs", i, "stiffness_n_per_m", s.stiffness_n_per_m),
         )
         for i, s in enumerate(_items("ground_springs", items, GroundSpring))
-    ]
+    )
 
 
-def core_node_springs(items: Iterable[Any]) -> list[tuple[int, int, str | None, float]]:
-    """Springs between nodes as the core takes them."""
-    return [
-        (
+def node_springs_of(items: Iterable[Any]) -> tuple[NodeSpring, ...]:
+    """Springs between nodes as given, checked."""
+    return tuple(
+        NodeSpring(
             _node("node_springs", i, s.node),
             _node("node_springs", i, s.other),
-            None if s.direction is None else text("node_springs", i, s.direction),
             _number("node_springs", i, "stiffness_n_per_m", s.stiffness_n_per_m),
+            None if s.direction is None else text("node_springs", i, s.direction),
         )
         for i, s in enumerate(_items("node_springs", items, NodeSpring))
-    ]
+    )
 
 
 def scaled_node_springs(
-    springs: Iterable[NodeSpring], first: int, parameters: Iterable[Parameter], x: FloatArray
+    springs: Iterable[NodeSpring], first: int, parameters: Iterable[Parameter], values: FloatArray
 ) -> list[NodeSpring]:
-    """Springs with the parameters ``x`` applied that act on their terms, ``first`` and on."""
+    """Springs with the parameters applied that act on their terms, ``first`` and on."""
     springs = list(springs)
-    for parameter, value in zip(parameters, x, strict=True):
+    for parameter, value in zip(parameters, values, strict=True):
         if parameter.quantity in ("stiffness_reduction", "stiffness_factor"):
             factor = float(1.0 - value if parameter.quantity == "stiffness_reduction" else value)
             for term in parameter.terms:
@@ -200,13 +200,18 @@ def text(name: str, i: int | None, value: Any) -> str:
 
 
 def _inertia(i: int, value: Any) -> tuple[float, float, float]:
-    several = [value] * 3 if shape_of(value) == () else list(value)
-    if len(several) != 3:
+    if shape_of(value) not in ((), (3,)):
         reject(
             part("point_masses", i).attribute("inertia_kg_m2"),
             value,
             "one inertia, or three about x, y and z",
             "Give it in kg m^2, about the centre of mass.",
         )
-    x, y, z = (_number("point_masses", i, "inertia_kg_m2", v) for v in several)
+    x, y, z = (_number("point_masses", i, "inertia_kg_m2", v) for v in three_inertias(value))
+    return x, y, z
+
+
+def three_inertias(value: Any) -> tuple[float, float, float]:
+    """Inertias about x, y and z of one for all, or of three."""
+    x, y, z = (value,) * 3 if shape_of(value) == () else value
     return x, y, z

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..support.validation import FloatArray, real_array, reject
+from .recipes import Entries
 
-__all__ = ["as_dense", "as_sparse", "as_term"]
+__all__ = ["as_sparse", "as_square", "as_term"]
 
 
 def as_sparse(dense: FloatArray) -> Any:
@@ -19,15 +19,22 @@ def as_sparse(dense: FloatArray) -> Any:
     return csc_array(dense)
 
 
-def as_dense(name: str, matrix: Any) -> FloatArray:
-    """A finite float64 matrix."""
-    array = matrix.toarray() if hasattr(matrix, "toarray") else matrix
-    return real_array(name, array, ndim=2, wanted="a square matrix (n, n), dense or scipy.sparse")
+def as_square(name: str, matrix: Any, n: int | None = None) -> FloatArray:
+    """A finite square matrix, (n, n) where n is known."""
+    dense = _as_dense(name, matrix)
+    if dense.shape != (n or len(dense),) * 2:
+        reject(
+            name,
+            f"a matrix of shape {dense.shape}",
+            "a non-empty square matrix, stiffness and mass of one size",
+            "Pass both after the same dofs were removed.",
+        )
+    return dense
 
 
-def as_term(name: str, matrix: Any, n: int) -> tuple[NDArray[np.uint32], NDArray[np.uint32], FloatArray]:
-    """Entries (rows, columns, values) of a symmetric (n, n) matrix."""
-    dense = as_dense(name, matrix)
+def as_term(name: str, matrix: Any, n: int) -> Entries:
+    """Entries of a symmetric (n, n) matrix."""
+    dense = _as_dense(name, matrix)
     if dense.shape != (n, n):
         reject(
             name,
@@ -42,5 +49,10 @@ def as_term(name: str, matrix: Any, n: int) -> tuple[NDArray[np.uint32], NDArray
             "a symmetric term",
             "Pass (A + A.T) / 2 if the difference is rounding.",
         )
-    rows, cols = np.nonzero(dense)
-    return rows.astype(np.uint32), cols.astype(np.uint32), np.ascontiguousarray(dense[rows, cols])
+    return Entries.of(dense)
+
+
+def _as_dense(name: str, matrix: Any) -> FloatArray:
+    """A finite float64 matrix."""
+    array = matrix.toarray() if hasattr(matrix, "toarray") else matrix
+    return real_array(name, array, ndim=2, wanted="a square matrix (n, n), dense or scipy.sparse")

@@ -1,17 +1,15 @@
-"""Structural models: a chain of masses and springs, or any K and M."""
+"""Models from stiffness and mass matrices of any finite-element program."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from .. import _core
 from ..support.validation import part
-from .matrices import as_dense, as_sparse, as_term
+from .description import ModelDescription
+from .matrices import as_sparse, as_square, as_term
+from .recipes import Entries, MatrixRecipe
 from .structural_model import StructuralModel
-
-if TYPE_CHECKING:
-    from .._core import Model as CoreModel
 
 __all__ = ["MatrixModel"]
 
@@ -41,6 +39,8 @@ class MatrixModel(StructuralModel):
     array([3.559])
     """
 
+    _recipe_type = MatrixRecipe
+
     def __init__(
         self,
         stiffness: Any,
@@ -49,21 +49,16 @@ class MatrixModel(StructuralModel):
         stiffness_terms: Iterable[Any] = (),
         mass_terms: Iterable[Any] = (),
     ) -> None:
-        k = as_dense("stiffness", stiffness)
-        self._made = (
-            [as_term(part("stiffness_terms", i), t, len(k)) for i, t in enumerate(stiffness_terms)],
-            [as_term(part("mass_terms", i), t, len(k)) for i, t in enumerate(mass_terms)],
+        k = as_square("stiffness", stiffness)
+        n = len(k)
+        recipe = MatrixRecipe(
+            n,
+            Entries.of(k),
+            Entries.of(as_square("mass", mass, n)),
+            tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms)),
+            tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms)),
         )
-        self._core = _core.Model.from_matrices(k, as_dense("mass", mass), *self._made)
-
-    def __getstate__(self) -> dict[str, Any]:
-        state = super().__getstate__()
-        if self._origin is None:  # the core alone has the nominal matrices
-            state["_nominal"] = self._core.stiffness(), self._core.mass()
-        return state
-
-    def _nominal_core(self) -> CoreModel:
-        return _core.Model.from_matrices(*self.__dict__.pop("_nominal"), *self._made)
+        self._build(ModelDescription(recipe))
 
     def stiffness(self) -> Any:
         """Stiffness matrix as ``scipy.sparse.csc_array``, (n, n), N/m."""

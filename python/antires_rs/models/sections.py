@@ -9,7 +9,7 @@ from typing import Any
 from ..exceptions import AntiresWarning, Argument
 from ..support.validation import finite_scalar, reject
 
-__all__ = ["Rectangle", "Section", "Tube"]
+__all__ = ["AnySection", "Rectangle", "Section", "Tube", "section_of", "warn_soft"]
 
 #: (shape, dimensions, E, density, Poisson's ratio), as the core takes it.
 SectionParts = tuple[str, list[float], float, float, float]
@@ -134,17 +134,28 @@ class Section:
         return kind, size, youngs, density, poisson
 
 
-def _parts(section: Any, name: str, kind: str, sizes: list[str]) -> SectionParts:
-    def number(attribute: str) -> float:
-        return finite_scalar(Argument(name).attribute(attribute), getattr(section, attribute))
+AnySection = Tube | Rectangle | Section
 
-    if 0.0 < number("youngs_modulus_pa") < SOFTEST_PA:
+
+def warn_soft(name: str, section: AnySection, stacklevel: int) -> None:
+    """A material softer than rubber is a slip of units."""
+    if (
+        0.0
+        < finite_scalar(Argument(name).attribute("youngs_modulus_pa"), section.youngs_modulus_pa)
+        < SOFTEST_PA
+    ):
         warnings.warn(
             f"{name}.youngs_modulus_pa: {section.youngs_modulus_pa:g} Pa is softer than rubber. "
             "Steel has 2.1e11 Pa, and lengths are in metres.",
             AntiresWarning,
-            stacklevel=5,
+            stacklevel=stacklevel + 1,
         )
+
+
+def _parts(section: Any, name: str, kind: str, sizes: list[str]) -> SectionParts:
+    def number(attribute: str) -> float:
+        return finite_scalar(Argument(name).attribute(attribute), getattr(section, attribute))
+
     return (
         kind,
         [number(size) for size in sizes],

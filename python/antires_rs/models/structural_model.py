@@ -8,18 +8,17 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from ..exceptions import AntiresWarning, NumericalError
 from ..measured.modal_set import ModalSet
-from ..support.pickling import AroundCore
 from ..support.progress import interruptible
 from ..support.validation import choice, finite_scalar, integer, part, real_array, reject, shape_of
+from .described import Described
 
 if TYPE_CHECKING:
-    from .._core import Model as CoreModel
     from ..signals.recording import Recording
     from ..support.validation import ComplexArray, FloatArray
 
@@ -32,51 +31,11 @@ Method = Literal["modal", "pencil"]
 Motion = Literal["accelerance", "mobility", "receptance"]
 
 
-class StructuralModel(AroundCore["CoreModel"]):
-    """What every model can do. Build a :class:`MassSpringChain` or a :class:`MatrixModel`."""
+class StructuralModel(Described):
+    """What every model can do.
 
-    _made: tuple[Any, ...] = ()  # what it was made of
-    _origin: tuple[Any, FloatArray] | None = None  # problem and x, of a model that came out of an updating
-
-    @property
-    def n_dof(self) -> int:
-        """Number of degrees of freedom."""
-        return self._core.n_dof
-
-    def _with_core(self, core: CoreModel, origin: tuple[Any, FloatArray] | None = None) -> Self:
-        """Return a model of this class around other core matrices (an updated state)."""
-        other = object.__new__(type(self))
-        other.__dict__.update(self.__dict__, _core=core, _origin=origin)
-        return other
-
-    def _made_core(self) -> CoreModel:
-        if self._origin is None:
-            return self._nominal_core()
-        problem, x = self._origin
-        core: CoreModel = problem.model_at(x)._core
-        return core
-
-    def _nominal_core(self) -> CoreModel:
-        """What the constructor makes of ``_made``."""
-        raise NotImplementedError
-
-    def element_label(self, element: int) -> str:
-        """Name of stiffness term ``element`` in tables and pictures, counted from 1 as users do."""
-        return f"element {element + 1}"
-
-    def mass_label(self, term: int) -> str:
-        """Name of mass term ``term`` in tables, counted from 1 as users do."""
-        return f"mass {term + 1}"
-
-    @property
-    def default_elements(self) -> list[int]:
-        """Stiffness terms that :func:`assess_damage` looks at unless told otherwise."""
-        return list(range(self._core.n_stiffness_terms))
-
-    @property
-    def _springs(self) -> list[int]:
-        """Stiffness terms that have a stiffness."""
-        return list(range(self._core.n_stiffness_terms))
+    Build a :class:`MassSpringChain`, a :class:`FrameModel` or a :class:`MatrixModel`.
+    """
 
     def modes(self, n_modes: int | None = None, f_max_hz: float | None = None) -> ModalSet:
         """Undamped resonances and mass-normalised shapes.

@@ -31,10 +31,10 @@ def plot_damping_clusters(
 ) -> Any:
     """Draw the damping ratio of all poles of all orders against their frequency.
 
-    An antiresonance gathers the poles of many orders in one spot; superfluous poles scatter over the picture.
-    A cluster drawn out upwards has a damping that is badly known; one drawn out sideways, a frequency. The
-    squares are the values themselves, which may lie beside their cluster: near the noise the poles of the
-    sweep are biased, while the values are taken from the likeliest fit.
+    The poles of an antiresonance gather in one spot over many orders; spurious poles scatter everywhere.
+    A cluster elongated upwards has an uncertain damping; one elongated sideways, an uncertain frequency.
+    Squares are the accepted antiresonances. They may lie beside their cluster: near the noise the poles of
+    the sweep are biased, while the antiresonances are taken from the likeliest fit.
 
     Parameters
     ----------

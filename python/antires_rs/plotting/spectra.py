@@ -146,7 +146,7 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
             "check",
             "a check without eigenvalues" if hasattr(check, "findings") else type(check).__name__,
             "the DataCheck of a Recording with several averages",
-            "Single hits and measured responses have no spectral matrix.",
+            "Single impacts and measured responses have no spectral matrix.",
         )
     ax = new_axes(ax, (9.0, 4.5))
     level = 10.0 * np.log10(np.maximum(values, 1e-14 * values.max()))

@@ -17,10 +17,10 @@ __all__ = ["mark_values", "plot_stabilization", "pole_table"]
 
 #: Lighter than every mark, also where colours are lost.
 CURVE = "#B8B8B8"
-#: Look of the values: accepted because they stand still, because most orders have them, and by hand.
+#: Look of the antiresonances: accepted as stable, accepted as persistent, and added by hand.
 LOOKS: dict[str, dict[str, Any]] = {
     "accepted": {"color": COLOURS["vermillion"], "ls": "--", "lw": 1.1},
-    "accepted: in most orders, not at rest": {"color": COLOURS["vermillion"], "ls": "-.", "lw": 1.1},
+    "accepted: persistent": {"color": COLOURS["vermillion"], "ls": "-.", "lw": 1.1},
     "added by hand": {"color": COLOURS["black"], "ls": (0, (8, 3)), "lw": 1.1},
     "dropped by hand": {"color": COLOURS["black"], "ls": ":", "lw": 1.1},
 }
@@ -33,7 +33,7 @@ def plot_stabilization(
     dropped: Sequence[float] | FloatArray = (),
     added: Sequence[float] | FloatArray = (),
 ) -> Any:
-    """Draw poles of every order, the stable ones, and the values accepted.
+    """Draw the poles of every order, the stable ones, and the accepted antiresonances.
 
     Parameters
     ----------
@@ -149,13 +149,13 @@ def mark_values(
 ) -> None:
     """Vertical lines with their frequencies above the axes, pushed apart where they would overlap.
 
-    A dropped value has its frequency in parentheses.
+    A dropped antiresonance has its frequency in parentheses.
     """
     low, high = diagram.band_hz
-    resting, moving, by_hand, out = LOOKS
+    stable, persistent, by_hand, out = LOOKS
     gone = np.asarray(dropped, dtype=np.float64)
     marks = [
-        (float(f), out if f in gone else moving if how == "persistent" else resting)
+        (float(f), out if f in gone else persistent if how == "persistent" else stable)
         for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)
     ]
     marks = sorted(marks + [(float(f), by_hand) for f in added])
@@ -185,4 +185,4 @@ def mark_values(
             },
         )
     if not marks:
-        ax.set_title("no value accepted in this band", fontsize="medium")
+        ax.set_title("no antiresonance accepted in this band", fontsize="medium")

@@ -171,7 +171,7 @@ def of_evidence(found: AntiresonanceSet) -> Facts:
     if found.data_check is not None:
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
     if found.cross_check is not None:
-        facts["Second opinion"] = [repr(found.cross_check)]
+        facts["Cross-check"] = [repr(found.cross_check)]
     return facts
 
 

@@ -176,7 +176,7 @@ def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
         f"Stabilization diagram of {of}: poles of rational fits of rising order; those that stay are "
         f"{'the resonances' if modal else 'its antiresonances'}.",
         f"Stabilization diagram of {of}, {diagram.band_hz[0]:g} to {diagram.band_hz[1]:g} Hz: "
-        + (f"accepted at {found} Hz" if found else "no value accepted"),
+        + (f"accepted at {found} Hz" if found else "no antiresonance accepted"),
     )
 
 

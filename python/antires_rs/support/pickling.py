@@ -31,15 +31,25 @@ class AroundCore(Generic[Core]):
         return {name: value for name, value in self.__dict__.items() if name != "_core"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._core = self._made_core()
+        self.__dict__.update(state)  # past the __setattr__ of immutable objects
+        _freeze(state)
+        self.__dict__["_core"] = self._made_core()
 
 
 class ReadOnly:
-    """An object whose arrays, alone or in dicts and tuples, nobody may change."""
+    """An object that nobody may change: no attribute, and no array, alone or in dicts and tuples.
+
+    A constructor writes by ``vars(self).update(...)``.
+    """
+
+    def __setattr__(self, name: str, value: Any) -> NoReturn:
+        raise AttributeError(f"{type(self).__name__} is read-only: {name!r} cannot be set. Make another one.")
+
+    def __delattr__(self, name: str) -> NoReturn:
+        raise AttributeError(f"{type(self).__name__} is read-only: {name!r} cannot be deleted.")
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)  # past the __setattr__ of frozen dataclasses
+        vars(self).update(state)
         _freeze(state)
 
 

@@ -21,11 +21,12 @@ import numpy as np
 from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..models.parameters import Parameter, core_parameters, parameter_name, warn_far
+from ..models.parameter import Parameter, parameter_tuple
+from ..models.parameter_names import parameter_name, warn_far
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import thread_count
 from ..support.pickling import AroundCore
-from ..support.validation import FloatArray, choice, finite_scalar, part, real_array, reject
+from ..support.validation import FloatArray, choice, finite_scalar, real_array, reject
 from .tables import FrequencyTable, ModalTable
 from .targets import AntiresonanceTargets, ModalTargets, targets_of
 
@@ -153,7 +154,7 @@ class UpdatingProblem(AroundCore[_core.Objective]):
                 "a MassSpringChain, FrameModel or MatrixModel",
                 "Build the model as one of these first.",
             )
-        self.parameters = _parameters(parameters)
+        self.parameters = parameter_tuple(parameters)
         if objective is not None:
             choice("objective", objective, ("antiresonance", "modal"))
         self._targets = targets = targets_of(model, measured, objective)
@@ -167,7 +168,7 @@ class UpdatingProblem(AroundCore[_core.Objective]):
         self.measured_excitations = by_force.excitations if by_force else None
         self.weights = targets.weights(weights)
         self.bounds = np.array([p.bounds for p in self.parameters], dtype=np.float64).reshape(-1, 2)
-        parts = core_parameters(model, self.parameters)
+        parts = model.description.core_parameters(self.parameters)
         self._nominal = _core.nominal_values(model._core, parts)
         _core.check_bounds(model._core, parts, self.bounds[:, 0].copy(), self.bounds[:, 1].copy())
         self.names = [parameter_name(model, p) for p in self.parameters]
@@ -178,7 +179,7 @@ class UpdatingProblem(AroundCore[_core.Objective]):
         prices = (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None
         return self._targets.core(
             self.model._core,
-            core_parameters(self.model, self.parameters),
+            self.model.description.core_parameters(self.parameters),
             self.misfit,
             prices,
             self.penalty.snap if self.penalty else 0.0,
@@ -232,7 +233,7 @@ class UpdatingProblem(AroundCore[_core.Objective]):
 
     def model_at(self, x: Any) -> StructuralModel:
         """The model with parameters ``x`` applied."""
-        return self.model._with_core(self._core.model_at(self._repaired(x)), (self, self._vector(x).copy()))
+        return self.model.with_parameters(self.parameters, self._repaired(x))
 
     def _repaired(self, x: Any) -> FloatArray:
         return self._core.repaired(self._vector(x))
@@ -257,20 +258,6 @@ class UpdatingProblem(AroundCore[_core.Objective]):
 
     def __repr__(self) -> str:
         return f"UpdatingProblem({len(self.parameters)} parameters, {self.measured_hz.size} {self.noun}s)"
-
-
-def _parameters(parameters: Iterable[Parameter] | Parameter) -> tuple[Parameter, ...]:
-    wanted = "Parameters, from stiffness_factor, mass_factor, stiffness_reduction and the like"
-    if isinstance(parameters, Parameter):
-        return (parameters,)
-    try:
-        chosen = tuple(parameters)
-    except TypeError:
-        reject("parameters", parameters, wanted, "Make them by stiffness_factor, mass_factor and the like.")
-    for i, parameter in enumerate(chosen):
-        if not isinstance(parameter, Parameter):
-            reject(part("parameters", i), parameter, wanted, "Join lists with +, without nesting them.")
-    return chosen
 
 
 def _penalty(penalty: Any) -> DamagePenalty | None:

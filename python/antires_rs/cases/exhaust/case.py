@@ -131,7 +131,7 @@ class Exhaust:
         return self._within(AntiresonanceSet(self.excitation, found), band)
 
     def updating_parameters(self) -> list[Parameter]:
-        """The 21 of the updating study: walls and moduli of 6 sections, 5 masses, 4 bends."""
+        """The 21 of the updating study: wall thicknesses and moduli of 6 sections, 5 masses, 4 bends."""
         return [
             *thickness(self.sections, bounds=(0.75, 1.25), relative=True),
             *youngs_modulus(self.sections, bounds=(0.90, 1.10), relative=True),

@@ -1,8 +1,8 @@
 """The exhaust that is tested: not the model that is updated.
 
-Its mesh is four times finer; walls, moduli, masses and bends differ from nominal, walls also from one piece
-of pipe to the next; inertias and cords are off as well; every mode has a damping of its own. Cracked, it has
-a rotational spring in the pipe 2 cm behind a weld, between two nodes of the coarse mesh.
+Its mesh is four times finer. Wall thicknesses, moduli, masses, bends, inertias and cords differ from nominal,
+wall thicknesses also from one piece of pipe to the next; every mode has its own damping. Cracked, it has a
+rotational spring in the pipe 2 cm behind a weld, between two nodes of the coarse mesh.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ INERTIA = {
     "rear muffler": 0.97,
 }
 HANGER = 0.9
-#: Standard deviation of the wall from one coarse element's pipe to the next, a fixed draw.
+#: Standard deviation of the wall thickness from one coarse element's pipe to the next, a fixed draw.
 WALL_SCATTER, WALL_SEED = 0.005, 332
 
-#: Modal damping: rubber cords, then the elastic modes in turn, 0.3 to 1 %.
+#: Modal damping: rubber cords, then the elastic modes cyclically, 0.3 to 1 %.
 RIGID_DAMPING = 0.01
 ELASTIC_DAMPING = (0.009, 0.006, 0.004, 0.008, 0.005, 0.003, 0.007, 0.010)
 RIGID_MODES = 3
@@ -70,7 +70,7 @@ def true_nodes() -> FloatArray:
 
 
 def walls_m() -> FloatArray:
-    """True wall of each coarse element's pipe, (47,)."""
+    """True wall thickness of each coarse element's pipe, (47,)."""
     scatter = WALL_SCATTER * np.random.default_rng(WALL_SEED).standard_normal(len(geometry.beams()))
     nominal = [geometry.SECTIONS[section][0] * THICKNESS[section] for _, _, section in geometry.beams()]
     return np.array(nominal) * (1.0 + scatter)
@@ -89,7 +89,7 @@ def compliance(level: int) -> float:
 
 
 def equivalent_loss(level: int) -> float:
-    """Stiffness loss of the whole element 31 that turns as much under a moment as the crack makes it turn."""
+    """Stiffness loss of the whole element 31 with the same rotation under a moment as with the crack."""
     first, second, _ = geometry.beams()[CRACKED_ELEMENT]
     nodes = true_nodes()
     added = compliance(level) * _modulus() * _inertia(float(walls_m()[CRACKED_ELEMENT]))

@@ -33,7 +33,7 @@ RUNS: tuple[tuple[str, tuple[float, float], int], ...] = (
 START_M = (0.0, 0.12)
 BRANCH_RUN, BRANCH_NODE = 7, 34
 
-#: Wall in m, Young's modulus in Pa, density in kg/m3: stainless steel in front, aluminised steel behind.
+#: Wall thickness in m, Young's modulus in Pa, density in kg/m3: stainless steel in front, aluminised behind.
 SECTIONS: dict[str, tuple[float, float, float]] = {
     "front": (0.0015, 2.00e11, 7900.0),
     "link": (0.0015, 2.00e11, 7900.0),
@@ -74,7 +74,7 @@ SENSORS: tuple[tuple[int, str], ...] = (
     (41, "u"),
     (47, "v"),
 )
-#: Bends whose angle is uncertain: the run after the pivot turns, and all behind it.
+#: Bends whose angle is uncertain: the run after the pivot rotates, and all behind it.
 BENDS: tuple[tuple[str, tuple[int, ...], int], ...] = (
     ("front to link", tuple(range(8, 13)), 8),
     ("middle to axle", tuple(range(22, 25)), 22),

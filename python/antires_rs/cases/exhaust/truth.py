@@ -29,7 +29,7 @@ def truth(level: int, responses: list[int]) -> dict[str, Any]:
         ``thickness``, ``youngs_modulus`` (factors by section), ``point_mass`` (factors by mass), ``angle``
         (degrees by bend); ``inertia`` and ``hanger`` (factors that no updating parameter follows);
         ``crack_share``, ``crack_compliance`` (rad/(N m)), ``equivalent_loss`` (stiffness loss of the
-        whole cracked element that turns as much under a moment), ``severity`` {30: that loss};
+        whole cracked element with the same rotation under a moment), ``severity`` {30: that loss};
         ``freq_hz`` by dof and ``resonances_hz``, both up to 390 Hz, ``damping_ratio`` of these modes.
     """
     tested = experiment.TestedStructure(level)

@@ -1,0 +1,134 @@
+"""A model and its description: how it is built, copied and changed, and what its parts are called."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from ..support.immutable import Immutable
+from ..support.pickling import AroundCore
+from ..support.validation import reject
+from .description import AppliedParameters, ModelDescription
+
+if TYPE_CHECKING:
+    from .._core import Model as CoreModel
+
+__all__ = ["Described"]
+
+
+class Described(Immutable, AroundCore["CoreModel"]):
+    """What a model is made of, and the core's model made of it. Read-only."""
+
+    #: Kind of recipe that this class is built from.
+    _recipe_type: ClassVar[type | None] = None
+    _description: ModelDescription
+
+    def _build(self, description: ModelDescription, core: CoreModel | None = None) -> None:
+        """Fill the model; ``core`` where it is at hand already."""
+        self._fill(_description=description, _core=description.core() if core is None else core)
+
+    def _made_core(self) -> CoreModel:
+        return self._description.core()
+
+    @property
+    def description(self) -> ModelDescription:
+        """What the model was made of and the parameters applied since: all that a copy or a file needs.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0])
+        >>> chain.description.recipe.springs_n_per_m
+        array([500.])
+        >>> again = ar.MassSpringChain.from_description(chain.description)
+        >>> again.description == chain.description
+        True
+        """
+        return self._description
+
+    @classmethod
+    def from_description(cls, description: ModelDescription) -> Self:
+        """Build a model of this class from its description, to the same bits.
+
+        Parameters
+        ----------
+        description : ModelDescription
+            As :attr:`description` gives it.
+
+        Raises
+        ------
+        InvalidInputError
+            The description of another kind of model.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0])
+        >>> ar.MassSpringChain.from_description(chain.description)
+        MassSpringChain(2 masses)
+        """
+        wanted = cls._recipe_type
+        if not isinstance(description, ModelDescription):
+            reject("description", description, "a ModelDescription", "Take it from a model's .description.")
+        if wanted is None or not isinstance(description.recipe, wanted):
+            needed = "one" if wanted is None else f"a {wanted.__name__}"
+            reject(
+                "description",
+                f"the recipe of another kind of model, a {type(description.recipe).__name__}",
+                f"{needed} that a {cls.__name__} is made of",
+                "Call from_description of the class that the description was taken from.",
+            )
+        model = object.__new__(cls)
+        model._build(description)
+        return model
+
+    def with_parameters(self, parameters: Any, values: Any) -> Self:
+        """The model with parameters applied, as an updating leaves it; this one stays as it is.
+
+        Parameters
+        ----------
+        parameters : Parameter or sequence of Parameter
+            From :func:`stiffness_factor`, :func:`stiffness_reduction`, :func:`thickness` and the others.
+        values : float or array_like, (n,)
+            One value for each, in its unit; not held to the bounds.
+
+        Raises
+        ------
+        InvalidInputError
+            Another number of values, a parameter that changes nothing, a value that leaves no structure.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0])
+        >>> chain.with_parameters(ar.stiffness_reduction(0), 0.4).stiffness()
+        array([[ 300., -300.],
+               [-300.,  300.]])
+        """
+        applied = AppliedParameters.checked(parameters, values)
+        model = object.__new__(type(self))
+        core = self._description.applied_to(self._core, applied)
+        model._build(self._description.with_parameters(applied), core)
+        return model
+
+    @property
+    def n_dof(self) -> int:
+        """Number of degrees of freedom."""
+        return self._core.n_dof
+
+    def element_label(self, element: int) -> str:
+        """Name of stiffness term ``element`` in tables and pictures, counted from 1 as users do."""
+        return f"element {element + 1}"
+
+    def mass_label(self, term: int) -> str:
+        """Name of mass term ``term`` in tables, counted from 1 as users do."""
+        return f"mass {term + 1}"
+
+    @property
+    def default_elements(self) -> list[int]:
+        """Stiffness terms that :func:`assess_damage` looks at unless told otherwise."""
+        return list(range(self._core.n_stiffness_terms))
+
+    @property
+    def _springs(self) -> list[int]:
+        """Stiffness terms that have a stiffness."""
+        return list(range(self._core.n_stiffness_terms))

@@ -1,0 +1,176 @@
+"""What models are made of: one frozen value a kind, as the constructor of that kind found it valid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..support.immutable import Value
+from ..support.validation import FloatArray, integer, part, reject
+from .frame_parts import GroundSpring, NodeSpring, PointMass, three_inertias
+from .sections import AnySection
+
+if TYPE_CHECKING:
+    from .._core import Model as CoreModel
+
+__all__ = ["ChainRecipe", "Entries", "FrameRecipe", "MatrixRecipe", "section_argument"]
+
+
+class _Recipe(Value):
+    """What all kinds answer."""
+
+    def core(self) -> CoreModel:
+        """The core's model, made anew, to the same bits."""
+        raise NotImplementedError
+
+    def section_index(self, name: str | int) -> int:
+        """Index of a section by its name; only frames have sections."""
+        if isinstance(name, str):
+            reject(
+                "parameters",
+                f"the section {name!r}",
+                "zero-based terms, as the model is not a FrameModel",
+                "Count the terms from 0, or build a FrameModel, which has named sections.",
+            )
+        return name
+
+
+@dataclass(frozen=True, eq=False)
+class ChainRecipe(_Recipe):
+    """A chain of masses and springs.
+
+    Attributes
+    ----------
+    masses_kg : ndarray, (n,)
+    springs_n_per_m : ndarray, (n - 1,)
+    ground_first_n_per_m, ground_last_n_per_m : float
+        0 where that end is free.
+    """
+
+    masses_kg: FloatArray
+    springs_n_per_m: FloatArray
+    ground_first_n_per_m: float
+    ground_last_n_per_m: float
+
+    def core(self) -> CoreModel:
+        """The chain, made anew."""
+        return _core.Model.chain(
+            self.masses_kg, self.springs_n_per_m, self.ground_first_n_per_m, self.ground_last_n_per_m
+        )
+
+
+class Entries(NamedTuple):
+    """The entries of a matrix that are not zero."""
+
+    rows: NDArray[np.uint32]
+    columns: NDArray[np.uint32]
+    values: FloatArray
+
+    @classmethod
+    def of(cls, dense: FloatArray) -> Entries:
+        """Those of a dense matrix, row by row."""
+        rows, columns = np.nonzero(dense)
+        values = np.ascontiguousarray(dense[rows, columns])
+        return cls(rows.astype(np.uint32), columns.astype(np.uint32), values)
+
+    def dense(self, n: int) -> FloatArray:
+        """The (n, n) matrix."""
+        matrix = np.zeros((n, n))
+        matrix[self.rows, self.columns] = self.values
+        return matrix
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixRecipe(_Recipe):
+    """Stiffness and mass, and the terms that parameters may scale.
+
+    Attributes
+    ----------
+    n_dof : int
+    stiffness, mass : Entries
+    stiffness_terms, mass_terms : tuple of Entries
+    """
+
+    n_dof: int
+    stiffness: Entries
+    mass: Entries
+    stiffness_terms: tuple[Entries, ...] = ()
+    mass_terms: tuple[Entries, ...] = ()
+
+    def core(self) -> CoreModel:
+        """The matrices and terms, handed over anew."""
+        stiffness, mass = (each.dense(self.n_dof) for each in (self.stiffness, self.mass))
+        return _core.Model.from_matrices(stiffness, mass, self.stiffness_terms, self.mass_terms)
+
+
+@dataclass(frozen=True, eq=False)
+class FrameRecipe(_Recipe):
+    """Beams with lumped masses, springs and supports.
+
+    Attributes
+    ----------
+    nodes_m : ndarray, (n_nodes, 2) or (n_nodes, 3)
+    beams : tuple of (int, int, int)
+        First node, second node and section of each.
+    section_names : tuple of str or int
+        Names of the sections, or their indices where they have none.
+    sections : tuple of Tube, Rectangle or Section
+    orientation : ndarray, (n_beams, 3), or None
+    point_masses, ground_springs, node_springs : tuple of PointMass, GroundSpring, NodeSpring
+    fixed : tuple of (int, str)
+        Node and direction of each fixed dof.
+    """
+
+    nodes_m: FloatArray
+    beams: tuple[tuple[int, int, int], ...]
+    section_names: tuple[str | int, ...]
+    sections: tuple[AnySection, ...]
+    orientation: FloatArray | None = None
+    point_masses: tuple[PointMass, ...] = ()
+    ground_springs: tuple[GroundSpring, ...] = ()
+    node_springs: tuple[NodeSpring, ...] = ()
+    fixed: tuple[tuple[int, str], ...] = ()
+
+    @property
+    def in_space(self) -> bool:
+        """Whether the nodes have three coordinates."""
+        return bool(self.nodes_m.shape[1] == 3)
+
+    def section_index(self, name: str | int) -> int:
+        """Index of a section by its name."""
+        names = self.section_names
+        if name not in names and isinstance(name, str):
+            reject(
+                "sections",
+                repr(name),
+                f"a section of the model: {', '.join(map(repr, names))}",
+                "Correct the name.",
+            )
+        return names.index(name) if isinstance(name, str) else integer("sections", name, low=0)
+
+    def core(self) -> CoreModel:
+        """The frame, assembled anew."""
+        sections = [
+            section._parts(section_argument(name), self.in_space)
+            for name, section in zip(self.section_names, self.sections, strict=True)
+        ]
+        frame = _core.Frame(
+            self.nodes_m,
+            list(self.beams),
+            self.orientation,
+            sections,
+            [(m.node, m.mass_kg, three_inertias(m.inertia_kg_m2)) for m in self.point_masses],
+            [(s.node, s.direction, s.stiffness_n_per_m) for s in self.ground_springs],
+            [(s.node, s.other, s.direction, s.stiffness_n_per_m) for s in self.node_springs],
+            list(self.fixed),
+        )
+        return _core.Model.from_frame(frame)
+
+
+def section_argument(name: str | int) -> str:
+    """A section as messages call the argument."""
+    return part("sections", name)

@@ -1,0 +1,19 @@
+"""Parts of long studies: what every run of the suite has, and what waits for ``make campaign``."""
+
+from __future__ import annotations
+
+import pytest
+
+#: For a whole test that repeats at length what others show in small.
+campaign = pytest.mark.campaign
+
+
+def some_of(cases, kept=1):
+    """Values for ``parametrize``: the first ``kept``, or those listed, always; the rest in the campaign."""
+    cases = list(cases)
+    always = cases[:kept] if isinstance(kept, int) else kept
+    return [case if case in always else _later(case) for case in cases]
+
+
+def _later(case):
+    return pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=campaign)
