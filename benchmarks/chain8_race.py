@@ -167,7 +167,7 @@ def main():
     base = None
     contestants = {
         "ours, to its own stop": lambda seed: ours(case, measured, seed, None),
-        "ours as printed in the paper": lambda seed: ours(case, measured, seed, False),
+        "ours without polish": lambda seed: ours(case, measured, seed, False),
     }
     for name, run in RIVALS.items():
         contestants[name] = lambda seed, run=run: rival(case, measured, seed, args.limit, run)

@@ -99,7 +99,7 @@ def main():
     quick = parser.parse_args().quick
     few, many = (range(2), range(2)) if quick else (range(5), range(10))
 
-    print("identification, 256 s at 512 Hz, 1 % damping: 28 true values")
+    print("identification, 256 s at 512 Hz, 1 % damping: 28 true antiresonances")
     print(" noise  seed  route             found  false  largest error  routes apart")
     for noise, seed, route, found, false, error, apart in identification_study(few):
         print(

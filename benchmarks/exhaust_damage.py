@@ -50,8 +50,8 @@ def measured(case, seed, level, methods):
     found = {}
     if METHODS[0] in methods:
         zeros = identify(case, record)
-        hits, true, false = count(case, zeros, level)
-        found[METHODS[0]] = zeros, f"{hits}/{true} {false}"
+        matched, true, false = count(case, zeros, level)
+        found[METHODS[0]] = zeros, f"{matched}/{true} {false}"
     if METHODS[1] in methods:
         modes = ar.identify_modes(record, band_hz=case.damage_band_hz)
         found[METHODS[1]] = modes, f"{modes.freq_hz.size} modes"

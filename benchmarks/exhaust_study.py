@@ -138,7 +138,7 @@ def main():
         runs.append(one)
         took = ", ".join(f"{name} {s:.1f} s" for name, s in one.seconds.items())
         print(
-            f"seed {seed}: {one.found} of {one.true} true values found up to "
+            f"seed {seed}: {one.found} of {one.true} true antiresonances found up to "
             f"{case.damage_band_hz[1]:g} Hz, {one.false} false; {one.result.nfev:,} evaluations, "
             f"{one.result.status}; {took}"
         )

@@ -200,7 +200,7 @@ def main():
             options.markdown,
         )
 
-    print("\nmissed and false values of the default route\n")
+    print("\nmissed and false antiresonances of the default route\n")
     for config, (scores, _, _) in zip(configs, gathered, strict=True):
         score = scores[ROUTES[0]]
         if score.found != score.true or any(score.false):

@@ -66,7 +66,7 @@ def islands(**options):
     return run
 
 
-#: The paper's algorithm as printed stops on equal genes only and counts any gain.
+#: The paper's algorithm stops on equal genes only and counts any gain.
 METHODS = {
     "ours": islands(),
     "paper": islands(polish=False, improvement_tolerance=0.0, agreement="genes"),

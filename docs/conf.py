@@ -38,6 +38,8 @@ myst_heading_anchors = 3
 autosummary_generate = True
 # A reference to a name that has no page is an error.
 nitpicky = True
+# The private base of the errors with fields, and its property, which numpydoc lists.
+nitpick_ignore = [("py:class", "antires_rs.exceptions._Refusal"), ("py:obj", "path")]
 autodoc_typehints = "none"
 # Attributes and methods are listed by the class template.
 numpydoc_show_class_members = False

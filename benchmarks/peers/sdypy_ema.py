@@ -71,7 +71,7 @@ METHODS = (
         "sdypy-EMA LSCF",
         "sdypy-EMA",
         "T",
-        f"1-{PAIRS} pole pairs: 30 are too few rows for the rule; segments of 2 s",
+        f"1-{PAIRS} pole pairs: 30 are too few orders for the rule; segments of 2 s",
         lscf,
     ),
     Method(

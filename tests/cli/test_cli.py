@@ -197,11 +197,12 @@ def test_help_lists_every_command_and_is_quick(capsys):
 
 def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
     record = ar.cases.chain8().experiment(0, noise=0.01, duration_s=128.0, rng=1)
+    record = ar.Recording(record.responses[:4], record.fs_hz)
     named = ar.Recording(record.responses, record.fs_hz, [f"a{dof}" for dof in record.dofs])
     ar.write_csv(tmp_path / "record.csv", named)
     monkeypatch.chdir(tmp_path)
     call = ["identify", "record.csv", "--band", "3", "130", "--max-order", "30"]
-    names = [f"--dof=a{dof}={dof}" for dof in range(8)]
+    names = [f"--dof=a{dof}={dof}" for dof in range(4)]
     assert (
         cli.main([*call, "--excitation", "a0", *names, "--out", "found.json", "--pictures", "pictures"]) == 0
     )
@@ -209,19 +210,19 @@ def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
     found = ar.AntiresonanceSet.load("found.json")
     assert str(found) == printed.rstrip("\n")
     assert found == ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), max_order=30)
-    assert sorted(os.listdir("pictures")) == [f"stabilization_dof_{dof}.png" for dof in range(8)]
+    assert sorted(os.listdir("pictures")) == [f"stabilization_dof_{dof}.png" for dof in range(4)]
     assert cli.main([*call, "--excitation", "a0", "--json", "--second-opinion", "aaa"]) == 0
     numbers = json.loads(capsys.readouterr().out)
     assert numbers["excitation"] == "a0"
-    assert [row["dof"] for row in numbers["antiresonances"]] == [f"a{dof}" for dof in range(8)]
+    assert [row["dof"] for row in numbers["antiresonances"]] == [f"a{dof}" for dof in range(4)]
     assert numbers["antiresonances"][0]["freq_hz"] == found[0].tolist()
     # The channel at the force may be left out; its place has a name still.
     assert cli.main([*call, "--excitation", "a0", "--dof", "a0=", *names[1:], "--json"]) == 0
     numbers = json.loads(capsys.readouterr().out)
     assert numbers["excitation"] == "a0"
-    assert [row["dof"] for row in numbers["antiresonances"]] == list(range(1, 8))
+    assert [row["dof"] for row in numbers["antiresonances"]] == list(range(1, 4))
     assert cli.main(["identify", "found.json", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["antiresonances"][7]["freq_hz"] == []
+    assert len(json.loads(capsys.readouterr().out)["antiresonances"]) == 4
 
 
 def test_a_force_that_is_no_channel_is_mentioned(tmp_path, monkeypatch, capsys):

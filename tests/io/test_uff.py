@@ -7,61 +7,13 @@ import pytest
 
 import antires_rs as ar
 from reference.io_signals import differences, recording, response
-
-pyuff = pytest.importorskip("pyuff")
+from tests.support.uff_files import FORCE, LINES, NOISE, dataset, pyuff, written
 
 # pyuff leaves files open that it writes in binary form.
 pytestmark = [
     pytest.mark.filterwarnings("ignore::ResourceWarning"),
     pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
 ]
-
-TIME, FREQUENCY, ACCELERATION, FORCE = 17, 18, 12, 13
-
-
-def dataset(
-    values,
-    *,
-    kind=1,
-    node=1,
-    direction=3,
-    reference=(0, 0),
-    step=1 / 512,
-    unit="m/s^2",
-    per="NONE",
-    data_type=ACCELERATION,
-    binary=1,
-    x=None,
-    even=1,
-):
-    """A dataset 58 for pyuff to write: another program's file."""
-    values = np.asarray(values)
-    return {
-        "type": 58,
-        "func_type": kind,
-        "rsp_node": node,
-        "rsp_dir": direction,
-        "ref_node": reference[0],
-        "ref_dir": reference[1],
-        "x": np.arange(values.size) * step if x is None else x,
-        "data": values,
-        "binary": binary,
-        "abscissa_spacing": even,
-        "abscissa_spec_data_type": TIME if kind == 1 else FREQUENCY,
-        "ordinate_spec_data_type": data_type,
-        "ordinate_axis_units_lab": unit,
-        "orddenom_spec_data_type": 0,
-        "orddenom_axis_units_lab": per,
-    }
-
-
-def written(path, *sets):
-    pyuff.UFF(str(path)).write_sets(list(sets), mode="add")
-    return path
-
-
-NOISE = np.random.default_rng(1).standard_normal((4, 400))
-LINES = np.random.default_rng(2).standard_normal((3, 200)).view(np.complex128)
 
 
 @pytest.mark.parametrize("binary", [0, 1])
@@ -165,33 +117,6 @@ def test_forces_are_told_apart(tmp_path):
         ar.read_uff(path, force="77Q")
 
 
-def test_units(tmp_path):
-    path = written(tmp_path / "a.uff", dataset(NOISE[0], unit="V"))
-    with pytest.warns(ar.AntiresWarning, match="responses in 'V', which is no unit known"):
-        np.testing.assert_array_equal(ar.read_uff(path).responses[0], NOISE[0])
-    np.testing.assert_allclose(ar.read_uff(path, unit="mm/s^2").responses[0], 1e-3 * NOISE[0], rtol=1e-15)
-    with pytest.raises(ar.InvalidInputError, match="^unit: got 'V'; wanted a unit such as 'm/s2'"):
-        ar.read_uff(path, unit="V")
-    mixed = written(tmp_path / "b.uff", dataset(NOISE[0]), dataset(NOISE[1], node=2, unit="mm"))
-    with pytest.raises(ar.UnsuitableDataError, match="responses of several kinds"):
-        ar.read_uff(mixed)
-
-
-@pytest.mark.parametrize(
-    ("unit", "per", "factor"),
-    [
-        ("g", "N", 9.80665),
-        ("m/s^2/N", "NONE", 1.0),
-        ("mm/s^2", "kN", 1e-6),
-        ("g/N", "N", 9.80665),
-        ("NONE", "NONE", 1.0),
-    ],
-)
-def test_units_of_frfs(tmp_path, unit, per, factor):
-    path = written(tmp_path / "a.uff", dataset(LINES[0], kind=4, reference=(1, 3), unit=unit, per=per))
-    np.testing.assert_allclose(ar.read_uff(path).values[0], factor * LINES[0], rtol=1e-15)
-
-
 def test_frfs_of_several_references(tmp_path):
     sets = [
         dataset(LINES[i], kind=4, node=i + 1, reference=(k, 3), step=0.5) for k in (1, 2) for i in range(2)
@@ -236,53 +161,6 @@ def test_spectra_become_quotients(tmp_path, unit, kind):
     lone = written(tmp_path / "b.uff", dataset(LINES[0], kind=3, node=1, reference=(5, 3)))
     with pytest.raises(ar.UnsuitableDataError, match="0 auto spectra of the reference 5\\+Z"):
         ar.read_uff(lone)
-
-
-def test_spectra_in_other_units(tmp_path):
-    power = np.linspace(1.0, 2.0, 100)
-    path = written(
-        tmp_path / "a.uff",
-        dataset(power, kind=9, node=5, reference=(5, 3), unit="kN", data_type=FORCE),
-        dataset(LINES[0] * power, kind=3, reference=(5, 3), unit="g", per="kN"),
-    )
-    np.testing.assert_allclose(ar.read_uff(path).values[0], 9.80665e-3 * LINES[0], rtol=1e-14)
-    np.testing.assert_allclose(ar.read_uff(path, unit="m/s2/N").values[0], LINES[0], rtol=1e-14)
-
-
-def units_of_the_file(length, force):
-    return {
-        "type": 164,
-        "units_code": 5,
-        "units_description": "mm (milli-newton)",
-        "temp_mode": 1,
-        "length": length,
-        "force": force,
-        "temp": 1.0,
-        "temp_offset": 273.15,
-    }
-
-
-def test_units_of_the_whole_file(tmp_path):
-    """Dataset 164 holds for functions without a label: SI times its factors is the file's unit."""
-    path = written(
-        tmp_path / "a.uff",
-        units_of_the_file(1000.0, 1000.0),
-        dataset(NOISE[0], unit="NONE"),
-        dataset(NOISE[1], node=2, unit="g"),
-        dataset(NOISE[2], unit="NONE", data_type=FORCE),
-    )
-    rec = ar.read_uff(path)
-    np.testing.assert_allclose(rec.responses, [1e-3 * NOISE[0], 9.80665 * NOISE[1]], rtol=1e-15)
-    np.testing.assert_allclose(rec.force, 1e-3 * NOISE[2], rtol=1e-15)
-    np.testing.assert_array_equal(ar.read_uff(path, unit="m/s2").responses, NOISE[:2])
-    frf = dataset(LINES[0], kind=4, reference=(1, 3), unit="NONE")
-    path = written(
-        tmp_path / "b.uff", units_of_the_file(1000.0, 1.0), {**frf, "orddenom_spec_data_type": FORCE}
-    )
-    np.testing.assert_allclose(ar.read_uff(path).values[0], 1e-3 * LINES[0], rtol=1e-15)
-    path = written(tmp_path / "c.uff", units_of_the_file(0.0, 1.0), dataset(NOISE[0]))
-    with pytest.raises(ar.UnsuitableDataError, match="units .dataset 164. have the factors 0 and 1"):
-        ar.read_uff(path)
 
 
 def test_exact_numbers_of_ours_count_only_beside_their_header(tmp_path):
@@ -367,14 +245,6 @@ def test_data_that_look_like_a_marker(tmp_path):
         ar.read_uff(path)
 
 
-def test_time_and_frequency_in_the_unit_of_their_label(tmp_path):
-    path = written(tmp_path / "a.uff", dataset(NOISE[0], step=0.5) | {"abscissa_axis_units_lab": "ms"})
-    assert ar.read_uff(path).fs_hz == 2000.0
-    frf = dataset(LINES[0], kind=4, reference=(1, 3), step=0.25, x=0.25 * np.arange(100))
-    path = written(tmp_path / "b.uff", frf | {"abscissa_axis_units_lab": "kHz"})
-    np.testing.assert_allclose(ar.read_uff(path).freq_hz, 250.0 * np.arange(100), rtol=1e-14)
-
-
 def test_what_cannot_be_a_response_is_refused(tmp_path):
     frf = dataset(LINES[0], kind=4, reference=(1, 3), step=0.25, per="N")
     receptance = dataset(LINES[1], kind=4, node=2, reference=(1, 3), step=0.25, unit="mm", per="N")
@@ -395,27 +265,6 @@ def test_a_step_of_zero_is_refused(tmp_path, kind):
     )
     with pytest.raises(ar.UnsuitableDataError, match="dataset 1 has a step of 0; wanted a positive step"):
         ar.read_uff(path)
-
-
-@pytest.mark.parametrize("step", [0.1, 0.25, 1 / 3, 1.0])
-@pytest.mark.parametrize("label", ["rad/s", "RAD/SEC"])
-def test_frequencies_in_radians(tmp_path, step, label):
-    """Read as Hz they would be 6.28 times too high."""
-    frf = dataset(LINES[0], kind=4, reference=(1, 3), step=2 * np.pi * step, per="N")
-    path = written(tmp_path / "a.uff", frf | {"abscissa_axis_units_lab": label})
-    # The simplest step in Hz behind six digits in rad/s.
-    np.testing.assert_allclose(ar.read_uff(path).freq_hz, np.arange(100) * step, rtol=1e-12)
-    uneven = dataset(
-        LINES[0],
-        kind=4,
-        reference=(1, 3),
-        even=0,
-        binary=0,
-        per="N",
-        x=2 * np.pi * step * np.arange(100) ** 1.5,
-    )
-    path = written(tmp_path / "b.uff", uneven | {"abscissa_axis_units_lab": label})
-    np.testing.assert_allclose(ar.read_uff(path).freq_hz, step * np.arange(100) ** 1.5, rtol=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,6 @@
 import json
 import os
 import signal
-import subprocess
-import sys
-import time
 
 import pytest
 
@@ -14,27 +11,15 @@ from antires_rs import cli
 from antires_rs.jobs import run
 from antires_rs.updating import results
 from tests.support.job_files import DAMAGE, UPDATE, write_measured
+from tests.support.signalled import ANTIRES, LONG, stopped
 from tests.support.tolerances import INTERRUPT_S
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
 
-#: Some two hundred generations with migrations, a second or two.
-LONG = UPDATE.replace(
-    "seed = 1",
-    "seed = 3\nmax_evaluations = 60_000\npatience = 5\n"
-    "improvement_tolerance = 0.02\npolish = false\nworkers = 1",
-)
 ENDLESS = UPDATE.replace(
     "seed = 1", "seed = 3\npatience = 1_000_000_000\npolish = false\nmax_evaluations = 1_000_000_000_000"
 )
 
-# Where the tests themselves run in the background, SIGINT is ignored, and children inherit that.
-ANTIRES = """
-import signal, sys
-signal.signal(signal.SIGINT, signal.default_int_handler)
-from antires_rs.cli import main
-sys.exit(main(sys.argv[1:]))
-"""
 #: Every generation is written, so that a kill finds a checkpoint, and may fall into its writing.
 OFTEN = """
 import antires_rs.optimize.checkpoint
@@ -43,31 +28,6 @@ def often(self, path, every_s=0.0):
     write(self, path, every_s)
 antires_rs.optimize.checkpoint.Checkpoint.__init__ = often
 """
-
-
-def stopped(folder, how, *call, after=0.3, until="searching", code=ANTIRES):
-    """Exit code, output, errors and seconds of an ``antires`` that got a signal during its search."""
-    with subprocess.Popen(
-        [sys.executable, "-c", code, *call],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=folder,
-    ) as process:
-        try:
-            record = folder / "job_results" / "run.json"
-            deadline = time.monotonic() + 60.0
-            while not (record.exists() and until in record.read_text()):
-                assert process.poll() is None, process.stderr.read()
-                assert time.monotonic() < deadline
-                time.sleep(0.005)
-            time.sleep(after)
-            start = time.monotonic()
-            process.send_signal(how)
-            out, err = process.communicate(timeout=30)
-            return process.returncode, out, err, time.monotonic() - start
-        finally:
-            process.kill()
 
 
 def bytes_of(file):

@@ -10,8 +10,10 @@ from scipy.io import mmwrite
 import antires_rs as ar
 from antires_rs import cli
 from antires_rs.jobs import read_job
+from antires_rs.jobs.measured import measured_of
 from antires_rs.jobs.model import model_of
 from antires_rs.jobs.unknowns import parameters_of
+from tests.support.campaign import some_of
 from tests.support.job_files import DAMAGE, UPDATE, write_measured
 
 FOUND = {"spring 5": 0.55}
@@ -113,7 +115,9 @@ def records(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("kind", SIGNALS)
+@pytest.mark.parametrize(
+    "kind", some_of(SIGNALS, ["names in the job", "one left out", "points of a universal file", "CSV"])
+)
 def test_damage_from_records_of_every_format(records, tmp_path, kind):
     file, dofs = SIGNALS[kind]
     force = '"a0"' if dofs.startswith("dofs = { a0") else "0"
@@ -159,6 +163,26 @@ def test_names_in_a_set_are_mapped_and_left_out(tmp_path):
         tmp_path, DAMAGE.replace('"measured.json"', f'"measured.json"\ndofs = {{ {names}, m7 = false }}')
     )
     assert losses(summary) == FOUND
+
+
+def test_edits_of_a_set_move_with_its_names(tmp_path):
+    exact = ar.cases.chain8().exact(1)
+    named = ar.AntiresonanceSet("m0", {f"m{dof}": exact[dof] for dof in exact})
+    named.drop("m1", exact[1][-1], reason="hum").add("m0", 140.0).save(tmp_path / "measured.json")
+    names = ", ".join(f"m{dof} = {dof}" for dof in exact)
+    job = job_of(tmp_path, DAMAGE.replace('"measured.json"', f'"measured.json"\ndofs = {{ {names} }}'))
+    (measured,) = measured_of(job, model_of(job), print)
+    found = measured.found
+    assert [(e.action, e.dof, e.reason) for e in found.edits] == [("drop", 1, "hum"), ("add", 0, "")]
+    assert found.by_hand() == {(0, 140.0)}
+    assert found.original() == exact
+
+
+def test_two_names_of_one_dof_are_refused(tmp_path):
+    ar.AntiresonanceSet(0, {0: [20.0], 1: [30.0]}).save(tmp_path / "measured.json")
+    job = job_of(tmp_path, DAMAGE.replace('"measured.json"', '"measured.json"\ndofs = [3, 3]'))
+    with pytest.raises(ar.InvalidInputError, match=r"line 3, \[data\] dofs: got 3 for two of \(0, 1\)"):
+        measured_of(job, model_of(job), print)
 
 
 FRAME = """[model]

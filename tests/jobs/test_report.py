@@ -191,7 +191,7 @@ def test_two_positions_of_the_force_keep_both_diagrams(tmp_path, monkeypatch):
         for force in (0, 7)
     )
     job = re.sub(r"\[data\].*?\n\n", data, JOB, count=1, flags=re.S)
-    job = job.replace("[0, 3, 4]", "[0, 7]").replace("pictures = false", "")
+    job = job.replace("[0, 4]", "[0, 7]").replace("pictures = false", "")
     (tmp_path / "job.toml").write_text(job, encoding="utf-8")
     painted = []
     paint = figures.picture

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import antires_rs as ar
+from tests.support.campaign import campaign
 
 HERE = Path(ar.__file__).parent
 MODULES = sorted(module.name for module in pkgutil.iter_modules([str(HERE)]))
@@ -125,6 +126,7 @@ def test_the_command_line_answers_without_numpy(argument):
     assert {name.split(".")[0] for name in loaded.split()} & (EXTRAS | {"numpy", "scipy"}) == set()
 
 
+@campaign  # there is no circle that could make it otherwise: `make lint`
 def test_every_module_can_be_the_first():
     """Nothing leans on another import having come before; the extension is loaded once."""
     names = sorted(

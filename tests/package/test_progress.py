@@ -60,7 +60,7 @@ def test_on_a_terminal_it_is_shown_unasked(at_once, monkeypatch):
 
     screen = Terminal()
     monkeypatch.setattr(sys, "stderr", screen)
-    record = CASE.experiment(0, rng=0)
+    record = CASE.experiment(0, rng=0, duration_s=64.0)
     zeros = ar.identify_antiresonances(record, excitation=0, band_hz=CASE.band_hz)
     ar.identify_modes(record, band_hz=CASE.band_hz)
     ar.check_data(record, excitation=0, band_hz=CASE.band_hz)
@@ -76,7 +76,7 @@ def test_on_a_terminal_it_is_shown_unasked(at_once, monkeypatch):
     assert len(zeros) == 8
     shown = len(said)
     ar.identify_antiresonances(record, excitation=0, band_hz=CASE.band_hz, progress=False)
-    CASE.experiment(0, rng=0, progress=False)
+    CASE.experiment(0, rng=0, duration_s=64.0, progress=False)
     assert len(screen.getvalue()) == shown
 
 
@@ -120,12 +120,13 @@ def test_the_option_is_in_every_signature(call):
     assert call.__doc__
 
 
-def test_warnings_point_at_the_callers_line():
+def test_warnings_point_at_the_callers_line(monkeypatch):
     record = CASE.experiment(0, rng=0, duration_s=60.0, noise=0.01)
     short = ar.Recording(record.responses[:, :4096], record.fs_hz, dofs=record.dofs)
     with pytest.warns(ar.AntiresWarning, match="data check") as caught:
         ar.identify_antiresonances(short, excitation=0, band_hz=CASE.band_hz)
     assert [w.filename for w in caught] == [__file__] * len(caught)
+    monkeypatch.setattr("antires_rs.models.simulation._LONGEST_LEAD_IN", 10_000)
     with pytest.warns(ar.AntiresWarning, match="lead-in") as caught:
         CASE.true_model(0).simulate(excitation=0, fs_hz=512.0, duration_s=1.0, damping_ratio=1e-9, rng=0)
     assert [w.filename for w in caught] == [__file__] * len(caught)

@@ -8,9 +8,7 @@ import antires_rs as ar
 from antires_rs import plotting
 from antires_rs.data_check import check_data
 from antires_rs.plotting.canvas import below, picture
-from tests.plotting.test_plotting import chain, exact
-
-BAND = (0.8, 9.0)
+from tests.support.four_masses import BAND, chain, exact
 
 
 @pytest.fixture
@@ -19,18 +17,13 @@ def ax():
 
 
 @pytest.fixture(scope="module")
-def record():
-    return chain().simulate(excitation=0, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, noise=1e-3, rng=0)
-
-
-@pytest.fixture(scope="module")
 def damage():
     return ar.assess_damage(chain(), exact(chain([500.0, 270.0, 520.0])), rng=0, workers=1)
 
 
 @pytest.fixture(scope="module")
-def diagram(record):
-    return ar.identify_antiresonances(record, excitation=0, band_hz=BAND, dofs=[1], max_order=24).diagrams[1]
+def diagram(identified):
+    return identified.diagrams[1]
 
 
 def drawn(record, damage, diagram):

@@ -11,6 +11,7 @@ import antires_rs as ar
 from antires_rs.plotting.canvas import COLOURS, picture
 from antires_rs.plotting.damping_clusters import LEAST_PERCENT, plot_damping_clusters
 from antires_rs.plotting.stabilization import LOOKS, plot_stabilization
+from tests.support import four_masses
 
 DRAW = {"stabilization": plot_stabilization, "damping_clusters": plot_damping_clusters}
 
@@ -22,9 +23,8 @@ def ax():
 
 @pytest.fixture(scope="module")
 def identified():
-    chain = ar.MassSpringChain(np.ones(4), [500.0, 450.0, 520.0])
-    rec = chain.simulate(excitation=0, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, noise=1e-3, rng=13)
-    return ar.identify_antiresonances(rec, excitation=0, band_hz=(0.8, 9.0), max_order=30)
+    """A record with a value that does not stand still."""
+    return four_masses.identified(13)
 
 
 def labels(ax):

@@ -9,32 +9,12 @@ from matplotlib.figure import Figure
 import antires_rs as ar
 from antires_rs import plotting
 from antires_rs.plotting.canvas import picture, spread
-
-SPRINGS = np.array([500.0, 450.0, 520.0])
-DOFS = [0, 1, 2, 3]
-
-
-def chain(springs=SPRINGS):
-    return ar.MassSpringChain(np.ones(4), springs)
-
-
-def exact(model, dofs=DOFS):
-    return ar.AntiresonanceSet(0, dict(zip(dofs, model.antiresonances(dofs, 0), strict=True)))
+from tests.support.four_masses import DOFS, SPRINGS, chain, exact
 
 
 @pytest.fixture
 def ax():
     return Figure().subplots()
-
-
-@pytest.fixture(scope="module")
-def record():
-    return chain().simulate(excitation=0, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, noise=1e-3, rng=0)
-
-
-@pytest.fixture(scope="module")
-def identified(record):
-    return ar.identify_antiresonances(record, excitation=0, band_hz=(0.8, 9.0), max_order=30)
 
 
 @pytest.fixture(scope="module")

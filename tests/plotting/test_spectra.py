@@ -9,19 +9,12 @@ from matplotlib.figure import Figure
 import antires_rs as ar
 from antires_rs.data_check import check_data
 from antires_rs.plotting.spectra import plot_coherence, plot_singular_values
-
-BAND = (0.8, 9.0)
+from tests.support.four_masses import BAND, chain
 
 
 @pytest.fixture
 def ax():
     return Figure().subplots()
-
-
-@pytest.fixture(scope="module")
-def record():
-    chain = ar.MassSpringChain(np.ones(4), np.array([500.0, 450.0, 520.0]))
-    return chain.simulate(excitation=0, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, noise=1e-3, rng=0)
 
 
 @pytest.fixture(scope="module")
@@ -107,8 +100,7 @@ def test_singular_values_are_in_decibels_over_the_noise(check, ax):
 
 
 def test_a_second_force_is_in_the_title(record, ax):
-    chain = ar.MassSpringChain(np.ones(4), np.array([500.0, 450.0, 520.0]))
-    other = chain.simulate(excitation=2, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, rng=1)
+    other = chain().simulate(excitation=2, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, rng=1)
     both = ar.Recording(record.responses + other.responses, 25.0)
     check_data(both, band_hz=BAND).plot(ax=ax)
     assert ax.get_title() == "more than one force (fatal)"

@@ -11,7 +11,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.report import figures, write_report
-from tests.report.test_report import exact
+from tests.support.four_masses import exact
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 #: Attributes by which a page makes a browser ask for something.

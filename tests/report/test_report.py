@@ -12,6 +12,8 @@ import pytest
 import antires_rs as ar
 from antires_rs import report
 from antires_rs.report import write_report
+from tests.support import four_masses
+from tests.support.four_masses import exact
 
 TITLE = "<script>alert('K & M')</script>"
 VOID = {"meta", "img", "br", "link"}
@@ -42,10 +44,6 @@ def read(path):
     outline.feed(html)
     assert outline.open == []
     return html, outline.sources, " ".join(" ".join(outline.text).split())
-
-
-def exact(model):
-    return ar.AntiresonanceSet(0, dict(enumerate(model.antiresonances(range(model.n_dof), 0))))
 
 
 @pytest.fixture(scope="module")
@@ -118,15 +116,11 @@ def test_no_damage_is_said_in_so_many_words(tmp_path):
 
 
 def test_evidence_and_measured_response_join_on_request(updated, tmp_path):
-    rec = ar.MassSpringChain(np.ones(4), [500.0, 450.0, 520.0]).simulate(
-        excitation=0, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, rng=0
-    )
-    found = ar.identify_antiresonances(rec, excitation=0, band_hz=(0.8, 9.0), dofs=[0], max_order=30)
     path = write_report(
         updated,
         tmp_path / "run.html",
-        diagrams=found.diagrams,
-        response=ar.transmissibility(rec, 0, nperseg=512),
+        diagrams={0: four_masses.identified().diagrams[0]},
+        response=ar.transmissibility(four_masses.record(), 0, nperseg=512),
     )
     _, sources, text = read(path)
     assert len(sources) == 6

@@ -95,9 +95,7 @@ class AntiresonanceSet(EditedTables):
         cross_check: CrossCheck | None = None,
     ) -> None:
         super().__init__(label("excitation", excitation), tables_of(freq_hz, damping_ratio, std_hz, scores))
-        vars(self).update(
-            _diagrams=FrozenDict(diagrams or {}), _data_check=data_check, _cross_check=cross_check
-        )
+        self._fill(_diagrams=FrozenDict(diagrams or {}), _data_check=data_check, _cross_check=cross_check)
 
     @classmethod
     def from_tables(
@@ -160,7 +158,7 @@ class AntiresonanceSet(EditedTables):
                 "dofs",
                 f"{twice[0]!r} for two of {tuple(self)}",
                 "each dof once",
-                "Give each response a dof of its own.",
+                "Name one otherwise, or leave it out.",
             )
 
         def moved(tables: Mapping[Any, ResponseTable]) -> dict[Any, ResponseTable]:
@@ -177,25 +175,25 @@ class AntiresonanceSet(EditedTables):
         return self._diagrams
 
     @property
-    def data_check(self) -> DataCheck | None:
+    def data_check(self) -> Any | None:
         """Whether the data were fit for identification, where they were checked."""
         return self._data_check
 
     @property
-    def cross_check(self) -> CrossCheck | None:
+    def cross_check(self) -> Any | None:
         """What another method says of the antiresonances, where it was asked."""
         return self._cross_check
 
     @property
-    def second_opinion(self) -> CrossCheck | None:
+    def second_opinion(self) -> Any | None:
         """The older name of ``cross_check``."""
         return self._cross_check
 
     def __str__(self) -> str:
         width = max(3, *(len(str(dof)) for dof in self))
         lines = [f"antiresonances, force at {self.excitation}"]
-        if self.data_check is not None:
-            lines += [f"do not trust: {f.text}" for f in self.data_check.findings if f.severity == "fatal"]
+        if self._data_check is not None:
+            lines += [f"do not trust: {f.text}" for f in self._data_check.findings if f.severity == "fatal"]
         lines.append(f"{'dof':>{width}}  count  freq_hz")
         for dof, freq in self.items():
             values = "  ".join(f"{f:.3f}" for f in freq) or "-"

@@ -25,7 +25,7 @@ class EditedTables(ResponseTables):
 
     def __init__(self, excitation: Any, tables: Mapping[Any, ResponseTable]) -> None:
         super().__init__(excitation, tables)
-        vars(self).update(_edits=(), _original=None)
+        self._fill(_edits=(), _original=None)
 
     @property
     def edits(self) -> tuple[Edit, ...]:
@@ -121,5 +121,5 @@ class EditedTables(ResponseTables):
     def _with(self, **parts: Any) -> Self:
         """A copy with other parts; whatever else the set carries stays with it."""
         new = copy.copy(self)
-        vars(new).update(parts)
+        new._fill(**parts)
         return new

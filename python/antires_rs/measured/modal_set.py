@@ -105,7 +105,7 @@ class ModalSet(ReadOnly):
                     f"{freq.size}, one a mode",
                     "Give a damping ratio for each mode, or leave it out.",
                 )
-        vars(self).update(
+        self._fill(
             freq_hz=freq,
             shapes=frozen(array),
             dofs=dof_labels("dofs", dofs, array.shape[1]),

@@ -26,7 +26,7 @@ class ResponseTables(ReadOnly, Mapping[Any, FloatArray]):
     _tables: FrozenDict[Any, ResponseTable]
 
     def __init__(self, excitation: Any, tables: Mapping[Any, ResponseTable]) -> None:
-        vars(self).update(_excitation=excitation, _tables=FrozenDict(tables))
+        self._fill(_excitation=excitation, _tables=FrozenDict(tables))
 
     @property
     def excitation(self) -> Any:

@@ -100,7 +100,7 @@ class ResponseTable(ReadOnly):
                 )
             return frozen(array[rank])
 
-        vars(self).update(
+        self._fill(
             freq_hz=frozen(freq[rank]),
             damping_ratio=column("damping_ratio", damping_ratio, np.nan),
             std_hz=column("std_hz", std_hz, np.nan),

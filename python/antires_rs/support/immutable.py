@@ -3,34 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
-from .pickling import ReadOnly
+from .pickling import Immutable, ReadOnly
 
 __all__ = ["Immutable", "Value", "frozen_or_none"]
-
-
-class Immutable:
-    """An object whose attributes nobody may set or delete.
-
-    Constructors fill it by :meth:`_fill`; a ``cached_property`` keeps its value as usual.
-    """
-
-    def _fill(self, **attributes: Any) -> None:
-        """Set the attributes, in the constructor."""
-        self.__dict__.update(attributes)
-
-    def __setattr__(self, name: str, value: Any) -> NoReturn:
-        self._refuse(name)
-
-    def __delattr__(self, name: str) -> NoReturn:
-        self._refuse(name)
-
-    def _refuse(self, name: str) -> NoReturn:
-        kind = type(self).__name__
-        raise AttributeError(f"{kind}.{name} is read-only: make another {kind} instead.", name=name, obj=self)
 
 
 class Value(ReadOnly):

@@ -12,7 +12,7 @@ from typing import Any, Generic, NoReturn, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AroundCore", "FrozenDict", "ReadOnly", "frozen"]
+__all__ = ["AroundCore", "FrozenDict", "Immutable", "ReadOnly", "frozen"]
 
 Core = TypeVar("Core")
 Key = TypeVar("Key")
@@ -36,20 +36,32 @@ class AroundCore(Generic[Core]):
         self.__dict__["_core"] = self._made_core()
 
 
-class ReadOnly:
-    """An object that nobody may change: no attribute, and no array, alone or in dicts and tuples.
+class Immutable:
+    """An object whose attributes nobody may set or delete.
 
-    A constructor writes by ``vars(self).update(...)``.
+    Constructors fill it by :meth:`_fill`; a ``cached_property`` keeps its value as usual.
     """
 
+    def _fill(self, **attributes: Any) -> None:
+        """Set the attributes, in the constructor."""
+        self.__dict__.update(attributes)
+
     def __setattr__(self, name: str, value: Any) -> NoReturn:
-        raise AttributeError(f"{type(self).__name__} is read-only: {name!r} cannot be set. Make another one.")
+        self._refuse(name)
 
     def __delattr__(self, name: str) -> NoReturn:
-        raise AttributeError(f"{type(self).__name__} is read-only: {name!r} cannot be deleted.")
+        self._refuse(name)
+
+    def _refuse(self, name: str) -> NoReturn:
+        kind = type(self).__name__
+        raise AttributeError(f"{kind}.{name} is read-only: make another {kind} instead.", name=name, obj=self)
+
+
+class ReadOnly(Immutable):
+    """An immutable object whose arrays, alone or in dicts and tuples, nobody may change either."""
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
+        self._fill(**state)
         _freeze(state)
 
 

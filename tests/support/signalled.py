@@ -1,0 +1,47 @@
+"""Runs of ``antires`` that get a signal during their search."""
+
+import subprocess
+import sys
+import time
+
+from tests.support.job_files import UPDATE
+
+#: Some two hundred generations with migrations, a second or two.
+LONG = UPDATE.replace(
+    "seed = 1",
+    "seed = 3\nmax_evaluations = 60_000\npatience = 5\n"
+    "improvement_tolerance = 0.02\npolish = false\nworkers = 1",
+)
+
+# Where the tests themselves run in the background, SIGINT is ignored, and children inherit that.
+ANTIRES = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from antires_rs.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def stopped(folder, how, *call, after=0.3, until="searching", code=ANTIRES):
+    """Exit code, output, errors and seconds of an ``antires`` that got a signal during its search."""
+    with subprocess.Popen(
+        [sys.executable, "-c", code, *call],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+    ) as process:
+        try:
+            record = folder / "job_results" / "run.json"
+            deadline = time.monotonic() + 60.0
+            while not (record.exists() and until in record.read_text()):
+                assert process.poll() is None, process.stderr.read()
+                assert time.monotonic() < deadline
+                time.sleep(0.005)
+            time.sleep(after)
+            start = time.monotonic()
+            process.send_signal(how)
+            out, err = process.communicate(timeout=30)
+            return process.returncode, out, err, time.monotonic() - start
+        finally:
+            process.kill()
