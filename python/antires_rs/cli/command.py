@@ -10,9 +10,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..exceptions import AntiresError, AntiresWarning, InvalidInputError, UnsuitableDataError
-from ..support.files import final_path
 from .parser import parser
-from .terminal import complain
+from .usage import complain
 
 __all__ = ["run"]
 
@@ -41,6 +40,8 @@ def _refused(exc: OSError) -> object:
     """What the system refuses, by the name that the user gave: files are written under another one first."""
     if not isinstance(exc.filename, str) or exc.errno not in (errno.EACCES, errno.EPERM, errno.EROFS):
         return exc
+    from ..support.files import final_path
+
     return UnsuitableDataError(
         repr(str(final_path(exc.filename))),
         f"'{exc.strerror}' from the system",

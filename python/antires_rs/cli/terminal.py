@@ -12,7 +12,7 @@ from typing import Any
 from ..exceptions import Argument, InvalidInputError
 from ..support.validation import reject
 
-__all__ = ["arguments", "complain", "existing", "print_json", "say"]
+__all__ = ["arguments", "existing", "print_json", "say"]
 
 
 def say(text: str) -> None:
@@ -20,11 +20,6 @@ def say(text: str) -> None:
     if sys.stderr.isatty():
         sys.stderr.write(f"{text}\n")  # in one piece, whenever Ctrl-C comes
         sys.stderr.flush()
-
-
-def complain(error: object, program: str = "antires") -> None:
-    """The one line on standard error that ends a command."""
-    print(f"{program}: error: {error}", file=sys.stderr)
 
 
 def print_json(data: Any) -> None:

@@ -7,13 +7,19 @@ them: what they were given as, how many values they take, which are required.
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
 from ..exceptions import InvalidInputError
 
-__all__ = ["Parser", "WrongValue", "dof", "number", "one_of", "pair"]
+__all__ = ["Parser", "WrongValue", "complain", "dof", "number", "one_of", "pair"]
+
+
+def complain(error: object, program: str = "antires") -> None:
+    """The one line on standard error that ends a command."""
+    print(f"{program}: error: {error}", file=sys.stderr)
 
 
 class WrongValue(argparse.ArgumentTypeError):
@@ -45,7 +51,7 @@ class Parser(argparse.ArgumentParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """As argparse, but that a wrong value is said in our fields."""
-        given = list(_process_arguments() if args is None else args)
+        given = list(sys.argv[1:] if args is None else args)
         self._check_command(given)
         self._check_short_forms(given)
         try:
@@ -62,8 +68,6 @@ class Parser(argparse.ArgumentParser):
 
     def refuse(self, argument: str, got: str, wanted: str, remedy: str) -> NoReturn:
         """End the program with a usage error."""
-        from .terminal import complain
-
         complain(InvalidInputError(argument, got, wanted, remedy), self.prog)
         self.exit(2)
 
@@ -110,12 +114,6 @@ class Parser(argparse.ArgumentParser):
 
     def _commands(self) -> dict[str, Parser]:
         return next((a.choices for a in self._actions if isinstance(a.choices, dict)), {})
-
-
-def _process_arguments() -> list[str]:
-    import sys
-
-    return sys.argv[1:]
 
 
 def _name(action: argparse.Action) -> str:
