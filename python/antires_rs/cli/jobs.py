@@ -10,7 +10,7 @@ from typing import Any
 
 from ..jobs import Job, read_job, template
 from ..jobs.files import RunFolder
-from ..jobs.keys import FORMATS, format_of
+from ..jobs.formats import FORMATS, format_of
 from ..support.files import write_atomically
 from ..support.validation import reject
 from .terminal import arguments, existing, print_json, say

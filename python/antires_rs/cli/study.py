@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ..exceptions import AntiresWarning
-from ..jobs.keys import DATA, FORMATS, format_of
+from ..jobs.formats import FORMATS, format_of
+from ..jobs.keys_data import DATA
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import reject
 from ..support.wording import LeftOut, Part

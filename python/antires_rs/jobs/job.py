@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..exceptions import InvalidInputError
-from .keys import SECTIONS, Section
+from .key import Section
+from .keys import SECTIONS
 from .lines import Path as Keys
 from .lines import lines_of
 from .places import Place, Places, key_at

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..exceptions import Argument
-from .keys import SECTIONS, Key
+from .key import Key
+from .keys import SECTIONS
 from .lines import Path as Keys
 
 __all__ = ["Place", "Places", "key_at"]

@@ -14,7 +14,7 @@ from ..io.own import relabelled
 from ..io.uff_names import as_point
 from ..support.validation import reject
 from ..support.wording import LeftOut, Part, spelled
-from .keys import DATA
+from .keys_data import DATA
 from .values import shown
 
 __all__ = ["Signal", "read_signal", "relabelled"]
