@@ -4,8 +4,8 @@ For the antiresonances of dof j all T_pj = X_p / X_j have the poles sought. They
 
 ========  ============================================================================================
 "joint"   all T_pj, one denominator (complex, in s)
-"power"   all abs(T_pj)^2, one denominator (real, in f^2, see :mod:`~antires_rs.identification.power`);
-without phase "eq10"    sum_p abs(Re T_pj) + i abs(Im T_pj), Eq. 10 of the paper as printed
+"power"   all abs(T_pj)^2, one denominator (real, in f^2; no phase), :mod:`~antires_rs.identification.power`
+"eq10"    sum_p abs(Re T_pj) + i abs(Im T_pj), Eq. 10 of the paper as printed
 ========  ============================================================================================
 
 Measured on chain8 (28 antiresonances; 1 % damping, 200 s at 512 Hz, five seeds; found within 1 %, mean of the

@@ -95,8 +95,8 @@ def identify_antiresonances(
         How a record is averaged; "auto" looks at its energy profile.
     estimator : {"rank1", "h1", "h2", "hv"}
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
-        :func:`~antires_rs.signals.transfer_functions.transmissibility` and
-        :func:`~antires_rs.signals.transfer_functions.frf`.
+        :func:`~antires_rs.transmissibility` and
+        :func:`~antires_rs.frf`.
     formulation : {"auto", "numerators", "joint", "power", "eq10"}, optional
         See the module, and :mod:`~antires_rs.identification.formulations` for the last two. "auto"
         (default) takes "numerators" for averaged records with ``estimator="rank1"``, else "joint".
