@@ -117,5 +117,5 @@ def test_there_are_forty_and_the_messages_are_those_that_were_looked_at(messages
     assert len(messages) >= 40
     compare(
         Path(__file__).with_name("wrong_calls.txt"),
-        {case: f"exit {code}  {said}" for case, (code, said) in messages.items()},
+        {case: f"exit {code}  {said}" for case, (code, said, _) in messages.items()},
     )
