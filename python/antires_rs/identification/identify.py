@@ -260,9 +260,14 @@ def _wanted_dofs(dofs: Iterable[Any] | None, known: tuple[Any, ...]) -> tuple[An
     if dofs is None:
         return known
     if isinstance(dofs, str | bytes) or not isinstance(dofs, Iterable):
-        reject("dofs", dofs, f"a list of dofs out of {known}")
+        reject("dofs", dofs, f"a list of dofs out of {known}", "Put the dofs in a list, such as dofs=[0, 1].")
     wanted = tuple(dict.fromkeys(dofs))
     strange = [dof for dof in wanted if dof not in known]
     if strange or not wanted:
-        reject("dofs", strange or "an empty list", f"dofs out of {known}")
+        reject(
+            "dofs",
+            strange or "an empty list",
+            f"dofs out of {known}",
+            "Name dofs of the source, or leave dofs out for all.",
+        )
     return tuple(known[known.index(dof)] for dof in wanted)
