@@ -6,7 +6,8 @@ score            what it says
 rows             model orders of its chain (or those in which a persistent one was seen)
 spread           relative standard deviation of its frequency over these orders
 dominance        share of the curve that the pole owns at its frequency; 1 is all of it
-how              "chain": stable in consecutive orders; "persistent": in most orders, without standing still
+how              "chain": stable in consecutive orders; "persistent": in most orders, without standing still;
+                 "likeliest order": accepted at once from the fit of the order that the data support
 residual         relative misfit of the fit around the value, :func:`local_misfit`
 prominence_db    height of its peak in the summed transmissibilities, :func:`prominence_db`
 grade            "sure", "fair" or "weak", :func:`grades`; averaged records only
@@ -184,9 +185,9 @@ def grades(
     =====  ======  =====  =============  ================
 
     Even "weak" is true nine times of ten: it asks for a look. All this holds for averaged records. For FRFs
-    that come as such and for single hits, whose values move more from order to order, the words mean nothing
-    (8 of 10 antiresonances of a measured three-storey frame come out "weak", all of them true), and none
-    is given.
+    that come as such and for single impacts, whose values move more from order to order, the words mean
+    nothing (8 of 10 antiresonances of a measured three-storey frame come out "weak", all of them true), and
+    none is given.
 
     Examples
     --------

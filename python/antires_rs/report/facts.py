@@ -152,7 +152,8 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     if how.size:
         facts["Accepted"] = [
             f"{np.sum(how == 'chain')} stable over consecutive orders, "
-            f"{np.sum(how == 'persistent')} in most orders without standing still"
+            f"{np.sum(how == 'persistent')} in most orders without standing still, "
+            f"{np.sum(how == 'likeliest order')} from the likeliest order alone"
         ]
     if found.edits:
         facts["Edited by hand"] = [str(edit) for edit in found.edits]
