@@ -27,7 +27,7 @@ to be compared with, and says so by a warning.
 
 Lines are weighted by SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2), over abs(D)^2 of a denominator guessed
 at order 4 (module ``first_guess``): without the guess "joint" finds 26.0 at 5 % noise,
-"power" 24.6. Only averaged records get it; the errors of given curves and single hits are not white, and
+"power" 24.6. Only averaged records get it; the errors of given curves and single impacts are not white, and
 where the response is weak they would be followed.
 
 Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820 (Eq. 10 and the sum).
