@@ -53,7 +53,8 @@ from .models.frame_parts import GroundSpring, NodeSpring, PointMass
 from .models.matrix_model import MatrixModel
 from .models.parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
 from .models.sections import Rectangle, Section, Tube
-from .optimize.island_ga import History, IslandGA, OptimizeResult
+from .optimize.island_ga import IslandGA
+from .optimize.outcome import History, OptimizeResult
 from .order_sweep.diagram import StabilizationDiagram, stabilization
 from .rational.fit import RationalFit, fit_rational
 from .signals.frequency_response import FrequencyResponse

@@ -147,9 +147,9 @@ def test_too_coarse_segments_are_named(good, nperseg, severity):
 
 
 def test_who_left_the_choice_of_segments_is_not_told_to(good, monkeypatch):
-    from antires_rs.data_check import records
+    from antires_rs.signals import averaging
 
-    monkeypatch.setattr(records, "choose_nperseg", lambda rec, band: 512)
+    monkeypatch.setattr(averaging, "choose_nperseg", lambda rec, band, correlation: 512)
     [finding] = check(Recording(good[0], FS)).named("resolution")
     assert finding.advice.startswith("Use longer segments, of ")
     assert "nperseg" not in finding.advice

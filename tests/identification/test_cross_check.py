@@ -1,11 +1,12 @@
-"""The second opinion: its two methods on functions that are known, and its judgement on records."""
+"""The cross-check: its two methods on functions that are known, and its judgement on records."""
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.identification.cross_check import DOMINANCE, METHODS, second_opinion
+from antires_rs.identification.cross_check import METHODS, cross_check
+from antires_rs.order_sweep.limits import CONFIRMING_DOMINANCE
 from antires_rs.rational.aaa import set_valued_aaa
 from antires_rs.rational.vector_fitting import vector_fitting
 
@@ -47,7 +48,7 @@ def test_exact_curves_give_back_their_poles(method, n_poles):
     off = np.abs(s[None, :] - poles[:, None]) / np.abs(poles)[:, None]
     assert off.min(axis=1).max() < 1e-8
     # Random residues make weak poles beside strong ones; even those own enough to confirm a value.
-    assert np.all(dominance[off.argmin(axis=1)] > DOMINANCE)
+    assert np.all(dominance[off.argmin(axis=1)] > CONFIRMING_DOMINANCE)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -88,23 +89,23 @@ def test_lines_without_weight_do_not_count():
 @pytest.mark.parametrize("method", METHODS)
 def test_true_values_are_confirmed_and_others_are_flagged(record, truth, method):
     asked = {dof: np.sort(np.append(f, 3.0)) for dof, f in truth.items()}
-    opinion = second_opinion(record, asked, band_hz=BAND, method=method)
-    assert opinion.flagged == [(dof, 3.0) for dof in truth]
+    compared = cross_check(record, asked, band_hz=BAND, method=method)
+    assert compared.flagged == [(dof, 3.0) for dof in truth]
     for dof, f in asked.items():
-        np.testing.assert_allclose(opinion.distance[dof], np.abs(opinion.nearest_hz[dof] / f - 1.0))
-        assert opinion.is_confirmed(dof, 3.0) is False
-    assert opinion.is_confirmed(0, float(truth[0][0])) is True
-    assert opinion.is_confirmed(0, 1.234) is None
-    assert opinion.is_confirmed("no such dof", 1.234) is None
+        np.testing.assert_allclose(compared.distance[dof], np.abs(compared.nearest_hz[dof] / f - 1.0))
+        assert compared.is_confirmed(dof, 3.0) is False
+    assert compared.is_confirmed(0, float(truth[0][0])) is True
+    assert compared.is_confirmed(0, 1.234) is None
+    assert compared.is_confirmed("no such dof", 1.234) is None
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_strong_antiresonance_that_is_missing_is_a_candidate(record, truth, method):
     fewer = {0: truth[0], 1: truth[1][1:], 2: truth[2], 3: truth[3]}
-    opinion = second_opinion(record, fewer, band_hz=BAND, method=method)
-    assert opinion.candidates_hz[1][0] == pytest.approx(truth[1][0], rel=5e-3)
-    assert opinion.flagged == []
-    complete = second_opinion(record, truth, band_hz=BAND, method=method)
+    compared = cross_check(record, fewer, band_hz=BAND, method=method)
+    assert compared.candidates_hz[1][0] == pytest.approx(truth[1][0], rel=5e-3)
+    assert compared.flagged == []
+    complete = cross_check(record, truth, band_hz=BAND, method=method)
     assert not any(
         np.abs(f / truth[1][0] - 1.0).min(initial=1.0) < 0.02 for f in complete.candidates_hz.values()
     )
@@ -114,7 +115,7 @@ def test_a_strong_antiresonance_that_is_missing_is_a_candidate(record, truth, me
 def test_nothing_of_where_the_values_lie_reaches_the_other_method(record, truth, method):
     more = {dof: np.sort(np.concatenate([f, 1.3 * f])) for dof, f in truth.items()}
     few, many = (
-        second_opinion(record, values, band_hz=BAND, method=method, n_poles=12) for values in (truth, more)
+        cross_check(record, values, band_hz=BAND, method=method, n_poles=12) for values in (truth, more)
     )
     for dof, f in truth.items():
         np.testing.assert_array_equal(few.nearest_hz[dof], many.nearest_hz[dof][np.isin(more[dof], f)])
@@ -124,8 +125,8 @@ def test_frfs_of_one_channel_go_by_their_reciprocal():
     freq = np.linspace(*BAND, 400)
     h = CHAIN.frf([0], 0, freq, damping_ratio=0.01)
     truth = CHAIN.antiresonances(0, 0)
-    opinion = second_opinion(ar.FrequencyResponse(freq, h, [0]), {0: truth}, band_hz=BAND)
-    assert opinion.confirmed[0].all()
+    compared = cross_check(ar.FrequencyResponse(freq, h, [0]), {0: truth}, band_hz=BAND)
+    assert compared.confirmed[0].all()
 
 
 def test_what_all_channels_share_is_no_candidate():
@@ -136,33 +137,33 @@ def test_what_all_channels_share_is_no_candidate():
     source = ar.FrequencyResponse(freq, h * shared, [0, 1, 2])
     truth = dict(enumerate(CHAIN.antiresonances([0, 1, 2], 0)))
     for method in METHODS:
-        opinion = second_opinion(source, truth, band_hz=BAND, method=method)
-        assert not any(f.size for f in opinion.candidates_hz.values())
+        compared = cross_check(source, truth, band_hz=BAND, method=method)
+        assert not any(f.size for f in compared.candidates_hz.values())
 
 
-def test_a_set_with_its_opinion_says_so_in_the_table(record, truth):
+def test_a_set_with_its_cross_check_says_so_in_the_table(record, truth):
     from antires_rs.io.tables import rows_of
 
     values = {dof: np.append(f, 3.0) for dof, f in truth.items()}
-    opinion = second_opinion(record, values, band_hz=BAND)
-    found = ar.AntiresonanceSet(0, values, cross_check=opinion)
-    assert found.second_opinion is found.cross_check is opinion
+    compared = cross_check(record, values, band_hz=BAND)
+    found = ar.AntiresonanceSet(0, values, cross_check=compared)
+    assert found.second_opinion is found.cross_check is compared
     edited = found.add(3, 5.0)
     names, rows = rows_of(edited)
     assert names[-1] == "confirmed"
     said = {(r["dof"], r["freq_hz"]): r["confirmed"] for r in rows}
     assert said[0, float(truth[0][0])] is True
     assert said[0, 3.0] is False
-    assert said[3, 5.0] is None  # added after the opinion was given
+    assert said[3, 5.0] is None  # added after the cross-check
 
 
 def test_it_reads_like_a_sentence(record, truth):
-    opinion = second_opinion(record, {0: [3.0], 1: truth[1]}, band_hz=BAND)
-    lines = str(opinion).splitlines()
-    assert lines[0] == "second opinion by vector fitting: 2 of 3 values confirmed within 1 %"
+    compared = cross_check(record, {0: [3.0], 1: truth[1]}, band_hz=BAND)
+    lines = str(compared).splitlines()
+    assert lines[0] == "cross-check by vector fitting: 2 of 3 values confirmed within 1 %"
     assert lines[1].startswith("  dof 0: 3.000 Hz not confirmed: its nearest pole is ")
     assert lines[2].startswith("  dof 0: candidates ")
-    assert repr(opinion).startswith("SecondOpinion(method='vector_fitting', 2 of 3 values confirmed, ")
+    assert repr(compared).startswith("CrossCheck(method='vector_fitting', 2 of 3 values confirmed, ")
 
 
 @pytest.mark.parametrize(
@@ -181,10 +182,10 @@ def test_it_reads_like_a_sentence(record, truth):
 def test_bad_arguments_are_named(record, truth, change, said):
     call = {"source": record, "identified": truth, "band_hz": BAND} | change
     with pytest.raises(InvalidInputError, match=said):
-        second_opinion(call.pop("source"), call.pop("identified"), **call)
+        cross_check(call.pop("source"), call.pop("identified"), **call)
 
 
 def test_a_single_response_without_force_has_no_quotient(record):
     alone = ar.Recording(record.responses[:1], record.fs_hz, [0])
     with pytest.raises(UnsuitableDataError, match="single channel and no force"):
-        second_opinion(alone, {0: [1.0]}, band_hz=BAND)
+        cross_check(alone, {0: [1.0]}, band_hz=BAND)

@@ -28,6 +28,7 @@ def test_results_are_read_to_the_same_bits(tmp_path, name):
     assert type(back).__name__ == wanted["cls"]
     assert [value.hex() for value in back.x.tolist()] == wanted["x"]
     assert (back.fun.hex(), back.nfev, back.status) == (wanted["fun"], wanted["nfev"], wanted["status"])
+    assert back.njev is None  # version 1 did not count them
     assert back.problem.cost(back.x).hex() == wanted["fun"]
     assert back.problem.names == wanted["names"]
     assert hexes(back.model.stiffness()) == wanted["stiffness"]
@@ -56,3 +57,23 @@ def test_matrices_are_read():
     model = ar.read_matrices(FOLDER / "matrices.npz")
     assert model.n_dof == 3
     np.testing.assert_array_equal(model.stiffness().toarray()[0], [600.0, -500.0, 0.0])
+
+
+def test_a_search_under_way_is_refused_by_name(tmp_path):
+    path = tmp_path / "run.ckpt"
+    path.write_bytes((FOLDER / "search.ckpt").read_bytes())
+    (tmp_path / "run.ckpt.previous").write_bytes(path.read_bytes())
+    chain = ar.MassSpringChain([1.0, 2.0, 1.5], [500.0, 400.0], ground_first_n_per_m=100.0)
+    measured = ar.AntiresonanceSet(0, {0: [2.0]})
+    problem = ar.UpdatingProblem(chain, ar.stiffness_factor(0, bounds=(0.8, 1.2)), measured)
+    with pytest.raises(
+        ar.UnsuitableDataError, match=r"run\.ckpt, the search of an older .*layout 1"
+    ) as raised:
+        ar.update(problem, checkpoint=path)
+    assert raised.value.argument == "checkpoint"
+    assert raised.value.remedy
+    assert path.exists()
+    newer = path.read_bytes().replace(b"search 1", b"search 9", 1)
+    path.write_bytes(newer)
+    with pytest.raises(ar.UnsuitableDataError, match="a newer antires_rs .layout 9"):
+        ar.update(problem, checkpoint=path)

@@ -1,5 +1,6 @@
 """Ctrl-C, SIGKILL and resume of jobs, on the command line as a user has it."""
 
+import dataclasses
 import json
 import os
 import signal
@@ -100,8 +101,8 @@ def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, cap
 
     def interrupted(*args, **options):
         result = complete(*args, **options)
-        result.status, result.success = "interrupted", False
-        return result
+        search = dataclasses.replace(result.search, status="interrupted", success=False)
+        return type(result)(result.problem, search, result.seed)
 
     def slow(*args):
         raise AssertionError("computed")

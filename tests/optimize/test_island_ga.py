@@ -289,3 +289,19 @@ def test_a_polished_function_has_exact_zeros():
     result = ar.IslandGA(polish=True, max_evaluations=6000).minimize(penalised, [(0, 0.99)] * 7, rng=0)
     np.testing.assert_allclose(result.x, [0, 0, 0.55, 0, 0, 0, 0], atol=1e-5)
     assert np.count_nonzero(result.x) == 1
+
+
+def test_the_algorithm_as_printed_is_one_call():
+    printed = {"polish": False, "improvement_tolerance": 0.0, "agreement": "genes", "gene_tolerance": 0.0}
+    ga = ar.IslandGA.paper(max_evaluations=3000)
+    assert {name: ga.options[name] for name in printed} == printed
+    others = {name: value for name, value in ga.options.items() if name not in (*printed, "max_evaluations")}
+    assert all(value == ar.IslandGA().options[name] for name, value in others.items())
+    # A result of it says that nothing but equal genes ended it.
+    result = ga.minimize(sphere, BOX, rng=0)
+    assert result.status in ("agreed", "budget")
+    if result.status == "agreed":
+        bests = [p[np.argmin(c)] for p, c in zip(result.populations, result.population_costs, strict=True)]
+        assert np.ptp(bests, axis=0).max() == 0.0
+    assert ar.IslandGA.paper(patience=7, polish=None).options["polish"] is None
+    assert ar.IslandGA(polish=False).options["agreement"] == "genes-or-cost"

@@ -1,5 +1,6 @@
 """The objective against an independent one, what results tell, and where damage can be seen."""
 
+import dataclasses
 import re
 
 import numpy as np
@@ -282,13 +283,18 @@ def test_a_parameter_on_its_bound_is_named():
 def test_what_a_polish_leaves_a_hair_off_a_bound_is_on_it():
     problem = ar.UpdatingProblem(CASE.model, ar.stiffness_factor(range(4), bounds=(0.9, 1.1)), CASE.exact())
     result = ar.update(problem, rng=0, optimizer=ar.IslandGA(max_evaluations=200))
-    result.x = np.array([0.9 + 3e-13, 1.1 - 2e-14, 0.9 + 1e-5, 1.0])
+    result = ended_at(result, [0.9 + 3e-13, 1.1 - 2e-14, 0.9 + 1e-5, 1.0])
     assert result.at_bound == problem.names[:2]
     # Where it began is not where the data pushed it.
     reduction = ar.UpdatingProblem(CASE.model, ar.stiffness_reduction([0]), CASE.exact())
     unmoved = ar.update(reduction, rng=0, optimizer=ar.IslandGA(max_evaluations=200))
-    unmoved.x = np.array([1e-9])
-    assert unmoved.at_bound == []
+    assert ended_at(unmoved, [1e-9]).at_bound == []
+
+
+def ended_at(result, x):
+    """The same result, had the search ended elsewhere."""
+    search = dataclasses.replace(result.search, x=np.array(x))
+    return ar.UpdateResult(result.problem, search, result.seed)
 
 
 def test_a_model_without_any_partner_gives_a_table_that_says_so():
@@ -389,3 +395,88 @@ def test_of_two_unknown_combinations_the_scale_is_one():
         "are)."
     ]
     assert result.summary().count("not determined") == 7
+
+
+def springs_off():
+    """Two springs that are not what the model has."""
+    case = ar.cases.chain8(perturbation=0.08, rng=2)
+    springs = ar.stiffness_factor([0, 1], bounds=(0.9, 1.1))
+    return ar.UpdatingProblem(case.model, springs, case.exact(), weights=np.linspace(0.5, 1.0, 28))
+
+
+def test_problems_and_results_are_read_only():
+    problem = springs_off()
+    result = ar.update(problem, rng=0, optimizer=ar.IslandGA(max_evaluations=300))
+    damage = ar.assess_damage(CASE.model, CASE.exact(), rng=0, optimizer=ar.IslandGA(max_evaluations=300))
+    table, search = result.table, result.search
+    arrays = [
+        problem.bounds,
+        problem.weights,
+        problem.measured_hz,
+        problem.measured_dofs,
+        problem.measured_excitations,
+        result.x,
+        search.x,
+        search.populations,
+        search.population_costs,
+        result.history.cost,
+        result.history.nfev,
+        result.history.migrations,
+        table.measured_hz,
+        table.after_hz,
+        table.dof,
+        result.identifiability.std,
+        damage.x,
+        damage.identifiability.unseen,
+    ]
+    for array in arrays:
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
+    for value, name in [
+        (problem, "bounds"),
+        (problem, "names"),
+        (problem, "weights"),
+        (problem, "penalty"),
+        (problem, "model"),
+        (result, "x"),
+        (result, "status"),
+        (result, "model"),
+        (damage, "severity"),
+        (search, "x"),
+        (result.history, "cost"),
+        (table, "after_hz"),
+        (problem, "remark"),
+    ]:
+        with pytest.raises(AttributeError):
+            setattr(value, name, None)
+    with pytest.raises(TypeError, match="read-only"):
+        search.options["islands"] = 1
+    # What is made anew at each call may be changed, and changes nothing.
+    problem.names.clear()
+    damage.severity.clear()
+    damage.detectable.clear()
+    problem.nominal[:] = 7.0
+    assert problem.names == ["stiffness of spring 1", "stiffness of spring 2"]
+    assert len(damage.severity) == len(damage.detectable) == 7
+    assert problem.nominal.tolist() == [1.0, 1.0]
+
+
+def test_linearizations_and_exchanges_are_told():
+    problem = springs_off()
+    result = ar.update(problem, rng=0)
+    assert 0 < result.njev < result.nfev
+    assert f"{result.nfev:,} evaluations ({result.njev:,} of them linearizations)" in result.summary()
+    assert f"{result.migrations} exchanges" in result.summary()
+    assert (result.status, result.migrations) == ("agreed", 0)
+    assert "exchanged nothing yet" in result.message
+    alone = ar.update(problem, rng=0, optimizer=ar.IslandGA.paper(max_evaluations=2000))
+    assert (alone.njev, alone.search.options["polish"]) == (0, False)
+    assert "linearizations)" not in alone.summary()
+
+
+def test_the_budget_counts_linearizations_too():
+    problem = springs_off()
+    for most in (162, 165, 170):
+        result = ar.update(problem, rng=0, optimizer=ar.IslandGA(max_evaluations=most))
+        assert result.nfev <= most
+        assert result.njev > 0

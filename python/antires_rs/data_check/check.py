@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
+from ..signals.averaging import Averages, Averaging
 from ..signals.band import band_of
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.pickling import frozen
 from ..support.progress import patient
-from ..support.validation import choice, reject
+from ..support.validation import reject
 from . import channels, force_location, one_force, phase, resolution
-from .evidence import Evidence
-from .findings import SEVERITIES, DataCheck, Finding, NotTested, Said
+from .findings import SEVERITIES, DataCheck, Finding, NotTested
 from .records import of_recording
 from .responses import of_response
 
@@ -106,22 +106,27 @@ def check_data(
     >>> print(finding.severity, finding.name, "|", finding.advice)
     fatal force_location | Dof 0 would fit: check which dof was excited, and the order of the channels.
     """
-    choice("method", method, ("auto", "welch", "transient"))
     if excitation is not None and (
         isinstance(excitation, bool) or not isinstance(excitation, int | np.integer | str)
     ):
         reject("excitation", excitation, "a dof named by an integer or a string, or None")
-    band = band_of(source, band_hz)
+    options = Averaging(nperseg, noverlap, window, method).checked()
+    return judged(source, excitation, band_of(source, band_hz), options)
+
+
+def judged(
+    source: Recording | FrequencyResponse,
+    excitation: Any,
+    band: tuple[float, float],
+    options: Averaging,
+    averages: Averages | None = None,
+) -> DataCheck:
+    """The check with options that are checked, on ``averages`` of the record where they are there already."""
     if isinstance(source, Recording):
-        said, seen = of_recording(source, excitation, band, nperseg, noverlap, window, method)
+        said, seen = of_recording(source, excitation, band, options, averages)
     else:
         said, seen = of_response(source, excitation, band)
-    return _result(said, seen, source.dofs, excitation, band)
-
-
-def _result(
-    said: Said, seen: Evidence | None, dofs: tuple[Any, ...], excitation: Any, band: tuple[float, float]
-) -> DataCheck:
+    dofs = source.dofs
     found = tuple(
         sorted(
             (one for one in said if isinstance(one, Finding)),

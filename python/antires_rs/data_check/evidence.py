@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..signals.noise import noise_power
+from ..signals.roughness import typical_noise
 from ..signals.spectra import CrossSpectra
 from ..support.validation import ComplexArray, FloatArray
 
@@ -16,6 +17,8 @@ HANN_SPREAD = (1.0, 0.25)
 # No channel is taken to be quieter than this part of its own power (-60 dB): exact data have no noise at all,
 # and scaling by what rounding and leakage leave would weigh channels at random.
 LEAST_NOISE = 1e-6
+# Lines to which the window spreads less than this part of a tone's power see nothing of it.
+LEAST_SPREAD = 1e-6
 
 
 @dataclass(frozen=True)
@@ -63,21 +66,41 @@ class Evidence:
     fs_hz: float | None = None
     spread: tuple[float, ...] = HANN_SPREAD
 
+    @cached_property
+    def leakage(self) -> FloatArray:
+        """Second eigenvalue that the window makes out of one force, (n_freq,).
+
+        A line's matrix is then the sum of the neighbours' vectors, spread as the window spreads power; its
+        eigenvalues are those of the vectors' inner products, which are a smaller matrix.
+        """
+        n = self.vectors.shape[0]
+        parts = [self.vectors]
+        for shift, power in enumerate(self.spread[1:], start=1):
+            if power > LEAST_SPREAD:
+                for step in (shift, -shift):
+                    moved = np.zeros_like(self.vectors)
+                    moved[max(step, 0) : n + min(step, 0)] = self.vectors[max(-step, 0) : n - max(step, 0)]
+                    parts.append(np.sqrt(power) * moved)
+        stack = np.stack(parts, axis=1)
+        if stack.shape[1] < 2:
+            return np.zeros(n)
+        inner = stack.conj() @ stack.transpose(0, 2, 1)
+        return np.asarray(np.maximum(np.linalg.eigvalsh(inner)[:, -2], 0.0), dtype=np.float64)
+
 
 def of_spectra(
     spectra: CrossSpectra,
-    inside: Any,
     dofs: tuple[Any, ...],
     *,
     nperseg: int | None,
     fs_hz: float,
     taper: FloatArray | None,
 ) -> Evidence:
-    """Evidence of a record's spectra; ``inside`` selects the lines of the band."""
-    matrix, freq = spectra.matrix[inside], spectra.freq_hz[inside]
+    """Evidence of a record's spectra on the lines of the band."""
+    matrix, freq = spectra.matrix, spectra.freq_hz
     if spectra.n_averages == 1:
         return _of_one_average(spectra, matrix, freq, dofs, fs_hz)
-    noise = spectra.noise if spectra.noise is not None else noise_power(matrix, spectra.n_effective)
+    noise = spectra.noise if spectra.noise is not None else spectra.noise_power
     auto = np.einsum("fii->if", matrix).real
     noise = np.maximum(noise, LEAST_NOISE * auto.mean(axis=1))
     root = np.sqrt(noise)
@@ -107,9 +130,7 @@ def of_curves(
     freq_hz: FloatArray, values: ComplexArray, dofs: tuple[Any, ...], coherence: FloatArray | None = None
 ) -> Evidence:
     """Evidence of measured frequency responses, (n, n_freq): no averages, noise from roughness."""
-    rough = np.abs(values[:, 2:] - 2.0 * values[:, 1:-1] + values[:, :-2]) ** 2 / (6.0 * np.log(2.0))
-    mean = np.mean(np.abs(values) ** 2, axis=1)
-    noise = np.maximum(np.median(rough, axis=1), 1e-12 * mean)
+    noise = typical_noise(values)
     noise[noise <= 0.0] = 1.0
     scaled = values / np.sqrt(noise)[:, None]
     size = np.abs(scaled) ** 2

@@ -69,7 +69,7 @@ def one_force(seen: Evidence) -> Said:
     first, second = seen.eigenvalues[:, 0], seen.eigenvalues[:, 1]
     share = second / np.maximum(first, 1e-300)
     limit = OVER_NOISE * noise_level(seen)
-    counts = (second > limit) & (second > OVER_LEAKAGE * leakage(seen)) & (share > LEAST_SHARE)
+    counts = (second > limit) & (second > OVER_LEAKAGE * seen.leakage) & (share > LEAST_SHARE)
     lines = float(counts.mean())
     if lines > LINES:
         middle = float(np.median((second - 0.5 * limit)[counts] / first[counts]))
@@ -98,7 +98,7 @@ def one_force(seen: Evidence) -> Said:
 
 def expected(seen: Evidence) -> FloatArray:
     """Second eigenvalue that one force gives with noise and leakage, (n_freq,)."""
-    return np.asarray(np.maximum(noise_level(seen), leakage(seen)), dtype=np.float64)
+    return np.asarray(np.maximum(noise_level(seen), seen.leakage), dtype=np.float64)
 
 
 def noise_level(seen: Evidence) -> FloatArray:
@@ -119,17 +119,6 @@ def noise_ratio(n: int, n_averages: float) -> float:
     largest = ((a + b) ** 2 - 1.7711 * (a + b) * (1.0 / a + 1.0 / b) ** (1.0 / 3.0)) / m
     largest = min(max(largest, 1.0), 0.95 * p)
     return float(largest * (p - 1.0) / (p - largest))
-
-
-def leakage(seen: Evidence) -> FloatArray:
-    """Second eigenvalue that the window makes out of one force, (n_freq,)."""
-    matrix = np.einsum("fi,fj->fij", seen.vectors, seen.vectors.conj())
-    spread = matrix.copy()
-    for shift, power in enumerate(seen.spread[1:], start=1):
-        if power > 1e-6:
-            spread[shift:] += power * matrix[:-shift]
-            spread[:-shift] += power * matrix[shift:]
-    return np.asarray(np.maximum(np.linalg.eigvalsh(spread)[:, -2], 0.0), dtype=np.float64)
 
 
 def _two_channels(seen: Evidence) -> NotTested:

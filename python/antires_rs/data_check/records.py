@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ..exceptions import InvalidInputError, UnsuitableDataError
+from ..exceptions import UnsuitableDataError
+from ..signals.averaging import Averages, Averaging, average, holds_hits
+from ..signals.bandwidth import SEGMENTS
 from ..signals.recording import Recording
-from ..signals.segment_length import LEAST_SAMPLES, SEGMENTS, _power_of_two, choose_nperseg
-from ..signals.spectra import CrossSpectra, cross_spectra, window_values
-from ..signals.transient import is_transient, transient_spectra
+from ..signals.segment_length import LEAST_SAMPLES, longest_segments
+from ..signals.spectra import CrossSpectra
 from ..support.validation import ComplexArray, FloatArray
 from . import channels, force_location, one_force, phase, resolution
 from .evidence import Evidence, of_spectra
@@ -36,52 +36,51 @@ def of_recording(
     rec: Recording,
     excitation: Any,
     band: tuple[float, float],
-    nperseg: int | None,
-    noverlap: int | None,
-    window: Any,
-    method: str,
+    options: Averaging,
+    averages: Averages | None = None,
 ) -> tuple[Said, Evidence | None]:
-    """What the tests say, and the evidence of those by line, if there is any."""
-    hits = method == "transient" or (method == "auto" and is_transient(rec))
+    """What the tests say, and the evidence of those by line, if there is any.
+
+    ``averages`` of the record, where it was averaged already.
+    """
+    hits = averages.of_hits if averages is not None else holds_hits(rec, options)
     said, live = _in_time(rec, hits)
     if live is None:
         return said + _none_by_line("no channel moves"), None
-    if hits:
+    if averages is None:
         try:
-            spectra = transient_spectra(live, include_force=live.force is not None)
+            averages = _averaged(rec, band, options, hits)
         except UnsuitableDataError as exc:
             advice = f"{exc.got[0].upper()}{exc.got[1:]}. {exc.remedy}"
             finding = Finding(MISSED_HIT, "fatal", (), 0.0, 0.0, "No whole hit is in the record.", advice)
             return [*said, finding, *_none_by_line("no whole hit is in the record")], None
-        length, taper = None, None
+    if averages is None:
+        return said + [_hopeless(live)] + _none_by_line("the record is too short for a spectrum"), None
+    spectra = averages.spectra
+    if averages.nperseg is None:
         said += _single_hit(spectra.n_averages)
     else:
-        try:
-            length = choose_nperseg(live, band) if nperseg is None else nperseg
-        except InvalidInputError:
-            return said + [_hopeless(live)] + _none_by_line("the record is too short for a spectrum"), None
-        taper = window_values(window, length)
-        spectra = cross_spectra(
-            live, nperseg=length, noverlap=noverlap, window=window, include_force=live.force is not None
-        )
-        said += resolution.averages(spectra.n_effective, live.duration_s, length)
-    inside = (spectra.freq_hz >= band[0]) & (spectra.freq_hz <= band[1]) & (spectra.freq_hz > 0.0)
-    if inside.sum() < resolution.LEAST_LINES:
-        return said + [resolution.too_few_lines(int(inside.sum()), band)] + _none_by_line(
+        said += resolution.averages(spectra.n_effective, rec.duration_s, averages.nperseg)
+    if spectra.freq_hz.size < resolution.LEAST_LINES:
+        return said + [resolution.too_few_lines(spectra.freq_hz.size, band)] + _none_by_line(
             "too few lines in the band"
         ), None
-    spectra, frfs = _without_force(spectra, inside, live)
-    said += _resolution(live, spectra, inside, band, length, chosen=nperseg is None)
-    seen = of_spectra(spectra, inside, live.dofs, nperseg=length, fs_hz=live.fs_hz, taper=taper)
+    moving = [rec.dofs.index(dof) for dof in live.dofs]
+    frfs = _frfs(spectra, moving) if averages.has_force and live.force is not None else None
+    spectra = spectra.rows(moving)
+    said += _resolution(averages, spectra, band, rec)
+
+    def evidence(some: CrossSpectra, dofs: tuple[Any, ...]) -> Evidence:
+        return of_spectra(some, dofs, nperseg=averages.nperseg, fs_hz=rec.fs_hz, taper=averages.taper)
+
+    seen = evidence(spectra, live.dofs)
     dead = channels.unrelated(seen)
     lost = {dof for one in dead if isinstance(one, Finding) for dof in one.where}
     rows = [p for p, dof in enumerate(live.dofs) if dof not in lost]
     if 0 < len(rows) < len(live.dofs):
         # What holds only noise must not speak in the other tests.
-        spectra, frfs = _some(spectra, rows), None if frfs is None else frfs[rows]
-        seen = of_spectra(
-            spectra, inside, tuple(live.dofs[p] for p in rows), nperseg=length, fs_hz=live.fs_hz, taper=taper
-        )
+        frfs = None if frfs is None else frfs[rows]
+        seen = evidence(spectra.rows(rows), tuple(live.dofs[p] for p in rows))
     return [
         *said,
         *dead,
@@ -90,6 +89,13 @@ def of_recording(
         *one_force.one_force(seen),
         *force_location.force_location(seen, excitation, frfs),
     ], seen
+
+
+def _averaged(rec: Recording, band: tuple[float, float], options: Averaging, hits: bool) -> Averages | None:
+    """Averages of the record, and of its force if it has one; None if it is too short for any segments."""
+    if not hits and options.nperseg is None and longest_segments(rec, band) < LEAST_SAMPLES:
+        return None
+    return average(rec, band, options, include_force=rec.force is not None, hits=hits)
 
 
 def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
@@ -132,71 +138,46 @@ def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
     return said, Recording(moving[keep], rec.fs_hz, [names[p] for p in keep], force)
 
 
-def _without_force(
-    spectra: CrossSpectra, inside: Any, rec: Recording
-) -> tuple[CrossSpectra, ComplexArray | None]:
-    """Spectra of the responses alone, and their FRFs where the force was recorded and is believed."""
-    if rec.force is None:
-        return spectra, None
-    matrix = spectra.matrix[inside]
-    auto = np.einsum("fii->if", matrix).real
-    to_force = matrix[:, -1, :-1].T
+def _frfs(spectra: CrossSpectra, rows: list[int]) -> ComplexArray:
+    """FRFs of some channels to the force, which is the last; zero where it does not explain the response."""
+    auto = np.einsum("fii->if", spectra.matrix).real
+    to_force = spectra.matrix[:, -1, rows].T
     power = np.maximum(auto[-1], 1e-300)
-    coherence = np.abs(to_force) ** 2 / np.maximum(power * auto[:-1], 1e-300)
-    # Where the force does not explain the response, no sign: zero.
-    frfs = np.where(coherence >= LEAST_COHERENCE, to_force / power, 0.0)
-    return _some(spectra, list(range(rec.n_channels))), frfs
+    coherence = np.abs(to_force) ** 2 / np.maximum(power * auto[rows], 1e-300)
+    return np.where(coherence >= LEAST_COHERENCE, to_force / power, 0.0)
 
 
-def _some(spectra: CrossSpectra, rows: list[int]) -> CrossSpectra:
-    """Spectra of some of the channels."""
-    return replace(
-        spectra,
-        matrix=spectra.matrix[:, rows][:, :, rows],
-        segments=None,
-        noise=None if spectra.noise is None else spectra.noise[rows],
-    )
-
-
-def _resolution(
-    rec: Recording,
-    spectra: CrossSpectra,
-    inside: Any,
-    band: tuple[float, float],
-    length: int | None,
-    *,
-    chosen: bool,
-) -> Said:
-    """Lines per bandwidth, the bandwidth being measured with the longest segments if need be."""
+def _resolution(averages: Averages, spectra: CrossSpectra, band: tuple[float, float], rec: Recording) -> Said:
+    """Lines per bandwidth, the bandwidth being measured at the longest segments' resolution if need be."""
+    length = averages.nperseg
     spacing = float(spectra.freq_hz[1] - spectra.freq_hz[0])
-    lines = resolution.sharpest_lines(_power(spectra, inside), leakage=length is not None)
+    lines = resolution.sharpest_lines(_power(spectra), leakage=length is not None)
     if length is None:
         # An exponential window has widened the resonances by a known amount.
         widened = spectra.added_decay_per_s / np.pi
         return resolution.without_leakage(
             None if lines is None else max(lines * spacing - widened, 0.0), spacing, hit=True
         )
-    longest, bandwidth = _power_of_two(rec.n_samples / SEGMENTS), None
+    longest, bandwidth = averages.correlation.longest, None
     if lines is not None:
         bandwidth = lines * spacing
     if longest > length and (lines is None or lines < resolution.TRUSTED):
-        long = cross_spectra(rec, nperseg=longest)
-        finer = resolution.sharpest_lines(_power(long, (long.freq_hz >= band[0]) & (long.freq_hz <= band[1])))
+        finer = resolution.sharpest_lines(averages.correlation.power(longest, band))
         if finer is not None:
-            lines, bandwidth = finer, finer * float(long.freq_hz[1])
+            lines, bandwidth = finer, finer * rec.fs_hz / longest
     return resolution.of_segments(
         bandwidth,
         spacing,
         rec.duration_s,
         longer=longest > length,
-        chosen=chosen,
+        chosen=averages.options.nperseg is None,
         known=lines is not None and lines >= 1.0,
     )
 
 
-def _power(spectra: CrossSpectra, inside: Any) -> FloatArray:
+def _power(spectra: CrossSpectra) -> FloatArray:
     """All channels at equal weight, by line."""
-    auto = np.einsum("fii->if", spectra.matrix[inside]).real
+    auto = np.einsum("fii->if", spectra.matrix).real
     mean = np.maximum(auto.mean(axis=1, keepdims=True), 1e-300)
     return np.asarray((auto / mean).sum(axis=0), dtype=np.float64)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..signals.segment_length import BANDWIDTHS, NARROWEST, SEGMENTS, _half_power_widths
+from ..signals.bandwidth import SEGMENTS, narrow_width
+from ..signals.segment_length import BANDWIDTHS
 from ..support.validation import FloatArray
 from .findings import Finding, NotTested, Said, Severity, rounded
 
@@ -29,10 +30,10 @@ LEAST_LINES = 8
 
 def sharpest_lines(power: FloatArray, leakage: bool = True) -> float | None:
     """Half-power bandwidth of the sharp resonances in lines, or None if nothing stands out."""
-    widths = _half_power_widths(power) if power.size >= LEAST_LINES else []
-    if not widths:
+    width = narrow_width(power) if power.size >= LEAST_LINES else None
+    if width is None:
         return None
-    return float(max(TOP * (np.quantile(widths, NARROWEST) - (TONE if leakage else SINGLE_LINE)), 0.0))
+    return max(TOP * (width - (TONE if leakage else SINGLE_LINE)), 0.0)
 
 
 def of_segments(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..signals.frequency_response import FrequencyResponse
-from ..support.validation import ComplexArray
+from ..signals.roughness import roughness
 from . import channels, force_location, one_force, phase, resolution
 from .evidence import Evidence, of_curves
 from .findings import Finding, NotTested, Said
@@ -38,7 +38,7 @@ def of_response(
         said.append(resolution.too_few_lines(int(inside.sum()), band))
         return said + [NotTested(name, "too few lines in the band") for name in by_line], None
     values = resp.values[:, inside]
-    rough = np.array([_roughness(curve) for curve in values])
+    rough = np.array([roughness(curve) for curve in values])
     live = []
     for p, dof in enumerate(resp.dofs):
         if not values[p].any():
@@ -109,13 +109,6 @@ def of_response(
     else:
         said += force_location.force_location(seen, excitation, values[live])
     return said, seen
-
-
-def _roughness(curve: ComplexArray) -> float:
-    """Second differences over the power, by medians: the few lines of a sharp resonance are rough too."""
-    power = float(np.median(np.abs(curve) ** 2))
-    second = float(np.median(np.abs(curve[2:] - 2.0 * curve[1:-1] + curve[:-2]) ** 2)) / 6.0
-    return second / power if power > 0.0 else 0.0
 
 
 def _incoherent(seen: Evidence) -> Said:

@@ -1,4 +1,4 @@
-"""A second opinion: do the antiresonances stand when found by another method?
+"""Do the antiresonances stand when found by another method?
 
 The identification chooses values that stay while the order of a polynomial fit rises. Here one rational
 function of fixed size is fitted to the same transmissibilities by a method that shares none of that: AAA
@@ -20,9 +20,21 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import UnsuitableDataError
+from ..order_sweep.flanks import flanked
+from ..order_sweep.limits import (
+    CANDIDATE_DOMINANCE,
+    CANDIDATE_SNR,
+    CONFIRMING_DOMINANCE,
+    CROSS_CHECK_DAMPING,
+    LEAST_POLES,
+    MORE_POLES,
+)
+from ..order_sweep.shared import shared
 from ..order_sweep.windows import Window, windows
 from ..rational.aaa import set_valued_aaa
 from ..rational.vector_fitting import vector_fitting
+from ..signals.averaging import METHODS as AVERAGING_METHODS
+from ..signals.averaging import Averaging, average
 from ..signals.band import covered_hz
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
@@ -36,25 +48,19 @@ from ..support.validation import (
     integer,
     reject,
 )
-from .response_lines import Lines, lines_of
+from .lines import Lines
+from .response_lines import lines_of
 
-__all__ = ["METHODS", "SecondOpinion", "judge", "second_opinion"]
+__all__ = ["METHODS", "CrossCheck", "SecondOpinion", "cross_check", "judge", "second_opinion"]
 
 METHODS: dict[str, Callable[..., tuple[ComplexArray, FloatArray]]] = {
     "aaa": set_valued_aaa,
     "vector_fitting": vector_fitting,
 }
-#: Poles: this many more than the dof with most values has, and never fewer than the second number.
-MORE_POLES, LEAST_POLES = 8, 12
-#: A pole that owns less of the curve confirms nothing, one that owns less than the second is no candidate.
-DOMINANCE, STRONG = 0.3, 0.7
-MAX_DAMPING = 0.10
-#: Signal-to-noise power of the response beside a candidate (median on either side, 2 to 20 % away): 3 dB.
-FLANK, FLANK_SNR = (0.02, 0.20), 2.0
 
 
 @dataclass(frozen=True, repr=False)
-class SecondOpinion(ReadOnly):
+class CrossCheck(ReadOnly):
     """What another method says of identified values.
 
     Attributes
@@ -94,7 +100,7 @@ class SecondOpinion(ReadOnly):
         total = sum(f.size for f in self.freq_hz.values())
         more = sum(f.size for f in self.candidates_hz.values())
         return (
-            f"SecondOpinion(method={self.method!r}, {total - len(self.flagged)} of {total} values "
+            f"CrossCheck(method={self.method!r}, {total - len(self.flagged)} of {total} values "
             f"confirmed, {more} candidates)"
         )
 
@@ -102,7 +108,7 @@ class SecondOpinion(ReadOnly):
         total = sum(f.size for f in self.freq_hz.values())
         name = {"aaa": "AAA", "vector_fitting": "vector fitting"}[self.method]
         lines = [
-            f"second opinion by {name}: {total - len(self.flagged)} of {total} values confirmed "
+            f"cross-check by {name}: {total - len(self.flagged)} of {total} values confirmed "
             f"within {100 * self.tol:g} %"
         ]
         for dof, ok in self.confirmed.items():
@@ -120,7 +126,7 @@ class SecondOpinion(ReadOnly):
         return "\n".join(lines)
 
 
-def second_opinion(
+def cross_check(
     source: Recording | FrequencyResponse,
     identified: Mapping[Any, FloatArray],
     *,
@@ -132,7 +138,7 @@ def second_opinion(
     noverlap: int | None = None,
     window: Any = "hann",
     averaging: str = "auto",
-) -> SecondOpinion:
+) -> CrossCheck:
     """Judge identified antiresonances by a method that had no part in finding them.
 
     Parameters
@@ -158,7 +164,7 @@ def second_opinion(
 
     Returns
     -------
-    SecondOpinion
+    CrossCheck
 
     Raises
     ------
@@ -195,17 +201,17 @@ def second_opinion(
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> from antires_rs.identification.cross_check import second_opinion
+    >>> from antires_rs.identification.cross_check import cross_check
     >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
     >>> f = np.linspace(0.5, 8.0, 400)
     >>> h = ar.FrequencyResponse(f, chain.frf([0, 1, 2], 0, f, damping_ratio=0.01), dofs=[0, 1, 2])
     >>> guess = {0: [2.2, 3.0, 5.76], 1: [3.56], 2: []}
-    >>> print(second_opinion(h, guess, band_hz=(0.5, 8.0)))
-    second opinion by vector fitting: 3 of 4 values confirmed within 1 %
+    >>> print(cross_check(h, guess, band_hz=(0.5, 8.0)))
+    cross-check by vector fitting: 3 of 4 values confirmed within 1 %
       dof 0: 3.000 Hz not confirmed: its nearest pole is 2.199 Hz, 26.7 % away
     """
     choice("method", method, tuple(METHODS))
-    choice("averaging", averaging, ("auto", "welch", "transient"))
+    choice("averaging", averaging, AVERAGING_METHODS)
     finite_scalar("tol", tol, low=0.0, high=0.5, low_open=True)
     if not isinstance(identified, Mapping):
         reject("identified", type(identified).__name__, "an AntiresonanceSet, or a mapping of dof to Hz")
@@ -222,16 +228,11 @@ def second_opinion(
             "two or more channels, or a force, so that there is a quotient to fit",
             "Add a channel.",
         )
-    lines_for = lines_of(
-        source,
-        band,
-        use_force=force,
-        nperseg=nperseg,
-        noverlap=noverlap,
-        window=window,
-        method=averaging,
-        estimator="rank1",
-    )
+    averages = None
+    if isinstance(source, Recording):
+        options = Averaging(nperseg, noverlap, window, averaging)
+        averages = average(source, band, options, include_force=force)
+    lines_for = lines_of(source, averages, band, use_force=force, estimator="rank1")
     values = {dof: np.sort(np.atleast_1d(np.asarray(f, dtype=np.float64))) for dof, f in identified.items()}
     return judge(lines_for, source.dofs, values, band, method, tol, n_poles)
 
@@ -244,8 +245,8 @@ def judge(
     method: str,
     tol: float = 0.01,
     n_poles: int | None = None,
-) -> SecondOpinion:
-    """The opinion on lines that are there already; ``dofs`` name their rows in order."""
+) -> CrossCheck:
+    """The cross-check on lines that are there already; ``dofs`` name their rows in order."""
     if n_poles is None:
         n_poles = max([LEAST_POLES, *(f.size + MORE_POLES for f in values.values())])
     n_poles = integer("n_poles", n_poles, low=1)
@@ -262,13 +263,10 @@ def judge(
     if 3 <= len(dofs) == len(found):
         # What all channels share is the zero beside a mode that the force hardly excites.
         everywhere = [np.concatenate([found[dof][0], values[dof]]) for dof in found]
-        strong = {
-            dof: np.array([f for f in freq if not all(_near(every, f, tol) for every in everywhere)])
-            for dof, freq in strong.items()
-        }
+        strong = {dof: freq[~shared(freq, everywhere, tol)] for dof, freq in strong.items()}
     nearest = {dof: _nearest(found[dof][0], f) for dof, f in values.items()}
     distance = {dof: np.abs(nearest[dof] / f - 1.0) for dof, f in values.items()}
-    return SecondOpinion(
+    return CrossCheck(
         method,
         float(tol),
         {dof: frozen(f) for dof, f in values.items()},
@@ -290,24 +288,19 @@ def _poles(lines: Lines, row: int, window: Window, method: str, n_poles: int) ->
     damping = decay / np.maximum(2 * np.pi * freq, 1e-300)
     low, high = window.report_hz
     # Near the noise a true pole may come out with slightly negative damping.
-    keep = (dominance >= DOMINANCE) & (np.abs(damping) <= MAX_DAMPING) & (freq >= low) & (freq <= high)
-    strong = (dominance >= STRONG) & (decay > 0.0)
+    keep = (
+        (dominance >= CONFIRMING_DOMINANCE)
+        & (np.abs(damping) <= CROSS_CHECK_DAMPING)
+        & (freq >= low)
+        & (freq <= high)
+    )
+    strong = (dominance >= CANDIDATE_DOMINANCE) & (decay > 0.0)
     # A peak narrower than the distance of two lines is the noise of one of them.
     strong &= -s.real / np.pi >= float(np.median(np.diff(lines.freq_hz)))
     if lines.snr_known:
         snr = lines.channel_snr(row)
-        strong &= np.array([_rises(lines.freq_hz, snr, f) for f in freq], dtype=bool)
+        strong &= flanked(lines.freq_hz, snr, freq, CANDIDATE_SNR)
     return freq[keep], strong[keep]
-
-
-def _rises(freq_hz: FloatArray, snr: FloatArray, at_hz: float) -> bool:
-    """Whether the response rises out of its noise on both sides; at the band's edge it cannot be told: no."""
-    sides = [
-        (at_hz * (1.0 - FLANK[1]), at_hz * (1.0 - FLANK[0])),
-        (at_hz * (1.0 + FLANK[0]), at_hz * (1.0 + FLANK[1])),
-    ]
-    flanks = [snr[(freq_hz >= low) & (freq_hz <= high)] for low, high in sides]
-    return all(flank.size and float(np.median(flank)) >= FLANK_SNR for flank in flanks)
 
 
 def _near(freq: FloatArray, value: float, tol: float) -> bool:
@@ -327,3 +320,8 @@ def _apart(freq: FloatArray, values: FloatArray, tol: float) -> FloatArray:
         if not _near(values, f, 2.0 * tol) and not (kept and f <= kept[-1] * (1.0 + tol)):
             kept.append(float(f))
     return np.array(kept)
+
+
+#: The names that these had before.
+SecondOpinion = CrossCheck
+second_opinion = cross_check

@@ -4,7 +4,6 @@ For the antiresonances of dof j all T_pj = X_p / X_j have the poles sought. They
 
 ========  ============================================================================================
 "joint"   all T_pj, one denominator (complex, in s)
-"sum"     sum_p T_pj, one rational function (complex, in s)
 "power"   all abs(T_pj)^2, one denominator (real, in f^2, see :mod:`~antires_rs.identification.power`);
 without phase "eq10"    sum_p abs(Re T_pj) + i abs(Im T_pj), Eq. 10 of the paper as printed
 ========  ============================================================================================
@@ -16,20 +15,18 @@ runs / false values a run / largest relative error / median error):
 formulation  no noise                      1 % noise                     5 % noise
 ===========  ============================  ============================  ============================
 "joint"      28.0 / 0.0 / 4e-05 / 5e-06    28.0 / 0.0 / 1e-03 / 1e-05    27.6 / 0.0 / 5e-03 / 5e-05
-"sum"        28.0 / 0.0 / 1e-04 / 8e-06    27.8 / 0.0 / 8e-04 / 4e-05    24.8 / 0.0 / 8e-03 / 2e-04
 "power"      28.0 / 0.2 / 6e-05 / 7e-06    28.0 / 0.0 / 2e-03 / 2e-05    26.0 / 0.0 / 7e-03 / 9e-05
 "eq10"        5.0 / 3.2 / 1e-02 / 4e-03     5.8 / 9.0 / 9e-03 / 7e-03     4.4 / 4.8 / 1e-02 / 6e-03
 ===========  ============================  ============================  ============================
 
-So "joint" is the default of the four. "sum" throws away what the outputs know of each other: terms of
-opposite sign cancel, and in noise the weak poles go first. "power" needs no phase; what it gives up is the
-test that superfluous poles fail in s, where they go to the right half plane. "eq10" is no rational function:
+So "joint" is the default of the three. "power" needs no phase; what it gives up is the
+test that spurious poles fail in s, where they go to the right half plane. "eq10" is no rational function:
 the absolute values kink wherever a part changes sign. What is fitted to it sits beside the antiresonance, 0.4
 to 0.7 % at the median where the others are 0.001 to 0.02 % off, or is false. It is there to be looked at and
 to be compared with, and says so by a warning.
 
 Lines are weighted by SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2), over abs(D)^2 of a denominator guessed
-at order 4 (module ``first_guess``): without the guess "joint" finds 26.0 at 5 % noise, "sum" 21.6,
+at order 4 (module ``first_guess``): without the guess "joint" finds 26.0 at 5 % noise,
 "power" 24.6. Only averaged records get it; the errors of given curves and single hits are not white, and
 where the response is weak they would be followed.
 
@@ -47,13 +44,14 @@ from ..order_sweep.diagram import PoleSweep
 from ..order_sweep.rule import Rule
 from ..rational.first_guess import guessed_weights
 from ..rational.fit import NestedFit
-from ..support.validation import ComplexArray, FloatArray, choice
+from ..support.validation import ComplexArray, FloatArray, choice, reject
+from .lines import Lines
 from .power import PowerFit, PowerSweep
-from .response_lines import Lines
 
-__all__ = ["FORMULATIONS", "sweep_of", "warn_of_formulation"]
+__all__ = ["CHOICES", "FORMULATIONS", "check_formulation", "sweep_of", "warn_of_formulation"]
 
-FORMULATIONS = ("joint", "sum", "power", "eq10")
+FORMULATIONS = ("joint", "power", "eq10")
+CHOICES = ("auto", "numerators", *FORMULATIONS)
 # Order of the denominator guessed for the weights: the trend over the band, from which every order gains.
 # Higher ones find more near the noise, and false ones with them.
 GUESS_ORDER = 4
@@ -75,7 +73,7 @@ def sweep_of(
         for "power" one.
     rule : Rule
         Only ``min_rows`` is looked at.
-    formulation : {"joint", "sum", "power", "eq10"}
+    formulation : {"joint", "power", "eq10"}
         See the module.
 
     Returns
@@ -125,12 +123,23 @@ def sweep_of(
 
 def _target(quotients: ComplexArray, formulation: str) -> ComplexArray:
     """The complex curves to be fitted, (n_outputs, n_freq)."""
-    if formulation == "sum":
-        return np.asarray(quotients.sum(axis=0, keepdims=True))
     if formulation == "eq10":
         parts = np.abs(quotients.real).sum(axis=0) + 1j * np.abs(quotients.imag).sum(axis=0)
         return np.asarray(parts[None, :])
     return quotients
+
+
+def check_formulation(formulation: str) -> str:
+    """One of the formulations; "sum", which there was, is refused with what to take instead."""
+    if formulation == "sum":
+        reject(
+            "formulation",
+            "'sum'",
+            "one of " + ", ".join(repr(name) for name in CHOICES),
+            "The fit of the sum of all transmissibilities was left out, being behind 'joint' at every noise; "
+            "use formulation='joint'.",
+        )
+    return choice("formulation", formulation, CHOICES)
 
 
 def warn_of_formulation(formulation: str) -> None:

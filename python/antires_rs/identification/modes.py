@@ -24,17 +24,17 @@ from ..order_sweep.rule import Rule
 from ..order_sweep.windows import join, windows
 from ..rational.fit import NestedFit
 from ..rational.residues import dominant_shapes, residues
+from ..signals.averaging import Averaging, average, holds_hits
 from ..signals.band import band_of, covered_hz
 from ..signals.estimators import two_channel
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.half_spectra import half_spectra
 from ..signals.recording import Recording
 from ..signals.segment_length import choose_nperseg
-from ..signals.spectra import cross_spectra
-from ..signals.transient import is_transient, transient_spectra
 from ..support.progress import patient
 from ..support.validation import ComplexArray, FloatArray, choice, integer, reject
-from .response_lines import FORCE, lines_of_response
+from .lines import FORCE
+from .response_lines import lines_of_response
 
 __all__ = ["identify_modes"]
 
@@ -133,7 +133,7 @@ def identify_modes(
     --------
     >>> import numpy as np
     >>> from antires_rs.identification.modes import identify_modes
-    >>> from antires_rs.signals.recording import FrequencyResponse
+    >>> from antires_rs.signals.frequency_response import FrequencyResponse
     >>> f = np.linspace(2.0, 30.0, 600)
     >>> mode = lambda fn: -f**2 / (fn**2 - f**2 + 0.02j * fn * f)
     >>> h = np.array([mode(8.0) + mode(20.0), mode(8.0) - 0.5 * mode(20.0)])
@@ -145,7 +145,7 @@ def identify_modes(
     [[1.0, 1.0], [1.0, -0.5]]
     """
     choice("route", route, ("auto", "frf", "responses"))
-    choice("method", method, ("auto", "welch", "transient"))
+    averaging = Averaging(nperseg, method=method).checked()
     choice("estimator", estimator, ("h1", "h2", "hv"))
     rule = Rule(freq_tol, damping_tol, min_rows, max_damping, min_dominance).checked()
     max_order = integer("max_order", max_order, low=2)
@@ -154,7 +154,7 @@ def identify_modes(
     available = covered_hz(source)
     band = band_of(source, band_hz)
     if isinstance(source, Recording):
-        curves_in = _of_recording(source, band, route, method, nperseg, estimator)
+        curves_in = _of_recording(source, band, route, averaging, estimator)
     else:
         if source.kind != "frf":
             raise UnsuitableDataError(
@@ -181,7 +181,7 @@ def identify_modes(
 
 
 def _of_recording(
-    rec: Recording, band: tuple[float, float], route: str, method: str, nperseg: int | None, estimator: str
+    rec: Recording, band: tuple[float, float], route: str, options: Averaging, estimator: str
 ) -> Callable[[tuple[float, float]], Curves]:
     """Curves of a record by one of the routes; segments as the band wants them, lines as asked for."""
     if route == "frf" and rec.force is None:
@@ -191,19 +191,16 @@ def _of_recording(
             "a measured force",
             "Use route='responses', for a force that is broadband.",
         )
-    transient = method == "transient" or (method == "auto" and is_transient(rec))
-    if nperseg is not None:
-        nperseg = integer("nperseg", nperseg, low=32, high=rec.n_samples)
+    if options.nperseg is not None:
+        integer("nperseg", options.nperseg, low=32, high=rec.n_samples)
     if route == "responses" or rec.force is None:
-        if not transient and nperseg is None:
-            nperseg = choose_nperseg(rec, band)
-        return _of_responses(rec, None if transient else nperseg)
-    if transient:
-        spectra = transient_spectra(rec, include_force=True)
-    else:
-        if nperseg is None:
-            nperseg = min(FRF_SEGMENT_FACTOR * choose_nperseg(rec, band), rec.n_samples)
-        spectra = cross_spectra(rec, nperseg=nperseg, include_force=True)
+        if holds_hits(rec, options):
+            return _of_responses(rec, None)
+        return _of_responses(rec, options.nperseg or choose_nperseg(rec, band))
+    every_line = (0.0, 0.5 * rec.fs_hz)
+    spectra = average(
+        rec, band, options, include_force=True, lines_hz=every_line, longer=FRF_SEGMENT_FACTOR
+    ).spectra
     values = two_channel(spectra.matrix, rec.n_channels, estimator)[0][:-1]
     frfs = FrequencyResponse(spectra.freq_hz, values, rec.dofs)
     return lambda lines_hz: _of_frfs(frfs, lines_hz, spectra.added_decay_per_s)

@@ -31,8 +31,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..order_sweep.shared import shared
 from ..rational.dominance import dominance
 from ..rational.forsythe import Basis, forsythe_basis, roots
 from ..support.validation import ComplexArray, FloatArray
@@ -40,9 +40,7 @@ from ..support.validation import ComplexArray, FloatArray
 # Relative to the mean diagonal: exact data make A singular, and rounding must not make it indefinite.
 RIDGE = 1e-13
 # Inverse iterations; eigenvalues 2 and 1 lie far apart at the true order, and beyond it any will do.
-TURNS = 4
-# Roots of all rows this close, relative to abs(s), are one common factor.
-SHARED = 0.003
+ITERATIONS = 4
 
 
 class NumeratorFit:
@@ -64,36 +62,54 @@ class NumeratorFit:
         self.n = covariance.shape[1]
         self.max_order = max_order
         self.weights = weights / weights.sum()
-        self.basis: Basis = forsythe_basis(freq_hz / self.scale_hz, self.weights, max_order)
-        self.form = self._form(covariance, largest)
+        whole = forsythe_basis(freq_hz / self.scale_hz, self.weights, 2 * max_order)
+        terms = max_order + 1
+        self.basis = Basis(whole.b[:terms], np.ascontiguousarray(whole.p[:, :terms]))
+        # i^k times a polynomial is real for even k and imaginary for odd k, with these signs.
+        self._even, self._odd = (np.ascontiguousarray(self.basis.p[:, parity::2]) for parity in (0, 1))
+        self._signs = np.array([1.0, 1.0, -1.0, -1.0])[np.arange(terms) % 4]
+        self.form = self._form(whole, covariance, largest)
         size = self.form.shape[0]
         ridge = RIDGE * float(np.trace(self.form)) / size
         # A direction without any misfit at all is left to the ridge.
         self._root = np.linalg.cholesky(self.form + max(ridge, 1e-300) * np.eye(size))
         from scipy.linalg import solve_triangular  # slow to import
 
-        self._solve = solve_triangular
         self._first = solve_triangular(self._root, np.eye(size)[:, : self.n], lower=True)
 
-    def _form(self, covariance: ComplexArray, largest: FloatArray) -> FloatArray:
-        """A of Q = c' A c, ordered by degree, then by channel."""
-        p, n, terms = self.basis.p, self.n, self.max_order + 1
-        even, odd = np.ascontiguousarray(p[:, 0::2]), np.ascontiguousarray(p[:, 1::2])
-        form = np.empty((terms, n, terms, n))
+    def _form(self, whole: Basis, covariance: ComplexArray, largest: FloatArray) -> FloatArray:
+        """A of Q = c' A c, ordered by degree, then by channel.
+
+        Its entries are sums over the lines of z phi_i phi_j, z the weighted entries of lam I - C. By the
+        recurrence of the polynomials b_{i+1} <i+1, j> + b_i <i-1, j> = b_{j+1} <i, j+1> + b_j <i, j-1>, so
+        that all follow from the sums <0, k> with k up to twice the highest order.
+        """
+        n, terms, b = self.n, self.max_order + 1, whole.b[:, None]
+        one, other = np.triu_indices(n)
+        z = -covariance[:, one, other]
+        z[:, one == other] += largest[:, None]
+        z *= self.weights[:, None]
+        # Even products see the real part of z, odd ones the imaginary part.
+        row = np.empty((2 * terms - 1, one.size))
+        row[0::2] = whole.p[:, 0::2].T @ z.real
+        row[1::2] = whole.p[:, 1::2].T @ z.imag
+        row /= whole.b[0]
+        part = np.empty((terms, terms, one.size))
+        before = np.zeros_like(row)
+        for i in range(terms):
+            part[i] = row[:terms]
+            last = row.shape[0] - 1
+            after = b[1 : last + 1] * row[1:]
+            after[1:] += b[1:last] * row[: last - 1]
+            if i:
+                after -= b[i] * before[:last]
+            before, row = row, after / whole.b[i + 1]
         step = np.arange(terms)
         # Re(i^m z): the real part for even m, the imaginary one for odd m, with these signs.
-        sign = np.array([1.0, -1.0, -1.0, 1.0])[(step[None, :] - step[:, None]) % 4]
-        part = np.zeros((terms, terms))
-        for a in range(n):
-            for b in range(a, n):
-                z = -covariance[:, a, b] if a != b else largest - covariance[:, a, a].real
-                z = self.weights * z
-                part[0::2, 0::2] = even.T @ (z.real[:, None] * even)
-                part[1::2, 1::2] = odd.T @ (z.real[:, None] * odd)
-                part[0::2, 1::2] = even.T @ (z.imag[:, None] * odd)
-                part[1::2, 0::2] = part[0::2, 1::2].T
-                form[:, a, :, b] = part * sign
-                form[:, b, :, a] = form[:, a, :, b].T
+        part *= np.array([1.0, -1.0, -1.0, 1.0])[(step[None, :] - step[:, None]) % 4][:, :, None]
+        form = np.empty((terms, n, terms, n))
+        form[:, one, :, other] = part.transpose(2, 0, 1)
+        form[:, other, :, one] = part.transpose(2, 1, 0)
         return form.reshape(terms * n, terms * n)
 
     def low(self, order: int) -> FloatArray:
@@ -101,25 +117,40 @@ class NumeratorFit:
         size = (order + 1) * self.n
         first = self._first[:size]
         best = np.linalg.eigh(first.T @ first)[1][:, -1]
-        c = self._solve(self._root[:size, :size], first @ best, lower=True, trans="T", check_finite=False)
+        c = _solved(self._leading(size), first @ best, transposed=True)
         return np.asarray(c / np.linalg.norm(c)).reshape(order + 1, self.n)
 
     def likeliest(self, order: int) -> tuple[FloatArray, float]:
         """Coefficients (order + 1, n) of least misfit for their norm, and that misfit."""
         size = (order + 1) * self.n
-        root = self._root[:size, :size]
+        root = self._leading(size)
         c = self._first[:size].sum(axis=1)
-        for _ in range(TURNS):
-            c = self._solve(root, c, lower=True, check_finite=False)
-            c = self._solve(root, c, lower=True, trans="T", check_finite=False)
+        for _ in range(ITERATIONS):
+            c = _solved(root, _solved(root, c), transposed=True)
             c = c / np.linalg.norm(c)
         return c.reshape(order + 1, self.n), float(c @ self.form[:size, :size] @ c)
 
+    def _leading(self, size: int) -> FloatArray:
+        """Cholesky factor of the leading block, as BLAS wants it."""
+        return np.asfortranarray(self._root[:size, :size])
+
     def values(self, c: FloatArray) -> ComplexArray:
         """N at the lines, (n_freq, n); ``c`` may hold several solutions side by side."""
-        terms = c.shape[0]
-        turned = (1j ** np.arange(terms))[:, None] * c
-        return np.asarray(self.basis.p[:, :terms] @ turned, dtype=np.complex128)
+        signed = self._signs[: c.shape[0], None] * c
+        even, odd = signed[0::2], signed[1::2]
+        out = np.empty((self.basis.p.shape[0], c.shape[1]), dtype=np.complex128)
+        out.real = self._even[:, : even.shape[0]] @ even
+        out.imag = self._odd[:, : odd.shape[0]] @ odd
+        return out
+
+    def projected(self, fields: ComplexArray, order: int, lines: slice) -> FloatArray:
+        """Sums over some lines of Re(conj(phi_k) w x), (order + 1, n_columns), x the ``fields`` there."""
+        out = np.empty((order + 1, fields.shape[1]))
+        count = (order + 2) // 2, (order + 1) // 2
+        weighted = fields * self.weights[lines, None]
+        out[0::2] = self._even[lines, : count[0]].T @ weighted.real
+        out[1::2] = self._odd[lines, : count[1]].T @ weighted.imag
+        return np.asarray(out * self._signs[: order + 1, None])
 
     def zeros(self, c: FloatArray, row: int) -> ComplexArray:
         """Roots of one numerator in rad/s."""
@@ -137,6 +168,13 @@ class NumeratorFit:
         """Share of each root's own peak in the quotients of ``others`` over ``row`` at its frequency."""
         above = np.ascontiguousarray(c[:, list(others)].T)
         return dominance((self.basis, above), (self.basis, c[:, row]), s / (2 * np.pi * self.scale_hz))
+
+
+def _solved(root: FloatArray, right: FloatArray, *, transposed: bool = False) -> FloatArray:
+    """Solution with a lower triangular matrix in Fortran's order, or with its transpose."""
+    from scipy.linalg.blas import dtrsv  # slow to import
+
+    return np.asarray(dtrsv(root, right, lower=1, trans=int(transposed)))
 
 
 class NumeratorSweep:
@@ -166,11 +204,3 @@ class NumeratorSweep:
         """Share of each root's own peak in the curves at its frequency; none if all rows have the root."""
         share = self.fit.dominances(self._solution(order), self.row, s, self.others)
         return np.where(shared(s, [other.roots(order) for other in self.companions]), 0.0, share)
-
-
-def shared(s: ComplexArray, others: Sequence[ComplexArray], within: float = SHARED) -> NDArray[np.bool_]:
-    """Whether all of two or more other rows have a root near each of ``s``: a common factor."""
-    if len(others) < 2:
-        return np.zeros(s.size, dtype=bool)
-    near = [np.abs(r[None, :] - s[:, None]).min(axis=1, initial=np.inf) <= within * np.abs(s) for r in others]
-    return np.asarray(np.all(near, axis=0))

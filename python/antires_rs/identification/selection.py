@@ -11,10 +11,10 @@ candidate is
 
 It is accepted at once, unless there is a doubt: if it is hardly damped or right of the axis it must own its
 curve and be far from every root that all rows share; if it is near such a root, or owns less than half of its
-curve, most higher orders must have it too. Values without a chain in the diagram are marked "persistent".
+curve, most higher orders must have it too. Without a chain in the diagram it is marked
+"persistent" if most higher orders have it, else "likeliest order": what speaks for it is that fit alone.
 
-The limits were set on simulated structures (chains, random stiffness, a plane frame; seeds 100-119), never on
-the records that the published tables are made from.
+The limits, with their reasons, are in :mod:`~antires_rs.order_sweep.limits`.
 """
 
 from __future__ import annotations
@@ -25,45 +25,43 @@ from typing import Any
 import numpy as np
 
 from ..order_sweep.diagram import StabilizationDiagram, diagram
+from ..order_sweep.limits import (
+    KNOWN,
+    LEAST_DAMPING,
+    MOST_NEGATIVE,
+    NEARLY_SHARED,
+    OTHER_HALF,
+    PAIR,
+    PAIR_DAMPING,
+    PRESENCE,
+    RIGHT_DOMINANCE,
+    SAME,
+    SAME_DAMPING,
+    WEAK,
+    WIDEST,
+)
 from ..order_sweep.rule import Rule
 from ..order_sweep.scores import scored
+from ..order_sweep.shared import shared
 from ..order_sweep.table import ResponseTable
 from ..order_sweep.windows import Window
 from ..support.progress import step
 from ..support.validation import ComplexArray, FloatArray
 from .likelihood import Likeliest, likeliest
-from .numerators import NumeratorSweep, shared
-from .response_lines import SNR_CAP, Lines
-from .uncertainty import Influence, standard_deviations
-
-# A chain and a zero of the likeliest fit this close belong together: the chain may be biased by so much.
-SAME = 0.05
-# Largest standard deviation in frequency tolerances.
-KNOWN = 0.5
-# Damped less than this, or right of the axis, are few physical zeros (two that nearly coincide part so), and
-# many roots glued to the noise of single lines: such a zero must own this much of its curve.
-LEAST_DAMPING, MOST_NEGATIVE = 5e-4, 0.01
-RIGHT_DOMINANCE = 0.9
-# Two zeros of one modulus, whose frequencies differ by less than this share of the difference of their
-# damping ratios, are the halves of one that is complex without damping; at least so far apart in damping.
-PAIR, PAIR_DAMPING = 0.5, 0.004
-# Roots up to this damping, and with this share of the curve, may be the other half of such a pair.
-WIDEST, OTHER_HALF = 0.15, 0.02
-# Doubtful are zeros this near to a root that all rows share, or that own less than this share of their curve;
-# they need a root of the same frequency and damping in this share of the higher orders.
-NEARLY_SHARED = 0.05
-WEAK = 0.5
-PRESENCE = 0.75
-SAME_DAMPING = 0.002
+from .lines import SNR_CAP, Lines
+from .numerators import NumeratorSweep
+from .options import IdentificationOptions
+from .uncertainty import Influence
 
 
 def select(
-    lines: Lines, n_responses: int, window: Window, orders: range, rule: Rule, keep_common: bool
+    lines: Lines, n_responses: int, window: Window, options: IdentificationOptions
 ) -> list[StabilizationDiagram]:
     """One diagram for each of the first ``n_responses`` rows of ``lines``."""
-    rule = replace(rule, both_sides=True)
+    rule, keep_common = replace(options.rule, both_sides=True), options.keep_common
+    orders = rule.orders(options.orders, lines.freq_hz.size)
     best = likeliest(lines.freq_hz, lines.covariance(), SNR_CAP, lines.independent, orders[-1])
-    influence = Influence(best.fit, best.coefficients, best.misfit)
+    influence = Influence(best.fit, best.coefficients, best.misfit, lines)
     # The force, if it is there, has the poles for zeros: only where there is no second response may it say
     # what a zero owns, since a zero beside a resonance owns little of the quotient with the force.
     rows = range(n_responses if n_responses > 1 else lines.vectors.shape[0])
@@ -85,9 +83,10 @@ def select(
         own = roots[row][~shared(roots[row], others)]
         s, share, std = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
         seen = [_seen(zero, sweep, best.order, orders, rule) for zero in s.tolist()]
-        zeros = _table(s, share, std, seen, one.accepted, lines.added_decay_per_s)
-        higher = sum(m > best.order for m in orders)
-        keep = _credible(s, zeros, np.array([len(own) for own in seen], dtype=int), higher, others, rule)
+        counts = np.array([len(own) for own in seen], dtype=int)
+        stays = (counts > rule.min_rows) & (counts >= PRESENCE * sum(m > best.order for m in orders))
+        zeros = _table(s, share, std, seen, stays, one.accepted, lines.added_decay_per_s)
+        keep = _credible(s, zeros, stays, others)
         if not rule.persistent:
             keep &= zeros.how == "chain"
         fitted = np.delete(numerators, row, axis=0) / numerators[row]
@@ -119,7 +118,7 @@ def _candidates(
     share = best.fit.dominances(best.coefficients, sweep.row, s, sweep.others)
     least = min(OTHER_HALF, rule.min_dominance)
     s, share = s[share >= least], share[share >= least]
-    std = standard_deviations(influence, sweep.row, s, lines)
+    std = influence.standard_deviations(sweep.row, s)
     known = std <= KNOWN * rule.freq_tol * np.abs(s) / (2 * np.pi)
     s, share, std = s[known], share[known], std[known]
     size = np.abs(s)
@@ -144,14 +143,11 @@ def _paired(freq: FloatArray, damping: FloatArray, std: FloatArray) -> Any:
     return ((apart > least) & (np.abs(freq[:, None] / freq - 1.0) <= PAIR * apart)).any(axis=1)
 
 
-def _credible(
-    s: ComplexArray, zeros: ResponseTable, seen: Any, higher: int, others: list[ComplexArray], rule: Rule
-) -> Any:
-    """Which zeros may be accepted: at once, or because ``seen`` of the ``higher`` orders have it too."""
+def _credible(s: ComplexArray, zeros: ResponseTable, stays: Any, others: list[ComplexArray]) -> Any:
+    """Which zeros may be accepted: at once, or because they stay, most higher orders having them too."""
     # With fewer than two others nothing can be told of what all rows share: the higher orders decide.
     unknown = len(others) < 2
     near = np.zeros(s.size, dtype=bool) if unknown else shared(s, others, NEARLY_SHARED)
-    stays = (seen > rule.min_rows) & (seen >= PRESENCE * higher)
     hardly_damped = ~near & (zeros.dominance >= RIGHT_DOMINANCE) & (stays | (not unknown))
     damped = stays | ~(near | unknown | (zeros.dominance < WEAK))
     return np.where(zeros.damping_ratio < LEAST_DAMPING, hardly_damped, damped)
@@ -191,6 +187,7 @@ def _table(
     dominance: FloatArray,
     std_hz: FloatArray,
     seen: list[list[float]],
+    stays: Any,
     chains: ResponseTable,
     added_decay_per_s: float,
 ) -> ResponseTable:
@@ -209,5 +206,5 @@ def _table(
         rows=rows,
         spread=spread,
         dominance=dominance,
-        how=np.where(chain >= 0, "chain", "persistent"),
+        how=np.where(chain >= 0, "chain", np.where(stays, "persistent", "likeliest order")),
     )

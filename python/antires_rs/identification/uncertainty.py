@@ -19,8 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..support.validation import ComplexArray, FloatArray
+from .lines import Lines
 from .numerators import NumeratorFit
-from .response_lines import Lines
 
 # Without segments: so many blocks of neighbouring lines stand for independent draws.
 BLOCKS = 64
@@ -30,66 +30,54 @@ UNDETERMINED = 1e-12
 
 
 class Influence:
-    """Derivatives of zeros by the covariances, for one solution ``c`` of a fit."""
+    """Derivatives of zeros by the covariances, for one solution ``c`` of a fit.
 
-    def __init__(self, fit: NumeratorFit, c: FloatArray, misfit: float) -> None:
+    What a draw x x' would move the coefficients' right-hand side by is summed over its lines once for all
+    zeros, ``(n_coefficients, n_draws)``; a zero's influences are one product with it.
+    """
+
+    def __init__(self, fit: NumeratorFit, c: FloatArray, misfit: float, lines: Lines) -> None:
         self.fit, self.c = fit, c
-        size = c.size
-        values, self._vectors = np.linalg.eigh(fit.form[:size, :size])
+        values, self._vectors = np.linalg.eigh(fit.form[: c.size, : c.size])
         gap = values - misfit
         # The solution itself, the smallest, is a matter of scale.
         keep = gap > max(UNDETERMINED * values[-1], 1e-300)
         keep[0] = False
         self._inverse = np.where(keep, 1.0 / np.where(keep, gap, 1.0), 0.0)
-        self.directions = fit.values(c)
+        if lines.segments is not None:
+            pushed = self._pushed(lines.segments)
+            count = lines.segments.shape[2]
+            self._push = self._projected(pushed)
+            scale = lines.averages_ratio / count**2
+        else:
+            single = (np.sqrt(lines.snr) * lines.vectors).T[:, :, None]
+            pushed = self._pushed(single)
+            count, scale = min(BLOCKS, len(pushed)), 1.0
+            ends = np.linspace(0, len(pushed), count + 1).round().astype(int)
+            blocks = [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+            self._push = np.concatenate([self._projected(pushed, block) for block in blocks], axis=1)
+        self._push -= self._push.mean(axis=1, keepdims=True)
+        self._scale = scale * count / (count - 1)
 
-    def fields(self, row: int, s: ComplexArray) -> ComplexArray:
-        """What a change of C_f moves abs(s) of each zero by: (n_zeros, n_freq, n), see ``of_segments``."""
+    def _pushed(self, draws: ComplexArray) -> ComplexArray:
+        """x x' N less its part along N, (n_freq, n, n_draws); ``draws`` x are (n_freq, n, n_draws)."""
+        n = self.fit.values(self.c)
+        along = n.conj()[:, None, :] @ draws
+        length = np.sum(np.abs(n) ** 2, axis=1)[:, None, None]
+        return np.asarray(draws * along.conj() - n[:, :, None] * (np.abs(along) ** 2 / length))
+
+    def _projected(self, pushed: ComplexArray, lines: slice = slice(None)) -> FloatArray:
+        """Its product with the polynomials over some lines, (n_coefficients, n_draws)."""
+        some = pushed[lines]
+        flat = self.fit.projected(some.reshape(len(some), -1), self.c.shape[0] - 1, lines)
+        return flat.reshape(self.c.size, pushed.shape[2])
+
+    def standard_deviations(self, row: int, s: ComplexArray) -> FloatArray:
+        """Standard deviation in Hz of zeros ``s`` (rad/s) of one row."""
         slope = self.fit.slopes(self.c, row, s)
         by_size = (slope * s.conj()[:, None]).real / np.abs(s)[:, None]
         gradient = np.zeros((s.size, *self.c.shape))
         gradient[:, :, row] = by_size
         flat = gradient.reshape(s.size, self.c.size) @ self._vectors
-        u = ((flat * self._inverse) @ self._vectors.T).reshape(gradient.shape)
-        stacked = self.fit.values(u.transpose(1, 2, 0).reshape(self.c.shape[0], self.c.shape[1] * s.size))
-        out = stacked.reshape(self.directions.shape[0], self.c.shape[1], s.size).transpose(2, 0, 1)
-        return np.asarray(out * self.fit.weights[:, None])
-
-    def by_line(self, fields: ComplexArray, segments: ComplexArray) -> FloatArray:
-        """Influence of each line of each segment, summed over the segments, (n_zeros, n_freq), rad/s."""
-        return np.asarray(self._moves(fields, segments).sum(axis=2))
-
-    def of_segments(self, fields: ComplexArray, segments: ComplexArray) -> FloatArray:
-        """Influence of each segment on each zero, (n_zeros, n_segments), rad/s.
-
-        ``segments`` are the scaled spectra x, (n_freq, n, n_segments), whose mean of x x' is C.
-        """
-        return np.asarray(self._moves(fields, segments).sum(axis=1))
-
-    def _moves(self, fields: ComplexArray, segments: ComplexArray) -> FloatArray:
-        """What every line of every segment adds, (n_zeros, n_freq, n_segments)."""
-        n = self.directions
-        along = n.conj()[:, None, :] @ segments
-        length = np.sum(np.abs(n) ** 2, axis=1)
-        across = fields.conj().transpose(1, 0, 2) @ segments
-        slip = np.einsum("zfa,fa->fz", fields.conj(), n).real / length[:, None]
-        moves = (across * along.conj()).real - slip[:, :, None] * np.abs(along) ** 2
-        return np.asarray(moves.transpose(1, 0, 2))
-
-
-def standard_deviations(influence: Influence, row: int, s: ComplexArray, lines: Lines) -> FloatArray:
-    """Standard deviation in Hz of zeros ``s`` of one row."""
-    fields = influence.fields(row, s)
-    if lines.segments is not None:
-        moved = influence.of_segments(fields, lines.segments)
-        scale = lines.averages_ratio / moved.shape[1] ** 2
-    else:
-        single = (np.sqrt(lines.snr) * lines.vectors).T[:, :, None]
-        by_line = influence.by_line(fields, single)
-        blocks = np.array_split(by_line, min(BLOCKS, by_line.shape[1]), axis=1)
-        moved = np.stack([block.sum(axis=1) for block in blocks], axis=1)
-        scale = 1.0
-    count = moved.shape[1]
-    spread = moved - moved.mean(axis=1, keepdims=True)
-    variance = scale * count / (count - 1) * np.sum(spread**2, axis=1)
-    return np.asarray(np.sqrt(variance) / (2 * np.pi))
+        moved = ((flat * self._inverse) @ self._vectors.T) @ self._push
+        return np.asarray(np.sqrt(self._scale * np.sum(moved**2, axis=1)) / (2 * np.pi))

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .._core import __version__
-from ..optimize.island_ga import History, OptimizeResult
+from ..optimize.outcome import History, OptimizeResult
 from ..support.validation import reject
 from ..updating.results import DamageResult, UpdateResult
 from ._common import unsuitable, warn
@@ -26,7 +26,7 @@ __all__ = ["load_result", "save_result"]
 
 FORMAT, VERSION = "antires_rs.result", 2
 _ARRAYS = ("x", "populations", "population_costs")
-_PLAIN = ("fun", "success", "status", "message", "nfev", "nit")
+_PLAIN = ("fun", "success", "status", "message", "nfev", "njev", "nit")
 _CLASSES = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}
 
 
@@ -70,7 +70,7 @@ def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateR
         if not issubclass(made, kind):
             unsuitable(file, f"which holds an {made.__name__}", wanted, f"Use {made.__name__}.load.")
         problem = made_problem(data["problem"], str(file))
-        raw = data["search"]
+        raw = {"njev": None, **data["search"]}  # version 1 did not count linearizations
         search = OptimizeResult(history=History(**raw.pop("history")), **raw)
     except (KeyError, TypeError, IndexError) as exc:
         unsuitable(file, f"which is damaged ({type(exc).__name__}: {exc})", wanted)

@@ -9,7 +9,8 @@ from ..models import parameters as terms
 from ..models.frame import FrameModel
 from ..models.parameters import Parameter
 from ..models.structural_model import StructuralModel
-from ..optimize.island_ga import IslandGA, seed_of, thread_count
+from ..optimize.arguments import seed_of, thread_count
+from ..optimize.island_ga import IslandGA
 from .job import Job, nearest
 from .keys import ELEMENTS, LUMPED, SECTIONED, SUPPORT
 from .lines import Path as Keys

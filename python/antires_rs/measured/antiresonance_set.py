@@ -175,25 +175,25 @@ class AntiresonanceSet(EditedTables):
         return self._diagrams
 
     @property
-    def data_check(self) -> DataCheck | None:
+    def data_check(self) -> Any | None:
         """Whether the data were fit for identification, where they were checked."""
         return self._data_check
 
     @property
-    def cross_check(self) -> CrossCheck | None:
+    def cross_check(self) -> Any | None:
         """What another method says of the antiresonances, where it was asked."""
         return self._cross_check
 
     @property
-    def second_opinion(self) -> CrossCheck | None:
+    def second_opinion(self) -> Any | None:
         """The older name of ``cross_check``."""
         return self._cross_check
 
     def __str__(self) -> str:
         width = max(3, *(len(str(dof)) for dof in self))
         lines = [f"antiresonances, force at {self.excitation}"]
-        if self.data_check is not None:
-            lines += [f"do not trust: {f.text}" for f in self.data_check.findings if f.severity == "fatal"]
+        if self._data_check is not None:
+            lines += [f"do not trust: {f.text}" for f in self._data_check.findings if f.severity == "fatal"]
         lines.append(f"{'dof':>{width}}  count  freq_hz")
         for dof, freq in self.items():
             values = "  ".join(f"{f:.3f}" for f in freq) or "-"

@@ -1,7 +1,7 @@
 """What a set of antiresonances carries beside its tables, and what it asks of it.
 
-The data check and the cross-check are made by packages that use this one: here stands only what is read of
-them, so that nothing below knows the classes.
+The data check and the cross-check are made by packages that use this one: here stands what a set itself reads
+of them. Whoever asks a set for them gets the objects themselves, with all that they have.
 """
 
 from __future__ import annotations
@@ -30,18 +30,6 @@ class DataCheck(Protocol):
     @property
     def findings(self) -> Sequence[Finding]:
         """Worst first."""
-
-    @property
-    def warnings(self) -> list[str]:
-        """Of them what is more than a note, in words."""
-
-    @property
-    def n_averages(self) -> float | None:
-        """Effective number of independent averages."""
-
-    @property
-    def nperseg(self) -> int | None:
-        """Samples per segment of the spectra."""
 
 
 class CrossCheck(Protocol):

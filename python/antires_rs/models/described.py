@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from ..support.immutable import Immutable
-from ..support.pickling import AroundCore
+from ..support.pickling import AroundCore, ReadOnly
 from ..support.validation import reject
 from .description import AppliedParameters, ModelDescription
 
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
 __all__ = ["Described"]
 
 
-class Described(Immutable, AroundCore["CoreModel"]):
+class Described(AroundCore["CoreModel"], ReadOnly):
     """What a model is made of, and the core's model made of it. Read-only."""
 
     #: Kind of recipe that this class is built from.

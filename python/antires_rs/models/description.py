@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _core
-from ..support.immutable import Value
 from ..support.validation import FloatArray, real_array, reject
+from ..support.values import Value
 from .parameter import CoreParameter, Parameter, core_parameters, parameter_tuple
 from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 

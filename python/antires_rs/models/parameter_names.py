@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Protocol, cast
 
 from ..exceptions import AntiresWarning
@@ -53,7 +53,7 @@ def parameter_name(model: _Labelled, parameter: Parameter) -> str:
     return f"{name} ({unit})" if unit else name
 
 
-def warn_far(parameters: Iterable[Parameter], names: list[str], nominal: FloatArray) -> None:
+def warn_far(parameters: Iterable[Parameter], names: Sequence[str], nominal: FloatArray) -> None:
     """Bounds in another unit than the model's value are a slip that no search can mend."""
     for parameter, name, value in zip(parameters, names, nominal, strict=True):
         low, high = parameter.bounds

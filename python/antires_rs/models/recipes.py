@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..support.immutable import Value
 from ..support.validation import FloatArray, integer, reject
+from ..support.values import Value
 from .frame_parts import GroundSpring, NodeSpring, PointMass, three_inertias
 from .sections import AnySection
 

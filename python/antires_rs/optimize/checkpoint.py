@@ -12,19 +12,17 @@ import os
 import struct
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NoReturn
 
 from ..exceptions import AntiresWarning, UnsuitableDataError
 from ..support.files import put_in_place
 from ..support.validation import reject
 
-if TYPE_CHECKING:
-    pass
-
 __all__ = ["Checkpoint"]
 
-#: Name and version of the layout.
-_MAGIC = b"antires_rs search 1\n"
+#: Name and version of the layout. Version 2 counts the linearizations.
+_NAME, _VERSION = b"antires_rs search ", 2
+_MAGIC = _NAME + b"%d\n" % _VERSION
 #: Seed, fingerprint of the problem, checksum and length of what follows.
 _HEADER = struct.Struct("<Q32s32sQ")
 
@@ -140,7 +138,10 @@ def _read(file: Path) -> tuple[int, bytes, bytes]:
     """Seed, fingerprint and payload; ValueError says what is wrong."""
     data = file.read_bytes()
     if not data.startswith(_MAGIC):
-        raise ValueError("no checkpoint of this version")
+        line, _, _ = data[:40].partition(b"\n")
+        if line.startswith(_NAME) and line[len(_NAME) :].isdigit():
+            _refuse_version(file, int(line[len(_NAME) :]))
+        raise ValueError("no checkpoint")
     if len(data) < len(_MAGIC) + _HEADER.size:
         raise ValueError("cut short")
     seed, problem, digest, length = _HEADER.unpack_from(data, len(_MAGIC))
@@ -150,3 +151,14 @@ def _read(file: Path) -> tuple[int, bytes, bytes]:
     if hashlib.sha256(payload).digest() != digest:
         raise ValueError("wrong checksum")
     return seed, problem, payload
+
+
+def _refuse_version(file: Path, version: int) -> NoReturn:
+    """A whole file of another version: no older one beside it will do either."""
+    maker = "an older" if version < _VERSION else "a newer"
+    raise UnsuitableDataError(
+        "checkpoint",
+        f"{file.name}, the search of {maker} antires_rs (layout {version})",
+        f"layout {_VERSION}",
+        "End that search with the version that began it, or remove the file to begin anew.",
+    )

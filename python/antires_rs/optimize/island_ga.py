@@ -6,105 +6,19 @@ the same seed gives the same bits for any number of threads.
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Self
 
 import numpy as np
 
 from .. import _core
-from ..exceptions import ObjectiveError
 from ..support.progress import watched
-from ..support.validation import FloatArray, finite_scalar, integer, real_array, reject
+from ..support.validation import finite_scalar, reject
+from .arguments import check_bounds, check_option_type, guesses, seed_of, texts
+from .batch import Batch
+from .outcome import OptimizeResult
 
-__all__ = ["History", "IslandGA", "OptimizeResult"]
-
-
-@dataclass(frozen=True)
-class History:
-    """How a search went, one row a generation, the initial populations first.
-
-    Attributes
-    ----------
-    nfev : ndarray, (n_generations,)
-        Evaluations so far.
-    cost : ndarray, (n_generations, n_islands)
-        Best cost of each island.
-    migrations : ndarray
-        Generations after which the islands exchanged their best.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> found = ar.IslandGA(max_evaluations=5000).minimize(lambda x: (x[0] - 0.3) ** 2, [(-1, 1)], rng=0)
-    >>> bool(found.history.nfev[-1] == found.nfev), found.history.cost.shape[1]
-    (True, 4)
-    """
-
-    nfev: FloatArray
-    cost: FloatArray
-    migrations: FloatArray
-
-
-@dataclass(frozen=True)
-class OptimizeResult:
-    """Outcome of a search.
-
-    Attributes
-    ----------
-    x : ndarray, (n,)
-        Best point found.
-    fun : float
-        Its cost.
-    success : bool
-        Whether the search ended by its own stop rule, not by a budget or an interruption.
-    status : str
-        ``'agreed'`` (the islands' bests are the same point), ``'cost agreed'`` (they have the same cost,
-        at different points: a flat valley), ``'stagnated'`` (a single island), ``'budget'``,
-        ``'interrupted'``, ``'callback'`` or ``'collapsed'``.
-    message : str
-        The status in a sentence.
-    nfev, nit : int
-        Evaluations and generations.
-    history : History
-        Best costs by generation and island.
-    populations : ndarray, (n_islands, population, n)
-        Final individuals.
-    population_costs : ndarray, (n_islands, population)
-        Their costs.
-    options : dict
-        Options of the optimizer in force.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> found = ar.IslandGA(max_evaluations=5000).minimize(lambda x: (x[0] - 0.3) ** 2, [(-1, 1)], rng=0)
-    >>> found.x.round(2), found.nfev <= 5000, found.populations.shape
-    (array([0.3]), True, (4, 40, 1))
-    """
-
-    x: FloatArray
-    fun: float
-    success: bool
-    status: str
-    message: str
-    nfev: int
-    nit: int
-    history: History = field(repr=False)
-    populations: FloatArray = field(repr=False)
-    population_costs: FloatArray = field(repr=False)
-    options: dict[str, Any] = field(default_factory=dict, repr=False)
-
-    @classmethod
-    def _of(cls, raw: dict[str, Any], optimizer: IslandGA) -> OptimizeResult:
-        history = History(raw["history_nfev"], raw["history_cost"], raw["history_migrations"])
-        names = ("x", "fun", "success", "status", "message", "nfev", "nit", "populations", "population_costs")
-        return cls(
-            history=history,
-            options={**optimizer.options, "max_seconds": optimizer.max_seconds},
-            **{name: raw[name] for name in names},
-        )
+__all__ = ["IslandGA"]
 
 
 class IslandGA:
@@ -115,8 +29,8 @@ class IslandGA:
     best. An island that finds nothing better for ``patience`` generations waits; when all wait they
     compare their bests, and stop or exchange them with their ring neighbours (best out, worst
     replaced). Where the objective allows, a local search polishes the bests before they are compared;
-    ``IslandGA(polish=False)`` leaves it out. Parameters not given take the defaults of the Rust core, shown
-    by ``.options``.
+    ``IslandGA(polish=False)`` leaves that out, :meth:`IslandGA.paper` all that the paper does not have.
+    Parameters not given take the defaults of the Rust core, shown by ``.options``.
 
     Parameters
     ----------
@@ -149,13 +63,15 @@ class IslandGA:
         sequential linear programming with analytic sensitivities on the parameters, and moves that drop,
         add or exchange single damages, which a count of damages needs. ``True`` polishes plain functions
         too, without derivatives; variables with lower bound 0 may then be dropped and exchanged.
-        ``False`` is the paper's algorithm.
+        ``False`` leaves the polish out and nothing else: when islands wait and when they agree is still ours
+        (``improvement_tolerance``, ``agreement``). The algorithm as printed is :meth:`IslandGA.paper`.
     polish_interval : int, default 10
         Generations after which the bests are polished, even if not all islands wait.
     polish_evaluations : int, default 1000
         Evaluations after which the polish of one point begins no new move; all count in ``nfev``.
     max_evaluations : int, default 200000
-        Budget of evaluations, never exceeded.
+        Budget of evaluations, never exceeded. A linearization, which takes one solution of the eigenproblem
+        like a cost, counts as one: see ``njev`` of :class:`OptimizeResult`.
     max_generations : int, optional
         Budget of generations.
     max_seconds : float, optional
@@ -186,11 +102,46 @@ class IslandGA:
             None if max_seconds is None else finite_scalar("max_seconds", max_seconds, low=0.0, unit="s")
         )
         if "crossovers" in options:
-            options["crossovers"] = _texts("crossovers", options["crossovers"])
+            options["crossovers"] = texts("crossovers", options["crossovers"])
         for name, value in options.items():
-            _check_option_type(name, value)
+            check_option_type(name, value)
         #: Every option with its value in force.
         self.options = _core.island_options(options)
+
+    @classmethod
+    def paper(cls, **options: Any) -> Self:
+        """The algorithm as the paper prints it, as a whole.
+
+        ``polish=False, improvement_tolerance=0, agreement='genes', gene_tolerance=0``: no local search, any
+        gain counts, and only equal genes end the search. For damage give the problem ``snap=0`` as well, by
+        ``DamagePenalty(snap=0)`` or ``assess_damage(..., snap=0)``: the paper rounds no severity to zero.
+
+        Parameters
+        ----------
+        **options
+            Further options, as of :class:`IslandGA`; they win over the four above.
+
+        Notes
+        -----
+        What is still ours, because the paper does not say it: the selection pressure q = 0.08, which mutation
+        a mutating gene gets (either, equally likely), three tries of the heuristic crossover before the
+        parents are copied, the neighbours of a ring, and the budget ``max_evaluations``, without which a flat
+        valley would never end. Where the paper contradicts itself we have four populations, not five.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> ga = ar.IslandGA.paper(max_evaluations=4000)
+        >>> ga.options["polish"], ga.options["agreement"], ga.options["gene_tolerance"]
+        (False, 'genes', 0.0)
+        """
+        printed = {"polish": False, "improvement_tolerance": 0.0, "agreement": "genes", "gene_tolerance": 0.0}
+        return cls(**{**printed, **options})
+
+    @property
+    def _in_force(self) -> dict[str, Any]:
+        """All options, the time limit included, as a result keeps them."""
+        return {**self.options, "max_seconds": self.max_seconds}
 
     def __repr__(self) -> str:
         return f"IslandGA(islands={self.options['islands']}, population={self.options['population']})"
@@ -255,7 +206,7 @@ class IslandGA:
         if vectorized and workers is not None:
             reject("workers", workers, "None with vectorized=True", "The function takes all candidates.")
         with (
-            _batch(fun, vectorized, workers) as batch,
+            Batch(fun, vectorized, workers) as batch,
             watched(callback, progress, self.options["max_evaluations"]) as watcher,
         ):
             raw = _core.minimize(
@@ -268,134 +219,4 @@ class IslandGA:
                 self.max_seconds,
                 watcher,
             )
-        return OptimizeResult._of(raw, self)
-
-
-def seed_of(rng: int | np.random.Generator | None) -> int:
-    """Master seed of a run: an int as it is, or one drawn from a Generator or the system.
-
-    So the seed kept in a result, passed back as ``rng``, repeats the run.
-    """
-    if rng is not None and not isinstance(rng, np.random.Generator):
-        return integer("rng", rng, low=0, high=2**63 - 1)
-    return int(np.random.default_rng(rng).integers(0, 2**63, dtype=np.int64))
-
-
-def thread_count(workers: int | None) -> int:
-    """Threads to use: the given number, or the processors this process may run on."""
-    if workers is not None:
-        return integer("workers", workers, low=1, high=_MOST_WORKERS)
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
-def check_bounds(bounds: Any) -> FloatArray:
-    """Bounds as an (n, 2) array; order and finiteness are checked in the core, by gene."""
-    wanted = "an array (n, 2) of lower and upper bounds, n >= 1"
-    try:
-        box = np.asarray(bounds, dtype=np.float64)
-    except (TypeError, ValueError) as exc:
-        reject("bounds", f"{type(bounds).__name__} that does not convert ({exc})", wanted)
-    if box.ndim != 2 or box.shape[1] != 2 or box.size == 0:
-        reject("bounds", f"shape {box.shape}", wanted)
-    return box
-
-
-def guesses(x0: Any, n: int) -> list[list[float]]:
-    """Initial guesses as rows."""
-    if x0 is None:
-        return []
-    rows = np.atleast_2d(real_array("x0", x0, ndim=None, wanted=f"an array ({n},) or (m, {n})"))
-    if rows.ndim != 2 or rows.shape[1] != n:
-        reject("x0", f"shape {np.shape(x0)}", f"an array ({n},) or (m, {n})")
-    return [[float(v) for v in row] for row in rows]
-
-
-class _batch:
-    """A function of (m, n) candidates made of the user's function, with its pool if it needs one."""
-
-    def __init__(self, fun: Callable[..., Any], vectorized: bool, workers: Any) -> None:
-        if not callable(fun):
-            reject("fun", fun, "a callable")
-        self.fun, self.vectorized, self.pool = fun, vectorized, None
-        self.seen_finite = False
-        self.map: Callable[..., Any] = map
-        if callable(workers):
-            self.map = workers
-        elif workers is not None and integer("workers", workers, low=1, high=_MOST_WORKERS) > 1:
-            import multiprocessing
-
-            self.pool = multiprocessing.get_context("spawn").Pool(workers)
-            self.map = self.pool.map
-
-    def __enter__(self) -> Callable[[FloatArray], FloatArray]:
-        return self._evaluate
-
-    def __exit__(self, *exc: object) -> None:
-        if self.pool is not None:
-            self.pool.terminate()
-
-    def _evaluate(self, candidates: FloatArray) -> FloatArray:
-        answer = self.fun(candidates) if self.vectorized else list(self.map(self.fun, candidates))
-        wanted = f"{len(candidates)} real costs, one for each candidate"
-        try:
-            costs = np.asarray(answer)
-            if np.iscomplexobj(costs):
-                raise TypeError("complex costs")
-            costs = costs.astype(np.float64)
-        except (TypeError, ValueError) as exc:
-            raise ObjectiveError(
-                "fun", f"{type(answer).__name__} that is not numeric ({exc})", wanted, _RETURN
-            ) from exc
-        if costs.shape != (len(candidates),):
-            raise ObjectiveError("fun", f"an array of shape {costs.shape}", wanted, _RETURN)
-        # A cost that is not finite is the worst there is; a whole first generation of them is a mistake.
-        self.seen_finite = self.seen_finite or bool(np.isfinite(costs).any())
-        if not self.seen_finite:
-            raise ObjectiveError(
-                "fun",
-                f"no finite cost for any of {len(candidates)} candidates",
-                wanted,
-                "Call the function at a point inside the bounds to see why.",
-            )
-        return costs
-
-
-_RETURN = "Return a float for each candidate: an array (m,) of them with vectorized=True."
-#: More than any machine has; a larger number is a slip.
-_MOST_WORKERS = 1024
-#: Largest count that the core can hold.
-_MOST = 2**63 - 1
-_INTEGERS = {
-    "islands",
-    "population",
-    "patience",
-    "cost_migrations",
-    "polish_interval",
-    "polish_evaluations",
-    "max_evaluations",
-    "max_generations",
-}
-
-
-def _check_option_type(name: str, value: Any) -> None:
-    """Type of an option; its range is the core's to judge, and so is an unknown name."""
-    if name in _INTEGERS:
-        if not (name == "max_generations" and value is None):
-            integer(name, value, low=0, high=_MOST)
-    elif name == "agreement":
-        _texts(name, [value])
-    elif name == "polish":
-        if value is not None and not isinstance(value, bool):
-            reject(name, value, "True, False or None")
-    elif name != "crossovers" and name in _core.island_options({}):
-        finite_scalar(name, value)
-
-
-def _texts(name: str, value: Any) -> list[str]:
-    """A list of texts."""
-    texts = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else [value]
-    if not all(isinstance(text, str) for text in texts):
-        reject(name, value, "text, or a list of texts where several are possible")
-    return texts
+        return OptimizeResult._of(raw, self._in_force)

@@ -13,7 +13,7 @@ more at 5 % noise than the customary 5 % does, and costs no false one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -22,13 +22,11 @@ from ..rational.dominance import dominance
 from ..rational.fit import NestedFit, prepare
 from ..support.pickling import ReadOnly, frozen
 from ..support.validation import ComplexArray, FloatArray, integer
+from .limits import SMALL_DAMPING
 from .rule import Rule
 from .table import ResponseTable
 
 __all__ = ["StabilizationDiagram", "stabilization"]
-
-# Damping ratio up to which changes of damping are taken relative to this where both signs are allowed.
-SMALL_DAMPING = 0.01
 
 
 @dataclass(frozen=True, repr=False)
@@ -368,32 +366,3 @@ def _merged(found: ResponseTable, rule: Rule) -> ResponseTable:
         else:
             kept.append(i)
     return found.take(kept)
-
-
-# Largest spread over the channels of a value that they share: a mode that the force hardly excites. On
-# measured frames and beams at most 0.41 %; antiresonances of neighbouring parts of a chain came within 0.6 %.
-COMMON = 0.005
-
-
-def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, StabilizationDiagram]:
-    """Diagrams less the values that all of three or more dofs have, spread by no more than ``COMMON``."""
-    if len(found) < 3:
-        return found
-    drop: dict[Any, set[int]] = {dof: set() for dof in found}
-    for value in next(iter(found.values())).identified:
-        nearest = {
-            dof: int(np.argmin(np.abs(d.identified - value))) if d.identified.size else -1
-            for dof, d in found.items()
-        }
-        if min(nearest.values()) < 0:
-            break
-        same = [found[dof].identified[i] for dof, i in nearest.items()]
-        # A mode gives each channel one such value; two in one channel belong to two parts of the structure.
-        once = all(np.sum(np.abs(d.identified - value) <= COMMON * value) <= 1 for d in found.values())
-        if once and max(same) - min(same) <= COMMON * value:
-            for dof, i in nearest.items():
-                drop[dof].add(i)
-    return {
-        dof: replace(d, accepted=d.accepted.take([i for i in range(d.identified.size) if i not in drop[dof]]))
-        for dof, d in found.items()
-    }

@@ -3,9 +3,8 @@
 Where a response lies near its noise, the pole of one antiresonance moves by more than the stability
 tolerance from order to order, and its damping may come out slightly negative; yet nearly every order has it.
 Such a value is accepted if, of all orders from its first appearance on, three quarters have a dominant pole
-within 2 % of
-it, and if the channel's response rises clearly out of its noise on both sides. Without that last
-condition the edge of the band, where only noise is left, collects poles just as faithfully.
+within 2 % of it, and if the channel's response rises clearly out of its noise on both sides. Without that
+last condition the edge of the band, where only noise is left, collects poles just as faithfully.
 """
 
 from __future__ import annotations
@@ -17,17 +16,12 @@ import numpy as np
 
 from ..support.validation import FloatArray
 from .diagram import StabilizationDiagram, Sweep
+from .flanks import flanked
+from .limits import PERSISTENT_DAMPING, PERSISTENT_DOMINANCE, PERSISTENT_SNR, PRESENCE, WIDTH
 from .rule import Rule
 from .table import ResponseTable
 
-WIDTH = 0.02
-PRESENCE = 0.75
-# Superfluous poles of a noisy fit are not all weak: here a pole must own the curve at its frequency.
-DOMINANCE = 0.7
-MAX_DAMPING = 0.05
-# Signal-to-noise power on either side, from 2 to 20 % away; 4 is 6 dB.
-FLANK_SNR = 4.0
-FLANK = (0.02, 0.20)
+__all__ = ["add_persistent"]
 
 
 def add_persistent(
@@ -78,7 +72,7 @@ def _dominant(
     """
     rows: list[tuple[float, float, float]] = []
     grid = found.background_freq_hz
-    flanked = _flanked(grid, snr)
+    beside = flanked(grid, snr, grid, PERSISTENT_SNR)
     for order in orders:
         s = sweep.roots(int(order))
         moved = s + added
@@ -88,27 +82,12 @@ def _dominant(
             (s.imag > 0)
             & (freq >= found.band_hz[0])
             & (freq <= found.band_hz[1])
-            & (np.abs(moved.real) <= MAX_DAMPING * size)
-            & flanked[np.clip(np.searchsorted(grid, freq), 0, grid.size - 1)]
+            & (np.abs(moved.real) <= PERSISTENT_DAMPING * size)
+            & beside[np.clip(np.searchsorted(grid, freq), 0, grid.size - 1)]
         )
         if found.identified.size:
             near &= np.abs(freq[:, None] / found.identified - 1.0).min(axis=1) > WIDTH
         if near.any():
-            for i in np.flatnonzero(near)[sweep.dominances(int(order), s[near]) >= DOMINANCE]:
+            for i in np.flatnonzero(near)[sweep.dominances(int(order), s[near]) >= PERSISTENT_DOMINANCE]:
                 rows.append((float(freq[i]), float(order), float(-moved[i].real / size[i])))
     return np.array(sorted(rows)).reshape(-1, 3)
-
-
-def _flanked(freq_hz: FloatArray, snr: FloatArray) -> Any:
-    """For every line, whether the response on both sides of it rises out of its noise (medians)."""
-    good = np.concatenate([[0.0], np.cumsum(snr >= FLANK_SNR)])
-
-    def share(low: float, high: float) -> FloatArray:
-        a, b = (
-            np.searchsorted(freq_hz, freq_hz * (1.0 + low)),
-            np.searchsorted(freq_hz, freq_hz * (1.0 + high)),
-        )
-        # The median reaches the limit exactly if at least half the lines do.
-        return np.asarray((good[b] - good[a]) / np.maximum(b - a, 1))
-
-    return (share(-FLANK[1], -FLANK[0]) >= 0.5) & (share(FLANK[0], FLANK[1]) >= 0.5)

@@ -6,7 +6,8 @@ score            what it says
 rows             model orders of its chain (or those in which a persistent one was seen)
 spread           relative standard deviation of its frequency over these orders
 dominance        share of the curve that the pole owns at its frequency; 1 is all of it
-how              "chain": stable in consecutive orders; "persistent": in most orders, without standing still
+how              "chain": stable in consecutive orders; "persistent": in most orders, without standing still;
+                 "likeliest order": accepted at once from the fit of the order that the data support
 residual         relative misfit of the fit around the value, :func:`local_misfit`
 prominence_db    height of its peak in the summed transmissibilities, :func:`prominence_db`
 grade            "sure", "fair" or "weak", :func:`grades`; averaged records only

@@ -52,7 +52,8 @@ class ResponseTable(ReadOnly):
     dominance : (n,)
         Share of the curve that the pole owns at its frequency.
     how : (n,) str
-        "chain": stable over consecutive orders; "persistent": in most orders, though it does not stand still.
+        "chain": stable over consecutive orders; "persistent": in most orders, though it does not stand still;
+        "likeliest order": accepted at once from the fit of the order that the data support.
     residual, prominence_db : (n,)
         Misfit around it and height of its peak; NaN where not known.
 
@@ -73,7 +74,7 @@ class ResponseTable(ReadOnly):
     rows = orders = _score("rows", "Model orders that have it.")
     spread = _score("spread", "Relative standard deviation of its frequency over the orders.")
     dominance = _score("dominance", "Share of the curve at its frequency.")
-    how = _score("how", "Whether it stands still: chain or persistent.")
+    how = _score("how", "Why it was accepted: chain, persistent or likeliest order.")
     residual = _score("residual", "Relative misfit of the fit around it.")
     prominence_db = _score("prominence_db", "Height of its peak.")
 

@@ -9,7 +9,7 @@ import numpy as np
 from .canvas import COLOURS, LINES, below, new_axes, offer, plain_log
 
 if TYPE_CHECKING:
-    from ..optimize.island_ga import OptimizeResult
+    from ..optimize.outcome import OptimizeResult
     from ..updating.results import UpdateResult
 
 __all__ = ["plot_convergence"]

@@ -17,10 +17,10 @@ __all__ = ["mark_values", "plot_stabilization", "pole_table"]
 
 #: Lighter than every mark, also where colours are lost.
 CURVE = "#B8B8B8"
-#: Look of the antiresonances: accepted as stable, accepted as persistent, and added by hand.
+#: Look of the antiresonances: accepted as stable, accepted without it, and added by hand.
 LOOKS: dict[str, dict[str, Any]] = {
     "accepted": {"color": COLOURS["vermillion"], "ls": "--", "lw": 1.1},
-    "accepted: persistent": {"color": COLOURS["vermillion"], "ls": "-.", "lw": 1.1},
+    "accepted: not stable over the orders": {"color": COLOURS["vermillion"], "ls": "-.", "lw": 1.1},
     "added by hand": {"color": COLOURS["black"], "ls": (0, (8, 3)), "lw": 1.1},
     "dropped by hand": {"color": COLOURS["black"], "ls": ":", "lw": 1.1},
 }
@@ -152,10 +152,10 @@ def mark_values(
     A dropped antiresonance has its frequency in parentheses.
     """
     low, high = diagram.band_hz
-    stable, persistent, by_hand, out = LOOKS
+    stable, unsteady, by_hand, out = LOOKS
     gone = np.asarray(dropped, dtype=np.float64)
     marks = [
-        (float(f), out if f in gone else persistent if how == "persistent" else stable)
+        (float(f), out if f in gone else stable if how == "chain" else unsteady)
         for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)
     ]
     marks = sorted(marks + [(float(f), by_hand) for f in added])

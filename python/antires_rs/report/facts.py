@@ -152,7 +152,8 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     if how.size:
         facts["Accepted"] = [
             f"{np.sum(how == 'chain')} stable over consecutive orders, "
-            f"{np.sum(how == 'persistent')} in most orders without standing still"
+            f"{np.sum(how == 'persistent')} in most orders without standing still, "
+            f"{np.sum(how == 'likeliest order')} from the likeliest order alone"
         ]
     if found.edits:
         facts["Edited by hand"] = [str(edit) for edit in found.edits]
@@ -225,10 +226,7 @@ def of_search(result: UpdateResult) -> Facts:
     return {
         "Ended": [f"{result.status}: {result.message}"],
         "Objective": [f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"],
-        "Search": [
-            f"{result.nfev:,} evaluations, {result.nit} generations, {count} islands",
-            "; ".join(options),
-        ],
+        "Search": [f"{result.search.effort}, {count} islands", "; ".join(options)],
         "Seed": [f"{result.seed}"],
     }
 

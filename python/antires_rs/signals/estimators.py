@@ -35,8 +35,8 @@ import numpy as np
 
 from ..exceptions import UnsuitableDataError
 from ..support.validation import ComplexArray, FloatArray
+from .eigen import scaled_eigh
 from .noise import noise_power
-from .rankone import scaled_eigh
 
 # Below this a coherence is that of a line without energy.
 LEAST_COHERENCE = 1e-12

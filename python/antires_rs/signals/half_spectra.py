@@ -27,6 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..support.validation import ComplexArray, FloatArray
+from .bandwidth import hann_autocorrelation
 from .recording import Recording
 from .spectra import CrossSpectra, cross_spectra
 from .transient import transient_spectra
@@ -86,7 +87,7 @@ def half_spectra(rec: Recording, *, nperseg: int | None) -> HalfSpectra:
         references = _references(spectra)
         two_sided = spectra.matrix[:, references] * (0.5 * rec.fs_hz)
         two_sided[[0, -1]] *= 2.0
-        taper_share = _hann_autocorrelation(n)
+        taper_share = hann_autocorrelation(n)
     n_lags = n // 2
     correlation = np.fft.irfft(two_sided, n, axis=0)[:n_lags]
     lag_s = np.arange(n_lags) / rec.fs_hz
@@ -98,13 +99,6 @@ def half_spectra(rec: Recording, *, nperseg: int | None) -> HalfSpectra:
     return HalfSpectra(
         freq, np.ascontiguousarray(values), tuple(references), float(decay) + spectra.added_decay_per_s
     )
-
-
-def _hann_autocorrelation(n: int) -> FloatArray:
-    """Of the periodic Hann window, one at lag zero."""
-    taper = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n)
-    r = np.fft.irfft(np.abs(np.fft.rfft(taper, 2 * n)) ** 2)[:n]
-    return np.asarray(r / r[0], dtype=np.float64)
 
 
 def _references(spectra: CrossSpectra) -> list[int]:

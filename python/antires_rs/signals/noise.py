@@ -1,16 +1,36 @@
-"""Each channel's own noise, whatever number of forces acts on the structure."""
+"""The noise of channels and of lines, as averaged spectra tell it.
+
+- :func:`noise_power`: each channel's own noise, whatever number of forces acts on the structure;
+- :func:`channel_noise`: relative noise of the channels under one force;
+- :func:`noise_floor`, :func:`floors`: the level of the matrix, for all lines and by line.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..support.validation import ComplexArray, FloatArray
-from .rankone import response_vectors
+from .eigen import dominant
+
+__all__ = ["channel_noise", "floors", "noise_floor", "noise_power"]
 
 # Keeps the inverse of exact data, whose matrices are of rank one, within rounding.
 RIDGE = 1e-13
 # Independent averages needed per channel before the inverse of an averaged matrix means something.
 AVERAGES_PER_CHANNEL = 1.5
+# Passes of "eigenvector, residual noise of each channel, scale".
+PASSES = 4
+# The scales are medians over lines: so many lines tell them.
+LINES = 500
+# No channel is taken to have less than this share of the noise that the passes start from: with next to no
+# noise they would end by calling a single channel perfect.
+LEAST_NOISE = 0.1
+# Mean of the other eigenvalues over the first of a matrix that holds nothing but rounding beside its vector.
+EXACT = 1e-13
+# Share of the largest eigenvalue below which a floor is rounding.
+ROUNDING = 1e-15
+# Lines over which the noise of averaged spectra is taken to be constant.
+FLOOR_LINES = 101
 
 
 def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
@@ -31,10 +51,55 @@ def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
         inverse = np.linalg.inv(scaled + ridge[:, None, None] * np.eye(n))
         left = 1.0 / np.einsum("fii->fi", inverse).real * (n_averages / (n_averages - n + 1.0))
     else:
-        unit = response_vectors(scaled)[0].T
+        scale = channel_noise(scaled)
+        unit = dominant(scaled, scale)[2] * np.sqrt(scale)
         unit = unit / np.linalg.norm(unit, axis=1, keepdims=True)
         along = np.einsum("fi,fji,fj->f", unit, scaled, unit.conj(), optimize=True).real
         left = auto - along[:, None] * np.abs(unit) ** 2
     # The median, because near a resonance leakage looks like noise.
     level = np.median(left, axis=0)
     return np.asarray(np.maximum(level, RIDGE * np.maximum(auto.mean(axis=0), 1e-300)) * root**2)
+
+
+def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> FloatArray:
+    """Relative noise power of every channel: what the dominant vector leaves of the diagonal, (n_channels,).
+
+    ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n); ``start`` is a first estimate, by default
+    the same share of every channel's power.
+    """
+    some = matrix[:: max(1, matrix.shape[0] // LINES)]
+    auto = np.einsum("fii->fi", some).real
+    first = auto.mean(axis=0) if start is None else start
+    first = np.where(first > 0.0, first, 1.0)
+    scale = first
+    for _ in range(PASSES):
+        largest, rest, vectors = dominant(some, scale)
+        if scale.size > 1 and np.median(rest / np.maximum(largest, 1e-300)) < EXACT:
+            break  # of rank one but for rounding: there is no noise to tell
+        # The noise is in the largest eigenvalue as well.
+        left = auto / scale - (largest - rest)[:, None] * np.abs(vectors) ** 2
+        # By line, since otherwise coloured noise would let the quiet lines decide, where leakage counts.
+        share = np.median(left / np.maximum(np.abs(left).mean(axis=1, keepdims=True), 1e-300), axis=0)
+        scale = scale * share / max(float(share.mean()), 1e-300)
+        scale = np.maximum(scale, LEAST_NOISE * first * float(np.median(scale / first)))
+    return np.asarray(scale)
+
+
+def noise_floor(largest: FloatArray, rest: FloatArray) -> float:
+    """Noise level of all lines: the typical mean of all eigenvalues but the largest."""
+    return max(float(np.median(rest)), _rounding(largest))
+
+
+def floors(largest: FloatArray, rest: FloatArray) -> FloatArray:
+    """Noise level of every line: running median of the mean of all eigenvalues but the largest.
+
+    Noise that is not white would otherwise bias the eigenvector of smallest misfit, which takes it for even.
+    """
+    from scipy.ndimage import median_filter  # slow to import
+
+    return np.asarray(np.maximum(median_filter(rest, size=FLOOR_LINES, mode="nearest"), _rounding(largest)))
+
+
+def _rounding(largest: FloatArray) -> float:
+    """Exact rank one leaves rounding only."""
+    return max(ROUNDING * float(largest.max()), 1e-300)

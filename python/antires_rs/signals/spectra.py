@@ -20,12 +20,14 @@ Random Data, 4th ed., 2010; G. T. Rocklin, J. Crowley, H. Vold, Proc. IMAC 3 (19
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ..support.validation import ComplexArray, FloatArray, integer, reject
+from .noise import noise_power
 from .recording import Recording
 
 __all__ = [
@@ -71,6 +73,22 @@ class CrossSpectra:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "n_effective", self.n_effective or float(self.n_averages))
+
+    @cached_property
+    def noise_power(self) -> FloatArray:
+        """Noise power of each channel at the median line, see :mod:`~antires_rs.signals.noise`."""
+        return noise_power(self.matrix, self.n_effective)
+
+    def rows(self, rows: list[int]) -> CrossSpectra:
+        """Spectra of some of the channels, without the segments; these spectra if it is all of them."""
+        if rows == list(range(self.matrix.shape[1])):
+            return self
+        return replace(
+            self,
+            matrix=self.matrix[:, rows][:, :, rows],
+            segments=None,
+            noise=None if self.noise is None else self.noise[rows],
+        )
 
 
 def effective_averages(taper: FloatArray, step: int, n_segments: int) -> float:
@@ -123,6 +141,7 @@ def cross_spectra(
     noverlap: int | None = None,
     window: Any = "hann",
     include_force: bool = False,
+    band_hz: tuple[float, float] | None = None,
 ) -> CrossSpectra:
     """Welch's averaged auto and cross spectral densities of all channels at once.
 
@@ -137,6 +156,8 @@ def cross_spectra(
         As for ``scipy.signal.get_window``, periodic; or ``nperseg`` values.
     include_force : bool
         Append ``rec.force`` as the last channel.
+    band_hz : (low, high), optional
+        Keep the lines in this band only, without zero frequency.
 
     Returns
     -------
@@ -163,13 +184,14 @@ def cross_spectra(
     overlap = n_seg // 2 if noverlap is None else integer("noverlap", noverlap, low=0, high=n_seg - 1)
     taper = window_values(window, n_seg)
     data = channels_of(rec, include_force)
-    segments = np.lib.stride_tricks.sliding_window_view(data, n_seg, axis=1)[:, :: n_seg - overlap]
-    spectra = np.fft.rfft((segments - segments.mean(axis=2, keepdims=True)) * taper)
-    # One-sided: all lines but zero and Nyquist stand for two.
-    density = np.full(spectra.shape[2], 2.0)
-    density[[0] if n_seg % 2 else [0, -1]] = 1.0
-    spectra *= np.sqrt(density / (rec.fs_hz * (taper @ taper)))
     freq = np.asarray(np.fft.rfftfreq(n_seg, 1.0 / rec.fs_hz), dtype=np.float64)
+    # One-sided: all lines but zero and Nyquist stand for two.
+    density = np.full(freq.size, 2.0)
+    density[[0] if n_seg % 2 else [0, -1]] = 1.0
+    lines = slice(0, freq.size) if band_hz is None else lines_in(freq, band_hz)
+    freq = freq[lines]
+    spectra = _transforms(data, taper, n_seg - overlap, lines)
+    spectra *= np.sqrt(density[lines] / (rec.fs_hz * (taper @ taper)))
     return CrossSpectra(
         freq,
         averaged_products(spectra),
@@ -177,6 +199,20 @@ def cross_spectra(
         n_effective=effective_averages(taper, n_seg - overlap, spectra.shape[1]),
         segments=spectra,
     )
+
+
+def _transforms(data: FloatArray, taper: FloatArray, step: int, lines: slice) -> ComplexArray:
+    """Spectra of all segments, (n_channels, n_segments, n_lines); nothing else transforms segments."""
+    segments = np.lib.stride_tricks.sliding_window_view(data, taper.size, axis=1)[:, ::step]
+    return np.stack(
+        [np.fft.rfft((one - one.mean(axis=1, keepdims=True)) * taper)[:, lines] for one in segments]
+    )
+
+
+def lines_in(freq_hz: FloatArray, band_hz: tuple[float, float]) -> slice:
+    """The lines in a band; zero frequency is none of them: means are removed, accelerations vanish."""
+    first = int(np.searchsorted(freq_hz, max(band_hz[0], np.nextafter(0.0, 1.0)), side="left"))
+    return slice(first, max(first, int(np.searchsorted(freq_hz, band_hz[1], side="right"))))
 
 
 def check_recording(rec: object) -> None:

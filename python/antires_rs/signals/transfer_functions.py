@@ -58,7 +58,7 @@ def frf(
     --------
     >>> import numpy as np
     >>> from antires_rs.signals.recording import Recording
-    >>> from antires_rs.signals.spectra import frf
+    >>> from antires_rs.signals.transfer_functions import frf
     >>> force = np.random.default_rng(0).standard_normal(8192)
     >>> h = frf(Recording([2.0 * force, -force], 512.0, force=force), nperseg=1024)
     >>> h.values[:, 100].real.round(9).tolist()
@@ -121,7 +121,7 @@ def transmissibility(
     --------
     >>> import numpy as np
     >>> from antires_rs.signals.recording import Recording
-    >>> from antires_rs.signals.spectra import transmissibility
+    >>> from antires_rs.signals.transfer_functions import transmissibility
     >>> x = np.random.default_rng(0).standard_normal(8192)
     >>> t = transmissibility(Recording([x, 3.0 * x], 512.0, dofs=["a", "b"]), "a", nperseg=1024)
     >>> t.values[:, 100].real.round(9).tolist()
@@ -179,8 +179,8 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
 
     Examples
     --------
-    >>> from antires_rs.signals.recording import FrequencyResponse
-    >>> from antires_rs.signals.spectra import transmissibility_sum
+    >>> from antires_rs.signals.frequency_response import FrequencyResponse
+    >>> from antires_rs.signals.transfer_functions import transmissibility_sum
     >>> t = FrequencyResponse([1.0, 2.0], [[1, 1], [-3 + 1j, 2 - 2j]], kind="transmissibility", reference=0)
     >>> transmissibility_sum(t).tolist()
     [(3+1j), (2+2j)]

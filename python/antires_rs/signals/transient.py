@@ -16,7 +16,7 @@ import numpy as np
 from ..exceptions import UnsuitableDataError
 from ..support.validation import FloatArray, choice
 from .recording import Recording
-from .spectra import CrossSpectra, averaged_products, channels_of
+from .spectra import CrossSpectra, averaged_products, channels_of, lines_in
 
 __all__ = ["Event", "find_events", "is_transient", "transient_spectra"]
 
@@ -154,7 +154,13 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
     return tuple(Event(start, hit, stop) for (start, hit, _), stop in zip(events, stops, strict=True))
 
 
-def transient_spectra(rec: Recording, *, window: str = "auto", include_force: bool = False) -> CrossSpectra:
+def transient_spectra(
+    rec: Recording,
+    *,
+    window: str = "auto",
+    include_force: bool = False,
+    band_hz: tuple[float, float] | None = None,
+) -> CrossSpectra:
     """Energy spectra of whole hits, averaged over the hits.
 
     Parameters
@@ -165,6 +171,8 @@ def transient_spectra(rec: Recording, *, window: str = "auto", include_force: bo
         "auto" takes the rectangular one if the response dies by 40 dB within the event.
     include_force : bool
         Append ``rec.force`` as the last channel.
+    band_hz : (low, high), optional
+        Keep the lines in this band only, without zero frequency.
 
     Returns
     -------
@@ -193,7 +201,10 @@ def transient_spectra(rec: Recording, *, window: str = "auto", include_force: bo
     # One length for all, so that their lines agree; a shorter event is padded with zeros, being dead by then.
     length = max(event.stop - event.start for event in events)
     decay = _window_decay(rec, events, window)
-    spectra = np.empty((data.shape[0], len(events), length // 2 + 1), dtype=np.complex128)
+    freq = np.asarray(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), dtype=np.float64)
+    lines = slice(0, freq.size) if band_hz is None else lines_in(freq, band_hz)
+    freq = freq[lines]
+    spectra = np.empty((data.shape[0], len(events), freq.size), dtype=np.complex128)
     quiet = data[:, : max(events[0].hit - 4 * FINE_BLOCK_SAMPLES, 0)]
     offset = quiet.mean(axis=1, keepdims=True) if quiet.shape[1] >= 32 else 0.0
     energy = 0.0
@@ -204,11 +215,10 @@ def transient_spectra(rec: Recording, *, window: str = "auto", include_force: bo
         # exact.
         taper = np.exp(-decay * t)
         energy += float(taper @ taper) / len(events)
-        spectra[:, i] = np.fft.rfft(piece * taper, length)
+        spectra[:, i] = np.fft.rfft(piece * taper, length)[:, lines]
     noise = quiet.var(axis=1) * energy if quiet.shape[1] >= 32 else None
     if noise is not None and noise.min() <= 0.0:
         noise = None
-    freq = np.asarray(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), dtype=np.float64)
     return CrossSpectra(freq, averaged_products(spectra), len(events), noise, decay, segments=spectra)
 
 

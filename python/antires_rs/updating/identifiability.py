@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support.validation import FloatArray
+from ..support.values import Value
 
 if TYPE_CHECKING:
     from .problem import UpdatingProblem
@@ -31,8 +32,8 @@ _WEAK = 0.1
 _SHARE = 0.15
 
 
-@dataclass(frozen=True)
-class Identifiability:
+@dataclass(frozen=True, eq=False)
+class Identifiability(Value):
     """Rank and null space of the residuals' Jacobian at a solution, scaled by the bounds.
 
     Attributes

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -24,11 +25,12 @@ from ..measured.modal_set import ModalSet
 from ..models.parameter import Parameter, parameter_tuple
 from ..models.parameter_names import parameter_name, warn_far
 from ..models.structural_model import StructuralModel
-from ..optimize.island_ga import thread_count
-from ..support.pickling import AroundCore
+from ..optimize.arguments import thread_count
+from ..support.pickling import AroundCore, ReadOnly, frozen
 from ..support.validation import FloatArray, choice, finite_scalar, real_array, reject
+from ..support.values import frozen_or_none
 from .tables import FrequencyTable, ModalTable
-from .targets import AntiresonanceTargets, ModalTargets, targets_of
+from .targets import AntiresonanceTargets, ModalTargets, Targets, targets_of
 
 Misfit = Literal["absolute", "squared", "largest"]
 Measured = AntiresonanceSet | ModalSet | Sequence[AntiresonanceSet] | Sequence[ModalSet]
@@ -65,8 +67,8 @@ class DamagePenalty:
         finite_scalar("snap", self.snap, low=0.0, high=1e-3)
 
 
-class UpdatingProblem(AroundCore[_core.Objective]):
-    """A model, what may change in it, and what was measured.
+class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
+    """A model, what may change in it, and what was measured. Read-only.
 
     Parameters
     ----------
@@ -136,6 +138,21 @@ class UpdatingProblem(AroundCore[_core.Objective]):
     (array([3.02, 5.93]), array([0.95, 1.  ]))
     """
 
+    model: StructuralModel
+    parameters: tuple[Parameter, ...]
+    measured: tuple[Any, ...]
+    noun: str
+    misfit: Misfit
+    penalty: DamagePenalty | None
+    bounds: FloatArray
+    measured_hz: FloatArray
+    measured_dofs: NDArray[np.intp] | None
+    measured_excitations: NDArray[np.intp] | None
+    weights: FloatArray | None
+    _targets: Targets
+    _nominal: FloatArray
+    _names: tuple[str, ...]
+
     def __init__(
         self,
         model: StructuralModel,
@@ -149,26 +166,35 @@ class UpdatingProblem(AroundCore[_core.Objective]):
     ) -> None:
         if not isinstance(model, StructuralModel):
             reject("model", model, "a MassSpringChain, FrameModel or MatrixModel")
-        self.parameters = parameter_tuple(parameters)
+        chosen = parameter_tuple(parameters)
         if objective is not None:
             choice("objective", objective, ("antiresonance", "modal"))
-        self._targets = targets = targets_of(model, measured, objective)
-        self.model, self.measured, self.noun = model, targets.sets, targets.noun
-        self.penalty = _penalty(penalty)
         choice("misfit", misfit, ("absolute", "squared", "largest"))
-        self.misfit = misfit
-        self.measured_hz = targets.hz
+        targets = targets_of(model, measured, objective)
         by_force = targets if isinstance(targets, AntiresonanceTargets) else None
-        self.measured_dofs = by_force.dofs if by_force else None
-        self.measured_excitations = by_force.excitations if by_force else None
-        self.weights = targets.weights(weights)
-        self.bounds = np.array([p.bounds for p in self.parameters], dtype=np.float64).reshape(-1, 2)
-        parts = model.description.core_parameters(self.parameters)
-        self._nominal = _core.nominal_values(model._core, parts)
-        _core.check_bounds(model._core, parts, self.bounds[:, 0].copy(), self.bounds[:, 1].copy())
-        self.names = [parameter_name(model, p) for p in self.parameters]
-        warn_far(self.parameters, self.names, self._nominal)
-        self._core = self._made_core()
+        bounds = np.array([p.bounds for p in chosen], dtype=np.float64).reshape(-1, 2)
+        parts = model.description.core_parameters(chosen)
+        nominal = _core.nominal_values(model._core, parts)
+        _core.check_bounds(model._core, parts, bounds[:, 0].copy(), bounds[:, 1].copy())
+        names = tuple(parameter_name(model, p) for p in chosen)
+        warn_far(chosen, names, nominal)
+        self._fill(
+            model=model,
+            parameters=chosen,
+            measured=targets.sets,
+            noun=targets.noun,
+            misfit=misfit,
+            penalty=_penalty(penalty),
+            bounds=frozen(bounds),
+            measured_hz=frozen(targets.hz),
+            measured_dofs=frozen_or_none(by_force and by_force.dofs),
+            measured_excitations=frozen_or_none(by_force and by_force.excitations),
+            weights=frozen_or_none(targets.weights(weights)),
+            _targets=targets,
+            _nominal=frozen(nominal),
+            _names=names,
+        )
+        self._fill(_core=self._made_core())
 
     def _made_core(self) -> _core.Objective:
         prices = (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None
@@ -180,6 +206,11 @@ class UpdatingProblem(AroundCore[_core.Objective]):
             self.penalty.snap if self.penalty else 0.0,
             self.weights,
         )
+
+    @property
+    def names(self) -> list[str]:
+        """Parameters by name, in the order of ``x``."""
+        return list(self._names)
 
     @property
     def objective(self) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
+from ..support.pickling import ReadOnly
 from ..support.validation import FloatArray
 from .identifiability import Identifiability, identifiability, smallest_visible
 from .tables import FrequencyTable, ModalTable
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ..models.structural_model import StructuralModel
-    from ..optimize.island_ga import History, OptimizeResult
+    from ..optimize.outcome import History, OptimizeResult
     from .problem import UpdatingProblem
 
 __all__ = ["DamageResult", "FrequencyTable", "ModalTable", "UpdateResult"]
@@ -31,8 +32,8 @@ _EXPLAINED, _NOISE_PERCENT = 0.5, 1.0
 _NAMED = 4
 
 
-class UpdateResult:
-    """An updated model and how it came about.
+class UpdateResult(ReadOnly):
+    """An updated model and how it came about. Read-only.
 
     Attributes
     ----------
@@ -44,8 +45,10 @@ class UpdateResult:
         Whether the search ended by its own rule rather than by a budget or an interruption.
     status, message : str
         Why it ended; see :class:`OptimizeResult`.
-    nfev, nit : int
-        Evaluations and generations.
+    nfev, njev, nit : int
+        Evaluations, the linearizations among them, and generations; see :class:`OptimizeResult`.
+    migrations : int
+        Exchanges between the islands.
     history : History
         Best cost by generation and island.
     search : OptimizeResult
@@ -66,11 +69,23 @@ class UpdateResult:
     ('agreed', array([1.1 , 0.96]), array([ 550., -550.,    0.]))
     """
 
+    problem: UpdatingProblem
+    search: OptimizeResult
+    seed: int
+    x: FloatArray
+    fun: float
+    success: bool
+    status: str
+    message: str
+    nfev: int
+    njev: int | None
+    nit: int
+    migrations: int
+
     def __init__(self, problem: UpdatingProblem, search: OptimizeResult, seed: int) -> None:
-        self.problem, self.search, self.seed = problem, search, seed
-        self.x, self.fun = search.x, search.fun
-        self.success, self.status, self.message = search.success, search.status, search.message
-        self.nfev, self.nit = search.nfev, search.nit
+        told = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations")
+        of_search = {name: getattr(search, name) for name in told}
+        self._fill(problem=problem, search=search, seed=seed, **of_search)
 
     @property
     def history(self) -> History:
@@ -127,10 +142,7 @@ class UpdateResult:
 
     def summary(self) -> str:
         """Parameters, frequencies and notes as text."""
-        head = (
-            f"J = {self.fun:.6g} after {self.nfev:,} evaluations, {self.nit} generations: {self.status} "
-            f"({self.message})"
-        )
+        head = f"J = {self.fun:.6g} after {self.search.effort}: {self.status} ({self.message})"
         notes = [f"note: {note}" for note in self.notes]
         return "\n".join([head, "", *self._values(), "", str(self.table), *([""] if notes else []), *notes])
 
@@ -230,14 +242,18 @@ class DamageResult(UpdateResult):
         """Stiffness loss beta of each element; exactly 0 where there is no damage."""
         return {element: float(beta) for element, beta in zip(self.elements, self.x, strict=True)}
 
-    @cached_property
+    @property
     def detectable(self) -> dict[int, float]:
         """Smallest beta of each element that would be seen; infinity where none would.
 
         Below it the penalties cost more than the damage explains, on exact data, so that an
         undamaged structure is the better answer to the objective.
         """
-        return dict(zip(self.elements, smallest_visible(self.problem), strict=True))
+        return dict(zip(self.elements, self._detectable, strict=True))
+
+    @cached_property
+    def _detectable(self) -> tuple[float, ...]:
+        return tuple(smallest_visible(self.problem))
 
     def _values(self) -> list[str]:
         """The damaged elements, the worst first; the others are exactly 0 and take one line."""

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from ..optimize.arguments import guesses, seed_of, thread_count
 from ..optimize.checkpoint import Checkpoint
-from ..optimize.island_ga import IslandGA, OptimizeResult, guesses, seed_of, thread_count
+from ..optimize.island_ga import IslandGA
+from ..optimize.outcome import OptimizeResult
 from ..support.progress import watched
 from ..support.validation import reject
 from .fingerprint import fingerprint
@@ -113,4 +115,4 @@ def search(
             watcher,
             kept,
         )
-    return OptimizeResult._of(raw, ga), seed
+    return OptimizeResult._of(raw, ga._in_force), seed

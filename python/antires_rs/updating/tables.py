@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..support.validation import FloatArray
+from ..support.values import Value
 
 __all__ = ["FrequencyTable", "ModalTable", "signed"]
 
@@ -52,8 +53,8 @@ class _Differences:
         )
 
 
-@dataclass(frozen=True)
-class FrequencyTable(_Differences):
+@dataclass(frozen=True, eq=False)
+class FrequencyTable(_Differences, Value):
     """Measured antiresonances beside those of the model, before and after.
 
     Attributes
@@ -107,8 +108,8 @@ class FrequencyTable(_Differences):
         return "\n".join([*lines, self._closing])
 
 
-@dataclass(frozen=True)
-class ModalTable(_Differences):
+@dataclass(frozen=True, eq=False)
+class ModalTable(_Differences, Value):
     """Measured resonances and shapes beside those of the model, before and after.
 
     Attributes

@@ -8,5 +8,6 @@ pub mod fem;
 pub mod linalg;
 pub mod modal;
 pub mod optimize;
+pub mod rational;
 pub mod rng;
 pub mod update;

@@ -16,6 +16,7 @@ mod model;
 mod objective;
 mod optimizer;
 mod parameters;
+mod rational;
 
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -27,5 +28,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(parameters::check_bounds, module)?)?;
     module.add_function(wrap_pyfunction!(optimizer::minimize, module)?)?;
     module.add_function(wrap_pyfunction!(optimizer::island_options, module)?)?;
+    module.add_function(wrap_pyfunction!(rational::forsythe_basis_at, module)?)?;
+    module.add_function(wrap_pyfunction!(rational::refined_roots, module)?)?;
+    module.add_function(wrap_pyfunction!(rational::dominant_pairs, module)?)?;
     Ok(())
 }

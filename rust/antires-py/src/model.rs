@@ -15,6 +15,7 @@ use pyo3::prelude::*;
 use crate::convert::{TermArrays, array, matrix, terms};
 use crate::doorway::{run, to_python};
 use crate::frame::Frame;
+use crate::parameters::{ParameterParts, core_parameters};
 
 type PyModes<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
@@ -85,6 +86,15 @@ impl Model {
     #[staticmethod]
     fn from_frame(frame: &Frame) -> PyResult<Self> {
         let core = CoreModel::from_frame(frame.core.clone()).map_err(to_python)?;
+        Ok(core.into())
+    }
+
+    /// The model at parameter values x (n,), parameters as in `parameters.rs`.
+    fn at(&self, parameters: Vec<ParameterParts>, x: PyReadonlyArray1<'_, f64>) -> PyResult<Self> {
+        let x = x.as_array().to_vec();
+        let core = core_parameters(&self.core, parameters)
+            .and_then(|parameters| self.core.at(&parameters, &x))
+            .map_err(to_python)?;
         Ok(core.into())
     }
 

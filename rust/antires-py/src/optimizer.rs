@@ -306,11 +306,12 @@ pub fn outcome_to_python<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Bo
     dict.set_item("x", outcome.x.clone().into_pyarray(py))?;
     dict.set_item("fun", outcome.fun)?;
     dict.set_item("nfev", outcome.nfev)?;
+    dict.set_item("njev", outcome.njev)?;
     dict.set_item("nit", outcome.nit)?;
     dict.set_item("migrations", outcome.migrations)?;
     dict.set_item("status", outcome.status.label())?;
     dict.set_item("success", outcome.status.success())?;
-    dict.set_item("message", outcome.status.message())?;
+    dict.set_item("message", outcome.message())?;
     let history = &outcome.history;
     let shape = (history.len(), history.n_islands());
     let best = Array2::from_shape_fn(shape, |(g, i)| history.islands(g)[i]);

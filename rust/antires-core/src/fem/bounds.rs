@@ -40,8 +40,11 @@ pub fn check_bounds(
     });
     model.at(parameters, &thickest).map_err(in_bounds)?;
     let soft = model.at(parameters, &softest).map_err(in_bounds)?;
-    for (matrix, name) in [(soft.stiffness(), "stiffness"), (soft.mass(), "mass")] {
-        if !is_semidefinite(matrix) {
+    for (matrix, whole, name) in [
+        (soft.stiffness(), model.stiffness(), "stiffness"),
+        (soft.mass(), model.mass(), "mass"),
+    ] {
+        if !is_semidefinite(matrix, whole) {
             return Err(Error::input(
                 "bounds",
                 format!("an indefinite {name} with all parameters at their softest and lightest"),

@@ -7,6 +7,7 @@
 //! | [`banded`], [`ordering`], [`krylov`] | low modes and responses from band matrices | the modal route |
 //! | [`blocks`] | block-triangular form of a pencil | [`pencil`] |
 //! | [`definite`] | are all eigenvalues at or above zero | `fem::bounds` |
+//! | [`dominant`] | the first eigenpair of small Hermitian matrices | `antires-py`, for spectra |
 //! | [`pencil`] | A v = x B v, general real | the pencil route |
 //!
 //! Everything runs with `Par::Seq`: parallelism belongs one level up, to the optimizer.
@@ -14,6 +15,7 @@
 pub mod banded;
 pub mod blocks;
 pub mod definite;
+pub mod dominant;
 pub mod krylov;
 pub mod ordering;
 pub mod pencil;

@@ -367,6 +367,8 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
             x: self.ledger.best_x,
             fun: self.ledger.best_cost,
             nfev: self.ledger.evaluations,
+            njev: self.ledger.linearizations,
+            polished: self.polish.is_some(),
             nit: self.generation,
             migrations: self.history.migrations.len(),
             status,

@@ -1,7 +1,8 @@
 //! The account of a search: every evaluation passes here, is counted, and may be the best so far.
 //!
 //! The budget is kept to the letter: of a batch that would exceed it, only the first candidates are
-//! evaluated.
+//! evaluated. It counts a linearization, which is J and all its slopes at one point, as one evaluation, as it
+//! takes one solution of the eigenproblem; how many there were is counted beside.
 
 use std::ops::ControlFlow;
 
@@ -26,7 +27,10 @@ pub(super) struct Ledger<'a, E: Evaluator> {
     evaluator: &'a mut E,
     pub(super) bounds: &'a Bounds,
     max_evaluations: usize,
+    /// Costs and linearizations: what the budget counts.
     pub(super) evaluations: usize,
+    /// The linearizations among them.
+    pub(super) linearizations: usize,
     pub(super) best_x: Vec<f64>,
     pub(super) best_cost: f64,
 }
@@ -44,6 +48,7 @@ impl<'a, E: Evaluator> Ledger<'a, E> {
             bounds,
             max_evaluations,
             evaluations: 0,
+            linearizations: 0,
             best_x,
             best_cost: f64::INFINITY,
         }
@@ -129,6 +134,7 @@ impl<'a, E: Evaluator> Ledger<'a, E> {
             for (i, linearization) in found.iter().enumerate() {
                 if let Some(linearization) = linearization {
                     self.evaluations += 1;
+                    self.linearizations += 1;
                     self.note(batch.row(i), linearization.cost);
                 }
             }

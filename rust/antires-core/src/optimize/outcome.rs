@@ -75,7 +75,7 @@ impl Status {
                  individuals disagree. Raise the mutation probability or the population."
             }
             Self::MaxEvaluations => {
-                "The budget of evaluations was spent before the islands agreed."
+                "The budget of evaluations, linearizations included, was spent before the islands agreed."
             }
             Self::MaxGenerations => {
                 "The budget of generations was spent before the islands agreed."
@@ -239,8 +239,13 @@ pub struct Outcome {
     pub x: Vec<f64>,
     /// Its cost; `+inf` where no evaluation gave a finite one.
     pub fun: f64,
-    /// Evaluations made, those of an interrupted generation included.
+    /// Evaluations made, those of an interrupted generation and all linearizations included: what the
+    /// budget counts.
     pub nfev: usize,
+    /// Linearizations among them.
+    pub njev: usize,
+    /// Whether a local search polished the islands' bests.
+    pub polished: bool,
     /// Generations completed after the initial one.
     pub nit: usize,
     /// Migrations.
@@ -251,6 +256,23 @@ pub struct Outcome {
     pub history: History,
     /// The islands after the last completed generation.
     pub islands: Vec<FinalIsland>,
+}
+
+impl Outcome {
+    /// The status in a sentence, and what it does not say: bests that agree before any exchange.
+    #[must_use]
+    pub fn message(&self) -> String {
+        let message = self.status.message();
+        if self.status != Status::Agreed || self.migrations > 0 {
+            return message.to_string();
+        }
+        let how = if self.polished {
+            "each was reached by a local search of its own, which may favour the same point"
+        } else {
+            "each island found it on its own"
+        };
+        format!("{message} They had exchanged nothing yet: {how}.")
+    }
 }
 
 /// Why a search has no outcome.
@@ -289,6 +311,35 @@ mod tests {
         let budgets = ALL.iter().filter(|s| s.label() == "budget").count();
         assert_eq!(budgets, 3);
         assert_eq!(ALL.iter().filter(|s| s.success()).count(), 3);
+    }
+
+    #[test]
+    fn an_agreement_before_any_exchange_is_called_so() {
+        let outcome = |status, migrations, polished| Outcome {
+            x: vec![0.0],
+            fun: 0.0,
+            nfev: 1,
+            njev: 0,
+            polished,
+            nit: 0,
+            migrations,
+            status,
+            history: History::default(),
+            islands: Vec::new(),
+        };
+        let early = outcome(Status::Agreed, 0, true).message();
+        assert!(early.starts_with(Status::Agreed.message()) && early.contains("local search"));
+        assert!(
+            outcome(Status::Agreed, 0, false)
+                .message()
+                .contains("on its own")
+        );
+        for (status, migrations) in [(Status::Agreed, 1), (Status::MaxEvaluations, 0)] {
+            assert_eq!(
+                outcome(status, migrations, true).message(),
+                status.message()
+            );
+        }
     }
 
     #[test]

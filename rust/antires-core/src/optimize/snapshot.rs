@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 use crate::rng::{Rng, RngState};
 
 /// The first bytes: a name and the version of the layout.
-const HEADER: u64 = u64::from_le_bytes(*b"antires1");
+const HEADER: u64 = u64::from_le_bytes(*b"antires2");
 
 /// Numbers in a row, written or read.
 pub(super) enum Tape<'a> {
@@ -129,6 +129,7 @@ impl<E: Evaluator> Archipelago<'_, E> {
         tape.same(self.islands.len() as u64);
         self.islands.iter_mut().for_each(|island| island.pass(tape));
         tape.count(&mut self.ledger.evaluations);
+        tape.count(&mut self.ledger.linearizations);
         tape.floats(&mut self.ledger.best_x);
         tape.float(&mut self.ledger.best_cost);
         tape.count(&mut self.consensus.in_cost);

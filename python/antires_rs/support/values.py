@@ -1,4 +1,4 @@
-"""Values that stay as they were made, and are equal where their contents are."""
+"""Frozen dataclasses that hold arrays."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from .pickling import Immutable, ReadOnly
+from .pickling import ReadOnly, frozen
 
-__all__ = ["Immutable", "Value", "frozen_or_none"]
+__all__ = ["Value", "frozen_or_none"]
 
 
 class Value(ReadOnly):
-    """Of frozen dataclasses that hold arrays: read-only copies of them, compared by their contents."""
+    """Base of frozen dataclasses that hold arrays: read-only copies of them, compared by their contents."""
 
     def __post_init__(self) -> None:
         self.__setstate__({field.name: _kept(getattr(self, field.name)) for field in fields(self)})  # type: ignore[arg-type]
@@ -26,7 +26,7 @@ class Value(ReadOnly):
 
 def frozen_or_none(array: Any) -> Any:
     """Read-only copy of an array, None where there is none."""
-    return None if array is None else _kept(np.asarray(array))
+    return None if array is None else frozen(array)
 
 
 def _kept(value: Any) -> Any:

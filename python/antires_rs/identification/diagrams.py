@@ -1,0 +1,91 @@
+"""From lines to stabilization diagrams, window by window, by either formulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..order_sweep.diagram import PoleSweep, StabilizationDiagram, ZeroSweep, diagram
+from ..order_sweep.persistence import add_persistent
+from ..order_sweep.scores import scored
+from ..order_sweep.shared import without_common
+from ..order_sweep.windows import join, windows
+from ..support.progress import step
+from ..support.validation import FloatArray
+from .formulations import sweep_of
+from .lines import FORCE, Lines
+from .options import IdentificationOptions
+from .selection import select
+
+__all__ = ["diagrams_of"]
+
+
+def diagrams_of(
+    dofs: tuple[Any, ...],
+    lines_for: Callable[[int], Lines],
+    band: tuple[float, float],
+    options: IdentificationOptions,
+) -> tuple[dict[Any, StabilizationDiagram], bool]:
+    """Diagrams by dof, and whether they are of all numerators, whose values have grades and deviations."""
+    first = lines_for(FORCE if options.use_force else 0)
+    numerators = options.formulation == "numerators" or (
+        options.formulation == "auto" and first.segments is not None and options.estimator == "rank1"
+    )
+    if numerators:
+        found = _from_numerators(dofs, first, band, options)
+    else:
+        found = _one_by_one(dofs, lines_for, band, options)
+    return found if options.keep_common else without_common(found), numerators
+
+
+def _from_numerators(
+    dofs: tuple[Any, ...], lines: Lines, band: tuple[float, float], options: IdentificationOptions
+) -> dict[Any, StabilizationDiagram]:
+    """All dofs from one fit a window."""
+    cut = windows(lines.freq_hz, band)
+    parts = [lines.part(w.first, w.last) for w in cut]
+    found = [select(part, len(dofs), w, options) for part, w in zip(parts, cut, strict=True)]
+    return {
+        dof: join([d[row] for d in found], cut, band, options.rule.freq_tol) for row, dof in enumerate(dofs)
+    }
+
+
+def _one_by_one(
+    dofs: tuple[Any, ...],
+    lines_for: Callable[[int], Lines],
+    band: tuple[float, float],
+    options: IdentificationOptions,
+) -> dict[Any, StabilizationDiagram]:
+    """Every dof from its own joint fit of all T_pj; with a force, from one joint fit of all H_jk."""
+    rule, use_force = options.rule, options.use_force
+    formulation = "joint" if options.formulation == "auto" else options.formulation
+    found: dict[Any, StabilizationDiagram] = {}
+    shared: dict[int, tuple[PoleSweep, range, FloatArray]] = {}
+    # Dofs not asked for are looked at too: what all channels share is told only from all.
+    for row, dof in enumerate(dofs):
+        step(f"response {row + 1} of {len(dofs)}")
+        below = FORCE if use_force else row
+        lines = lines_for(below)
+        cut = windows(lines.freq_hz, band)
+        parts = []
+        for window in cut:
+            part = lines.part(window.first, window.last)
+            if not use_force or window.first not in shared:
+                shared[window.first] = sweep_of(part, below, *options.orders, rule, formulation)
+            parent, swept, background = shared[window.first]
+            sweep: PoleSweep = parent
+            if use_force:
+                background = 1.0 / np.maximum(np.abs(parent.nested.values[row]), 1e-300)
+                sweep = ZeroSweep(parent, row)
+            one = diagram(
+                sweep, swept, window.report_hz, rule, part.freq_hz, background, part.added_decay_per_s
+            )
+            if part.snr_known and rule.persistent:
+                one = add_persistent(one, sweep, rule, part.channel_snr(row), part.added_decay_per_s)
+            curves = sweep.curves(swept[len(swept) // 2])
+            parts.append(replace(one, accepted=scored(one.accepted, part.freq_hz, background, *curves)))
+        found[dof] = join(parts, cut, band, rule.freq_tol)
+    return found

@@ -1,0 +1,90 @@
+"""The common form of all sources: a complex vector of responses a line, and what it is worth.
+
+The vector is known up to a factor a line, which cancels in every quotient. On the FRF route the force is one
+more row, so that FRFs are transmissibilities to the force. Channels are scaled to equal noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..support.validation import ComplexArray, FloatArray
+
+__all__ = ["FORCE", "SNR_CAP", "UNKNOWN_SNR", "Lines", "unit"]
+
+# Row index of the force in ``Lines.vectors``: the last.
+FORCE = -1
+# Signal-to-noise power beyond which a line gains no more weight: what is left there is leakage.
+SNR_CAP = 1e4
+# The SNR given to lines of data whose noise cannot be known; above the cap of the weights.
+UNKNOWN_SNR = 1e12
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Response vectors ``(n_rows, n_freq)``, of unit norm at every line, and their ``snr``, (n_freq,).
+
+    ``segments`` are the scaled spectra that were averaged, (n_freq, n_rows, n_segments), with unit noise in
+    every row; None where there are fewer than two. ``independent`` is the number of independent lines over
+    the number of lines: the spectra of tapered, overlapping segments are correlated from line to line.
+    ``averages_ratio`` is the number of segments over that of independent averages.
+    """
+
+    freq_hz: FloatArray
+    vectors: ComplexArray
+    snr: FloatArray
+    added_decay_per_s: float = 0.0
+    segments: ComplexArray | None = None
+    independent: float = 1.0
+    averages_ratio: float = 1.0
+
+    def part(self, first: int, last: int) -> Lines:
+        """Some of the lines."""
+        some = None if self.segments is None else self.segments[first:last]
+        return replace(
+            self,
+            freq_hz=self.freq_hz[first:last],
+            vectors=self.vectors[:, first:last],
+            snr=self.snr[first:last],
+            segments=some,
+        )
+
+    def covariance(self) -> ComplexArray:
+        """Covariance of the rows at every line, (n_freq, n_rows, n_rows), in units of the noise."""
+        if self.segments is not None:
+            return np.asarray(
+                self.segments @ self.segments.conj().transpose(0, 2, 1) / self.segments.shape[2],
+                dtype=np.complex128,
+            )
+        v = self.vectors.T
+        return np.asarray(self.snr[:, None, None] * v[:, :, None] * v[:, None, :].conj())
+
+    @property
+    def capped_snr(self) -> FloatArray:
+        """What the lines are worth as weights: never so much that leakage rules."""
+        return np.asarray(self.snr / (1.0 + self.snr / SNR_CAP))
+
+    @property
+    def snr_known(self) -> bool:
+        """False for transmissibilities, whose magnitude says nothing about noise."""
+        return bool(self.snr[0] < UNKNOWN_SNR)
+
+    def channel_snr(self, row: int) -> FloatArray:
+        """Signal-to-noise power of one row."""
+        return np.asarray(self.snr * np.abs(self.vectors[row]) ** 2, dtype=np.float64)
+
+    def quotients(self, row: int) -> tuple[ComplexArray, FloatArray]:
+        """All other rows over one row, and the sum of their squared magnitudes."""
+        own = self.vectors[row]
+        # A line at which the row vanishes would divide by zero; its weight will be nil.
+        own = np.where(np.abs(own) < 1e-12, 1e-12, own)
+        others = np.delete(self.vectors, row, axis=0) / own
+        return others, np.sum(np.abs(others) ** 2, axis=0)
+
+
+def unit(vectors: ComplexArray) -> ComplexArray:
+    """Vectors (n_rows, n_freq) scaled to unit norm at every line."""
+    norm = np.linalg.norm(vectors, axis=0)
+    return np.asarray(vectors / np.where(norm > 0.0, norm, 1.0))

@@ -1,0 +1,138 @@
+"""The options of an identification: one value, checked once, with the defaults in one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..order_sweep.presets import rule_options
+from ..order_sweep.rule import Rule
+from ..signals.averaging import Averaging
+from ..support.validation import choice, integer, reject
+from .formulations import check_formulation
+
+__all__ = ["DEFAULT", "IdentificationOptions", "checked_options"]
+
+# Beyond, a narrower band or windows serve better than more orders.
+HIGHEST_ORDER = 200
+ROUTES = ("transmissibility", "frf")
+ESTIMATORS = ("rank1", "h1", "h2", "hv")
+CROSS_CHECKS = (None, "aaa", "vector_fitting")
+CHECKS = ("warn", "raise", "off")
+
+
+@dataclass(frozen=True)
+class IdentificationOptions:
+    """How antiresonances are identified.
+
+    Attributes
+    ----------
+    averaging : Averaging
+        How a record is averaged, see :class:`~antires_rs.signals.averaging.Averaging`.
+    route : {"transmissibility", "frf"}
+        From the responses alone, or from FRFs.
+    estimator : {"rank1", "h1", "h2", "hv"}
+        Of the response vectors.
+    formulation : {"auto", "numerators", "joint", "power", "eq10"}
+        See :mod:`~antires_rs.identification.formulations`.
+    min_order, max_order : int
+        Orders of the sweep.
+    rule : Rule
+        When a pole is stable and a value accepted, see :class:`~antires_rs.order_sweep.rule.Rule`.
+    keep_common : bool
+        Keep values that all of three or more channels share.
+    cross_check : {None, "aaa", "vector_fitting"}
+        The method that is asked about every value.
+    check : {"warn", "raise", "off"}
+        What is done with the data check.
+    """
+
+    averaging: Averaging = field(default_factory=Averaging)
+    route: str = "transmissibility"
+    estimator: str = "rank1"
+    formulation: str = "auto"
+    min_order: int = 2
+    max_order: int = 60
+    rule: Rule = field(default_factory=Rule)
+    keep_common: bool = False
+    cross_check: str | None = None
+    check: str = "warn"
+
+    @property
+    def use_force(self) -> bool:
+        """Whether the force is a row of the response vectors."""
+        return self.route == "frf"
+
+    @property
+    def orders(self) -> tuple[int, int]:
+        """Lowest and highest order."""
+        return self.min_order, self.max_order
+
+    def checked(self) -> IdentificationOptions:
+        """The same options, or an error that names the bad one."""
+        choice("route", self.route, ROUTES)
+        self.averaging.checked()
+        choice("estimator", self.estimator, ESTIMATORS)
+        choice("check", self.check, CHECKS)
+        choice("keep_common", self.keep_common, (True, False))
+        choice("cross_check", self.cross_check, CROSS_CHECKS)
+        check_formulation(self.formulation)
+        if self.formulation == "numerators" and self.estimator != "rank1":
+            reject(
+                "estimator",
+                self.estimator,
+                "'rank1' with formulation='numerators'",
+                "That fit uses the whole spectral matrix; formulation='joint' takes any estimator.",
+            )
+        if self.use_force and self.formulation in ("power", "eq10"):
+            reject(
+                "formulation",
+                self.formulation,
+                "'numerators' or 'joint' with route='frf'",
+                "Sums and magnitudes are those of transmissibilities.",
+            )
+        self.rule.checked()
+        integer("max_order", self.max_order, low=2, high=HIGHEST_ORDER)
+        integer("min_order", self.min_order, low=1, high=self.max_order)
+        self.rule.check_span(self.min_order, self.max_order)
+        return self
+
+
+#: The options of a call that gives none.
+DEFAULT = IdentificationOptions()
+
+
+def checked_options(
+    averaging: Averaging,
+    preset: str | None,
+    *,
+    formulation: str | None,
+    min_order: int,
+    max_order: int,
+    cross_check: str | None,
+    second_opinion: str | None,
+    rule: dict[str, Any],
+    **others: Any,
+) -> IdentificationOptions:
+    """The options of a call: what is given beside a preset wins; None in ``rule`` stands for not given."""
+    choice("persistent", rule["persistent"], (None, True, False))
+    chosen = rule_options(preset, formulation=formulation, **rule)
+    if second_opinion is not None:
+        choice("second_opinion", second_opinion, CROSS_CHECKS)
+        if cross_check not in (None, second_opinion):
+            reject(
+                "second_opinion",
+                second_opinion,
+                f"None beside cross_check={cross_check!r}",
+                "It is the older name of cross_check; give that alone.",
+            )
+        cross_check = second_opinion
+    return IdentificationOptions(
+        averaging,
+        formulation=chosen.pop("formulation"),
+        min_order=min_order,
+        max_order=max_order,
+        rule=Rule(**chosen),
+        cross_check=cross_check,
+        **others,
+    ).checked()

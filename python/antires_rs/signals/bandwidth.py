@@ -1,0 +1,105 @@
+r"""How wide the sharp resonances of a record are, and the power spectrum that tells it.
+
+Averaged over all places that a segment can have, Welch's auto spectrum with the taper w is the transform of
+the autocorrelation R of the record times that of the taper,
+
+    S(f) = sum over lags of  R(lag) r_w(lag) exp(-2 pi i f lag),
+
+so one transform of the whole record gives the spectrum at the resolution of any segment length, and no
+segment is transformed to choose one (R. B. Blackman and J. W. Tukey, The Measurement of Power Spectra, 1959;
+P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..support.validation import FloatArray
+from .recording import Recording
+
+__all__ = ["Autocorrelation", "half_power_widths", "hann_autocorrelation", "narrow_width", "power_of_two"]
+
+# Segments are not longer than this share of the record, so that their scatter can be told.
+SEGMENTS = 10.0
+# Peaks lower than this over the band's median are not taken for resonances.
+PEAK_RATIO = 10.0
+# The narrow bandwidth is this quantile of those of all peaks.
+NARROWEST = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Autocorrelation:
+    """Autocorrelation of a record's responses, each of unit power, summed."""
+
+    rec: Recording
+
+    @property
+    def longest(self) -> int:
+        """Samples of the longest segments that leave enough averages."""
+        return power_of_two(self.rec.n_samples / SEGMENTS)
+
+    @cached_property
+    def _lags(self) -> FloatArray:
+        from scipy.fft import next_fast_len  # slow to import
+
+        x = self.rec.responses - self.rec.responses.mean(axis=1, keepdims=True)
+        power = np.einsum("ij,ij->i", x, x)
+        x = x[power > 0.0]
+        n = next_fast_len(self.rec.n_samples + self.longest, real=True)
+        total = np.zeros(n // 2 + 1)
+        for one, size in zip(x, power[power > 0.0], strict=True):
+            spectrum = np.fft.rfft(one, n)
+            total += (spectrum.real**2 + spectrum.imag**2) / size
+        return np.asarray(np.fft.irfft(total, n)[: self.longest], dtype=np.float64)
+
+    def power(self, n: int, band_hz: tuple[float, float]) -> FloatArray:
+        """Power of all channels at equal weight in the band, as Hann segments of ``n`` samples resolve it."""
+        lags = self._lags[:n] * hann_autocorrelation(n)[: self._lags.size]
+        # Negative lags, folded onto the length of a segment.
+        folded = np.zeros(n)
+        folded[: lags.size] = lags
+        folded[n - lags.size + 1 :] += lags[:0:-1]
+        freq = np.fft.rfftfreq(n, 1.0 / self.rec.fs_hz)
+        inside = (freq >= band_hz[0]) & (freq <= band_hz[1])
+        return np.asarray(np.fft.rfft(folded).real[inside], dtype=np.float64)
+
+
+def hann_autocorrelation(n: int) -> FloatArray:
+    """Of the periodic Hann window of ``n`` samples, one at lag zero."""
+    taper = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n)
+    r = np.fft.irfft(np.abs(np.fft.rfft(taper, 2 * n)) ** 2)[:n]
+    return np.asarray(r / r[0], dtype=np.float64)
+
+
+def power_of_two(n: float) -> int:
+    """The nearest, by ratio."""
+    return int(2 ** max(0, round(np.log2(max(n, 1.0)))))
+
+
+def narrow_width(power: FloatArray) -> float | None:
+    """Half-power bandwidth, in lines, of the sharp ones among the peaks that stand out; None without any."""
+    widths = half_power_widths(power)
+    return float(np.quantile(widths, NARROWEST)) if widths else None
+
+
+def half_power_widths(power: FloatArray) -> list[float]:
+    """Widths, in lines, of the peaks that stand out; a peak owns all down to a tenth of its height."""
+    left = power.copy()
+    least = PEAK_RATIO * np.median(power)
+    widths = []
+    while left.max() > least:
+        peak = int(np.argmax(left))
+        lo = hi = peak
+        while lo > 0 and power[lo - 1] > 0.1 * power[peak]:
+            lo -= 1
+        while hi < power.size - 1 and power[hi + 1] > 0.1 * power[peak]:
+            hi += 1
+        # The area over the height is steadier than the two half-power points of a ragged spectrum;
+        # pi/2 half-power widths make the area of a resonance.
+        if lo > 0 and hi < power.size - 1 and left[lo : hi + 1].min() > 0:
+            widths.append(float(power[lo : hi + 1].sum() / power[peak]) * 2 / np.pi)
+        left[lo : hi + 1] = 0.0
+    return widths

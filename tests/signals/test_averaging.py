@@ -1,0 +1,109 @@
+"""Averages of a record are made once, and everything that follows looks at them."""
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.signals import spectra
+from antires_rs.signals.averaging import Averaging, average
+from antires_rs.signals.bandwidth import Autocorrelation, half_power_widths
+from antires_rs.signals.recording import Recording
+from antires_rs.signals.segment_length import choose_nperseg
+
+BAND = (3.0, 130.0)
+
+
+@pytest.fixture(scope="module")
+def record():
+    return ar.cases.chain8().experiment(noise=0.01, duration_s=60.0, rng=7)
+
+
+@pytest.fixture
+def passes(monkeypatch):
+    """Shapes of the segments transformed, one entry for each pass over a record."""
+    made = []
+    transforms = spectra._transforms
+
+    def counted(data, taper, step, lines):
+        made.append((data.shape, taper.size))
+        return transforms(data, taper, step, lines)
+
+    monkeypatch.setattr(spectra, "_transforms", counted)
+    return made
+
+
+@pytest.mark.parametrize("options", [{}, {"cross_check": "aaa"}, {"route": "frf"}, {"nperseg": 2048}])
+def test_an_identification_transforms_the_segments_once(record, passes, options):
+    found = ar.identify_antiresonances(record, excitation=0, band_hz=BAND, **options)
+    assert found.data_check is not None
+    assert len(passes) == 1
+
+
+def test_a_data_check_transforms_the_segments_once(record, passes):
+    # Segments so short that the check asks for the longest ones' resolution, too.
+    checked = ar.check_data(record, excitation=0, band_hz=BAND, nperseg=512)
+    assert checked.named("resolution")
+    assert len(passes) == 1
+
+
+def test_modes_transform_the_segments_once(record, passes):
+    ar.identify_modes(record, band_hz=BAND)
+    assert len(passes) == 1
+
+
+def test_the_check_within_an_identification_is_the_check_alone(record):
+    for route, source in (
+        ("frf", record),
+        ("transmissibility", ar.Recording(record.responses, record.fs_hz)),
+    ):
+        within = ar.identify_antiresonances(record, excitation=0, band_hz=BAND, route=route).data_check
+        alone = ar.check_data(source, excitation=0, band_hz=BAND)
+        assert str(within) == str(alone)
+        np.testing.assert_allclose(within.eigenvalues, alone.eigenvalues, rtol=1e-12)
+
+
+def test_power_from_the_autocorrelation_is_that_of_many_segments():
+    # Noise through a resonator: many segments at every place of a long record have the same mean.
+    rng = np.random.default_rng(3)
+    t = np.arange(2048) / 256.0
+    ring = np.exp(-2.0 * t) * np.sin(2 * np.pi * 40.0 * t)
+    x = np.convolve(rng.standard_normal(65536), ring)[:65536]
+    rec = Recording(np.stack([x, -3.0 * x]), 256.0)
+    n = 1024
+    dense = spectra.cross_spectra(rec, nperseg=n, noverlap=n - 16, band_hz=(20.0, 60.0))
+    welch = np.einsum("fii->f", dense.matrix.real / np.array([1.0, 9.0]))
+    ours = Autocorrelation(rec).power(n, (20.0, 60.0))
+    assert ours.shape == welch.shape
+    np.testing.assert_allclose(ours / ours.sum(), welch / welch.sum(), rtol=0.02, atol=1e-5)
+
+
+def test_the_choice_follows_the_damping():
+    case = ar.cases.chain8()
+    chosen = [
+        choose_nperseg(case.experiment(damping_ratio=damping, duration_s=256.0, rng=1), BAND)
+        for damping in (0.01, 0.02)
+    ]
+    assert chosen == [16384, 8192]
+
+
+def test_channels_that_do_not_move_have_no_say():
+    rng = np.random.default_rng(1)
+    x = rng.standard_normal(4096)
+    with_dead = Autocorrelation(Recording(np.stack([x, np.full(4096, 2.0)]), 64.0))
+    alone = Autocorrelation(Recording(x[None], 64.0))
+    np.testing.assert_array_equal(with_dead.power(256, (1.0, 30.0)), alone.power(256, (1.0, 30.0)))
+
+
+def test_widths_of_known_peaks():
+    f = np.arange(1000.0)
+    power = 1e-6 + sum(1.0 / (1.0 + ((f - at) / half) ** 2) for at, half in ((200.0, 4.0), (700.0, 10.0)))
+    assert np.sort(half_power_widths(power)) == pytest.approx([6.4, 16.0], rel=0.02)
+
+
+def test_lines_in_the_band_are_those_of_all():
+    rec = Recording(np.random.default_rng(0).standard_normal((2, 4096)), 100.0)
+    every = spectra.cross_spectra(rec, nperseg=512)
+    made = average(rec, (0.0, 20.0), Averaging(nperseg=512, method="welch"))
+    inside = (every.freq_hz > 0.0) & (every.freq_hz <= 20.0)
+    np.testing.assert_array_equal(made.spectra.freq_hz, every.freq_hz[inside])
+    np.testing.assert_array_equal(made.spectra.matrix, every.matrix[inside])
