@@ -95,8 +95,8 @@ def identify_antiresonances(
         How a record is averaged; "auto" looks at its energy profile.
     estimator : {"rank1", "h1", "h2", "hv"}
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
-        :func:`~antires_rs.signals.transfer_functions.transmissibility` and
-        :func:`~antires_rs.signals.transfer_functions.frf`.
+        :func:`~antires_rs.transmissibility` and
+        :func:`~antires_rs.frf`.
     formulation : {"auto", "numerators", "joint", "power", "eq10"}, optional
         See the module, and :mod:`~antires_rs.identification.formulations` for the last two. "auto"
         (default) takes "numerators" for averaged records with ``estimator="rank1"``, else "joint".
@@ -260,9 +260,14 @@ def _wanted_dofs(dofs: Iterable[Any] | None, known: tuple[Any, ...]) -> tuple[An
     if dofs is None:
         return known
     if isinstance(dofs, str | bytes) or not isinstance(dofs, Iterable):
-        reject("dofs", dofs, f"a list of dofs out of {known}")
+        reject("dofs", dofs, f"a list of dofs out of {known}", "Put the dofs in a list, such as dofs=[0, 1].")
     wanted = tuple(dict.fromkeys(dofs))
     strange = [dof for dof in wanted if dof not in known]
     if strange or not wanted:
-        reject("dofs", strange or "an empty list", f"dofs out of {known}")
+        reject(
+            "dofs",
+            strange or "an empty list",
+            f"dofs out of {known}",
+            "Name dofs of the source, or leave dofs out for all.",
+        )
     return tuple(known[known.index(dof)] for dof in wanted)

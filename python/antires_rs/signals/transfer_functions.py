@@ -130,7 +130,7 @@ def transmissibility(
     check_recording(rec)
     choice("estimator", estimator, ("h1", "h2", "hv", "rank1"))
     if reference not in rec.dofs:
-        reject("reference", reference, f"a recorded dof, one of {rec.dofs}")
+        reject("reference", reference, f"a recorded dof, one of {rec.dofs}", "Name a dof of the recording.")
     j = rec.dofs.index(reference)
     spectra = averaged_spectra(rec, nperseg, noverlap, window, method)
     values, coherence = two_channel(spectra.matrix, j, "h1" if estimator == "rank1" else estimator)
@@ -190,6 +190,7 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
             "resp",
             getattr(resp, "kind", type(resp).__name__),
             "a FrequencyResponse of kind 'transmissibility'",
+            "Estimate it by antires_rs.transmissibility.",
         )
     others = np.delete(resp.values, resp.dofs.index(resp.reference), axis=0)
     return np.asarray(np.abs(others.real).sum(axis=0) + 1j * np.abs(others.imag).sum(axis=0))

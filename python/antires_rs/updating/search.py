@@ -79,7 +79,12 @@ def update(
     array([1.1 , 0.96])
     """
     if not isinstance(problem, UpdatingProblem):
-        reject("problem", problem, "an UpdatingProblem")
+        reject(
+            "problem",
+            problem,
+            "an UpdatingProblem",
+            "Join model, parameters and measurement by UpdatingProblem first.",
+        )
     found, seed = search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
     return UpdateResult(problem, found, seed)
 
@@ -97,7 +102,7 @@ def search(
     """The core's search as ``update`` and ``assess_damage`` run it, and the seed that was used."""
     ga = IslandGA() if optimizer is None else optimizer
     if not isinstance(ga, IslandGA):
-        reject("optimizer", optimizer, "an IslandGA")
+        reject("optimizer", optimizer, "an IslandGA", "Leave it out for IslandGA().")
     first = guesses(x0, len(problem.parameters))
     kept = None if checkpoint is None else Checkpoint(checkpoint)
     seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
