@@ -17,6 +17,8 @@ from antires_rs import cli
 from antires_rs.cli import demo, story, story_tables
 from tests.support.job_files import DAMAGE, write_measured
 
+pytestmark = pytest.mark.usefixtures("quick_pictures")
+
 FILES = {
     "stabilization.png",
     "transmissibility.png",

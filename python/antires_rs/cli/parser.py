@@ -52,7 +52,7 @@ def parser() -> argparse.ArgumentParser:
     again = commands.add_parser(
         "resume",
         help="go on with a search that was interrupted",
-        description="Go on with a search, to the same bits as if it had never stopped.",
+        description="Go on with a search; the result is bit-identical to that of one that never stopped.",
     )
     again.add_argument(
         "target", metavar="JOB", type=Path, help="a job file, its results folder or its checkpoint"

@@ -7,7 +7,7 @@ zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and
   (:mod:`~antires_rs.identification.numerators`). For averaged records, whose segments tell the noise and the
   errors.
 - "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j. For
-  single hits and given curves, where nothing tells the noise.
+  single impacts and given curves, where nothing tells the noise.
 
 Either way the order is swept and what stays is kept. Everything starts from one complex vector of
 responses a line, known up to a factor that cancels: so transmissibilities to any one reference serve all
@@ -89,8 +89,8 @@ def identify_antiresonances(
         Samples per Welch segment. Default: 16 over the narrow half-power bandwidth, at most a tenth of the
         record, rounded to a power of two.
     noverlap, window
-        As for :func:`~antires_rs.signals.spectra.cross_spectra`; for hits ``window`` may be "rectangular" or
-        "exponential" ("hann" there means: rectangular if the response dies, else exponential).
+        As for :func:`~antires_rs.signals.spectra.cross_spectra`; for impacts ``window`` may be "rectangular"
+        or "exponential" ("hann" there means: rectangular if the response dies, else exponential).
     method : {"auto", "welch", "transient"}
         How a record is averaged; "auto" looks at its energy profile.
     estimator : {"rank1", "h1", "h2", "hv"}
@@ -134,7 +134,7 @@ def identify_antiresonances(
         A malformed argument, a band outside the data, or too few lines in it.
     UnsuitableDataError
         A fatal finding under ``check="raise"``; a single channel on the transmissibility route; no force on
-        the FRF route; a hit that the record missed.
+        the FRF route; an impact that the record missed.
 
     Notes
     -----

@@ -140,7 +140,7 @@ def kept(labels: Sequence[Any]) -> list[int]:
 
 
 def in_si(values: Any, unit: Unit) -> Any:
-    """Values in SI; the same bits where they are."""
+    """Values in SI; bit-identical where they are SI already."""
     return values if unit.factor == 1.0 else values * unit.factor
 
 

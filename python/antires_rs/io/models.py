@@ -1,4 +1,4 @@
-"""Descriptions of models as plain data, and models made again from it, to the same bits."""
+"""Descriptions of models as plain data, and models made again from it, bit-identical."""
 
 from __future__ import annotations
 

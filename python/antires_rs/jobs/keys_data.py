@@ -98,7 +98,7 @@ IDENTIFICATION = Section(
         ),
         Key("formulation", "text", '"auto", "numerators", "joint", "power" or "eq10".', '"auto"'),
         Key("estimator", "text", '"rank1", "h1", "h2" or "hv".', '"rank1"'),
-        Key("method", "text", '"auto", "welch" for random records, "transient" for single hits.', '"auto"'),
+        Key("method", "text", '"auto", "welch" for random records, "transient" for impacts.', '"auto"'),
         Key("nperseg", "whole", "Samples in a segment; by default chosen from the data."),
         Key("noverlap", "whole", "Samples shared by neighbouring segments; by default half."),
         Key("window", "text", "Window of the segments.", '"hann"'),

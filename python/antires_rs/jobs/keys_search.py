@@ -34,7 +34,7 @@ DAMAGE = Section(
 
 SEARCH = Section(
     "search",
-    "The search. The same seed gives the same bits, for any number of workers.",
+    "The search. The same seed gives bit-identical results for any number of workers.",
     (
         Key("seed", "whole", "A whole number of at least 0.", "0"),
         Key("workers", "whole", "Threads; by default all processors."),

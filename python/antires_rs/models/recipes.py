@@ -24,7 +24,7 @@ class _Recipe(Value):
     """What all kinds answer."""
 
     def core(self) -> CoreModel:
-        """The core's model, made anew, to the same bits."""
+        """The core's model, made anew, bit-identical."""
         raise NotImplementedError
 
     def section_index(self, name: str | int) -> int:

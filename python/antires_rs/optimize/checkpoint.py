@@ -1,4 +1,4 @@
-"""A search on disk: written now and then, taken up again to the same bits.
+"""A search on disk: written now and then, resumed bit-identical.
 
 A checkpoint is one file of bytes with a checksum, and the one before it beside it as ``<name>.previous``. It
 is written whole to ``<name>.tmp``, flushed to the disk, and put in place in one step, so a process killed at

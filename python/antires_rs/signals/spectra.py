@@ -49,11 +49,11 @@ class CrossSpectra:
     freq_hz : (n_freq,)
     matrix : (n_freq, n_channels, n_channels) complex
         ``matrix[:, a, b]`` is the average of conj(A) B: a one-sided density for Welch, energy spectra
-        for hits.
+        for impacts.
     n_averages : int
-        Segments or hits averaged.
+        Segments or impacts averaged.
     noise : (n_channels,) or None
-        Noise part of the diagonal, where it was measured (before a hit).
+        Noise part of the diagonal, where it was measured (before an impact).
     added_decay_per_s : float
         Decay rate of an exponential window; roots identified from these spectra carry it in their real part.
     n_effective : float

@@ -33,12 +33,12 @@ def frf(
     rec : Recording
         With ``force``.
     nperseg, noverlap, window
-        As for :func:`~antires_rs.signals.spectra.cross_spectra`; not used for hits.
+        As for :func:`~antires_rs.signals.spectra.cross_spectra`; not used for impacts.
     estimator : {"h1", "h2", "hv"}
         ``S_fx / S_ff``, ``S_xx / S_xf``, or total least squares with both signals scaled to unit rms, so that
         units do not matter.
     method : {"auto", "welch", "transient"}
-        "auto" refuses Welch on a record that decays; "welch" forces it; "transient" transforms whole hits.
+        "auto" refuses Welch on a record that decays; "welch" forces it; "transient" transforms whole impacts.
 
     Returns
     -------
@@ -205,7 +205,7 @@ def averaged_spectra(
     *,
     include_force: bool = False,
 ) -> CrossSpectra:
-    """Welch or whole hits, by ``method``."""
+    """Welch or whole impacts, by ``method``."""
     choice("method", method, ("auto", "welch", "transient"))
     if method == "transient":
         return transient_spectra(rec, include_force=include_force)

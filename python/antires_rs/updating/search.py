@@ -40,7 +40,7 @@ def update(
     optimizer : IslandGA, optional
         Settings of the search.
     rng : int or numpy.random.Generator, optional
-        Same seed, same bits, whatever the number of threads.
+        The same seed gives bit-identical results for any number of threads.
     workers : int, optional
         Threads; all processors by default.
     callback : callable, optional
@@ -52,7 +52,7 @@ def update(
         Show progress on standard error; by default on a terminal, after one second.
     checkpoint : path-like, optional
         File in which the search is kept, written every two seconds and at the end. If it is there, the search
-        goes on from it, to the same bits as if it had never stopped; see
+        goes on from it, bit-identical to one that never stopped; see
         :mod:`antires_rs.optimize.checkpoint`.
 
     Returns
