@@ -4,7 +4,7 @@ Model: Y_o(s) = sum_k c_ok / (s - a_k) + d_o + s e_o for every output o, the pol
 given, sigma(s) = sum_k c_k / (s - a_k) + d is sought for which all sigma Y_o have these same poles; then the
 zeros of sigma are better poles, and the step is repeated. The unknowns of the outputs are projected out one
 output after the other, and of sigma only Re sum_n sigma(s_n) = n_freq is asked ("relaxed"). Poles that wander
-into the right half plane are left there: mirrored, superfluous ones would come back as sharp peaks.
+into the right half plane are left there: mirrored, spurious ones would come back as sharp peaks.
 
 References: B. Gustavsen and A. Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052-1061; B. Gustavsen, ibid.
 21 (2006) 1587-1592 (relaxed); D. Deschrijver, M. Mrozowski, T. Dhaene and D. De Zutter, IEEE Microw. Wirel.
@@ -20,7 +20,7 @@ from .dominance import share_of_curve
 
 __all__ = ["vector_fitting"]
 
-TURNS = 12
+ITERATIONS = 12
 #: Damping ratio of the starting poles, which lie evenly over the band.
 START_DAMPING = 0.01
 #: The constant of sigma is kept from vanishing: its poles would go to infinity.
@@ -64,7 +64,7 @@ def vector_fitting(
     start = low + (np.arange(n_poles) + 0.5) * (high - low) / n_poles
     poles = start * (-START_DAMPING + 1j)
     size = float(np.linalg.norm(root.T * values))
-    for _ in range(TURNS):
+    for _ in range(ITERATIONS):
         phi = _fractions(s, poles)
         q = np.linalg.qr(_stack(root * _with_line(phi, s)))[0]
         one = root * np.hstack([phi, np.ones((s.size, 1))])
