@@ -33,7 +33,7 @@ class AntiresError(Exception):
     ...     ar.cases.chain8(perturbation=2.0)
     ... except ar.AntiresError as error:
     ...     print(error)
-    perturbation: got 2.0; wanted a finite number in [0, 0.5].
+    perturbation: got 2.0; wanted a finite number in [0, 0.5]. Pass a smaller one.
     """
 
 

@@ -8,7 +8,7 @@ import pytest
 import antires_rs as ar
 from antires_rs import cli
 from tests.support.job_files import DAMAGE, UPDATE, write_measured, write_record
-from tests.support.snapshots import compare, complete
+from tests.support.snapshots import compare, complaints
 
 
 def identify(*more, file="record.npz", band=("3", "100"), excitation="tip"):
@@ -71,7 +71,7 @@ WRONG = {
 
 @pytest.fixture(scope="module")
 def messages(tmp_path_factory):
-    """What ``antires`` says to each call, and its exit code."""
+    """What ``antires`` says to each call, its exit code, and the error behind it."""
     folder = tmp_path_factory.mktemp("calls")
     write_record(folder)
     write_measured(folder)
@@ -85,7 +85,7 @@ def messages(tmp_path_factory):
     ar.assess_damage(case.model, case.exact(1), rng=0).save(folder / "result.npz")
     before = sorted(folder.rglob("*"))
     said = {}
-    with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch, complaints(patch) as errors:
         patch.chdir(folder)
         written = []
         patch.setattr("sys.stderr.write", written.append)
@@ -95,18 +95,19 @@ def messages(tmp_path_factory):
                 code = cli.main(call)
             except SystemExit as exc:
                 code = exc.code
-            said[name] = code, "".join(written).strip()
+            said[name] = code, "".join(written).strip(), errors.pop()
     assert sorted(folder.rglob("*")) == before
     return said
 
 
 @pytest.mark.parametrize("case", WRONG)
 def test_each_message_names_argument_got_wanted_and_remedy(messages, case):
-    code, said = messages[case]
+    code, said, error = messages[case]
     program, _, message = said.partition(": error: ")
     assert program.startswith("antires")
-    assert message.startswith(f"{WRONG[case][0]}: got ")
-    assert complete(message)
+    assert error.argument == WRONG[case][0]
+    assert all((error.argument, error.got, error.wanted, error.remedy))
+    assert message == f"{error.argument}: got {error.got}; wanted {error.wanted}. {error.remedy}"
     assert "\n" not in said
     assert code in (1, 2)
     assert (code == 1) <= ("npz" in message)  # 1 is for files that cannot be used
@@ -116,5 +117,5 @@ def test_there_are_forty_and_the_messages_are_those_that_were_looked_at(messages
     assert len(messages) >= 40
     compare(
         Path(__file__).with_name("wrong_calls.txt"),
-        {case: f"exit {code}  {said}" for case, (code, said) in messages.items()},
+        {case: f"exit {code}  {said}" for case, (code, said, _) in messages.items()},
     )

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 import antires_rs as ar
 from antires_rs.jobs import read_job, template
-from antires_rs.jobs.keys import FORMATS, SECTIONS, format_of
+from antires_rs.jobs.formats import FORMATS, format_of
+from antires_rs.jobs.keys import SECTIONS
 from antires_rs.jobs.lines import lines_of
 
 

@@ -9,7 +9,7 @@ import antires_rs as ar
 from antires_rs import cli
 from antires_rs.jobs import read_job
 from tests.support.job_files import DAMAGE, UPDATE, write_measured, write_record
-from tests.support.snapshots import compare, complete
+from tests.support.snapshots import compare, complaints
 
 FRAME = DAMAGE.replace(
     """kind = "chain"
@@ -34,7 +34,7 @@ RECORD = DAMAGE.replace('file = "measured.json"', 'file = "record.npz"\nexcitati
 WRONG = {
     "no TOML: text without quotes": (DAMAGE.replace('"chain"', "chain"), 5),
     "no TOML: a key twice": (DAMAGE.replace("seed = 1", "seed = 1\nseed = 2"), 13),
-    "no TOML: a list that does not end": (DAMAGE.replace("56.7e3]", "56.7e3"), 9),
+    "no TOML: a list that does not end": (DAMAGE.replace("56.7e3]", "56.7e3"), 7),
     "no TOML: [data] twice": (DAMAGE.replace("[model]", '[data]\nfile = "b.json"\n[model]'), 4),
     "a key of records beside antiresonances": (DAMAGE.replace("[model]", "excitation = 3\n[model]"), 4),
     "a force at a channel that is left out": (
@@ -130,7 +130,7 @@ WRONG = {
 
 @pytest.fixture(scope="module")
 def messages(tmp_path_factory):
-    """What ``antires`` says to each job, and its exit code."""
+    """What ``antires`` says to each job, its exit code, and the error behind it."""
     folder = tmp_path_factory.mktemp("jobs")
     write_measured(folder)
     write_record(folder)
@@ -140,21 +140,22 @@ def messages(tmp_path_factory):
         assert text not in (DAMAGE, UPDATE, FRAME, RECORD) or case == "channels that are no dofs", case
         job.write_text(text, encoding="utf-8")
         task = "update" if "[[parameters]]" in text or "[parameters]" in text else "damage"
-        with pytest.MonkeyPatch.context() as patch:
+        with pytest.MonkeyPatch.context() as patch, complaints(patch) as errors:
             written = []
             patch.setattr("sys.stderr.write", written.append)
             code = cli.main([task, str(job)])
-        said[case] = code, "".join(written).strip().replace(str(folder), "FOLDER")
+        said[case] = code, "".join(written).strip().replace(str(folder), "FOLDER"), *errors
     assert sorted(p.name for p in folder.iterdir()) == ["job.toml", "measured.json", "record.npz"]
     return said
 
 
 @pytest.mark.parametrize("case", WRONG)
 def test_each_message_names_line_got_wanted_and_remedy(messages, case):
-    code, said = messages[case]
+    code, said, error = messages[case]
     line = WRONG[case][1]
     assert said.startswith("antires: error: job.toml" + (f", line {line}" if line else ":"))
-    assert complete(said)
+    assert all((error.argument, error.got, error.wanted, error.remedy))
+    assert str(error) == f"{error.argument}: got {error.got}; wanted {error.wanted}. {error.remedy}"
     assert "\n" not in said
     assert code == 2 or "path" not in said
 
@@ -162,7 +163,7 @@ def test_each_message_names_line_got_wanted_and_remedy(messages, case):
 def test_the_messages_are_those_that_were_looked_at(messages):
     compare(
         Path(__file__).with_name("wrong_jobs.txt"),
-        {case: f"exit {code}  {said}" for case, (code, said) in messages.items()},
+        {case: f"exit {code}  {said}" for case, (code, said, _) in messages.items()},
     )
 
 

@@ -1,4 +1,4 @@
-"""A set written by antires_rs 0.1.0, before its columns became one table for each response.
+"""Files of older versions: version 1 of the format, and a set of antires_rs 0.1.0.
 
 antiresonances_0.1.0.json was made by that version: chain8 at level 0, 5 % noise, 64 s, rng=7; dofs 0, 2 and 7
 identified with excitation=0, band_hz=(3, 130); 48.63 Hz dropped from dof 2, 125 Hz added to dof 0.
@@ -46,3 +46,13 @@ def test_what_was_done_by_hand_is_known_again():
 
 def test_it_is_written_as_it_was():
     assert json.loads(AntiresonanceSet.load(FILE).to_json()) == json.loads(FILE.read_text())
+
+
+def test_files_of_version_1_still_load(tmp_path):
+    path = tmp_path / "old.json"
+    path.write_text(
+        '{"format": "antires_rs.AntiresonanceSet", "version": 1, "excitation": 0, "dofs": ['
+        '{"dof": 0, "freq_hz": [1.0, 2.0], "damping_ratio": [0.1, 0.2]}, '
+        '{"dof": 1, "freq_hz": []}]}'
+    )
+    assert AntiresonanceSet.load(path) == AntiresonanceSet(0, {0: [1.0, 2.0], 1: []}, {0: [0.1, 0.2]})

@@ -216,8 +216,11 @@ def test_a_wrong_call_says_what_was_got_and_what_is_wanted(wrong):
         call()
     assert isinstance(caught.value, ar.InvalidInputError)
     assert isinstance(caught.value, ar.AntiresError)
-    message = str(caught.value)
-    assert re.match(rf"^{re.escape(argument)}(?!\w)[^:]*: got .+; wanted .+\.", message, re.DOTALL), message
+    error = caught.value
+    assert re.match(rf"{re.escape(argument)}(?!\w)", error.argument), error.argument
+    assert all((error.argument, error.got, error.wanted, error.remedy)), error.args
+    assert str(error) == f"{error.argument}: got {error.got}; wanted {error.wanted}. {error.remedy}"
+    assert error.argument.startswith(error.path[0])
 
 
 def test_the_table_is_as_long_as_promised():

@@ -1,7 +1,9 @@
 """Messages kept as text: ``ANTIRES_SNAPSHOTS=write pytest`` writes them anew, for the eye to compare."""
 
 import os
-import re
+from contextlib import contextmanager
+
+from antires_rs.cli import command, usage
 
 
 def compare(file, messages):
@@ -12,6 +14,16 @@ def compare(file, messages):
     assert text == file.read_text(encoding="utf-8")
 
 
-def complete(message):
-    """Whether a message says what was got, what is wanted, and then what to do."""
-    return re.search(r": got .+; wanted .+?[.?] ['A-Z\[]", message, re.DOTALL) is not None
+@contextmanager
+def complaints(patch):
+    """The errors that ``antires`` ends with, which it prints as ever."""
+    errors = []
+    say = usage.complain
+
+    def complain(error, *program):
+        errors.append(error)
+        say(error, *program)
+
+    for module in (command, usage):
+        patch.setattr(module, "complain", complain)
+    yield errors

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import errno
 import os
-import re
 import sys
 import warnings
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from ..exceptions import AntiresError, AntiresWarning, InvalidInputError, UnsuitableDataError
 from .parser import parser
+from .usage import complain
 
 __all__ = ["run"]
 
@@ -32,21 +31,22 @@ def run(argv: Sequence[str] | None) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 1
         except (AntiresError, OSError) as exc:
-            print(f"antires: error: {_refused(exc) if isinstance(exc, OSError) else exc}", file=sys.stderr)
+            complain(_refused(exc) if isinstance(exc, OSError) else exc)
             wrong = isinstance(exc, InvalidInputError) and not isinstance(exc, UnsuitableDataError)
             return 2 if wrong else 1
 
 
-def _refused(exc: OSError) -> str:
+def _refused(exc: OSError) -> object:
     """What the system refuses, by the name that the user gave: files are written under another one first."""
     if not isinstance(exc.filename, str) or exc.errno not in (errno.EACCES, errno.EPERM, errno.EROFS):
-        return str(exc)
-    path = Path(exc.filename)
-    beside = re.fullmatch(r"\.(.+)\.\d+\.tmp", path.name)
-    shown = path.with_name(beside[1]) if beside else path
-    return (
-        f"{str(shown)!r}: got '{exc.strerror}' from the system; wanted a place that this user may read "
-        "and write. Choose another folder, or change its permissions."
+        return exc
+    from ..support.files import final_path
+
+    return UnsuitableDataError(
+        repr(str(final_path(exc.filename))),
+        f"'{exc.strerror}' from the system",
+        "a place that this user may read and write",
+        "Choose another folder, or change its permissions.",
     )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..jobs import Job, read_job, template
 from ..jobs.files import RunFolder
-from ..jobs.keys import FORMATS, format_of
+from ..jobs.formats import FORMATS, format_of
 from ..support.files import write_atomically
 from ..support.validation import reject
 from .terminal import arguments, existing, print_json, say
@@ -60,7 +60,7 @@ def _channels(file: Path) -> dict[str, object] | None:
     from ..jobs.reading import read_signal
     from ..measured.antiresonance_set import AntiresonanceSet
 
-    with arguments({"path": "--data"}, "Write the job without --data, and fill in [data] by hand."):
+    with arguments({"path": "--data"}):
         names = (
             list(AntiresonanceSet.load(file))
             if kind == "antiresonances"

@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from ..exceptions import AntiresWarning
-from ..jobs.keys import DATA, FORMATS, format_of
+from ..jobs.formats import FORMATS, format_of
+from ..jobs.keys_data import DATA
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import reject
+from ..support.wording import LeftOut, Part
 from .terminal import arguments, existing, print_json, say
 
 __all__ = ["demo", "identify", "report"]
@@ -96,7 +98,7 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
             "Say by --format what it is.",
         )
     if kind == "antiresonances":
-        with arguments(_NAMES, _SEE):
+        with arguments(_NAMES):
             return AntiresonanceSet.load(args.file)
     for name in ("band", "excitation"):
         if getattr(args, name) is None:
@@ -112,7 +114,7 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
     if args.dofs:
         options["dofs"] = dict(args.dofs)
     chosen = {name: getattr(args, name) for name in _CHOICES if getattr(args, name) is not None}
-    with arguments(_NAMES, _SEE):
+    with arguments(_NAMES):
         say(f"reading {args.file.name}")
         signal = read_signal(args.file, kind, options, _as_option)
         say(f"identifying the antiresonances of {len(signal.dofs)} responses")
@@ -137,12 +139,16 @@ def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
     )
 
 
-def _as_option(name: str, value: str | None) -> str:
+def _as_option(part: Part) -> str:
     """An argument of a reader as this command has it; those it lacks a job has."""
-    option = _NAMES.get(name)
+    if isinstance(part, LeftOut):
+        from ..jobs.reading import LEAVE_OUT
+
+        return LEAVE_OUT
+    option = _NAMES.get(part.name)
     if option is None or not option.startswith("--"):
-        return f"{name} (in a job)" if DATA.key(name) else name
-    return option if value is None else f"{option} {value}"
+        return f"{part.name} (in a job)" if DATA.key(part.name) else part.name
+    return option if part.value is None else f"{option} {part.value}"
 
 
 def _diagrams(found: AntiresonanceSet, folder: Path, prefix: str) -> None:
@@ -193,7 +199,7 @@ def report(args: argparse.Namespace) -> int:
             "a file that ends in .html, in a folder that exists",
             "Choose another name.",
         )
-    with arguments({"path": "RESULT"}, "Name the result.npz of a run."):
+    with arguments({"path": "RESULT"}):
         result = UpdateResult.load(file)
     say("writing the report")
     folder = RunFolder(file.parent)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import re
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ..exceptions import InvalidInputError
+from ..exceptions import Argument, InvalidInputError
 from ..support.validation import reject
 
 __all__ = ["arguments", "existing", "print_json", "say"]
@@ -37,16 +36,12 @@ def existing(argument: str, path: Path, remedy: str) -> Path:
 
 
 @contextmanager
-def arguments(names: Mapping[str, str], remedy: str) -> Iterator[None]:
+def arguments(names: Mapping[str, str]) -> Iterator[None]:
     """Errors about an argument of a function become errors about that of the command."""
     try:
         yield
     except InvalidInputError as exc:
-        from ..jobs.job import has_remedy
-
-        found = re.match(r"(\w+)((?:\[[^\]]+\])*): ", str(exc))
-        name = names.get(found[1]) if found else None
-        if found is None or name is None:
+        name = names.get(exc.path[0])
+        if name is None:
             raise
-        said = str(exc)[found.end() :]
-        raise type(exc)(f"{name}: {said}{'' if has_remedy(said) else ' ' + remedy}") from exc
+        raise type(exc)(Argument(name, (name, *exc.path[1:])), exc.got, exc.wanted, exc.remedy) from exc

@@ -109,7 +109,12 @@ def check_data(
     if excitation is not None and (
         isinstance(excitation, bool) or not isinstance(excitation, int | np.integer | str)
     ):
-        reject("excitation", excitation, "a dof named by an integer or a string, or None")
+        reject(
+            "excitation",
+            excitation,
+            "a dof named by an integer or a string, or None",
+            "Name the dof as the source does, or leave it out if it is not known.",
+        )
     options = Averaging(nperseg, noverlap, window, method).checked()
     return judged(source, excitation, band_of(source, band_hz), options)
 

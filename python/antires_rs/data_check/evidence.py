@@ -40,7 +40,7 @@ class Evidence:
     eigenvalues : (n_freq, n) or None
         Of that matrix, largest first.
     n_averages : float
-        Effective; 1 for measured responses and single hits.
+        Effective; 1 for measured responses and single impacts.
     signal : (n, n_freq) or None
         Signal-to-noise power of each channel by line.
     coherence : (n, n_freq) or None
@@ -143,7 +143,7 @@ def of_curves(
 def _of_one_average(
     spectra: CrossSpectra, matrix: ComplexArray, freq: FloatArray, dofs: tuple[Any, ...], fs_hz: float
 ) -> Evidence:
-    """A single hit: the matrix is exactly of rank one, and nothing else can be read from it."""
+    """A single impact: the matrix is exactly of rank one, and nothing else can be read from it."""
     auto = np.einsum("fii->if", matrix).real
     noise = spectra.noise if spectra.noise is not None else 1e-6 * auto.mean(axis=1)
     noise = np.where(noise > 0.0, noise, 1.0)

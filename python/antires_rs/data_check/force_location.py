@@ -39,7 +39,7 @@ SHARED, PEAK_WIDTH = 2.0, 0.04
 # The lines of a resonance are those above this share of its height.
 PEAK_FOOT = 0.25
 # The power is averaged over lines until so many averages stand behind it: ripples of few averages are no
-# peaks. Measured responses and single hits have none, and need none.
+# peaks. Measured responses and single impacts have none, and need none.
 PEAK_AVERAGES = 40.0
 # The direction of two channels passes through near-coincident zeros of both without a trace.
 LEAST_CHANNELS = 3

@@ -50,7 +50,7 @@ def one_force(seen: Evidence) -> Said:
         return [
             NotTested(
                 NAME,
-                "measured responses and single hits hold one vector a line, which one force "
+                "measured responses and single impacts hold one vector a line, which one force "
                 "always explains; a record with several averages is needed",
             )
         ]

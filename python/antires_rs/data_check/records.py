@@ -52,8 +52,8 @@ def of_recording(
             averages = _averaged(rec, band, options, hits)
         except UnsuitableDataError as exc:
             advice = f"{exc.got[0].upper()}{exc.got[1:]}. {exc.remedy}"
-            finding = Finding(MISSED_HIT, "fatal", (), 0.0, 0.0, "No whole hit is in the record.", advice)
-            return [*said, finding, *_none_by_line("no whole hit is in the record")], None
+            finding = Finding(MISSED_HIT, "fatal", (), 0.0, 0.0, "No whole impact is in the record.", advice)
+            return [*said, finding, *_none_by_line("no whole impact is in the record")], None
     if averages is None:
         return said + [_hopeless(live)] + _none_by_line("the record is too short for a spectrum"), None
     spectra = averages.spectra
@@ -126,7 +126,7 @@ def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
     else:
         said += channels.clipped(np.vstack([moving, force]), (*names, FORCE))
     if hits:
-        why = "in a record of hits, rest and blows look like dropouts and spikes"
+        why = "in a record of impacts, rest and blows look like dropouts and spikes"
         said += [NotTested(channels.DROPOUTS, why), NotTested(channels.SPIKES, why)]
     else:
         said += channels.interrupted(moving, names, rec.fs_hz)
@@ -192,9 +192,9 @@ def _single_hit(n_hits: int) -> Said:
             (),
             1.0,
             2.0,
-            "A single hit: no averages. Coherence, the noise by line and whether one force is enough "
+            "A single impact: no averages. Coherence, the noise by line and whether one force is enough "
             "cannot be told.",
-            "Hit the same point several times and record all hits together.",
+            "Hit the same point several times and record all impacts together.",
         )
     ]
 

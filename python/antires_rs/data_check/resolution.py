@@ -14,7 +14,7 @@ RESOLUTION, LENGTH, AVERAGES = "resolution", "record_length", "averages"
 # narrower than a line. On the 8-mass chain two were enough for all 28 values to 1e-3; one gave false ones now
 # and then, half a line gave several in every run.
 ENOUGH, TOO_FEW = 2.0, 1.0
-# Whole hits and measured responses have no leakage; what is narrower than two lines is only poorly sampled.
+# Whole impacts and measured responses have no leakage; what is narrower than two lines is poorly sampled.
 ENOUGH_WITHOUT_LEAKAGE = 0.5
 # Width that a pure tone has: through a Hann window, and without leakage.
 TONE, SINGLE_LINE = 0.95, 0.64
@@ -104,7 +104,7 @@ def of_segments(
 
 
 def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool) -> Said:
-    """The same for whole hits and for measured responses."""
+    """The same for whole impacts and for measured responses."""
     if bandwidth_hz is None:
         return [_nothing_sharp()]
     lines = bandwidth_hz / spacing_hz
@@ -124,7 +124,7 @@ def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool)
                 (),
                 lines,
                 limit,
-                f"The record after the hit ({1.0 / spacing_hz:.3g} s) is too short: {seen}",
+                f"The record after the impact ({1.0 / spacing_hz:.3g} s) is too short: {seen}",
                 f"Record until the response has died, for some {rounded(1.0 / wanted_hz)} s.",
             )
         ]

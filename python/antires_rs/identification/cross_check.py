@@ -196,11 +196,21 @@ def cross_check(
     choice("averaging", averaging, AVERAGING_METHODS)
     finite_scalar("tol", tol, low=0.0, high=0.5, low_open=True)
     if not isinstance(identified, Mapping):
-        reject("identified", type(identified).__name__, "an AntiresonanceSet, or a mapping of dof to Hz")
+        reject(
+            "identified",
+            type(identified).__name__,
+            "an AntiresonanceSet, or a mapping of dof to Hz",
+            "Pass what identify_antiresonances returned, or {dof: frequencies in Hz}.",
+        )
     low_hz, high_hz = covered_hz(source)
     strange = [dof for dof in identified if dof not in source.dofs]
     if strange:
-        reject("identified", f"dofs {strange}", f"dofs of the source, {source.dofs}")
+        reject(
+            "identified",
+            f"dofs {strange}",
+            f"dofs of the source, {source.dofs}",
+            "Leave out the dofs that the source lacks, or name them as it does.",
+        )
     force = len(source.dofs) < 2
     band = frequency_band("band_hz", band_hz, low_hz=low_hz, high_hz=high_hz)
     if force and isinstance(source, Recording) and source.force is None:

@@ -4,8 +4,8 @@ For the antiresonances of dof j all T_pj = X_p / X_j have the poles sought. They
 
 ========  ============================================================================================
 "joint"   all T_pj, one denominator (complex, in s)
-"power"   all abs(T_pj)^2, one denominator (real, in f^2, see :mod:`~antires_rs.identification.power`);
-without phase "eq10"    sum_p abs(Re T_pj) + i abs(Im T_pj), Eq. 10 of the paper as printed
+"power"   all abs(T_pj)^2, one denominator (real, in f^2; no phase), :mod:`~antires_rs.identification.power`
+"eq10"    sum_p abs(Re T_pj) + i abs(Im T_pj), Eq. 10 of the paper as printed
 ========  ============================================================================================
 
 Measured on chain8 (28 antiresonances; 1 % damping, 200 s at 512 Hz, five seeds; found within 1 %, mean of the
@@ -27,7 +27,7 @@ to be compared with, and says so by a warning.
 
 Lines are weighted by SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2), over abs(D)^2 of a denominator guessed
 at order 4 (module ``first_guess``): without the guess "joint" finds 26.0 at 5 % noise,
-"power" 24.6. Only averaged records get it; the errors of given curves and single hits are not white, and
+"power" 24.6. Only averaged records get it; the errors of given curves and single impacts are not white, and
 where the response is weak they would be followed.
 
 Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820 (Eq. 10 and the sum).

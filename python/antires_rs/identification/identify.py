@@ -7,7 +7,7 @@ zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and
   (:mod:`~antires_rs.identification.numerators`). For averaged records, whose segments tell the noise and the
   errors.
 - "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j. For
-  single hits and given curves, where nothing tells the noise.
+  single impacts and given curves, where nothing tells the noise.
 
 Either way the order is swept and what stays is kept. Everything starts from one complex vector of
 responses a line, known up to a factor that cancels: so transmissibilities to any one reference serve all
@@ -89,14 +89,14 @@ def identify_antiresonances(
         Samples per Welch segment. Default: 16 over the narrow half-power bandwidth, at most a tenth of the
         record, rounded to a power of two.
     noverlap, window
-        As for :func:`~antires_rs.signals.spectra.cross_spectra`; for hits ``window`` may be "rectangular" or
-        "exponential" ("hann" there means: rectangular if the response dies, else exponential).
+        As for :func:`~antires_rs.signals.spectra.cross_spectra`; for impacts ``window`` may be "rectangular"
+        or "exponential" ("hann" there means: rectangular if the response dies, else exponential).
     method : {"auto", "welch", "transient"}
         How a record is averaged; "auto" looks at its energy profile.
     estimator : {"rank1", "h1", "h2", "hv"}
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
-        :func:`~antires_rs.signals.transfer_functions.transmissibility` and
-        :func:`~antires_rs.signals.transfer_functions.frf`.
+        :func:`~antires_rs.transmissibility` and
+        :func:`~antires_rs.frf`.
     formulation : {"auto", "numerators", "joint", "power", "eq10"}, optional
         See the module, and :mod:`~antires_rs.identification.formulations` for the last two. "auto"
         (default) takes "numerators" for averaged records with ``estimator="rank1"``, else "joint".
@@ -134,7 +134,7 @@ def identify_antiresonances(
         A malformed argument, a band outside the data, or too few lines in it.
     UnsuitableDataError
         A fatal finding under ``check="raise"``; a single channel on the transmissibility route; no force on
-        the FRF route; a hit that the record missed.
+        the FRF route; an impact that the record missed.
 
     Notes
     -----
@@ -260,9 +260,14 @@ def _wanted_dofs(dofs: Iterable[Any] | None, known: tuple[Any, ...]) -> tuple[An
     if dofs is None:
         return known
     if isinstance(dofs, str | bytes) or not isinstance(dofs, Iterable):
-        reject("dofs", dofs, f"a list of dofs out of {known}")
+        reject("dofs", dofs, f"a list of dofs out of {known}", "Put the dofs in a list, such as dofs=[0, 1].")
     wanted = tuple(dict.fromkeys(dofs))
     strange = [dof for dof in wanted if dof not in known]
     if strange or not wanted:
-        reject("dofs", strange or "an empty list", f"dofs out of {known}")
+        reject(
+            "dofs",
+            strange or "an empty list",
+            f"dofs out of {known}",
+            "Name dofs of the source, or leave dofs out for all.",
+        )
     return tuple(known[known.index(dof)] for dof in wanted)

@@ -165,7 +165,12 @@ def identify_modes(
                 "antiresonances only.",
             )
         if route == "responses":
-            reject("route", "'responses' with a source of FRFs", "'auto' or 'frf'")
+            reject(
+                "route",
+                "'responses' with a source of FRFs",
+                "'auto' or 'frf'",
+                "Leave route out: FRFs hold the measured force.",
+            )
 
         def curves_in(lines_hz: tuple[float, float]) -> Curves:
             return _of_frfs(source, lines_hz, 0.0)

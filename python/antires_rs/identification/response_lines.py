@@ -153,8 +153,9 @@ def _joined(vectors: ComplexArray, auto_by_line: FloatArray) -> ComplexArray:
 def _noise_of_curves(values: ComplexArray) -> tuple[FloatArray, FloatArray]:
     """Typical noise power of every curve, and the signal-to-noise power of every line, from roughness alone.
 
-    A single hit, or a given FRF, has no averages to tell its noise. What is rough from line to line is noise,
-    or an error of another kind that the fit should not follow either (a joint that slips, a drifting mode).
+    A single impact, or a given FRF, has no averages to tell its noise. What is rough from line to line is
+    noise, or an error of another kind that the fit should not follow either (a joint that slips, a mode that
+    drifts).
     """
     local = local_noise(values)
     noise = np.median(local, axis=1)

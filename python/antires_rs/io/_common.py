@@ -14,6 +14,7 @@ from ..exceptions import AntiresWarning, MissingDependencyError, UnsuitableDataE
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.validation import reject
+from ..support.wording import Passed, Wording
 
 __all__ = [
     "Signal",
@@ -33,16 +34,16 @@ Signal = Recording | FrequencyResponse
 def existing_file(path: str | os.PathLike[str]) -> Path:
     """The path of a file that is there and not empty."""
     if not isinstance(path, str | os.PathLike):
-        reject("path", path, "the path of a file")
+        reject("path", path, "the path of a file", "Pass a text or a pathlib.Path.")
     file = Path(path)
     if file.is_dir():
-        reject("path", str(file), "a file, not a folder")
+        reject("path", str(file), "a file, not a folder", "Name one of the files in it.")
     if file.stat().st_size == 0:
-        unsuitable(file, "which is empty", "a file with data")
+        unsuitable(file, "which is empty", "a file with data", "Copy or export it again.")
     return file
 
 
-def unsuitable(path: Path, found: str, wanted: str, remedy: str = "") -> NoReturn:
+def unsuitable(path: Path, found: str, wanted: str, remedy: str) -> NoReturn:
     """Raise for a file that is damaged or of another kind."""
     raise UnsuitableDataError("path", f"{str(path)!r}, {found}", wanted, remedy)
 
@@ -52,7 +53,11 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
     if partial and kept:
         warn(f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
         return
-    remedy = "Copy or export it again" + (", or pass partial=True to read what is whole." if kept else ".")
+    remedy = (
+        Wording("Copy or export it again, or pass {} to read what is whole.", Passed("partial", True))
+        if kept
+        else "Copy or export it again."
+    )
     unsuitable(path, found, wanted, remedy)
 
 
@@ -77,7 +82,12 @@ def missing_package(what: str, package: str, extra: str, cause: ImportError) -> 
 def signal_given(signal: Any) -> Signal:
     """What a writer takes."""
     if not isinstance(signal, Signal):
-        reject("signal", type(signal).__name__, "a Recording or a FrequencyResponse")
+        reject(
+            "signal",
+            type(signal).__name__,
+            "a Recording or a FrequencyResponse",
+            "Make one of the arrays first: Recording(responses, fs_hz).",
+        )
     return signal
 
 
@@ -114,11 +124,21 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     """
     wanted = "instants in s, evenly spaced and ascending"
     if times.size < 2 or not np.isfinite(times).all():
-        unsuitable(path, f"whose {times.size} instants are too few or not finite", wanted)
+        unsuitable(
+            path,
+            f"whose {times.size} instants are too few or not finite",
+            wanted,
+            "Correct the instants, or leave them out and pass the rate.",
+        )
     span, rounding = float(times[-1] - times[0]), digits * float(np.abs(times).max())
     step = span / (times.size - 1)
     if span <= 0.0:
-        unsuitable(path, "whose time does not ascend", wanted)
+        unsuitable(
+            path,
+            "whose time does not ascend",
+            wanted,
+            "Sort the rows by time, or leave the instants out and pass the rate.",
+        )
     # A lost sample moves its neighbour by a whole step; a tenth is jitter no writer makes by rounding.
     late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
     if late.size:

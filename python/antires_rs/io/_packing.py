@@ -48,7 +48,12 @@ def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
     try:
         data = json.loads(text)
         if data["format"] != FORMAT:
-            unsuitable(path, f"which holds {data['format']!r}", f"{FORMAT!r}")
+            unsuitable(
+                path,
+                f"which holds {data['format']!r}",
+                f"{FORMAT!r}",
+                "Read it by the function for such files.",
+            )
         if not isinstance(data["version"], int) or data["version"] > VERSION:
             unsuitable(path, f"of version {data['version']!r}", WANTED, "Update antires_rs.")
         lost = [name for name in data["arrays"] if name not in arrays]
@@ -81,12 +86,22 @@ def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
             made.get("std"),
         )
     except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as exc:
-        unsuitable(path, f"which is damaged ({type(exc).__name__}: {exc})", WANTED)
+        unsuitable(
+            path,
+            f"which is damaged ({type(exc).__name__}: {exc})",
+            WANTED,
+            "Copy it again, or write it anew.",
+        )
 
 
 def check_dofs(signal: Signal) -> list[Any]:
     """Labels as a file can hold them: whole numbers and text."""
     for dof in signal.dofs:
         if isinstance(dof, bool) or not isinstance(dof, int | str):
-            reject("signal", f"the dof {dof!r}, a {type(dof).__name__}", "dofs that are integers or strings")
+            reject(
+                "signal",
+                f"the dof {dof!r}, a {type(dof).__name__}",
+                "dofs that are integers or strings",
+                "Rename the dof.",
+            )
     return list(signal.dofs)

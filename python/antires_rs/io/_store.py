@@ -54,13 +54,20 @@ def read_store(
     file = existing_file(path)
     arrays = read_archive(file, wanted, remedy)
     if TEXT not in arrays or "text_sha256" not in arrays:
-        unsuitable(file, "an archive of another kind", wanted)
+        unsuitable(
+            file, "an archive of another kind", wanted, "It was cut, or is another file: name the right one."
+        )
     text = bytes(arrays[TEXT])
     if _sha256(text) != bytes(arrays["text_sha256"]).hex():
         unsuitable(file, "whose text does not have its checksum", wanted, "It was damaged or edited.")
     data = json.loads(text)
     if data.get("format") != form:
-        unsuitable(file, f"which holds {data.get('format')!r}", wanted)
+        unsuitable(
+            file,
+            f"which holds {data.get('format')!r}",
+            wanted,
+            "It is another file of antires_rs: name the right one.",
+        )
     if not isinstance(data.get("version"), int) or data["version"] > version:
         unsuitable(
             file, f"of version {data.get('version')!r}", f"version {version} or older", "Update antires_rs."

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice, finite_scalar, reject, shape_of
+from ..support.wording import Passed, Wording
 from ._common import Signal, rate_of, unsuitable, warn
 from .channels import Channel, Dofs, in_si, recording_of, renamed
 from .units import named_unit
@@ -55,7 +56,12 @@ def signal_of_arrays(
             "read. Slice them to (n_channels, n_samples) if they are responses."
         )
     if not numeric:
-        unsuitable(path, f"with no numeric array ({_listed(arrays)})", "arrays of numbers")
+        unsuitable(
+            path,
+            f"with no numeric array ({_listed(arrays)})",
+            "arrays of numbers",
+            "Export the signals as arrays of numbers, one row or column a channel.",
+        )
     freq = _role(path, "freq", freq, numeric, _FREQ)
     time = _role(path, "time", time, numeric, _TIME)
     taken = {name for name in (freq, time) if name}
@@ -64,7 +70,12 @@ def signal_of_arrays(
             path,
             f"with both {time!r} and {freq!r} ({_listed(arrays)})",
             "one of them",
-            "Name the responses=, and the time= or freq= that belongs to them.",
+            Wording(
+                "Name the {}, and the {} or {} that belongs to them.",
+                Passed("responses"),
+                Passed("time"),
+                Passed("freq"),
+            ),
         )
     if freq is not None:
         return _response(path, numeric, freq, responses, dofs, unit, kind, reference)
@@ -72,7 +83,12 @@ def signal_of_arrays(
     taken |= {name for name in numeric if _last(name) in _RATE}
     pushed = force if isinstance(force, str) and force in numeric else None
     if isinstance(force, str) and force != "auto" and pushed is None:
-        reject("force", repr(force), f"'auto', None or an array of the file: {_listed(arrays)}")
+        reject(
+            "force",
+            repr(force),
+            f"'auto', None or an array of the file: {_listed(arrays)}",
+            "Name an array of the file, or pass None for no force.",
+        )
     if pushed is None:
         found = [n for n in numeric if _last(n) in _FORCE and len(numeric[n]) == 1]
         pushed = found[0] if len(found) == 1 and force == "auto" else None
@@ -86,7 +102,7 @@ def signal_of_arrays(
                 path,
                 f"with {c.values.size} samples of {c.name!r} over {instants} instants of {time!r}",
                 "as many",
-                "Name the time= that belongs to them, or give fs_hz=.",
+                Wording("Name the {} that belongs to them, or give {}.", Passed("time"), Passed("fs_hz")),
             )
     if pushed is not None:
         channels.append(Channel(pushed, numeric[pushed][0], "N", "force"))
@@ -122,7 +138,10 @@ def _response(
     for name, values in rows:
         if values.size != lines.size:
             unsuitable(
-                path, f"with {values.size} values of {name!r} over {lines.size} frequencies", "as many"
+                path,
+                f"with {values.size} values of {name!r} over {lines.size} frequencies",
+                "as many",
+                "Export values and frequencies of the same test.",
             )
     labels = renamed("dofs", [name for name, _ in rows], dofs)
     kept = [i for i, label in enumerate(labels) if label is not None]
@@ -131,7 +150,12 @@ def _response(
     if coherence is not None and coherence.shape == (len(rows), lines.size):
         coherence = coherence[kept]
     elif coherence is not None:
-        unsuitable(path, f"with coherences of shape {coherence.shape}", f"({len(rows)}, {lines.size})")
+        unsuitable(
+            path,
+            f"with coherences of shape {coherence.shape}",
+            f"({len(rows)}, {lines.size})",
+            "Export a coherence for each response, over the same frequencies.",
+        )
     if unit is not None:
         values = in_si(values, named_unit("unit", unit))
     return FrequencyResponse(lines, values, [labels[i] for i in kept], cast(Kind, kind), reference, coherence)
@@ -149,7 +173,7 @@ def _rate(path: Path, numeric: dict[str, NDArray[Any]], time: str | None, fs_hz:
                 path,
                 f"with {rates[0]} of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s",
                 "one rate",
-                "Give the true one by fs_hz=.",
+                Wording("Give the true one by {}.", Passed("fs_hz")),
             )
         return rate
     if len(rates) != 1:
@@ -157,7 +181,12 @@ def _rate(path: Path, numeric: dict[str, NDArray[Any]], time: str | None, fs_hz:
             path,
             f"without a sampling rate or a time ({_listed(numeric)})",
             "one of them",
-            "Name time= or give fs_hz=; for responses over frequency name freq=.",
+            Wording(
+                "Name {} or give {}; for responses over frequency name {}.",
+                Passed("time"),
+                Passed("fs_hz"),
+                Passed("freq"),
+            ),
         )
     return finite_scalar(rates[0], float(numeric[rates[0]][0, 0].real), low=0.0, low_open=True, unit="Hz")
 
@@ -168,7 +197,12 @@ def _role(
     """The array the user names for a role, or the only one whose name says it."""
     if given is not None:
         if given not in numeric:
-            reject(argument, repr(given), f"a numeric array of {str(path)!r}: {_listed(numeric)}")
+            reject(
+                argument,
+                repr(given),
+                f"a numeric array of {str(path)!r}: {_listed(numeric)}",
+                "Correct the name; those of the file are listed.",
+            )
         return given
     found = [n for n in numeric if _last(n) in names and len(numeric[n]) == 1 and numeric[n].size > 1]
     if len(found) > 1:
@@ -217,7 +251,12 @@ def _chosen(
                 ]
             )
             if not hits:
-                reject("responses", repr(pattern), f"arrays of {str(path)!r}: {_listed(numeric)}")
+                reject(
+                    "responses",
+                    repr(pattern),
+                    f"arrays of {str(path)!r}: {_listed(numeric)}",
+                    "Correct the pattern; the names of the file are listed.",
+                )
             names += [n for n in hits if n not in names]
     if not names:
         unsuitable(

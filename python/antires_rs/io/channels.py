@@ -11,6 +11,7 @@ import numpy as np
 
 from ..signals.recording import Recording
 from ..support.validation import FloatArray, reject, shape_of
+from ..support.wording import LeftOut, Passed, Wording
 from ._common import unsuitable, warn
 from .units import Unit, named_unit, parse_unit
 
@@ -62,13 +63,23 @@ def recording_of(
         forces += [c for c in channels if c.name == force]  # the user knows better than a silent file
     responses = [c for c in channels if not any(c is f for f in forces)]
     if not responses:
-        unsuitable(path, f"with {len(forces)} force and no response", "at least one response channel")
+        unsuitable(
+            path,
+            f"with {len(forces)} force and no response",
+            "at least one response channel",
+            "Export the response channels too.",
+        )
     chosen = _force(forces, force)
     labels = renamed("dofs", [c.name for c in responses], dofs)
     # What is left out need not fit the rest.
     kept = [(label, c) for label, c in zip(labels, responses, strict=True) if label is not None]
     if not kept:
-        reject("dofs", "None for every channel", "at least one channel to keep")
+        reject(
+            "dofs",
+            "None for every channel",
+            "at least one channel to keep",
+            "Leave out of dofs what is to keep its name.",
+        )
     used = [c for _, c in kept]
     lengths = {c.values.size for c in (*used, *([] if chosen is None else [chosen]))}
     if len(lengths) > 1:
@@ -76,7 +87,7 @@ def recording_of(
             path,
             f"with channels of {sorted(lengths)} samples",
             "channels of one length",
-            "Leave out those of other lengths by dofs=.",
+            Wording("Leave out those of other lengths by {}.", Passed("dofs")),
         )
     if unit is not None:
         units |= {id(c): named_unit("unit", unit) for c in used}
@@ -88,7 +99,9 @@ def recording_of(
             "with responses of several kinds, "
             + ", ".join(f"{c.name!r} in {c.unit or 'no unit'}" for c in used),
             "accelerations, velocities or displacements alone",
-            "Leave out those of other kinds by dofs=, or name the unit= of all.",
+            Wording(
+                "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
+            ),
         )
     return Recording(
         np.stack([in_si(c.values, units[id(c)]) for c in used]),
@@ -109,26 +122,36 @@ def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
                 argument,
                 f"no dof for {lost}",
                 f"a dof for each of {list(names)}",
-                "Map a channel to None to leave it out.",
+                Wording("{}.", LeftOut("channel")),
             )
         return [dofs[name] for name in names]
     if callable(dofs):
         return [dofs(name) for name in names]
     labels = list(dofs) if shape_of(dofs) != () else [dofs]
     if len(labels) != len(names):
-        reject(argument, f"{len(labels)} dofs", f"{len(names)}, one for each of {list(names)}")
+        reject(
+            argument,
+            f"{len(labels)} dofs",
+            f"{len(names)}, one for each of {list(names)}",
+            "Name a dof for each channel, in their order, or map channels to dofs.",
+        )
     return labels
 
 
 def in_si(values: Any, unit: Unit) -> Any:
-    """Values in SI; the same bits where they are."""
+    """Values in SI; bit-identical where they are SI already."""
     return values if unit.factor == 1.0 else values * unit.factor
 
 
 def _unit(path: Path, channel: Channel) -> Unit:
     unit = parse_unit(channel.unit) or Unit()
     if unit.per:
-        unsuitable(path, f"with the unit {channel.unit!r} of channel {channel.name!r}", "a unit of a record")
+        unsuitable(
+            path,
+            f"with the unit {channel.unit!r} of channel {channel.name!r}",
+            "a unit of a record",
+            "Export time records, or read the file as frequency responses.",
+        )
     return unit
 
 
@@ -162,5 +185,10 @@ def _force(forces: list[Channel], force: Any) -> Channel | None:
             )
         return forces[0]
     if force not in names:
-        reject("force", repr(force), f"'auto', None or a channel of the file, {names or 'it has no force'}")
+        reject(
+            "force",
+            repr(force),
+            f"'auto', None or a channel of the file, {names or 'it has no force'}",
+            "Name a channel of the file, or pass None for no force.",
+        )
     return forces[names.index(force)]

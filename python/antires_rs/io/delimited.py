@@ -16,6 +16,7 @@ import numpy as np
 from ..exceptions import AntiresError, UnsuitableDataError
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice, finite_scalar
+from ..support.wording import Passed, Wording
 from ._common import Signal, existing_file, missing_part, rate_of, unsuitable, warn
 from .channels import Channel, Dofs, in_si, recording_of, renamed, unit_or_warning
 from .delimited_text import Table, table_of
@@ -130,7 +131,12 @@ def read_csv(
                 kept,
             )
     if len(table.values) < 2:
-        unsuitable(file, f"with {len(table.values)} rows of numbers", "at least two")
+        unsuitable(
+            file,
+            f"with {len(table.values)} rows of numbers",
+            "at least two",
+            "Export more of the record; a single row is no signal.",
+        )
     if "kind" in table.header:
         return own_signal(
             file,
@@ -175,7 +181,12 @@ def _own(file: Path, table: Table) -> Signal:
     except AntiresError:
         raise
     except (KeyError, TypeError, ValueError, IndexError) as exc:
-        unsuitable(file, f"whose header is damaged ({type(exc).__name__}: {exc})", "a file of write_csv")
+        unsuitable(
+            file,
+            f"whose header is damaged ({type(exc).__name__}: {exc})",
+            "a file of write_csv",
+            "Write it again; leave the lines at the top as they are.",
+        )
 
 
 def _foreign(
@@ -210,16 +221,29 @@ def _foreign(
             file,
             f"whose first column, {names[0]!r}, is neither called time nor frequency",
             "to know what it is",
-            "Pass first='time', first='freq' or, with fs_hz=, first='channel'.",
+            Wording(
+                "Pass {}, {} or, with {}, {}.",
+                Passed("first", "time"),
+                Passed("first", "freq"),
+                Passed("fs_hz"),
+                Passed("first", "channel"),
+            ),
         )
     skip = 0 if first == "channel" else 1
     if len(columns) <= skip:
-        unsuitable(file, "with no column of values", "at least one beside the first")
+        unsuitable(
+            file,
+            "with no column of values",
+            "at least one beside the first",
+            "Export the channels beside the first column.",
+        )
     labels = names if table.names else [i - skip for i in range(len(names))]
     if first == "freq":
         return _response(file, columns, labels, units, dofs, unit, kind, reference)
     if any(np.iscomplexobj(c) for c in columns):
-        unsuitable(file, "with complex columns over time", "real ones", "Pass first='freq'.")
+        unsuitable(
+            file, "with complex columns over time", "real ones", Wording("Pass {}.", Passed("first", "freq"))
+        )
     instants = columns[0] * abscissa_factor(units[0]) if first == "time" else None
     if instants is not None and fs_hz is None:
         rate = rate_of(file, instants, digits=table.digits)

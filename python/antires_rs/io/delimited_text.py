@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..support.wording import Passed, Wording
 from ._common import unsuitable, warn
 from .units import abscissa_factor, parse_unit
 
@@ -86,7 +87,9 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     except UnicodeDecodeError:
         text = file.read_text(encoding="latin-1")
     if "\x00" in text:
-        unsuitable(file, "with bytes that are no text", "a text file")
+        unsuitable(
+            file, "with bytes that are no text", "a text file", "Export it as text: numbers in columns."
+        )
     table, ended = Table(), text.endswith(("\n", "\r"))
     lines = text.splitlines()
     if text.startswith(MARK):
@@ -102,7 +105,10 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
         unsuitable(
-            file, "without a row of numbers", "columns of numbers", "Name the delimiter= and decimal=."
+            file,
+            "without a row of numbers",
+            "columns of numbers",
+            Wording("Name the {} and {}.", Passed("delimiter"), Passed("decimal")),
         )
     rows = body[start:]
     width = len(_split(rows[0], between))
@@ -161,7 +167,12 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
             dtype=np.complex128 if is_complex else np.float64,
         )
     except ValueError as exc:
-        unsuitable(file, f"with a value that is no number ({exc})", "numbers in every column")
+        unsuitable(
+            file,
+            f"with a value that is no number ({exc})",
+            "numbers in every column",
+            "Correct or remove that value.",
+        )
     table.values = values if rows else np.empty((0, width))
     if len(rows):
         # Half a unit in the last decimal place that the first column ever shows.
@@ -187,7 +198,12 @@ def _header(file: Path, lines: list[str], table: Table) -> None:
         try:
             table.header[name] = json.loads(value)
         except ValueError:
-            unsuitable(file, f"whose header is damaged at {name!r}", "a whole file of write_csv")
+            unsuitable(
+                file,
+                f"whose header is damaged at {name!r}",
+                "a whole file of write_csv",
+                "Write it again; leave the lines at the top as they are.",
+            )
     if not isinstance(table.header.get("rows"), int):
         unsuitable(file, "whose header does not state its rows", "a whole file of write_csv", "It was cut.")
 

@@ -99,7 +99,12 @@ def write_csv(
             columns += list(getattr(signal, name))
             names += [f"{name}({dof})" for dof in dofs]
     if named_unit("unit", unit).factor != 1.0:
-        reject("unit", repr(unit), "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI")
+        reject(
+            "unit",
+            repr(unit),
+            "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI",
+            "Convert the values to SI first, or leave unit out.",
+        )
     lines = [
         f"{MARK} {VERSION}",
         *(f"# {name}: {json.dumps(value)}" for name, value in head.items()),

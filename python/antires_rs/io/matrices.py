@@ -13,7 +13,7 @@ from typing import Any
 
 from ..models.matrix_model import MatrixModel
 from ..models.recipes import Entries, MatrixRecipe
-from ..support.validation import reject
+from ..support.validation import part, reject
 from ._common import existing_file, unsuitable
 from ._store import Store, read_store, write_store
 from .npz import read_archive
@@ -80,7 +80,7 @@ def read_matrices(
             reject("mass", None, "the mass matrix", "Only a file of write_matrices holds both.")
         return _own(stiffness)
     terms = [
-        [_matrix(f"{name}[{i}]", term) for i, term in enumerate(each)]
+        [_matrix(part(name, i), term) for i, term in enumerate(each)]
         for name, each in (("stiffness_terms", stiffness_terms), ("mass_terms", mass_terms))
     ]
     return MatrixModel(
@@ -179,7 +179,7 @@ def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tu
         whole = len(parts) in (2, 3) and code is not None and all(p.isdigit() for p in parts[:-1])
         if not whole:
             if found:
-                unsuitable(file, f"whose line {number} is {line.strip()!r}", wanted)
+                unsuitable(file, f"whose line {number} is {line.strip()!r}", wanted, "Correct that line.")
             continue
         row = int(parts[0]) - first_row if len(parts) == 3 else len(found)
         point = (int(parts[-2]), DIRECTIONS[code])  # type: ignore[index]
@@ -188,10 +188,11 @@ def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tu
                 file,
                 f"with {point} or row {row + first_row} twice or out of range in line {number}",
                 "each once, rows from first_row on",
+                "Correct that line of the map, or first_row.",
             )
         found[point] = row
     if not found:
-        unsuitable(file, "without such a line", wanted)
+        unsuitable(file, "without such a line", wanted, "Export it with its header.")
     return found
 
 
@@ -212,7 +213,12 @@ def _matrix(name: str, given: Any) -> Any:
         return _sparse_npz(file)
     if file.name.endswith((".mtx", ".mtx.gz", ".mm")):
         return _matrix_market(file)
-    return reject(name, repr(str(file)), "a file that ends in .mtx, .mtx.gz or .npz, or a matrix")
+    return reject(
+        name,
+        repr(str(file)),
+        "a file that ends in .mtx, .mtx.gz or .npz, or a matrix",
+        "Export the matrix in one of these formats, or pass it as a scipy.sparse array.",
+    )
 
 
 def _sparse_npz(file: Path) -> Any:
@@ -220,7 +226,12 @@ def _sparse_npz(file: Path) -> Any:
 
     arrays = read_archive(file)  # every checksum is compared before scipy sees it
     if "format" not in arrays or "shape" not in arrays:
-        unsuitable(file, f"with the arrays {', '.join(arrays)}", "a file of scipy.sparse.save_npz")
+        unsuitable(
+            file,
+            f"with the arrays {', '.join(arrays)}",
+            "a file of scipy.sparse.save_npz",
+            "Save it by scipy.sparse.save_npz.",
+        )
     return load_npz(file)
 
 
@@ -239,18 +250,30 @@ def _matrix_market(file: Path) -> Any:
     lines = [line for line in text.splitlines() if line.strip()]
     numbers = [line for line in lines if not line.startswith(b"%")]
     if not lines or not lines[0].lower().startswith(b"%%matrixmarket") or not numbers:
-        unsuitable(file, "which is cut in its head or of another kind", wanted)
+        unsuitable(
+            file,
+            "which is cut in its head or of another kind",
+            wanted,
+            "Export it again as MatrixMarket, .mtx.",
+        )
     try:
         stated = _stated(lines[0].lower().split(), [int(part) for part in numbers[0].split()])
     except (ValueError, IndexError):
-        unsuitable(file, f"with the sizes {numbers[0]!r}", wanted)
+        unsuitable(
+            file, f"with the sizes {numbers[0]!r}", wanted, "Export it again: the matrix must be square."
+        )
     if len(numbers) - 1 != stated or not text.endswith((b"\n", b"\r")):
         end = "" if text.endswith((b"\n", b"\r")) else ", the last without a line end"
         unsuitable(file, f"with {len(numbers) - 1} of {stated} entries{end}", wanted, "Copy it again.")
     try:
         return mmread(file)
     except (ValueError, OverflowError, TypeError) as exc:
-        unsuitable(file, f"which cannot be read ({exc})", wanted)
+        unsuitable(
+            file,
+            f"which cannot be read ({exc})",
+            wanted,
+            "Export it again, as real numbers in MatrixMarket format.",
+        )
 
 
 def _stated(head: Sequence[bytes], sizes: list[int]) -> int:

@@ -1,4 +1,4 @@
-"""Descriptions of models as plain data, and models made again from it, to the same bits."""
+"""Descriptions of models as plain data, and models made again from it, bit-identical."""
 
 from __future__ import annotations
 
@@ -34,7 +34,12 @@ def describe_model(model: StructuralModel, store: Store) -> dict[str, Any]:
     """Recipe and applied parameters of a model."""
     description = model.description
     if type(model) is not _MODELS[type(description.recipe)]:
-        reject("model", type(model).__name__, "a MassSpringChain, FrameModel or MatrixModel")
+        reject(
+            "model",
+            type(model).__name__,
+            "a MassSpringChain, FrameModel or MatrixModel",
+            "Build the model as one of these first.",
+        )
     return {
         **_describe_recipe(description.recipe, store),
         "applied": [

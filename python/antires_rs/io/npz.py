@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -184,7 +185,7 @@ def read_archive(
         NotImplementedError,
         MemoryError,
     ) as exc:
-        if "pickle" in str(exc) and zipfile.is_zipfile(file):
+        if _holds_objects(file):
             unsuitable(
                 file,
                 "which holds objects, which only pickle reads",
@@ -197,3 +198,19 @@ def read_archive(
             wanted,
             "It was cut or damaged: copy it again.",
         )
+
+
+def _holds_objects(file: Path) -> bool:
+    """Whether an array of the archive is one of Python objects, by the headers of its members."""
+    import zipfile
+
+    with suppress(zipfile.BadZipFile, OSError, NotImplementedError), zipfile.ZipFile(file) as archive:
+        for name in archive.namelist():
+            with archive.open(name) as member:
+                if b"'|O'" in member.read(_HEADER_BYTES):
+                    return True
+    return False
+
+
+#: The dtype stands at the beginning of a .npy file.
+_HEADER_BYTES = 512

@@ -86,7 +86,12 @@ def _named(signal: Signal, dofs: Dofs) -> Signal:
     labels = renamed("dofs", signal.dofs, dofs)
     kept = [i for i, label in enumerate(labels) if label is not None]
     if not kept:
-        reject("dofs", "None for every channel", "at least one channel to keep")
+        reject(
+            "dofs",
+            "None for every channel",
+            "at least one channel to keep",
+            "Leave out of dofs what is to keep its name.",
+        )
     return relabelled(signal, kept, [labels[i] for i in kept])
 
 

@@ -33,7 +33,7 @@ _CLASSES = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}
 def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
     """Write a result, whole or not at all; see :meth:`UpdateResult.save`."""
     if Path(path).suffix != ".npz":
-        reject("path", str(path), "a file that ends in .npz")
+        reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
     store, search = Store(), result.search
     data = {
         "format": FORMAT,
@@ -73,7 +73,12 @@ def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateR
         raw = {"njev": None, **data["search"]}  # version 1 did not count linearizations
         search = OptimizeResult(history=History(**raw.pop("history")), **raw)
     except (KeyError, TypeError, IndexError) as exc:
-        unsuitable(file, f"which is damaged ({type(exc).__name__}: {exc})", wanted)
+        unsuitable(
+            file,
+            f"which is damaged ({type(exc).__name__}: {exc})",
+            wanted,
+            "Copy it again, or save the result anew.",
+        )
     cost = problem.cost(search.x)
     if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
         maker = data["made_with"]["antires_rs"]

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..signals.recording import Recording
 from ..support.validation import choice
+from ..support.wording import Passed, Wording
 from ._common import Signal, existing_file, rate_of, simplest_rate, unsuitable
 from .channels import Channel, recording_of
 from .uff_names import Point, as_point, dof_of, label_of
@@ -108,11 +109,18 @@ def read_uff(
                 file,
                 f"with {found}",
                 "one kind of function",
-                f"Pass kind={there[0]!r} or another of them." if there else _listed(functions),
+                Wording("Pass {} or another of them.", Passed("kind", there[0]))
+                if there
+                else _listed(functions),
             )
         kind = there[0]  # type: ignore[assignment]
     elif kind not in there:
-        unsuitable(file, f"with {found}", f"kind={kind!r}")
+        unsuitable(
+            file,
+            f"with {found}",
+            Wording("{}", Passed("kind", kind)),
+            "Pass the kind that the file holds, or leave it out.",
+        )
     own = {f.response: f.own["dof"] for f in functions if f.own.get("dof") is not None}
     named = dof_of(dofs, own)
     if kind == "time":
@@ -174,7 +182,12 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
     channels, signs = [], {}
     for f in functions:
         if np.iscomplexobj(f.values):
-            unsuitable(file, f"with a complex time record of {label_of(f.response)}", "real ones")
+            unsuitable(
+                file,
+                f"with a complex time record of {label_of(f.response)}",
+                "real ones",
+                "Export the record as real numbers.",
+            )
         named_by_user = unit is not None and f.role != "force"
         values = f.values if f.scale == 1.0 or named_by_user else f.values * f.scale
         channels.append(Channel(f.response, values, f.unit, f.role))

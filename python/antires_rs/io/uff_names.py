@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..support.validation import reject
+from ..support.wording import LeftOut, Wording
 
 __all__ = ["CODES", "DIRECTIONS", "Point", "as_point", "dof_of", "label_of", "points_of"]
 
@@ -50,7 +51,12 @@ def as_point(argument: str, value: Any) -> Point:
                     return value[0], CODES[name]
         elif direction in DIRECTIONS:
             return value[0], int(direction)
-    reject(argument, repr(value), "a node and a direction, such as (12, '+Z'), (12, 3) or '12+Z'")
+    reject(
+        argument,
+        repr(value),
+        "a node and a direction, such as (12, '+Z'), (12, 3) or '12+Z'",
+        "Directions are +X to -Z, or 1 to 6 with a sign.",
+    )
 
 
 def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, float]]:
@@ -74,13 +80,18 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
                 "dofs",
                 f"no dof for {label_of(point)}",
                 "a dof for every response of the file",
-                "Map a point to None to leave it out; antires_rs.io.list_uff shows all points.",
+                Wording("{}; antires_rs.io.list_uff shows all points.", LeftOut("point")),
             )
 
         return look_up
     if callable(dofs):
         return lambda point: (dofs(point[0], DIRECTIONS.get(point[1], "?")), 1.0)
-    reject("dofs", type(dofs).__name__, "a mapping {(node, direction): dof} or a function of the two")
+    reject(
+        "dofs",
+        type(dofs).__name__,
+        "a mapping {(node, direction): dof} or a function of the two",
+        "List the points with antires_rs.io.list_uff.",
+    )
 
 
 def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
@@ -89,13 +100,18 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
     for dof in dofs:
         if isinstance(given, Mapping):
             if dof not in given:
-                reject("dofs", f"no node and direction for {dof!r}", f"one for each of {dofs}")
+                reject(
+                    "dofs", f"no node and direction for {dof!r}", f"one for each of {dofs}", "Add it to dofs."
+                )
             points[dof] = as_point("dofs", given[dof])
         elif callable(given):
             points[dof] = as_point("dofs", given(dof))
         elif given is not None:
             reject(
-                "dofs", type(given).__name__, "a mapping {dof: (node, direction)} or a function of the dof"
+                "dofs",
+                type(given).__name__,
+                "a mapping {dof: (node, direction)} or a function of the dof",
+                "Or name the dofs so: '12+Z'.",
             )
         elif isinstance(dof, str) and (match := _LABEL.match(dof)):
             points[dof] = int(match[1]), CODES[match[2]]
@@ -106,5 +122,10 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
         points[dof], free = (free, 0), free + 1
     if len(set(points.values())) != len(points):
         twice = [p for p in points.values() if list(points.values()).count(p) > 1][0]
-        reject("dofs", f"{label_of(twice)} for two dofs", "a point of its own for each")
+        reject(
+            "dofs",
+            f"{label_of(twice)} for two dofs",
+            "a point of its own for each",
+            "Give one of them another node or direction.",
+        )
     return points

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import FloatArray
+from ..support.wording import Passed, Wording
 from ._common import simplest_rate, unsuitable, warn
 from .uff_names import Point, as_point, label_of
 from .uff_sets import Function
@@ -51,6 +52,7 @@ def response_of(
                 file,
                 f"with other frequencies at {label_of(f.response)} than at {label_of(wanted[0].response)}",
                 "one frequency axis for all",
+                "Export all functions over the same lines.",
             )
     for f in wanted:
         if not np.iscomplexobj(f.values):
@@ -133,10 +135,22 @@ def _reference(file: Path, functions: list[Function], given: Any) -> Point:
     if given is not None:
         point = as_point("reference", given)
         if point not in points:
-            unsuitable(file, f"with the references {shown}", f"reference={label_of(point)!r}")
+            unsuitable(
+                file,
+                f"with the references {shown}",
+                Wording("{}", Passed("reference", label_of(point))),
+                "Pass one of them.",
+            )
         return point
     if len(points) != 1:
-        unsuitable(file, f"with the references {shown}", "one", "Choose it by reference=." if points else "")
+        unsuitable(
+            file,
+            f"with the references {shown}",
+            "one",
+            Wording("Choose it by {}.", Passed("reference"))
+            if points
+            else "Export the functions with their references.",
+        )
     return points[0]
 
 
@@ -168,7 +182,9 @@ def _check_kinds(file: Path, wanted: list[Function]) -> None:
             "with responses of several kinds, "
             + ", ".join(f"{label_of(point)} {kind or 'in no known unit'}" for point, kind in kinds.items()),
             "accelerations, velocities or displacements alone",
-            "Leave out those of other kinds by dofs=, or name the unit= of all.",
+            Wording(
+                "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
+            ),
         )
 
 
@@ -224,6 +240,7 @@ def _over_auto(
             f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of the reference "
             f"{label_of(point)}",
             "cross spectra, and one auto spectrum of their reference",
+            "Export the auto spectrum of the reference with its cross spectra.",
         )
     power = autos[0].values.real
     if power.min() <= 0.0:
@@ -231,6 +248,7 @@ def _over_auto(
             file,
             f"with an auto spectrum of {label_of(point)} that is not positive everywhere",
             "a positive one",
+            "Check the reference channel: it was dead at some lines.",
         )
     single = autos[0].unit or crosses[0].reference_unit
     is_force = autos[0].role == "force" or (parse_unit(single) or Unit()).quantity == "force"
@@ -248,6 +266,7 @@ def _over_auto(
                 file,
                 f"with {f.values.size} lines at {label_of(f.response)} and {power.size} of the reference",
                 "one frequency axis",
+                "Export all spectra over the same lines.",
             )
         made.append(replace(f, values=f.values / power, reference_unit=single, scale=1.0))
     return made, is_force

@@ -110,7 +110,12 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
     else:
         _check_marks(file, functions, partial)
     if not functions:
-        unsuitable(file, f"with {len(datasets)} datasets and no 58 among them", WANTED)
+        unsuitable(
+            file,
+            f"with {len(datasets)} datasets and no 58 among them",
+            WANTED,
+            "Export the measured functions as dataset 58.",
+        )
     return functions
 
 
@@ -161,10 +166,20 @@ def _through_pyuff(pyuff: Any, file: Path, source: Path, whole: list[Dataset]) -
                 "It was damaged.",
             )
         if not (np.isfinite(got).all() and np.isfinite(made["x"]).all()):
-            unsuitable(file, f"whose dataset {i + 1} has values that are not finite", WANTED)
+            unsuitable(
+                file,
+                f"whose dataset {i + 1} has values that are not finite",
+                WANTED,
+                "Export it again, or correct that dataset.",
+            )
         functions.append(_function(made, got, factors))
         if functions[-1].even and not functions[-1].step > 0.0:
-            unsuitable(file, f"whose dataset {i + 1} has a step of {functions[-1].step:g}", "a positive step")
+            unsuitable(
+                file,
+                f"whose dataset {i + 1} has a step of {functions[-1].step:g}",
+                "a positive step",
+                "Correct the abscissa of that dataset.",
+            )
     return functions
 
 
@@ -172,7 +187,12 @@ def _factors(file: Path, made: dict[str, Any]) -> tuple[float, float]:
     """Length and force of the file's units in SI; dataset 164 has what SI is to be multiplied by."""
     length, force = float(made["length"]), float(made["force"])
     if not (np.isfinite([length, force]).all() and length > 0.0 and force > 0.0):
-        unsuitable(file, f"whose units (dataset 164) have the factors {length:g} and {force:g}", WANTED)
+        unsuitable(
+            file,
+            f"whose units (dataset 164) have the factors {length:g} and {force:g}",
+            WANTED,
+            "Export it again in SI units.",
+        )
     return 1.0 / length, 1.0 / force
 
 

@@ -88,7 +88,12 @@ def named_unit(name: str, value: Any) -> Unit:
     unit = parse_unit(value) if isinstance(value, str) else None
     if unit is None:
         known = ", ".join(repr(u) for units in _SI.values() for u in list(units)[:4])
-        reject(name, repr(value), f"a unit such as {known}, or a quotient such as 'g/N'")
+        reject(
+            name,
+            repr(value),
+            f"a unit such as {known}, or a quotient such as 'g/N'",
+            "Correct the unit, or convert the values to SI and leave it out.",
+        )
     return unit
 
 

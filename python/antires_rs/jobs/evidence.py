@@ -185,7 +185,7 @@ def _response(job: Job, measured: list[Measured]) -> FrequencyResponse | None:
             first.signal, job.data[0]["band_hz"]
         )
         whole = transmissibility(first.signal, dof, nperseg=length, estimator="rank1")
-    except UnsuitableDataError:  # a single hit has no averages
+    except UnsuitableDataError:  # a single impact has no averages
         return None
     low, high = job.data[0]["band_hz"]
     keep = (whole.freq_hz >= low) & (whole.freq_hz <= high)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
@@ -12,12 +10,15 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..exceptions import InvalidInputError
-from .keys import SECTIONS, Key, Section
+from .key import Section
+from .keys import SECTIONS
 from .lines import Path as Keys
 from .lines import lines_of
+from .places import Place, Places, key_at
+from .syntax import parsed
 from .values import KINDS, shown
 
-__all__ = ["Job", "has_remedy", "nearest", "read_job"]
+__all__ = ["Job", "nearest", "read_job"]
 
 
 class Job:
@@ -35,12 +36,9 @@ class Job:
     """
 
     def __init__(self, path: Path, text: str) -> None:
-        self.path, self._name = path, path.name
-        try:
-            raw = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as exc:
-            self._syntax(text, str(exc))
-        self._lines = lines_of(text)
+        self.path = path
+        raw = parsed(path.name, text)
+        self._where = Places(path.name, lines_of(text))
         self._unknown_sections(raw)
         tables = {name: self._tables(SECTIONS[name], value) for name, value in raw.items()}
         for name, rows in tables.items():
@@ -59,27 +57,6 @@ class Job:
         self.task = self._task(raw)
         #: Place of each [data]: with one table ("data",), else ("data", i).
         self.data_places = [place for place, _ in tables["data"]]
-
-    def _syntax(self, text: str, said: str) -> NoReturn:
-        where = re.search(r"\(at (?:line (\d+), column \d+|end of document)\)", said)
-        lines = text.splitlines()
-        number = int(where[1]) if where and where[1] else max(1, len(lines))
-        line = lines[number - 1].strip() if number <= len(lines) else ""
-        reason = said[: where.start()].strip() if where else said
-        twice = re.match(r"Cannot declare \('(\w+)',\) twice", reason)
-        several = twice is not None and twice[1] in SECTIONS and SECTIONS[twice[1]].several != "no"
-        remedy = (
-            f"Where there are several, each is headed [[{twice[1]}]]."
-            if twice and several
-            else "Text stands in quotes, lists in [ ], and each key once."
-        )
-        remedy += r" A path is written with / or in single quotes: 'C:\tests\a.uff'." if "\\" in line else ""
-        raise InvalidInputError(
-            f"{self._name}, line {number}",
-            f"{line!r}, which is no TOML ({reason})",
-            "lines such as key = value under a [section]",
-            remedy,
-        )
 
     def _unknown_sections(self, raw: Mapping[str, Any]) -> None:
         for name in raw:
@@ -188,17 +165,13 @@ class Job:
 
     def missing(self, place: Keys, key: str) -> NoReturn:
         """Refuse a section for a key that is not there."""
-        known = _key_at((*place, key))
+        known = key_at((*place, key))
         wanted = f"{key} = {KINDS[known.kind].wanted}" if known else key
         self.reject(place, f"no {key!r}", wanted, f"Add it. {known.explanation}" if known else "Add it.")
 
-    def where(self, place: Keys) -> str:
-        """File, line, section and key of a place; of its nearest neighbour above where it is not there."""
-        there = place
-        while there and there not in self._lines:
-            there = there[:-1]
-        line = f", line {self._lines[there]}" if there else ""
-        return f"{self._name}{line}{',' if place else ''}{_label(place)}"
+    def where(self, place: Keys) -> Place:
+        """The place as errors name it."""
+        return self._where.of(place)
 
     @contextmanager
     def blame(self, place: Keys, elsewhere: Mapping[str, Keys | list[Keys]] | None = None) -> Iterator[None]:
@@ -209,22 +182,16 @@ class Job:
         try:
             yield
         except InvalidInputError as exc:
-            found = _ARGUMENT.match(str(exc))
-            if found is None or str(exc).startswith(self._name):  # blamed already
+            if isinstance(exc.argument, Place):  # blamed already
                 raise
-            at = (elsewhere or {}).get(found[1], (*place, found[1]))
-            indices = tuple(_index(part) for part in re.findall(r"\[([^\]]+)\]", found[2]))
+            name, *steps = exc.path
+            at = (elsewhere or {}).get(name, (*place, name))
             if isinstance(at, list):
-                at, indices = (at[int(indices[0])], indices[1:]) if indices else (place, ())
-            attribute = tuple(part for part in found[3].split(".") if part)
-            said = str(exc)[found.end() :]
-            if not has_remedy(said):
-                key = _key_at(at)
-                said += f" What belongs here: {key.help if key else SECTIONS[str(at[0])].help}"
-            raise type(exc)(f"{self.where((*at, *indices, *attribute))}: {said}") from exc
-
-
-_ARGUMENT = re.compile(r"([A-Za-z_]\w*)((?:\[[^\]]+\])*)((?:\.\w+)*): ")
+                at, steps = (at[steps[0]], steps[1:]) if steps else (place, steps)
+            remedy, key = exc.remedy, key_at(at)
+            if key is not None and key.help not in remedy:
+                remedy += f" What belongs here: {key.help}"
+            raise type(exc)(self.where((*at, *steps)), exc.got, exc.wanted, remedy) from exc
 
 
 def read_job(path: str | os.PathLike[str]) -> Job:
@@ -268,7 +235,7 @@ def read_job(path: str | os.PathLike[str]) -> Job:
     except UnicodeDecodeError as exc:
         line = file.read_bytes()[: exc.start].count(b"\n") + 1
         raise InvalidInputError(
-            f"{file.name}, line {line}",
+            Place(f"{file.name}, line {line}"),
             "bytes that are no UTF-8 text",
             "a job file in TOML",
             "Save it as UTF-8.",
@@ -280,34 +247,3 @@ def nearest(name: str, known: Any) -> str:
     """A hint at the known name nearest to an unknown one; '' where none is near."""
     near = get_close_matches(name, list(known), 1, 0.7)
     return f"Did you mean {near[0]!r}?" if near else ""
-
-
-def _label(place: Keys) -> str:
-    """``[search] seed`` of ("search", "seed"); arrays of tables by their number."""
-    if not place:
-        return ""
-    name, rest = str(place[0]), list(place[1:])
-    label = f" [{name}]"
-    if rest and isinstance(rest[0], int) and name in SECTIONS and SECTIONS[name].several != "no":
-        label = f" [[{name}]] no. {rest[0] + 1}"
-        rest = rest[1:]
-    for i, part in enumerate(rest):
-        label += f"[{part}]" if isinstance(part, int) else f"{'.' if i else ' '}{part}"
-    return label
-
-
-def _key_at(place: Keys) -> Key | None:
-    section = SECTIONS.get(str(place[0])) if place else None
-    names = [part for part in place[1:] if isinstance(part, str)]
-    return section.key(names[0]) if section and names else None
-
-
-def _index(text: str) -> str | int:
-    bare = text.strip("'\"")
-    return int(bare) if bare.isdigit() else bare
-
-
-def has_remedy(said: str) -> bool:
-    """Whether a sentence follows the one that says what is wanted."""
-    _, _, wanted = said.partition("; wanted ")
-    return re.search(r"[.?] [A-Z']", wanted) is not None

@@ -10,8 +10,9 @@ from typing import Any
 from ..identification.identify import identify_antiresonances
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import StructuralModel
+from .formats import FORMATS, format_of
 from .job import Job
-from .keys import FORMATS, IDENTIFICATION, format_of
+from .keys_data import IDENTIFICATION
 from .lines import Path as Keys
 from .model import dof_finder
 from .reading import Signal, read_signal, relabelled

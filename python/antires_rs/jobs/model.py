@@ -14,7 +14,7 @@ from ..models.sections import Rectangle, Section, Tube
 from ..models.structural_model import StructuralModel
 from ..updating.results import UpdateResult
 from .job import Job, nearest
-from .keys import CHAIN, FRAME, MATRICES, RESULT
+from .keys_model import CHAIN, FRAME, MATRICES, RESULT
 from .lines import Path as Keys
 from .values import shown
 

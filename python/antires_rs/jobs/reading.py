@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,9 @@ from ..io.channels import renamed
 from ..io.own import relabelled
 from ..io.uff_names import as_point
 from ..support.validation import reject
-from .keys import DATA
+from ..support.wording import LeftOut, Part, spelled
+from .keys_data import DATA
+from .values import shown
 
 __all__ = ["Signal", "read_signal", "relabelled"]
 
@@ -25,23 +26,24 @@ _READERS: dict[str, Callable[..., Signal]] = {
     "csv": io.read_csv,
     "npz": io.read_npz,
 }
-_LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the command line."
-#: An argument of a reader in one of its messages, alone or with a value.
-_PASSED = re.compile(r"\b([a-z_]+)=(?:'([^']*)')?(?=[\s,.;:]|$)")
+#: How this is done in a job and on the command line.
+LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the command line"
 #: Keys of [data] that are not a reader's.
 _OURS = {"file", "format", "excitation", "band_hz", "dofs"}
 
 
-def _in_a_job(name: str, value: str | None) -> str:
-    return name if value is None else f'{name} = "{value}"'
+def _in_a_job(part: Part) -> str:
+    if isinstance(part, LeftOut):
+        return LEAVE_OUT
+    return part.name if part.value is None else f"{part.name} = {shown(part.value)}"
 
 
 def read_signal(
-    file: Path, kind: str, options: dict[str, Any], spell: Callable[[str, str | None], str] = _in_a_job
+    file: Path, kind: str, options: dict[str, Any], spell: Callable[[Part], str] = _in_a_job
 ) -> Signal:
     """Read a signal; ``options`` are keys of [data].
 
-    ``spell`` writes an argument of the reader, with or without a value, as this user would.
+    ``spell`` writes an argument of the reader, or how a channel is left out, as this user would.
 
     Raises
     ------
@@ -70,9 +72,8 @@ def read_signal(
     try:
         signal = _READERS[kind](file, **chosen)
     except InvalidInputError as exc:  # which speaks to one who calls from Python
-        said = re.sub(r"Map a \w+ to None to leave it out;?", _LEAVE_OUT, str(exc))
-        said = _PASSED.sub(lambda found: spell(found[1], found[2]), said)
-        raise type(exc)(said) from exc
+        said = (spelled(text, spell) for text in (exc.got, exc.wanted, exc.remedy))
+        raise type(exc)(exc.argument, *said) from exc
     return signal if by_point or not dofs else _named(signal, dofs)
 
 
@@ -87,7 +88,7 @@ def _named(signal: Signal, dofs: dict[Any, Any] | list[Any]) -> Signal:
                 )
         for name in names:
             if name not in dofs:
-                reject("dofs", f"no dof for channel {name!r}", f"one for each of {names}", _LEAVE_OUT)
+                reject("dofs", f"no dof for channel {name!r}", f"one for each of {names}", f"{LEAVE_OUT}.")
     labels = renamed("dofs", names, dofs)
     kept = [i for i, label in enumerate(labels) if label is not None]
     if not kept:

@@ -75,7 +75,7 @@ def run(
     ----------
     job : Job
     resume : bool
-        Go on from the checkpoint of a run that was interrupted, to the same bits; from the beginning where
+        Go on from the checkpoint of a run that was interrupted, bit-identical; from the beginning where
         it had none yet.
     fresh : bool
         Begin anew though there is such a checkpoint.

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from textwrap import wrap
 
-from .keys import CHAIN, FRAME, MATRICES, RESULT, SECTIONS, Section, format_of
+from .formats import format_of
+from .key import Section
+from .keys import SECTIONS
+from .keys_model import CHAIN, FRAME, MATRICES, RESULT
 
 __all__ = ["template"]
 

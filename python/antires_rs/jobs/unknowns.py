@@ -12,7 +12,7 @@ from ..models.structural_model import StructuralModel
 from ..optimize.arguments import seed_of, thread_count
 from ..optimize.island_ga import IslandGA
 from .job import Job, nearest
-from .keys import ELEMENTS, LUMPED, SECTIONED, SUPPORT
+from .keys_model import ELEMENTS, LUMPED, SECTIONED, SUPPORT
 from .lines import Path as Keys
 from .values import shown
 

@@ -226,6 +226,7 @@ class AntiresonanceSet(EditedTables):
                 "dof",
                 f"{dof!r}, which has no stabilization diagram",
                 "a dof of a set that was identified, not made by hand or loaded",
+                "Identify it from the measurement to have its diagram.",
             )
         from ..plotting.damping_clusters import plot_damping_clusters
         from ..plotting.stabilization import plot_stabilization

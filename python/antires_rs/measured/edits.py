@@ -123,14 +123,14 @@ def _values_hz(value: Any) -> FloatArray:
     wanted = "one or more positive frequencies in Hz"
     array = np.atleast_1d(real_array("freq_hz", value, ndim=None, wanted=wanted)).ravel()
     if array.min() <= 0.0:
-        reject("freq_hz", f"{array.min():g} Hz", wanted)
+        reject("freq_hz", f"{array.min():g} Hz", wanted, "Leave out what is not above zero.")
     return array
 
 
 def _check_reason(reason: Any) -> str:
     """A text, possibly empty."""
     if not isinstance(reason, str):
-        reject("reason", reason, "a text")
+        reject("reason", reason, "a text", "Say in words why the value is changed.")
     return reason
 
 
@@ -169,9 +169,14 @@ def _companion(name: str, value: Any, count: int, unit: str) -> FloatArray:
     wanted = f"one finite number{unit}, or {count}, one for each frequency"
     array = np.atleast_1d(real_array(name, value, ndim=None, wanted=wanted)).ravel()
     if array.size not in (1, count):
-        reject(name, f"{array.size} values", wanted)
+        reject(name, f"{array.size} values", wanted, "Give one for each frequency, or a single one for all.")
     if name == "std_hz" and array.min() < 0.0:
-        reject(name, f"{array.min():g} Hz", "standard deviations of at least 0 Hz")
+        reject(
+            name,
+            f"{array.min():g} Hz",
+            "standard deviations of at least 0 Hz",
+            "Pass NaN where it is not known.",
+        )
     return np.broadcast_to(array, count)
 
 

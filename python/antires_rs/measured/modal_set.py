@@ -67,19 +67,44 @@ class ModalSet(ReadOnly):
     ) -> None:
         freq = frozen(_maybe_empty("freq_hz", freq_hz, "an array (n_modes,) in Hz"))
         if np.any(np.diff(freq) < 0):
-            reject("freq_hz", "frequencies out of order", "ascending frequencies")
+            reject(
+                "freq_hz",
+                "frequencies out of order",
+                "ascending frequencies",
+                "Sort the modes by frequency, shapes and damping with them.",
+            )
         array = np.asarray(shapes)
         if array.ndim != 2 or array.shape[0] != freq.size or not array.shape[1]:
-            reject("shapes", f"an array of shape {array.shape}", f"({freq.size}, n_dofs), one mode a row")
+            reject(
+                "shapes",
+                f"an array of shape {array.shape}",
+                f"({freq.size}, n_dofs), one mode a row",
+                "Transpose it if the modes are in the columns.",
+            )
         if array.dtype.kind not in "biufc":
-            reject("shapes", f"an array of dtype {array.dtype}", "real or complex numbers")
+            reject(
+                "shapes",
+                f"an array of dtype {array.dtype}",
+                "real or complex numbers",
+                "Convert the shapes to numbers first.",
+            )
         if not np.all(np.isfinite(array)):
-            reject("shapes", "NaN or infinite values", "finite shapes")
+            reject(
+                "shapes",
+                "NaN or infinite values",
+                "finite shapes",
+                "Leave out the modes or dofs that were not measured.",
+            )
         damping = None
         if damping_ratio is not None:
             damping = frozen(_maybe_empty("damping_ratio", damping_ratio, "an array (n_modes,)"))
             if damping.shape != freq.shape:
-                reject("damping_ratio", f"{damping.size} values", f"{freq.size}, one a mode")
+                reject(
+                    "damping_ratio",
+                    f"{damping.size} values",
+                    f"{freq.size}, one a mode",
+                    "Give a damping ratio for each mode, or leave it out.",
+                )
         self._fill(
             freq_hz=freq,
             shapes=frozen(array),
@@ -120,10 +145,15 @@ class ModalSet(ReadOnly):
         [[0.0, 1.0]]
         """
         if not isinstance(other, ModalSet):
-            reject("other", type(other).__name__, "a ModalSet")
+            reject(
+                "other",
+                type(other).__name__,
+                "a ModalSet",
+                "Build it from frequencies and shapes: ModalSet(freq_hz, shapes, dofs).",
+            )
         common = [dof for dof in self.dofs if dof in other.dofs]
         if not common:
-            reject("other", f"dofs {other.dofs}", f"some of {self.dofs}")
+            reject("other", f"dofs {other.dofs}", f"some of {self.dofs}", "Name the dofs of both sets alike.")
         a = self.shapes[:, [self.dofs.index(dof) for dof in common]]
         b = other.shapes[:, [other.dofs.index(dof) for dof in common]]
         norms = [np.sum(np.abs(x) ** 2, axis=1) for x in (a, b)]
@@ -134,6 +164,7 @@ class ModalSet(ReadOnly):
                     "other",
                     f"mode {still} of {name} without motion at the common dofs {tuple(common)}",
                     "shapes that do not vanish there",
+                    "Leave that mode out, or compare at more dofs.",
                 )
         product = np.abs(a.conj() @ b.T) ** 2
         return np.asarray(product / (norms[0][:, None] * norms[1]), dtype=np.float64)

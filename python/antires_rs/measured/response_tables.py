@@ -102,5 +102,5 @@ class ResponseTables(ReadOnly, Mapping[Any, FloatArray]):
         """One of the set's dofs."""
         dof = label("dof", dof)
         if dof not in self._tables:
-            reject("dof", dof, f"one of {tuple(self._tables)}")
+            reject("dof", dof, f"one of {tuple(self._tables)}", "Name a dof of the set; those are its keys.")
         return dof

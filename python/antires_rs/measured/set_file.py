@@ -52,7 +52,7 @@ def from_json(text: str, path: str) -> dict[str, Any]:
     except ValueError as exc:
         raise InvalidInputError("path", f"{path!r}, which is not JSON ({exc})", wanted, _ANOTHER) from exc
     if not isinstance(data, dict) or data.get("format") != FORMAT:
-        reject("path", f"{path!r} without the mark {FORMAT!r}", wanted)
+        reject("path", f"{path!r} without the mark {FORMAT!r}", wanted, _ANOTHER)
     if not isinstance(data.get("version"), int) or data["version"] > VERSION:
         reject("path", f"{path!r} of version {data.get('version')!r}", wanted, "Update antires_rs.")
     try:

@@ -47,7 +47,12 @@ class AppliedParameters(Value):
         wanted = f"an array ({n},), one value for each parameter"
         vector = np.atleast_1d(real_array("values", values, ndim=None, wanted=wanted))
         if vector.shape != (n,):
-            reject("values", f"an array of shape {np.shape(values)}", wanted)
+            reject(
+                "values",
+                f"an array of shape {np.shape(values)}",
+                wanted,
+                "Give a value for each parameter, in their order.",
+            )
         return cls(chosen, vector)
 
 

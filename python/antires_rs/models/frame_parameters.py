@@ -290,6 +290,6 @@ def angle(
     )
     direction = real_array("axis", axis, ndim=1, wanted="a direction (x, y, z)")
     if direction.shape != (3,) or not np.any(direction):
-        reject("axis", axis, "a direction (x, y, z) that is not zero")
+        reject("axis", axis, "a direction (x, y, z) that is not zero", "Leave it out for (0, 0, 1).")
     x, y, z = (finite_scalar("axis", value) for value in direction)
     return Parameter("angle", group.terms, group.bounds, pivot=group.pivot, axis=(x, y, z))

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from ..support.validation import FloatArray, finite_scalar, integer, reject, shape_of
+from ..support.validation import FloatArray, finite_scalar, integer, part, reject, shape_of
 
 if TYPE_CHECKING:
     from .parameter import Parameter
@@ -90,7 +90,7 @@ class NodeSpring:
 def iterable(name: str, value: Any, wanted: str) -> Iterable[Any]:
     """Anything that can be gone through, but text."""
     if not isinstance(value, Iterable) or isinstance(value, str):
-        reject(name, value, wanted)
+        reject(name, value, wanted, "Put a single one in a list.")
     return value
 
 
@@ -157,9 +157,14 @@ def fixed_dofs(fixed: Iterable[Any], in_space: bool) -> list[tuple[int, str]]:
             node = item[0]
             held = (item[1],) if isinstance(item[1], str) or shape_of(item[1]) == () else tuple(item[1])
         else:
-            reject(f"fixed[{i}]", item, "a node, (node, direction) or (node, directions)")
+            reject(
+                part("fixed", i),
+                item,
+                "a node, (node, direction) or (node, directions)",
+                "Write it as 0, (0, 'v') or (0, ('u', 'v')).",
+            )
         for direction in held:
-            found[integer(f"fixed[{i}]", node, low=0), text("fixed", i, direction)] = None
+            found[integer(part("fixed", i), node, low=0), text("fixed", i, direction)] = None
     return list(found)
 
 
@@ -170,28 +175,38 @@ def _items(name: str, items: Any, kind: type) -> list[Any]:
         try:
             found.append(item if isinstance(item, kind) else kind(*item))
         except TypeError:
-            reject(f"{name}[{i}]", item, f"a {kind.__name__}")
+            reject(part(name, i), item, f"a {kind.__name__}", f"Make it by antires_rs.{kind.__name__}(...).")
     return found
 
 
 def _node(name: str, i: int, node: Any) -> int:
-    return integer(f"{name}[{i}].node", node, low=0)
+    return integer(part(name, i).attribute("node"), node, low=0)
 
 
 def _number(name: str, i: int, attribute: str, value: Any) -> float:
-    return finite_scalar(f"{name}[{i}].{attribute}", value, low=0.0)
+    return finite_scalar(part(name, i).attribute(attribute), value, low=0.0)
 
 
 def text(name: str, i: int | None, value: Any) -> str:
     """The name of a direction."""
     if not isinstance(value, str):
-        reject(name if i is None else f"{name}[{i}]", value, "a direction by its name, such as 'v'")
+        reject(
+            name if i is None else part(name, i),
+            value,
+            "a direction by its name, such as 'v'",
+            "Translations are u, v, w; rotations theta in a plane, else theta_x, theta_y, theta_z.",
+        )
     return value
 
 
 def _inertia(i: int, value: Any) -> tuple[float, float, float]:
     if shape_of(value) not in ((), (3,)):
-        reject(f"point_masses[{i}].inertia_kg_m2", value, "one inertia, or three about x, y and z")
+        reject(
+            part("point_masses", i).attribute("inertia_kg_m2"),
+            value,
+            "one inertia, or three about x, y and z",
+            "Give it in kg m^2, about the centre of mass.",
+        )
     x, y, z = (_number("point_masses", i, "inertia_kg_m2", v) for v in three_inertias(value))
     return x, y, z
 

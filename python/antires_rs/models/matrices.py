@@ -27,6 +27,7 @@ def as_square(name: str, matrix: Any, n: int | None = None) -> FloatArray:
             name,
             f"a matrix of shape {dense.shape}",
             "a non-empty square matrix, stiffness and mass of one size",
+            "Pass both after the same dofs were removed.",
         )
     return dense
 
@@ -35,9 +36,19 @@ def as_term(name: str, matrix: Any, n: int) -> Entries:
     """Entries of a symmetric (n, n) matrix."""
     dense = _as_dense(name, matrix)
     if dense.shape != (n, n):
-        reject(name, f"a matrix of shape {dense.shape}", f"shape ({n}, {n}), as the stiffness")
+        reject(
+            name,
+            f"a matrix of shape {dense.shape}",
+            f"shape ({n}, {n}), as the stiffness",
+            "Expand it to all dofs of the model, with zeros elsewhere.",
+        )
     if not np.allclose(dense, dense.T, rtol=0, atol=1e-9 * np.abs(dense).max()):
-        reject(name, "a matrix that is not symmetric", "a symmetric term")
+        reject(
+            name,
+            "a matrix that is not symmetric",
+            "a symmetric term",
+            "Pass (A + A.T) / 2 if the difference is rounding.",
+        )
     return Entries.of(dense)
 
 

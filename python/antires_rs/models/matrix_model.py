@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from ..support.validation import part
 from .description import ModelDescription
 from .matrices import as_sparse, as_square, as_term
 from .recipes import Entries, MatrixRecipe
@@ -54,8 +55,8 @@ class MatrixModel(StructuralModel):
             n,
             Entries.of(k),
             Entries.of(as_square("mass", mass, n)),
-            tuple(as_term(f"stiffness_terms[{i}]", t, n) for i, t in enumerate(stiffness_terms)),
-            tuple(as_term(f"mass_terms[{i}]", t, n) for i, t in enumerate(mass_terms)),
+            tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms)),
+            tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms)),
         )
         self._build(ModelDescription(recipe))
 

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..support.validation import choice, finite_scalar, integer, reject, shape_of
+from ..support.validation import choice, finite_scalar, integer, part, reject, shape_of
 
 __all__ = [
     "OF_SECTIONS",
@@ -95,14 +95,29 @@ class Parameter:
     def __post_init__(self) -> None:
         choice("quantity", self.quantity, tuple(QUANTITIES))
         if not isinstance(self.terms, tuple) or not self.terms:
-            reject("terms", self.terms, "a tuple of at least one zero-based term")
+            reject(
+                "terms",
+                self.terms,
+                "a tuple of at least one zero-based term",
+                "Make parameters by stiffness_factor, mass_factor and the like.",
+            )
         for i, term in enumerate(self.terms):
             if not (isinstance(term, str) and self.quantity in OF_SECTIONS):
-                integer(f"terms[{i}]", term, low=0)
+                integer(part("terms", i), term, low=0)
         if (self.pivot is None) == (self.quantity == "angle"):
-            reject("pivot", self.pivot, "a node for an angle, and None for anything else")
+            reject(
+                "pivot",
+                self.pivot,
+                "a node for an angle, and None for anything else",
+                "Make parameters of angles by antires_rs.angle.",
+            )
         if self.relative and self.quantity not in _PROPERTIES:
-            reject("relative", self.relative, f"False for '{self.quantity}'")
+            reject(
+                "relative",
+                self.relative,
+                f"False for '{self.quantity}'",
+                "Only properties of sections, masses and supports can be relative.",
+            )
         _bounds(self.bounds, self.quantity, self.relative)
 
     @property
@@ -133,10 +148,10 @@ def parameter_tuple(parameters: Any) -> tuple[Parameter, ...]:
     try:
         chosen = tuple(parameters)
     except TypeError:
-        reject("parameters", parameters, wanted)
+        reject("parameters", parameters, wanted, "Make them by stiffness_factor, mass_factor and the like.")
     for i, parameter in enumerate(chosen):
         if not isinstance(parameter, Parameter):
-            reject(f"parameters[{i}]", parameter, wanted, "Join lists with +, without nesting them.")
+            reject(part("parameters", i), parameter, wanted, "Join lists with +, without nesting them.")
     return chosen
 
 
@@ -156,7 +171,12 @@ def core_parameters(
     ]
     twice = {pair for pair in acting if acting.count(pair) > 1}
     if twice:
-        reject("parameters", f"{sorted(twice)} more than once", "each quantity of a term once")
+        reject(
+            "parameters",
+            f"{sorted(twice)} more than once",
+            "each quantity of a term once",
+            "Leave one of the two parameters out.",
+        )
     return parts
 
 
@@ -180,12 +200,22 @@ def build(
 
     if shape_of(terms) == ():
         return Parameter(quantity, (checked(name, terms),), limits, relative, pivot)
-    indices = [checked(f"{name}[{i}]", t) for i, t in enumerate(terms)]
+    indices = [checked(part(name, i), t) for i, t in enumerate(terms)]
     if not indices:
-        reject(name, "an empty sequence", f"at least one {name.rstrip('s')}")
+        reject(
+            name,
+            "an empty sequence",
+            f"at least one {name.rstrip('s')}",
+            f"Name the {name} on which it acts.",
+        )
     twice = sorted({t for t in indices if indices.count(t) > 1}, key=str)
     if twice:
-        reject(name, f"{name.rstrip('s')}(s) {twice} more than once", f"each {name.rstrip('s')} once")
+        reject(
+            name,
+            f"{name.rstrip('s')}(s) {twice} more than once",
+            f"each {name.rstrip('s')} once",
+            "Remove the repeated ones.",
+        )
     groups: Iterable[tuple[int | str, ...]] = [tuple(indices)] if together else [(t,) for t in indices]
     built = [Parameter(quantity, group, limits, relative, pivot) for group in groups]
     return built[0] if together else built
@@ -199,9 +229,9 @@ def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> tuple[float, flo
     wanted = f"a pair (lower, upper) with {left}lower <= upper{' <= 1' if most == 1.0 else ''}"
     wanted += f" in {unit}" if unit else ""
     if shape_of(bounds) != (2,):
-        reject("bounds", bounds, wanted)
+        reject("bounds", bounds, wanted, "Write them as in (0.9, 1.1).")
     lower, upper = (
-        finite_scalar(f"bounds[{i}]", b, low=least, high=most, low_open=excluded)
+        finite_scalar(part("bounds", i), b, low=least, high=most, low_open=excluded)
         for i, b in enumerate(bounds)
     )
     if lower > upper:

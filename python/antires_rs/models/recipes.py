@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..support.validation import FloatArray, integer, reject
+from ..support.validation import FloatArray, integer, part, reject
 from ..support.values import Value
 from .frame_parts import GroundSpring, NodeSpring, PointMass, three_inertias
 from .sections import AnySection
@@ -24,14 +24,17 @@ class _Recipe(Value):
     """What all kinds answer."""
 
     def core(self) -> CoreModel:
-        """The core's model, made anew, to the same bits."""
+        """The core's model, made anew, bit-identical."""
         raise NotImplementedError
 
     def section_index(self, name: str | int) -> int:
         """Index of a section by its name; only frames have sections."""
         if isinstance(name, str):
             reject(
-                "parameters", f"the section {name!r}", "zero-based terms, as the model is not a FrameModel"
+                "parameters",
+                f"the section {name!r}",
+                "zero-based terms, as the model is not a FrameModel",
+                "Count the terms from 0, or build a FrameModel, which has named sections.",
             )
         return name
 
@@ -141,7 +144,12 @@ class FrameRecipe(_Recipe):
         """Index of a section by its name."""
         names = self.section_names
         if name not in names and isinstance(name, str):
-            reject("sections", repr(name), f"a section of the model: {', '.join(map(repr, names))}")
+            reject(
+                "sections",
+                repr(name),
+                f"a section of the model: {', '.join(map(repr, names))}",
+                "Correct the name.",
+            )
         return names.index(name) if isinstance(name, str) else integer("sections", name, low=0)
 
     def core(self) -> CoreModel:
@@ -165,4 +173,4 @@ class FrameRecipe(_Recipe):
 
 def section_argument(name: str | int) -> str:
     """A section as messages call the argument."""
-    return f"sections[{name!r}]" if isinstance(name, str) else f"sections[{name}]"
+    return part("sections", name)

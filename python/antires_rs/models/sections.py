@@ -6,7 +6,7 @@ import warnings
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..exceptions import AntiresWarning
+from ..exceptions import AntiresWarning, Argument
 from ..support.validation import finite_scalar, reject
 
 __all__ = ["AnySection", "Rectangle", "Section", "Tube", "section_of", "warn_soft"]
@@ -114,7 +114,12 @@ class Section:
 
     def _parts(self, name: str, in_space: bool) -> SectionParts:
         if in_space and self.torsion_m4 is None:
-            reject(f"{name}.torsion_m4", None, "the torsion constant in m^4, as the frame is in space")
+            reject(
+                Argument(name).attribute("torsion_m4"),
+                None,
+                "the torsion constant in m^4, as the frame is in space",
+                "Give the section its torsion_m4, or use a plane frame.",
+            )
         across = self.inertia_m4 if self.inertia_y_m4 is None else self.inertia_y_m4
         torsion = self.inertia_m4 if self.torsion_m4 is None else self.torsion_m4
         kind, (area, inertia), youngs, density, poisson = _parts(
@@ -122,9 +127,9 @@ class Section:
         )
         size = [
             area,
-            finite_scalar(f"{name}.inertia_y_m4", across),
+            finite_scalar(Argument(name).attribute("inertia_y_m4"), across),
             inertia,
-            finite_scalar(f"{name}.torsion_m4", torsion),
+            finite_scalar(Argument(name).attribute("torsion_m4"), torsion),
         ]
         return kind, size, youngs, density, poisson
 
@@ -134,7 +139,11 @@ AnySection = Tube | Rectangle | Section
 
 def warn_soft(name: str, section: AnySection, stacklevel: int) -> None:
     """A material softer than rubber is a slip of units."""
-    if 0.0 < finite_scalar(f"{name}.youngs_modulus_pa", section.youngs_modulus_pa) < SOFTEST_PA:
+    if (
+        0.0
+        < finite_scalar(Argument(name).attribute("youngs_modulus_pa"), section.youngs_modulus_pa)
+        < SOFTEST_PA
+    ):
         warnings.warn(
             f"{name}.youngs_modulus_pa: {section.youngs_modulus_pa:g} Pa is softer than rubber. "
             "Steel has 2.1e11 Pa, and lengths are in metres.",
@@ -145,7 +154,7 @@ def warn_soft(name: str, section: AnySection, stacklevel: int) -> None:
 
 def _parts(section: Any, name: str, kind: str, sizes: list[str]) -> SectionParts:
     def number(attribute: str) -> float:
-        return finite_scalar(f"{name}.{attribute}", getattr(section, attribute))
+        return finite_scalar(Argument(name).attribute(attribute), getattr(section, attribute))
 
     return (
         kind,

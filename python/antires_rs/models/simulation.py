@@ -71,6 +71,7 @@ def simulate(
             "duration_s",
             f"{duration:g} s, {duration * rate:.3g} samples at {rate:g} Hz",
             f"2 to {_MOST_SAMPLES:.0g} samples",
+            "Lengthen the record." if duration * rate < 2.0 else "Shorten the record, or lower the rate.",
         )
     samples = round(duration * rate)
     level = finite_scalar("noise", noise, low=0.0)

@@ -15,7 +15,7 @@ import numpy as np
 from ..exceptions import AntiresWarning, NumericalError
 from ..measured.modal_set import ModalSet
 from ..support.progress import interruptible
-from ..support.validation import choice, finite_scalar, integer, real_array, reject, shape_of
+from ..support.validation import choice, finite_scalar, integer, part, real_array, reject, shape_of
 from .described import Described
 
 if TYPE_CHECKING:
@@ -76,7 +76,12 @@ class StructuralModel(Described):
             )
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
         if limit is not None and keep == 0:
-            reject("f_max_hz", f"{limit:g} Hz", f"at least the first resonance, {freq[0]:.6g} Hz")
+            reject(
+                "f_max_hz",
+                f"{limit:g} Hz",
+                f"at least the first resonance, {freq[0]:.6g} Hz",
+                "Raise it, or leave it out for all modes.",
+            )
         return ModalSet(freq[:keep], shapes[:, :keep].T, dofs=range(self.n_dof))
 
     def frf(
@@ -129,7 +134,12 @@ class StructuralModel(Described):
         """
         freq = real_array("freq_hz", freq_hz, ndim=1, wanted="an array (n_freq,) of frequencies in Hz")
         if freq.min() < 0:
-            reject("freq_hz", f"{freq.min():g} Hz", "no negative frequency")
+            reject(
+                "freq_hz",
+                f"{freq.min():g} Hz",
+                "no negative frequency",
+                "Pass the positive half of the axis.",
+            )
         choice("kind", kind, ("accelerance", "mobility", "receptance"))
         rows = self._core.frf(
             self._dofs("response", response),
@@ -302,9 +312,9 @@ class StructuralModel(Described):
     def _dofs(self, name: str, value: Any) -> list[int]:
         if shape_of(value) == ():
             return [self._dof(name, value)]
-        values = [self._dof(f"{name}[{i}]", v) for i, v in enumerate(value)]
+        values = [self._dof(part(name, i), v) for i, v in enumerate(value)]
         if not values:
-            reject(name, "an empty sequence", "at least one dof")
+            reject(name, "an empty sequence", "at least one dof", "Name the dofs, counted from 0.")
         return values
 
     def _damping(self, value: Any) -> FloatArray:
@@ -312,5 +322,5 @@ class StructuralModel(Described):
         wanted = f"one damping ratio of at least 0, or {n_modes} of them, one for each mode"
         ratio = np.atleast_1d(real_array("damping_ratio", value, ndim=None, wanted=wanted))
         if ratio.ndim != 1 or ratio.size not in (1, n_modes) or ratio.min() < 0:
-            reject("damping_ratio", value, wanted)
+            reject("damping_ratio", value, wanted, "Give one ratio for all modes, or one for each.")
         return ratio

@@ -54,9 +54,14 @@ def check_bounds(bounds: Any) -> FloatArray:
     try:
         box = np.asarray(bounds, dtype=np.float64)
     except (TypeError, ValueError) as exc:
-        reject("bounds", f"{type(bounds).__name__} that does not convert ({exc})", wanted)
+        reject(
+            "bounds",
+            f"{type(bounds).__name__} that does not convert ({exc})",
+            wanted,
+            "Write them as in [(0.0, 1.0), (0.9, 1.1)].",
+        )
     if box.ndim != 2 or box.shape[1] != 2 or box.size == 0:
-        reject("bounds", f"shape {box.shape}", wanted)
+        reject("bounds", f"shape {box.shape}", wanted, "Write them as in [(0.0, 1.0), (0.9, 1.1)].")
     return box
 
 
@@ -66,7 +71,12 @@ def guesses(x0: Any, n: int) -> list[list[float]]:
         return []
     rows = np.atleast_2d(real_array("x0", x0, ndim=None, wanted=f"an array ({n},) or (m, {n})"))
     if rows.ndim != 2 or rows.shape[1] != n:
-        reject("x0", f"shape {np.shape(x0)}", f"an array ({n},) or (m, {n})")
+        reject(
+            "x0",
+            f"shape {np.shape(x0)}",
+            f"an array ({n},) or (m, {n})",
+            "Give a value for each parameter, in the order of the bounds.",
+        )
     return [[float(v) for v in row] for row in rows]
 
 
@@ -79,7 +89,7 @@ def check_option_type(name: str, value: Any) -> None:
         texts(name, [value])
     elif name == "polish":
         if value is not None and not isinstance(value, bool):
-            reject(name, value, "True, False or None")
+            reject(name, value, "True, False or None", "None lets the optimizer choose.")
     elif name != "crossovers" and name in _core.island_options({}):
         finite_scalar(name, value)
 
@@ -88,5 +98,10 @@ def texts(name: str, value: Any) -> list[str]:
     """A list of texts."""
     listed = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else [value]
     if not all(isinstance(text, str) for text in listed):
-        reject(name, value, "text, or a list of texts where several are possible")
+        reject(
+            name,
+            value,
+            "text, or a list of texts where several are possible",
+            "Put it in quotes; see the docstring for the names.",
+        )
     return listed

@@ -21,7 +21,7 @@ class Batch:
 
     def __init__(self, fun: Callable[..., Any], vectorized: bool, workers: Any) -> None:
         if not callable(fun):
-            reject("fun", fun, "a callable")
+            reject("fun", fun, "a callable", "Pass the function itself, without calling it.")
         self.fun, self.vectorized, self.pool = fun, vectorized, None
         self.seen_finite = False
         self.map: Callable[..., Any] = map

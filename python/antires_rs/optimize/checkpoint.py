@@ -1,4 +1,4 @@
-"""A search on disk: written now and then, taken up again to the same bits.
+"""A search on disk: written now and then, resumed bit-identical.
 
 A checkpoint is one file of bytes with a checksum, and the one before it beside it as ``<name>.previous``. It
 is written whole to ``<name>.tmp``, flushed to the disk, and put in place in one step, so a process killed at
@@ -54,7 +54,9 @@ class Checkpoint:
 
     def __init__(self, path: str | os.PathLike[str], every_s: float = 2.0) -> None:
         if not isinstance(path, str | os.PathLike):
-            reject("checkpoint", path, "a path")
+            reject(
+                "checkpoint", path, "a path", "Pass a text or a pathlib.Path, or None to keep no checkpoint."
+            )
         self.path, self.every_s = Path(path), every_s
         if not self.path.parent.is_dir():
             reject(
@@ -64,7 +66,7 @@ class Checkpoint:
                 f"Make the folder {str(self.path.parent)!r} first.",
             )
         if self.path.is_dir():
-            reject("checkpoint", str(path), "a file, not a folder")
+            reject("checkpoint", str(path), "a file, not a folder", "Name a file in it.")
         self.previous = self.path.with_name(self.path.name + ".previous")
         self._beside = self.path.with_name(self.path.name + ".tmp")
         self._beside.unlink(missing_ok=True)

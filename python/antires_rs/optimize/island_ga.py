@@ -1,7 +1,7 @@
 """The island genetic algorithm: several populations search on their own and exchange their best.
 
 The search itself runs in the Rust core, in parallel, with one random stream for each island, so that
-the same seed gives the same bits for any number of threads.
+the same seed gives bit-identical results for any number of threads.
 """
 
 from __future__ import annotations

@@ -43,7 +43,7 @@ def add_persistent(
             break
         group = pool[first[best] : last[best]]
         value = float(np.median(group[:, 0]))
-        # The second appearance opens the count: a single early hit may be chance.
+        # The second appearance opens the count: a single early one may be chance.
         opened = np.unique(group[:, 1])[1]
         present = (counts[best] - 1) / (orders[-1] - opened + 1)
         if present >= PRESENCE:

@@ -85,6 +85,11 @@ def rule_options(preset: str | None = None, **given: Any) -> dict[str, Any]:
     choice("preset", preset, (None, *PRESETS))
     strange = sorted(set(given) - set(DEFAULTS))
     if strange:
-        reject("options", ", ".join(strange), "names out of " + ", ".join(DEFAULTS))
+        reject(
+            "options",
+            ", ".join(strange),
+            "names out of " + ", ".join(DEFAULTS),
+            "Correct the name, or leave it out.",
+        )
     chosen = PRESETS[preset] if preset is not None else {}
     return {**DEFAULTS, **chosen, **{name: value for name, value in given.items() if value is not None}}

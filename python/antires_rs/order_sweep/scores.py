@@ -185,9 +185,9 @@ def grades(
     =====  ======  =====  =============  ================
 
     Even "weak" is true nine times of ten: it asks for a look. All this holds for averaged records. For FRFs
-    that come as such and for single hits, whose values move more from order to order, the words mean nothing
-    (8 of 10 antiresonances of a measured three-storey frame come out "weak", all of them true), and none
-    is given.
+    that come as such and for single impacts, whose values move more from order to order, the words mean
+    nothing (8 of 10 antiresonances of a measured three-storey frame come out "weak", all of them true), and
+    none is given.
 
     Examples
     --------

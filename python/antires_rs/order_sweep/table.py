@@ -93,7 +93,12 @@ class ResponseTable(ReadOnly):
             kind = None if default is None else type(default)
             array = np.full(freq.size, default) if values is None else np.asarray(values, dtype=kind)
             if array.shape != freq.shape:
-                reject(name, f"an array of shape {array.shape}", f"{freq.size}, one for each frequency")
+                reject(
+                    name,
+                    f"an array of shape {array.shape}",
+                    f"{freq.size}, one for each frequency",
+                    "Give a value for each frequency.",
+                )
             return frozen(array[rank])
 
         self._fill(

@@ -68,10 +68,10 @@ def plot_damages(
     ['antiresonances', 'resonances and shapes', 'truth']
     """
     if not 2 <= len(results) <= len(LOOKS):
-        reject("results", f"{len(results)} results", f"two to {len(LOOKS)}")
+        reject("results", f"{len(results)} results", f"two to {len(LOOKS)}", "Pass a dict of name to result.")
     first, *others = results.values()
     if any(other.elements != first.elements for other in others):
-        reject("results", "different candidate elements", "the same in all")
+        reject("results", "different candidate elements", "the same in all", "Pass a dict of name to result.")
     names = element_names(first)
     ax = new_axes(ax, (max(7.0, 0.4 * len(names) + 1.5), 4.4))
     x = np.arange(len(names))

@@ -83,6 +83,7 @@ def plot_transmissibility(
             "measured",
             getattr(measured, "kind", type(measured).__name__),
             "a FrequencyResponse of kind 'transmissibility'",
+            "Estimate it by antires_rs.transmissibility.",
         )
     others = [d for d in measured.dofs if d != measured.reference]
     if dof is not None and dof not in others:

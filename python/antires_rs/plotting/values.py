@@ -28,7 +28,7 @@ def value_by_element(values: Any, count: int) -> FloatArray | None:
     wanted = f"a mapping from element to value, or an array ({count},)"
     array = real_array("values", values, ndim=1, wanted=wanted)
     if array.size != count:
-        reject("values", f"{array.size} values", wanted)
+        reject("values", f"{array.size} values", wanted, "Give a value for each element, in their order.")
     return array
 
 

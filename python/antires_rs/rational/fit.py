@@ -254,6 +254,7 @@ def prepare(
                 "weights",
                 f"an array of shape {weight.shape} from {weight.min():g} to {weight.max():g}",
                 wanted,
+                "Leave them out to count all lines alike.",
             )
     n_lines = int(inside.sum())
     if n_lines <= order:
@@ -326,7 +327,7 @@ def fit_rational(
     """
     order = integer("order", order, low=1)
     if constraint not in ("low", "norm"):
-        reject("constraint", constraint, "'low' or 'norm'")
+        reject("constraint", constraint, "'low' or 'norm'", "Leave it out for 'low'.")
     single = np.ndim(values) == 1
     freq, array, weight = prepare(freq_hz, values, order, band_hz, weights, "order")
     first, fits = weight, []

@@ -106,7 +106,12 @@ def write_report(
     ...     result.report(folder + "/run.html")
     """
     if not isinstance(result, UpdateResult):
-        reject("result", type(result).__name__, "an UpdateResult or a DamageResult")
+        reject(
+            "result",
+            type(result).__name__,
+            "an UpdateResult or a DamageResult",
+            "Pass what update or assess_damage returned.",
+        )
     try:
         import matplotlib  # noqa: F401 - only asked whether it is there
         from jinja2 import Environment, StrictUndefined
@@ -115,7 +120,12 @@ def write_report(
             'reports need jinja2 and matplotlib; install them with: pip install "antires-rs[report]"'
         ) from exc
     if not Path(path).parent.is_dir():  # known before any picture is drawn
-        reject("path", str(path), "a file in a folder that exists")
+        reject(
+            "path",
+            str(path),
+            "a file in a folder that exists",
+            f"Make the folder {str(Path(path).parent)!r} first.",
+        )
     damage = result if isinstance(result, DamageResult) else None
     problem = result.problem
     modal = problem.objective == "modal"
@@ -212,10 +222,20 @@ def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
         else list(measurement)
     )
     if given and len(given) != len(sets):
-        reject("measurement", f"{len(given)} of them", f"{len(sets)}, one for each measured set")
+        reject(
+            "measurement",
+            f"{len(given)} of them",
+            f"{len(sets)}, one for each measured set",
+            "Pass a list with one for each, None where there is none.",
+        )
     for one in given:
         if not isinstance(one, Recording | FrequencyResponse | Mapping):
-            reject("measurement", type(one).__name__, "a Recording, a FrequencyResponse or facts by name")
+            reject(
+                "measurement",
+                type(one).__name__,
+                "a Recording, a FrequencyResponse or facts by name",
+                "Pass what was read from the file, or None.",
+            )
     told = [_lines(one) if isinstance(one, Mapping) else of_signal(one) for one in given]
     return [(told[i] if told else {}) | of_set(each, result.problem.model) for i, each in enumerate(sets)]
 

@@ -28,7 +28,7 @@ class Averaging:
     noverlap : int or None
         Samples shared by neighbours; None: half a segment.
     window : str, tuple or array_like
-        As for ``scipy.signal.get_window``; for hits "rectangular" or "exponential", anything else meaning
+        As for ``scipy.signal.get_window``; for impacts "rectangular" or "exponential", anything else meaning
         rectangular if the response dies, else exponential.
     method : {"auto", "welch", "transient"}
         "auto" looks at the record's energy profile.
@@ -56,7 +56,7 @@ class Averages:
     spectra : CrossSpectra
         With the segments; the force, if it is there, is the last channel.
     nperseg : int or None
-        Samples per segment; None for hits.
+        Samples per segment; None for impacts.
     taper : (nperseg,) or None
     has_force : bool
     correlation : Autocorrelation
@@ -72,12 +72,12 @@ class Averages:
 
     @property
     def of_hits(self) -> bool:
-        """Whole hits instead of Welch's segments."""
+        """Whole impacts instead of Welch's segments."""
         return self.nperseg is None
 
 
 def holds_hits(rec: Recording, options: Averaging) -> bool:
-    """Whether a record is to be transformed hit by hit."""
+    """Whether a record is to be transformed impact by impact."""
     return options.method == "transient" or (options.method == "auto" and is_transient(rec))
 
 
@@ -91,7 +91,7 @@ def average(
     longer: int = 1,
     hits: bool | None = None,
 ) -> Averages:
-    """The averages of a record: one transform of its segments, or of its hits.
+    """The averages of a record: one transform of its segments, or of its impacts.
 
     ``band_hz`` decides on the length of the segments where that is left open, made ``longer`` by a factor;
     ``lines_hz`` are the lines kept, by default those of the band. ``hits`` where that is known already.

@@ -17,7 +17,12 @@ def covered_hz(source: Any) -> tuple[float, float]:
         return 0.0, source.fs_hz / 2
     if isinstance(source, FrequencyResponse):
         return float(source.freq_hz[0]), float(source.freq_hz[-1])
-    reject("source", type(source).__name__, "a Recording or a FrequencyResponse")
+    reject(
+        "source",
+        type(source).__name__,
+        "a Recording or a FrequencyResponse",
+        "Make one of the arrays first: Recording(responses, fs_hz).",
+    )
 
 
 def band_of(source: Any, band_hz: Any) -> tuple[float, float]:

@@ -119,7 +119,12 @@ class FrequencyResponse(ReadOnly):
             coherence = _beside("coherence", coherence, array.shape, wanted)
             # Rounding may push an exact coherence a few ulps over one.
             if coherence.min() < 0.0 or coherence.max() > 1.0 + 1e-9:
-                reject("coherence", f"values from {coherence.min():g} to {coherence.max():g}", wanted)
+                reject(
+                    "coherence",
+                    f"values from {coherence.min():g} to {coherence.max():g}",
+                    wanted,
+                    "Coherence lies between 0 and 1; check that it was not exported in per cent.",
+                )
             coherence = frozen(np.minimum(coherence, 1.0))
         if n_averages is not None:
             n_averages = finite_scalar("n_averages", n_averages, low=1.0)
@@ -127,7 +132,7 @@ class FrequencyResponse(ReadOnly):
             wanted = f"a real array of the shape of values, {array.shape}, not negative"
             std = frozen(_beside("std", std, array.shape, wanted))
             if std.min() < 0.0:
-                reject("std", f"values from {std.min():g}", wanted)
+                reject("std", f"values from {std.min():g}", wanted, "Leave std out where it is not known.")
         elif coherence is not None and n_averages is not None and n_averages > 1.0:
             std = frozen(std_of_coherence(array, coherence, n_averages))
         put = object.__setattr__
@@ -195,7 +200,12 @@ def _beside(name: str, value: Any, shape: tuple[int, ...], wanted: str) -> Float
     array = real_array(name, value, ndim=None, wanted=wanted)
     array = array[None, :] if array.ndim == 1 else array
     if array.shape != shape:
-        reject(name, f"an array of shape {array.shape}", wanted)
+        reject(
+            name,
+            f"an array of shape {array.shape}",
+            wanted,
+            "Check its axes: a row for each dof, a column for each line.",
+        )
     return array
 
 
@@ -204,9 +214,9 @@ def check_freq(name: str, value: Any) -> FloatArray:
     wanted = "a real array (n_freq,) in Hz, at least two lines, strictly ascending, not negative"
     freq = real_array(name, value, ndim=1, wanted=wanted)
     if freq.size < 2:
-        reject(name, f"{freq.size} line", wanted)
+        reject(name, f"{freq.size} line", wanted, "Keep more of the lines.")
     if freq[0] < 0.0:
-        reject(name, f"{freq[0]:g} Hz as the first line", wanted)
+        reject(name, f"{freq[0]:g} Hz as the first line", wanted, "Drop the lines below zero.")
     falls = np.flatnonzero(np.diff(freq) <= 0.0)
     if falls.size:
         i = int(falls[0])

@@ -58,7 +58,7 @@ def half_spectra(rec: Recording, *, nperseg: int | None) -> HalfSpectra:
     rec : Recording
         ``force`` is not read.
     nperseg : int or None
-        Samples per Welch segment, of which the first half of the lags is used. None: whole hits.
+        Samples per Welch segment, of which the first half of the lags is used. None: whole impacts.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def half_spectra(rec: Recording, *, nperseg: int | None) -> HalfSpectra:
     correlation *= (np.exp(-decay * lag_s) / taper_share[:n_lags])[:, None, None]
     values = np.fft.rfft(correlation, axis=0).transpose(1, 2, 0)
     freq = np.asarray(np.fft.rfftfreq(n_lags, 1.0 / rec.fs_hz), dtype=np.float64)
-    # Correlations of windowed hits decay by the window's own rate in the lag.
+    # Correlations of windowed impacts decay by the window's own rate in the lag.
     return HalfSpectra(
         freq, np.ascontiguousarray(values), tuple(references), float(decay) + spectra.added_decay_per_s
     )

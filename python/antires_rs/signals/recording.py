@@ -84,7 +84,9 @@ class Recording(ReadOnly):
             wanted = f"a real array ({array.shape[1]},), one value for each sample of responses"
             force = real_array("force", force, ndim=1, wanted=wanted)
             if force.size != array.shape[1]:
-                reject("force", f"{force.size} samples", wanted)
+                reject(
+                    "force", f"{force.size} samples", wanted, "Cut force and responses to the same samples."
+                )
             force = frozen(force)
         put(self, "force", force)
 

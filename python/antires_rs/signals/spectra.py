@@ -49,11 +49,11 @@ class CrossSpectra:
     freq_hz : (n_freq,)
     matrix : (n_freq, n_channels, n_channels) complex
         ``matrix[:, a, b]`` is the average of conj(A) B: a one-sided density for Welch, energy spectra
-        for hits.
+        for impacts.
     n_averages : int
-        Segments or hits averaged.
+        Segments or impacts averaged.
     noise : (n_channels,) or None
-        Noise part of the diagonal, where it was measured (before a hit).
+        Noise part of the diagonal, where it was measured (before an impact).
     added_decay_per_s : float
         Decay rate of an exponential window; roots identified from these spectra carry it in their real part.
     n_effective : float
@@ -217,7 +217,12 @@ def lines_in(freq_hz: FloatArray, band_hz: tuple[float, float]) -> slice:
 
 def check_recording(rec: object) -> None:
     if not isinstance(rec, Recording):
-        reject("rec", type(rec).__name__, "a Recording")
+        reject(
+            "rec",
+            type(rec).__name__,
+            "a Recording",
+            "Make one of the arrays first: Recording(responses, fs_hz).",
+        )
 
 
 def force_of(rec: Recording) -> FloatArray:
@@ -244,8 +249,18 @@ def window_values(window: Any, n: int) -> FloatArray:
         try:
             return np.asarray(get_window(window, n), dtype=np.float64)
         except ValueError as exc:
-            reject("window", window, f"a window known to scipy.signal.get_window ({exc})")
+            reject(
+                "window",
+                window,
+                f"a window known to scipy.signal.get_window ({exc})",
+                "Leave it out for 'hann'.",
+            )
     taper = np.asarray(window, dtype=np.float64)
     if taper.shape != (n,) or not np.isfinite(taper).all() or not taper.any():
-        reject("window", f"an array of shape {taper.shape}", f"a window name, or {n} finite values")
+        reject(
+            "window",
+            f"an array of shape {taper.shape}",
+            f"a window name, or {n} finite values",
+            "Give a value for each sample of a segment.",
+        )
     return taper

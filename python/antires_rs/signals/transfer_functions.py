@@ -33,12 +33,12 @@ def frf(
     rec : Recording
         With ``force``.
     nperseg, noverlap, window
-        As for :func:`~antires_rs.signals.spectra.cross_spectra`; not used for hits.
+        As for :func:`~antires_rs.signals.spectra.cross_spectra`; not used for impacts.
     estimator : {"h1", "h2", "hv"}
         ``S_fx / S_ff``, ``S_xx / S_xf``, or total least squares with both signals scaled to unit rms, so that
         units do not matter.
     method : {"auto", "welch", "transient"}
-        "auto" refuses Welch on a record that decays; "welch" forces it; "transient" transforms whole hits.
+        "auto" refuses Welch on a record that decays; "welch" forces it; "transient" transforms whole impacts.
 
     Returns
     -------
@@ -130,7 +130,7 @@ def transmissibility(
     check_recording(rec)
     choice("estimator", estimator, ("h1", "h2", "hv", "rank1"))
     if reference not in rec.dofs:
-        reject("reference", reference, f"a recorded dof, one of {rec.dofs}")
+        reject("reference", reference, f"a recorded dof, one of {rec.dofs}", "Name a dof of the recording.")
     j = rec.dofs.index(reference)
     spectra = averaged_spectra(rec, nperseg, noverlap, window, method)
     values, coherence = two_channel(spectra.matrix, j, "h1" if estimator == "rank1" else estimator)
@@ -190,6 +190,7 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
             "resp",
             getattr(resp, "kind", type(resp).__name__),
             "a FrequencyResponse of kind 'transmissibility'",
+            "Estimate it by antires_rs.transmissibility.",
         )
     others = np.delete(resp.values, resp.dofs.index(resp.reference), axis=0)
     return np.asarray(np.abs(others.real).sum(axis=0) + 1j * np.abs(others.imag).sum(axis=0))
@@ -204,7 +205,7 @@ def averaged_spectra(
     *,
     include_force: bool = False,
 ) -> CrossSpectra:
-    """Welch or whole hits, by ``method``."""
+    """Welch or whole impacts, by ``method``."""
     choice("method", method, ("auto", "welch", "transient"))
     if method == "transient":
         return transient_spectra(rec, include_force=include_force)

@@ -9,7 +9,10 @@ from pathlib import Path
 
 from .validation import reject
 
-__all__ = ["put_in_place", "write_atomically"]
+__all__ = ["final_path", "put_in_place", "write_atomically"]
+
+#: A file that is being written: its name to be, and the process.
+_BESIDE = re.compile(r"\.(.+)\.(\d+)\.tmp")
 
 
 def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
@@ -26,7 +29,7 @@ def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
             f"Make the folder {str(target.parent)!r} first.",
         )
     if target.is_dir():
-        reject("path", str(target), "a file, not a folder")
+        reject("path", str(target), "a file, not a folder", "Name a file in it.")
     # Same folder, so that the replacement is one step of the file system.
     beside = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     try:
@@ -54,15 +57,20 @@ def put_in_place(beside: Path, target: Path) -> None:
                 os.close(folder)
 
 
+def final_path(path: str | os.PathLike[str]) -> Path:
+    """The path that a file being written is to have; any other path as it is."""
+    found = _BESIDE.fullmatch(Path(path).name)
+    return Path(path).with_name(found[1]) if found else Path(path)
+
+
 def _forget_half_written(target: Path) -> None:
     """Remove what processes that are no more were writing to the same target."""
     if os.name != "posix":  # os.kill would end the process instead of asking for it
         return
-    named = re.compile(rf"\.{re.escape(target.name)}\.(\d+)\.tmp")
     with suppress(OSError):  # the target is in place, which is what was asked for
         for name in os.listdir(target.parent):
-            found = named.fullmatch(name)
-            if found and not _alive(int(found[1])):
+            found = _BESIDE.fullmatch(name)
+            if found and found[1] == target.name and not _alive(int(found[2])):
                 target.with_name(name).unlink(missing_ok=True)
 
 

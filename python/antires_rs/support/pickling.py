@@ -1,6 +1,6 @@
 """Values that survive ``pickle`` and ``copy.deepcopy``, as processes and libraries that copy need it.
 
-What is left out of a pickle is made again from the rest, to the same bits; arrays that were read-only are so
+What is left out of a pickle is made again from the rest, bit-identical; arrays that were read-only are so
 again. A pickle is for the same version of this package; files are written by ``save``.
 """
 

@@ -1,48 +1,68 @@
 """Argument checks shared by the whole Python face.
 
 Each check returns the value in the form the code works with, or raises
-:class:`~antires_rs.exceptions.InvalidInputError` in one sentence pattern:
-``name: got X; wanted Y.`` with a remedy where there is one.
+:class:`~antires_rs.exceptions.InvalidInputError`: what was got, what is wanted, and what to do.
 """
 
 from __future__ import annotations
 
 import operator
 from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import InvalidInputError
+from ..exceptions import Argument, InvalidInputError
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 T = TypeVar("T")
 
+_ONE_NUMBER = "Pass one number, without quotes."
+_WHOLE = "Pass a whole number, without a fraction."
+_TWO_NUMBERS = "Write it as in (5.0, 100.0)."
+_LABELS = "List a label for each channel, or leave them out to number the channels from 0."
 
-def reject(name: str, got: object, wanted: str, remedy: str = "") -> NoReturn:
-    """Raise the package's input error in its one sentence pattern."""
-    text = got if isinstance(got, str) else repr(got)
+
+def reject(name: str, got: object, wanted: str, remedy: str) -> NoReturn:
+    """Raise the package's input error; ``name`` may be an :class:`~antires_rs.exceptions.Argument`."""
+    text = got if isinstance(got, str) and got else repr(got)
     raise InvalidInputError(name, text, wanted, remedy)
+
+
+def part(name: str, key: Any) -> Argument:
+    """An item of an argument, for the checks to name."""
+    return Argument(name).item(key)
 
 
 def _array(name: str, value: Any, dtype: type, ndim: int | None, wanted: str) -> NDArray[Any]:
     try:
         array = np.asarray(value)
         if dtype is np.float64 and np.iscomplexobj(array):
-            reject(name, f"complex values of dtype {array.dtype}", wanted)
+            reject(
+                name,
+                f"complex values of dtype {array.dtype}",
+                wanted,
+                "Pass the real parts or the magnitudes, whichever is meant.",
+            )
         array = np.ascontiguousarray(array, dtype=dtype)
     except (TypeError, ValueError) as exc:
         if isinstance(exc, InvalidInputError):
             raise
-        reject(name, f"{type(value).__name__} that does not convert ({exc})", wanted)
+        reject(
+            name,
+            f"{type(value).__name__} that does not convert ({exc})",
+            wanted,
+            "Pass numbers, as a list or a numpy array.",
+        )
     # ascontiguousarray lifts scalars to 1-D; keep what the caller gave.
     array = array.reshape(np.shape(value)) if np.ndim(value) == 0 else array
     if ndim is not None and array.ndim != ndim:
-        reject(name, f"an array of shape {array.shape}", wanted)
+        reject(name, f"an array of shape {array.shape}", wanted, "Check its axes by np.shape.")
     if array.size == 0:
-        reject(name, f"an empty array of shape {array.shape}", wanted)
+        reject(name, f"an empty array of shape {array.shape}", wanted, "Check how it was read or cut.")
     bad = int(np.count_nonzero(~np.isfinite(array)))
     if bad:
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
@@ -70,7 +90,7 @@ def complex_rows(name: str, value: Any, n_columns: int, *, wanted: str) -> Compl
     array = complex_array(name, value, ndim=None, wanted=wanted)
     array = array[None, :] if array.ndim == 1 else array
     if array.ndim != 2 or array.shape[1] != n_columns:
-        reject(name, f"an array of shape {array.shape}", wanted)
+        reject(name, f"an array of shape {array.shape}", wanted, "Check its axes by np.shape.")
     return array
 
 
@@ -87,7 +107,12 @@ def random_generator(rng: Any) -> np.random.Generator:
     if rng is None or isinstance(rng, np.random.Generator):
         return np.random.default_rng(rng)
     if isinstance(rng, bool | np.bool_) or not isinstance(rng, int | np.integer) or rng < 0:
-        reject("rng", rng, "an integer of at least 0, a numpy Generator or None")
+        reject(
+            "rng",
+            rng,
+            "an integer of at least 0, a numpy Generator or None",
+            "Pass a number such as rng=0 to have the same draw again, or leave it out.",
+        )
     return np.random.default_rng(int(rng))
 
 
@@ -107,15 +132,15 @@ def finite_scalar(
     interval = f" in {left}{low:g}, {high:g}{right}" if bounded else ""
     wanted = f"a finite number{interval}{' ' + unit if unit else ''}"
     if isinstance(value, bool | str | bytes) or shape_of(value) != ():
-        reject(name, repr(value), wanted)
+        reject(name, repr(value), wanted, _ONE_NUMBER)
     try:
         number = float(value)
     except (TypeError, ValueError):
-        reject(name, repr(value), wanted)
+        reject(name, repr(value), wanted, _ONE_NUMBER)
     below = number <= low if low_open else number < low
     above = number >= high if high_open else number > high
     if not np.isfinite(number) or below or above:
-        reject(name, repr(value), wanted)
+        reject(name, repr(value), wanted, _into_limits(below, above))
     return number
 
 
@@ -132,14 +157,25 @@ def integer(name: str, value: Any, *, low: int | None = None, high: int | None =
     )
     wanted = f"an integer{bounds}"
     if isinstance(value, bool | np.bool_):
-        reject(name, repr(value), wanted)
+        reject(name, repr(value), wanted, _WHOLE)
     try:
         number = operator.index(value)
     except TypeError:
-        reject(name, repr(value), wanted)
-    if (low is not None and number < low) or (high is not None and number > high):
-        reject(name, repr(value), wanted)
+        reject(name, repr(value), wanted, _WHOLE)
+    below, above = low is not None and number < low, high is not None and number > high
+    if below or above:
+        reject(name, repr(value), wanted, _into_limits(below, above))
     return number
+
+
+def _into_limits(below: bool, above: bool) -> str:
+    return (
+        "Pass a larger one."
+        if below
+        else "Pass a smaller one."
+        if above
+        else "Check the computation that gave it."
+    )
 
 
 def choice(name: str, value: Any, options: Sequence[T]) -> T:
@@ -147,18 +183,24 @@ def choice(name: str, value: Any, options: Sequence[T]) -> T:
     for option in options:
         if type(value) is type(option) and value == option:
             return option
-    reject(name, repr(value), "one of " + ", ".join(repr(option) for option in options))
+    near = get_close_matches(value, map(str, options), 1, 0.6) if isinstance(value, str) else ()
+    reject(
+        name,
+        repr(value),
+        "one of " + ", ".join(repr(option) for option in options),
+        f"Did you mean {near[0]!r}?" if near else "Choose one of them.",
+    )
 
 
 def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> tuple[float, float]:
     """A pair (low, high) in Hz with low < high, inside what the data cover."""
     wanted = f"a pair (low, high) in Hz with {low_hz:g} <= low < high <= {high_hz:g}"
     if shape_of(value) != (2,):
-        reject(name, value, wanted)
+        reject(name, value, wanted, _TWO_NUMBERS)
     try:
         low, high = (float(v) for v in value)
     except (TypeError, ValueError):
-        reject(name, value, wanted)
+        reject(name, value, wanted, _TWO_NUMBERS)
     # One part in 1e9 of slack: a band typed in decimal must be allowed to meet the data's own edge.
     slack = 1e-9 * max(high_hz, 1.0)
     if (
@@ -182,17 +224,17 @@ def dof_labels(name: str, value: Iterable[Any] | None, count: int) -> tuple[Any,
     if value is None:
         return tuple(range(count))
     if isinstance(value, str | bytes):
-        reject(name, value, wanted)
+        reject(name, value, wanted, _LABELS)
     try:
         labels = tuple(
             int(v) if isinstance(v, int | np.integer) and not isinstance(v, bool) else v for v in value
         )
         distinct = len(set(labels))
     except TypeError:
-        reject(name, value, wanted)
+        reject(name, value, wanted, _LABELS)
     if len(labels) != count:
-        reject(name, f"{len(labels)} labels", wanted)
+        reject(name, f"{len(labels)} labels", wanted, _LABELS)
     if distinct != count:
         twice = next(v for v in labels if labels.count(v) > 1)
-        reject(name, f"label {twice!r} more than once", wanted)
+        reject(name, f"label {twice!r} more than once", wanted, "Rename one of the two.")
     return labels

@@ -79,7 +79,12 @@ def assess_damage(
     {0: 0.0, 1: 0.4, 2: 0.0}
     """
     if not isinstance(model, StructuralModel):
-        reject("model", model, "a MassSpringChain, FrameModel or MatrixModel")
+        reject(
+            "model",
+            model,
+            "a MassSpringChain, FrameModel or MatrixModel",
+            "Build the model as one of these first.",
+        )
     chosen = (
         model.default_elements
         if elements is None

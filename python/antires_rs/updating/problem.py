@@ -165,7 +165,12 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         weights: Any = None,
     ) -> None:
         if not isinstance(model, StructuralModel):
-            reject("model", model, "a MassSpringChain, FrameModel or MatrixModel")
+            reject(
+                "model",
+                model,
+                "a MassSpringChain, FrameModel or MatrixModel",
+                "Build the model as one of these first.",
+            )
         chosen = parameter_tuple(parameters)
         if objective is not None:
             choice("objective", objective, ("antiresonance", "modal"))
@@ -249,7 +254,12 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         n = len(self.parameters)
         rows = real_array("candidates", candidates, ndim=2, wanted=f"an array (m, {n}), one candidate a row")
         if rows.shape[1] != n:
-            reject("candidates", f"shape {rows.shape}", f"(m, {n})")
+            reject(
+                "candidates",
+                f"shape {rows.shape}",
+                f"(m, {n})",
+                "Give a row for each candidate, a column for each parameter.",
+            )
         return self._core.evaluate_many(rows, thread_count(workers))
 
     def model_at(self, x: Any) -> StructuralModel:
@@ -269,7 +279,12 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         n = len(self.parameters)
         vector = real_array("x", x, ndim=1, wanted=f"an array ({n},), one value for each parameter")
         if vector.size != n:
-            reject("x", f"{vector.size} values", f"{n}, one for each parameter")
+            reject(
+                "x",
+                f"{vector.size} values",
+                f"{n}, one for each parameter",
+                "Give them in the order of the parameters; problem.names lists them.",
+            )
         return vector
 
     def __repr__(self) -> str:
@@ -280,5 +295,10 @@ def _penalty(penalty: Any) -> DamagePenalty | None:
     if penalty is None or isinstance(penalty, DamagePenalty):
         return penalty
     if np.shape(penalty) != (2,):
-        reject("penalty", penalty, "a DamagePenalty, a pair (gamma1, gamma2) or None")
+        reject(
+            "penalty",
+            penalty,
+            "a DamagePenalty, a pair (gamma1, gamma2) or None",
+            "Write it as in penalty=(0.1, 0.1).",
+        )
     return DamagePenalty(*penalty)

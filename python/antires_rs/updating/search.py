@@ -40,7 +40,7 @@ def update(
     optimizer : IslandGA, optional
         Settings of the search.
     rng : int or numpy.random.Generator, optional
-        Same seed, same bits, whatever the number of threads.
+        The same seed gives bit-identical results for any number of threads.
     workers : int, optional
         Threads; all processors by default.
     callback : callable, optional
@@ -52,7 +52,7 @@ def update(
         Show progress on standard error; by default on a terminal, after one second.
     checkpoint : path-like, optional
         File in which the search is kept, written every two seconds and at the end. If it is there, the search
-        goes on from it, to the same bits as if it had never stopped; see
+        goes on from it, bit-identical to one that never stopped; see
         :mod:`antires_rs.optimize.checkpoint`.
 
     Returns
@@ -79,7 +79,12 @@ def update(
     array([1.1 , 0.96])
     """
     if not isinstance(problem, UpdatingProblem):
-        reject("problem", problem, "an UpdatingProblem")
+        reject(
+            "problem",
+            problem,
+            "an UpdatingProblem",
+            "Join model, parameters and measurement by UpdatingProblem first.",
+        )
     found, seed = search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
     return UpdateResult(problem, found, seed)
 
@@ -97,7 +102,7 @@ def search(
     """The core's search as ``update`` and ``assess_damage`` run it, and the seed that was used."""
     ga = IslandGA() if optimizer is None else optimizer
     if not isinstance(ga, IslandGA):
-        reject("optimizer", optimizer, "an IslandGA")
+        reject("optimizer", optimizer, "an IslandGA", "Leave it out for IslandGA().")
     first = guesses(x0, len(problem.parameters))
     kept = None if checkpoint is None else Checkpoint(checkpoint)
     seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)

@@ -213,13 +213,23 @@ def targets_of(model: StructuralModel, measured: Any, objective: str | None) -> 
     """The kind that the measured sets are, which must be the one asked for."""
     sets = (measured,) if isinstance(measured, AntiresonanceSet | ModalSet) else measured
     if not isinstance(sets, Sequence) or not sets:
-        reject("measured", measured, "an AntiresonanceSet or a ModalSet, or several of one kind")
+        reject(
+            "measured",
+            measured,
+            "an AntiresonanceSet or a ModalSet, or several of one kind",
+            "Identify it from a record, or build it from a table: AntiresonanceSet(0, {0: [12.2, 36.2]}).",
+        )
     if all(isinstance(s, AntiresonanceSet) for s in sets):
         kind: Any = AntiresonanceTargets
     elif all(isinstance(s, ModalSet) for s in sets):
         kind = ModalTargets
     else:
-        reject("measured", measured, "an AntiresonanceSet or a ModalSet, or several of one kind")
+        reject(
+            "measured",
+            measured,
+            "an AntiresonanceSet or a ModalSet, or several of one kind",
+            "Identify it from a record, or build it from a table: AntiresonanceSet(0, {0: [12.2, 36.2]}).",
+        )
     if objective is not None and objective != kind.objective:
         needed = "an AntiresonanceSet" if objective == "antiresonance" else "a ModalSet"
         reject(

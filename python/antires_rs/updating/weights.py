@@ -27,7 +27,12 @@ def residual_weights(
         return None
     if isinstance(weights, str):
         if weights != "std":
-            reject("weights", repr(weights), "None, 'std', or one number for each measured value")
+            reject(
+                "weights",
+                repr(weights),
+                "None, 'std', or one number for each measured value",
+                "Leave them out to count all values alike.",
+            )
         std = np.concatenate([table.std_hz for each in sets for table in each.tables.values()])
         if not np.isfinite(std).any():
             reject(
@@ -43,5 +48,10 @@ def residual_weights(
     wanted = f"{measured_hz.size} numbers of at least 0, one for each measured value"
     given = real_array("weights", weights, ndim=1, wanted=wanted)
     if given.size != measured_hz.size or given.min() < 0.0 or not given.any():
-        reject("weights", f"{given.size} numbers from {given.min():g} to {given.max():g}", wanted)
+        reject(
+            "weights",
+            f"{given.size} numbers from {given.min():g} to {given.max():g}",
+            wanted,
+            "Leave them out to count all values alike.",
+        )
     return given

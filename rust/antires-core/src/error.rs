@@ -1,8 +1,10 @@
 //! The errors of the core: what was given, what is wanted, and how to get there.
 //!
-//! Every message about an input follows one pattern, `argument: got this; wanted that. remedy`, so
-//! that the Python face can pass it on unchanged. A run that did not converge is not an error: its
-//! outcome says so in a status.
+//! Every error about an input has the same four fields and says them in the same order,
+//! `argument: got this; wanted that. remedy`. The Python face takes the fields, never the sentence. A
+//! run that did not converge is not an error: its outcome says so in a status.
+
+use std::fmt;
 
 /// The result of a fallible function of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -12,15 +14,15 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 pub enum Error {
     /// An argument cannot be used as it was given.
-    #[error("{argument}: got {got}; wanted {wanted}.{}", spaced(remedy))]
+    #[error("{argument}: got {got}; wanted {wanted}. {remedy}")]
     InvalidInput {
-        /// The argument's name, with an index where it has one: `bounds[3]`.
-        argument: String,
+        /// The argument, or the part of it that is wrong.
+        argument: Argument,
         /// What was given.
         got: String,
         /// What would have been accepted.
         wanted: String,
-        /// What to do about it; may be empty.
+        /// What to do about it.
         remedy: String,
     },
 
@@ -35,38 +37,117 @@ pub enum Error {
 }
 
 impl Error {
-    /// An unusable argument, without a remedy.
-    #[must_use]
+    /// An unusable argument, still without what to do about it: [`Refusal::remedy`] makes it an error.
     #[allow(clippy::needless_pass_by_value)] // numbers and literals read better without a `&`
     pub fn input(
-        argument: impl Into<String>,
+        argument: impl Into<Argument>,
         got: impl ToString,
         wanted: impl Into<String>,
-    ) -> Self {
-        Self::InvalidInput {
+    ) -> Refusal {
+        Refusal {
             argument: argument.into(),
             got: got.to_string(),
             wanted: wanted.into(),
-            remedy: String::new(),
         }
-    }
-
-    /// The same error with a remedy, where it is one of input; any other error is left as it is.
-    #[must_use]
-    pub fn remedy(mut self, text: impl Into<String>) -> Self {
-        if let Self::InvalidInput { remedy, .. } = &mut self {
-            *remedy = text.into();
-        }
-        self
     }
 }
 
-/// The remedy with the space that separates it from the sentence before, or nothing.
-fn spaced(remedy: &str) -> String {
-    if remedy.is_empty() {
-        String::new()
-    } else {
-        format!(" {remedy}")
+/// An error that lacks its remedy; none leaves the crate like that.
+#[must_use = "say by `remedy` what to do"]
+#[derive(Debug)]
+pub struct Refusal {
+    argument: Argument,
+    got: String,
+    wanted: String,
+}
+
+impl Refusal {
+    /// The error, with what the caller can do.
+    pub fn remedy(self, text: impl Into<String>) -> Error {
+        let Self {
+            argument,
+            got,
+            wanted,
+        } = self;
+        Error::InvalidInput {
+            argument,
+            got,
+            wanted,
+            remedy: text.into(),
+        }
+    }
+}
+
+/// An argument by its name, or a part of one: `point_masses[2].inertia_kg_m2`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Argument {
+    name: String,
+    steps: Vec<Step>,
+}
+
+/// A step from an argument to a part of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Step {
+    /// To an item, by its index.
+    Item(usize),
+    /// To a field, by its name.
+    Field(String),
+}
+
+impl Argument {
+    /// Item `index` of this argument.
+    #[must_use]
+    pub fn item(&self, index: usize) -> Self {
+        self.with(Step::Item(index))
+    }
+
+    /// A field of this argument.
+    #[must_use]
+    pub fn field(&self, name: impl Into<String>) -> Self {
+        self.with(Step::Field(name.into()))
+    }
+
+    /// The argument's own name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The way from the argument to the part that is meant; empty where all of it is.
+    #[must_use]
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    fn with(&self, step: Step) -> Self {
+        let mut part = self.clone();
+        part.steps.push(step);
+        part
+    }
+}
+
+impl fmt::Display for Argument {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name)?;
+        self.steps.iter().try_for_each(|step| match step {
+            Step::Item(index) => write!(f, "[{index}]"),
+            Step::Field(name) => write!(f, ".{name}"),
+        })
+    }
+}
+
+impl<S: Into<String>> From<S> for Argument {
+    fn from(name: S) -> Self {
+        Self {
+            name: name.into(),
+            steps: Vec::new(),
+        }
+    }
+}
+
+impl From<&Self> for Argument {
+    fn from(argument: &Self) -> Self {
+        argument.clone()
     }
 }
 
@@ -75,22 +156,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_message_says_got_wanted_and_remedy_without_a_trailing_space() {
-        let plain = Error::input("islands", 0, "at least 1");
-        assert_eq!(plain.to_string(), "islands: got 0; wanted at least 1.");
-        let helped = plain.remedy("Leave it out for 4.");
+    fn a_message_says_argument_got_wanted_and_remedy() {
+        let error = Error::input("islands", 0, "at least 1").remedy("Leave it out for 4.");
         assert_eq!(
-            helped.to_string(),
+            error.to_string(),
             "islands: got 0; wanted at least 1. Leave it out for 4."
         );
     }
 
     #[test]
-    fn a_remedy_leaves_other_errors_alone() {
-        let error = Error::Numerical {
-            what: "the eigenproblem".into(),
-            detail: "no convergence".into(),
-        };
-        assert_eq!(error.clone().remedy("Count again."), error);
+    fn a_part_of_an_argument_is_spelt_as_python_spells_it() {
+        let part = Argument::from("point_masses").item(2).field("mass_kg");
+        assert_eq!(part.to_string(), "point_masses[2].mass_kg");
+        assert_eq!(part.name(), "point_masses");
+        assert_eq!(part.steps(), [Step::Item(2), Step::Field("mass_kg".into())]);
     }
 }

@@ -330,7 +330,7 @@ fn unusable_input_is_refused_by_name() {
         let hooks = &mut Hooks::default();
         let result = minimize_objective(&sphere, &bounds, guesses, options, 1, threads, hooks);
         match result.unwrap_err() {
-            Error::InvalidInput { argument, .. } => argument,
+            Error::InvalidInput { argument, .. } => argument.to_string(),
             other => panic!("{other}"),
         }
     };

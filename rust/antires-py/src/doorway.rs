@@ -3,11 +3,12 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-use antires_core::error::Error;
+use antires_core::error::{Argument, Error, Step};
 use antires_core::optimize::Interrupt;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::import_exception;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 import_exception!(antires_rs.exceptions, InternalError);
 import_exception!(antires_rs.exceptions, InvalidInputError);
@@ -17,14 +18,35 @@ import_exception!(antires_rs.exceptions, ObjectiveError);
 /// How often signals are looked at: often enough for a person, seldom enough to cost nothing.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
 
-/// The Python exception of a core error.
+/// The Python exception of a core error, which takes its fields.
 pub fn to_python(error: Error) -> PyErr {
-    let message = error.to_string();
     match error {
-        Error::InvalidInput { .. } => InvalidInputError::new_err(message),
-        Error::Numerical { .. } => NumericalError::new_err(message),
-        _ => InternalError::new_err(message),
+        Error::InvalidInput {
+            argument,
+            got,
+            wanted,
+            remedy,
+        } => Python::attach(|py| match python_argument(py, &argument) {
+            Ok(argument) => InvalidInputError::new_err((argument, got, wanted, remedy)),
+            Err(error) => error,
+        }),
+        Error::Numerical { what, detail } => NumericalError::new_err((what, detail)),
+        other => InternalError::new_err(other.to_string()),
     }
+}
+
+/// The argument as the Python face has it: its spelling, and the way to the part that is meant.
+fn python_argument(py: Python<'_>, argument: &Argument) -> PyResult<Py<PyAny>> {
+    let mut path = vec![argument.name().into_pyobject(py)?.into_any()];
+    for step in argument.steps() {
+        path.push(match step {
+            Step::Item(index) => index.into_pyobject(py)?.into_any(),
+            Step::Field(name) => name.into_pyobject(py)?.into_any(),
+        });
+    }
+    let class = py.import("antires_rs.exceptions")?.getattr("Argument")?;
+    let made = class.call1((argument.to_string(), PyTuple::new(py, path)?))?;
+    Ok(made.unbind())
 }
 
 /// Runs `work` detached from the interpreter. A panic becomes an `InternalError`.

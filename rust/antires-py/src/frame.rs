@@ -1,5 +1,6 @@
 //! Frames: their description in, their parts out.
 
+use antires_core::error::Argument;
 use antires_core::fem::frame::Frame as CoreFrame;
 use antires_core::fem::frame::description::{
     Beam, FrameDescription, GroundSpring, NodeSpring, PointMass,
@@ -62,7 +63,7 @@ impl Frame {
         });
         let at = |argument: &str, i: usize, name: &str| {
             dimension
-                .direction(&format!("{argument}[{i}]"), name)
+                .direction(&Argument::from(argument).item(i), name)
                 .map_err(to_python)
         };
         let description = FrameDescription {

@@ -177,7 +177,10 @@ impl Model {
             "accelerance" => Motion::Accelerance,
             _ => {
                 let wanted = "'receptance', 'mobility' or 'accelerance'";
-                return Err(to_python(Error::input("kind", format!("{kind:?}"), wanted)));
+                return Err(to_python(
+                    Error::input("kind", format!("{kind:?}"), wanted)
+                        .remedy("Leave it out for 'accelerance'."),
+                ));
             }
         };
         let (freq, damping) = (
@@ -216,11 +219,10 @@ impl Model {
             "modal" => Route::Modal,
             "pencil" => Route::Pencil,
             _ => {
-                return Err(to_python(Error::input(
-                    "method",
-                    format!("{method:?}"),
-                    "'modal' or 'pencil'",
-                )));
+                return Err(to_python(
+                    Error::input("method", format!("{method:?}"), "'modal' or 'pencil'")
+                        .remedy("Leave it out for 'modal', the quicker of the two."),
+                ));
             }
         };
         let query = Query {

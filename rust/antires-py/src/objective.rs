@@ -242,7 +242,8 @@ fn misfit_of(name: &str) -> Result<Misfit, Error> {
         "largest" => Ok(Misfit::Largest),
         _ => {
             let wanted = "'absolute', 'squared' or 'largest'";
-            Err(Error::input("misfit", format!("{name:?}"), wanted))
+            Err(Error::input("misfit", format!("{name:?}"), wanted)
+                .remedy("Leave it out for 'absolute'."))
         }
     }
 }

@@ -67,7 +67,8 @@ fn read_options(dict: &Bound<'_, PyDict>) -> PyResult<IslandOptions> {
                 "option",
                 key.to_string(),
                 format!("one of {}", names.join(", ")),
-            );
+            )
+            .remedy("Correct the name, or leave the option out.");
             return Err(to_python(error));
         }
     }
@@ -251,17 +252,18 @@ impl Evaluator for PythonEvaluator {
         let shape = (candidates.len(), candidates.n_genes());
         let answer = Python::attach(|py| -> PyResult<Vec<f64>> {
             let rows = Array2::from_shape_vec(shape, candidates.as_slice().to_vec())
-                .map_err(|e| ObjectiveError::new_err(e.to_string()))?;
+                .expect("as many values as the candidates have genes");
             let rows: Bound<'_, PyArray2<f64>> = rows.into_pyarray(py);
             self.function.call1(py, (rows,))?.extract(py)
         });
         match answer {
             Ok(values) if values.len() == costs.len() => costs.copy_from_slice(&values),
             Ok(values) => {
-                return Err(ObjectiveError::new_err(format!(
-                    "fun: got {} costs; wanted {}, one for each candidate.",
-                    values.len(),
-                    costs.len()
+                return Err(ObjectiveError::new_err((
+                    "fun",
+                    format!("{} costs", values.len()),
+                    format!("{}, one for each candidate", costs.len()),
+                    "Return a float for each candidate.",
                 )));
             }
             Err(error) if Python::attach(|py| error.is_instance_of::<PyKeyboardInterrupt>(py)) => {

@@ -1,6 +1,6 @@
 //! Parameters as Python gives them.
 
-use antires_core::error::{Error, Result};
+use antires_core::error::{Argument, Error, Result};
 use antires_core::fem::bounds::check_bounds as check_core_bounds;
 use antires_core::fem::frame::{Angle, Property, Scale};
 use antires_core::fem::model::Model as CoreModel;
@@ -20,7 +20,7 @@ pub fn core_parameters(model: &CoreModel, parts: Vec<ParameterParts>) -> Result<
         .into_iter()
         .enumerate()
         .map(|(i, parts)| {
-            let name = format!("parameters[{i}]");
+            let name = Argument::from("parameters").item(i);
             let parameter = parameter(&name, model, parts)?;
             parameter.check(&name, model)?;
             Ok(parameter)
@@ -28,7 +28,7 @@ pub fn core_parameters(model: &CoreModel, parts: Vec<ParameterParts>) -> Result<
         .collect()
 }
 
-fn parameter(name: &str, model: &CoreModel, parts: ParameterParts) -> Result<Parameter> {
+fn parameter(name: &Argument, model: &CoreModel, parts: ParameterParts) -> Result<Parameter> {
     let (quantity, terms, relative, turn) = parts;
     let scale = if relative {
         Scale::Factor
@@ -49,7 +49,8 @@ fn parameter(name: &str, model: &CoreModel, parts: ParameterParts) -> Result<Par
         ("angle", Some((pivot, axis))) => {
             let Some(frame) = model.frame() else {
                 let got = "an angle for a model that is no frame";
-                return Err(Error::input(name, got, "a FrameModel"));
+                return Err(Error::input(name, got, "a FrameModel")
+                    .remedy("Only the elements of a FrameModel have angles."));
             };
             return Ok(Parameter {
                 quantity: Quantity::Angle(Angle { pivot, axis }),
@@ -58,7 +59,8 @@ fn parameter(name: &str, model: &CoreModel, parts: ParameterParts) -> Result<Par
         }
         (quantity, _) => {
             let got = format!("{quantity:?}");
-            return Err(Error::input("quantity", got, "a known parameter quantity"));
+            return Err(Error::input("quantity", got, "a known parameter quantity")
+                .remedy("Make parameters by stiffness_factor, thickness and the like."));
         }
     };
     Ok(Parameter { quantity, terms })

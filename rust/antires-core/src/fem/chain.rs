@@ -28,7 +28,8 @@ pub fn mass_spring_chain(
 ) -> Result<Model> {
     let n = masses_kg.len();
     if n == 0 {
-        return Err(Error::input("masses_kg", "no mass", "at least one mass"));
+        return Err(Error::input("masses_kg", "no mass", "at least one mass")
+            .remedy("Give the masses in kg, from the first to the last."));
     }
     if springs_n_per_m.len() + 1 != n {
         return Err(Error::input(
@@ -47,7 +48,8 @@ pub fn mass_spring_chain(
                 name,
                 format!("{} {unit} at index {i}", values[i]),
                 "positive, finite values",
-            ));
+            )
+            .remedy("Correct the value, or leave that mass or spring out of the chain."));
         }
     }
     for (name, value) in [
@@ -55,11 +57,10 @@ pub fn mass_spring_chain(
         ("ground_last_n_per_m", ground_last_n_per_m),
     ] {
         if !(value.is_finite() && value >= 0.0) {
-            return Err(Error::input(
-                name,
-                format!("{value} N/m"),
-                "a finite value of at least 0",
-            ));
+            return Err(
+                Error::input(name, format!("{value} N/m"), "a finite value of at least 0")
+                    .remedy("Leave it at 0 where nothing joins that end to the ground."),
+            );
         }
     }
     let mut stiffness_terms: Vec<Term> = springs_n_per_m

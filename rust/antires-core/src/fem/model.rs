@@ -41,7 +41,8 @@ impl Model {
                 "mass",
                 format!("{:e} kg on the diagonal at dof {i}", mass[(i, i)]),
                 "no negative mass",
-            ));
+            )
+            .remedy("Check its signs, and that stiffness and mass are not exchanged."));
         }
         for (name, terms) in [
             ("stiffness_terms", &stiffness_terms),
@@ -54,7 +55,8 @@ impl Model {
                         name,
                         format!("an entry at ({}, {}) in term {i}", e.0, e.1),
                         format!("entries inside the {n} x {n} matrix"),
-                    ));
+                    )
+                    .remedy("A term is a part of the model's own matrix, of the same size."));
                 }
             }
         }
@@ -162,7 +164,8 @@ impl Model {
             argument,
             format!("dof {dof}"),
             format!("a zero-based dof in 0..{}", self.n_dof() - 1),
-        ))
+        )
+        .remedy("Dofs are counted from 0."))
     }
 
     /// Whether dofs `i` and `k` are joined by any chain of stiffness or mass entries. If not, H_ik is
@@ -200,18 +203,19 @@ fn check_symmetric(name: &str, matrix: MatRef<'_, f64>, n: usize) -> Result<()> 
             name,
             format!("a matrix of shape ({}, {})", matrix.nrows(), matrix.ncols()),
             "a non-empty square matrix, stiffness and mass of one size",
-        ));
+        )
+        .remedy("Pass both after the same dofs were removed."));
     }
     let largest = matrix.norm_max();
     for j in 0..n {
         for i in 0..n {
             let value = matrix[(i, j)];
             if !value.is_finite() {
-                return Err(Error::input(
-                    name,
-                    format!("{value} at ({i}, {j})"),
-                    "finite entries",
-                ));
+                return Err(
+                    Error::input(name, format!("{value} at ({i}, {j})"), "finite entries").remedy(
+                        "Check how the matrix was exported; NaN and infinity cannot be solved.",
+                    ),
+                );
             }
             if (value - matrix[(j, i)]).abs() > SYMMETRY * largest {
                 return Err(Error::input(

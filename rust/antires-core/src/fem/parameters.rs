@@ -14,7 +14,7 @@ use faer::Mat;
 use super::frame::dofs::Dimension;
 use super::frame::{Angle, Property, Reform, Scale};
 use super::model::Model;
-use crate::error::{Error, Result};
+use crate::error::{Argument, Error, Result};
 
 /// What a parameter value means.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +47,7 @@ impl Parameter {
     /// # Errors
     /// [`Error::InvalidInput`] for a term outside the model, a parameter that changes nothing, or a
     /// frame's parameter on a model that is not one.
-    pub fn check(&self, name: &str, model: &Model) -> Result<()> {
+    pub fn check(&self, name: &Argument, model: &Model) -> Result<()> {
         let (terms, kind) = match self.quantity {
             Quantity::MassFactor => (model.mass_terms(), "mass"),
             Quantity::StiffnessReduction | Quantity::StiffnessFactor => {
@@ -66,12 +66,14 @@ impl Parameter {
                 if parts.dimension == Dimension::Plane && angle.axis[..2] != [0.0; 2] {
                     let got = format!("a turn about the axis {:?}", angle.axis);
                     let wanted = "the axis (0, 0, 1): a plane frame turns in its plane";
-                    return Err(Error::input(name, got, wanted));
+                    return Err(Error::input(name, got, wanted)
+                        .remedy("Leave the axis out for a plane frame."));
                 }
                 let nodes = parts.nodes_m.len();
                 if let Some(node) = self.terms.iter().find(|&&node| node >= nodes) {
                     let wanted = format!("nodes below {nodes}");
-                    return Err(Error::input(name, format!("node {node}"), wanted));
+                    return Err(Error::input(name, format!("node {node}"), wanted)
+                        .remedy("Nodes are counted from 0, in the order of nodes_m."));
                 }
                 return Ok(());
             }
@@ -82,7 +84,8 @@ impl Parameter {
                     name,
                     format!("{kind} term {term}"),
                     format!("a zero-based {kind} term below {}", terms.len()),
-                ));
+                )
+                .remedy("Terms are counted from 0, in the order of the model."));
             }
         }
         if self.terms.iter().all(|&t| terms[t].is_zero()) {
@@ -114,7 +117,7 @@ impl Parameter {
     }
 }
 
-fn needs_frame<'a>(name: &str, model: &'a Model) -> Result<&'a super::frame::Frame> {
+fn needs_frame<'a>(name: &Argument, model: &'a Model) -> Result<&'a super::frame::Frame> {
     model.frame().ok_or_else(|| {
         Error::input(
             name,

@@ -14,7 +14,7 @@
 
 use std::f64::consts::PI;
 
-use crate::error::{Error, Result};
+use crate::error::{Argument, Error, Result};
 
 /// Σ 1/n⁵ over odd n: 31/32 ζ(5).
 const ODD_FIFTH_POWERS: f64 = 1.004_523_762_795_139_6;
@@ -156,31 +156,32 @@ impl Section {
     /// # Errors
     /// [`Error::InvalidInput`] for a dimension or modulus that is not positive, a wall thicker than the
     /// radius, a negative density, or a Poisson's ratio outside (−1, 0.5].
-    pub fn check(&self, name: &str) -> Result<()> {
+    pub fn check(&self, name: &Argument) -> Result<()> {
         let positive = |what: &str, unit: &str, value: f64| {
             if value.is_finite() && value > 0.0 {
                 return Ok(());
             }
             Err(Error::input(
-                format!("{name}.{what}"),
+                name.field(what),
                 format!("{value} {unit}"),
                 "a positive, finite value",
-            ))
+            )
+            .remedy("Dimensions and moduli are in SI units: m, Pa."))
         };
         positive("youngs_modulus_pa", "Pa", self.youngs_modulus_pa)?;
         if !(self.density_kg_per_m3.is_finite() && self.density_kg_per_m3 >= 0.0) {
             return Err(Error::input(
-                format!("{name}.density_kg_per_m3"),
+                name.field("density_kg_per_m3"),
                 format!("{} kg/m³", self.density_kg_per_m3),
                 "a finite value of at least 0",
-            ));
+            )
+            .remedy("It is in kg/m³; 0 makes the beam massless."));
         }
         if !(self.poisson > -1.0 && self.poisson <= 0.5) {
-            return Err(Error::input(
-                format!("{name}.poisson"),
-                self.poisson,
-                "a ratio in (-1, 0.5]",
-            ));
+            return Err(
+                Error::input(name.field("poisson"), self.poisson, "a ratio in (-1, 0.5]")
+                    .remedy("Metals have about 0.3."),
+            );
         }
         match self.shape {
             Shape::Tube {
@@ -192,10 +193,10 @@ impl Section {
                 // A rod, t = D/2, may miss it by a rounding.
                 if t > 0.5 * outer * (1.0 + 4.0 * f64::EPSILON) {
                     return Err(Error::input(
-                        format!("{name}.thickness_m"),
+                        name.field("thickness_m"),
                         format!("a wall of {t} m in a tube of {outer} m"),
                         "a wall of at most half the outer diameter",
-                    ));
+                    ).remedy("At half the diameter the tube is a solid rod; check which of the two is wrong."));
                 }
                 Ok(())
             }
@@ -276,14 +277,21 @@ mod tests {
             density_kg_per_m3: 7800.0,
             poisson: 0.3,
         };
-        assert!(section(0.015).check("sections[0]").is_ok());
-        let error = section(0.016).check("sections[0]").unwrap_err().to_string();
+        assert!(
+            section(0.015)
+                .check(&Argument::from("sections").item(0))
+                .is_ok()
+        );
+        let error = section(0.016)
+            .check(&Argument::from("sections").item(0))
+            .unwrap_err()
+            .to_string();
         assert!(error.starts_with("sections[0].thickness_m: got"), "{error}");
         let mut bad = section(0.002);
         bad.poisson = 0.6;
-        assert!(bad.check("sections[0]").is_err());
+        assert!(bad.check(&Argument::from("sections").item(0)).is_err());
         bad.poisson = 0.3;
         bad.density_kg_per_m3 = f64::NAN;
-        assert!(bad.check("sections[0]").is_err());
+        assert!(bad.check(&Argument::from("sections").item(0)).is_err());
     }
 }

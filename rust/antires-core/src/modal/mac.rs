@@ -36,11 +36,13 @@ impl Shape {
                 argument,
                 format!("{} entries at {} dofs", entries.len(), dofs.len()),
                 "one entry for each dof",
-            ));
+            )
+            .remedy("Give the shape where it was measured, and name those dofs."));
         }
         if let Some(i) = (1..dofs.len()).find(|&i| dofs[..i].contains(&dofs[i])) {
             let twice = format!("dof {} twice", dofs[i]);
-            return Err(Error::input(argument, twice, "each dof once"));
+            return Err(Error::input(argument, twice, "each dof once")
+                .remedy("Keep one of the two, or their mean."));
         }
         // NaN is lost in a maximum.
         let finite = entries.iter().all(|(a, b)| a.is_finite() && b.is_finite());

@@ -59,7 +59,11 @@ pub fn minimize<E: Evaluator>(
     let room = options.islands * options.population;
     if guesses.len() > room {
         let wanted = format!("at most {room}, the individuals of all islands");
-        return Err(Error::input("x0", format!("{} guesses", guesses.len()), wanted).into());
+        return Err(
+            Error::input("x0", format!("{} guesses", guesses.len()), wanted)
+                .remedy("Keep the best of them, or give the islands more individuals.")
+                .into(),
+        );
     }
     let mut archipelago = Archipelago::new(evaluator, bounds, guesses, options, seed);
     if let Some(bytes) = hooks.resume {

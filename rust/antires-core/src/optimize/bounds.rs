@@ -1,6 +1,6 @@
 //! The box of admissible candidates: `lower_i <= x_i <= upper_i`.
 
-use crate::error::{Error, Result};
+use crate::error::{Argument, Error, Result};
 use crate::rng::Rng;
 
 /// The largest magnitude of a bound: beyond it, extended intervals could overflow.
@@ -22,14 +22,16 @@ impl Bounds {
     pub fn new(lower: Vec<f64>, upper: Vec<f64>) -> Result<Self> {
         if lower.len() != upper.len() {
             let got = format!("{} lower and {} upper bounds", lower.len(), upper.len());
-            return Err(Error::input("bounds", got, "as many lower as upper bounds"));
+            return Err(Error::input("bounds", got, "as many lower as upper bounds")
+                .remedy("Give a pair (lower, upper) for each gene."));
         }
         if lower.is_empty() {
-            return Err(Error::input("bounds", "no gene", "at least one gene"));
+            return Err(Error::input("bounds", "no gene", "at least one gene")
+                .remedy("Give a pair (lower, upper) for each gene."));
         }
         for (i, (&lo, &hi)) in lower.iter().zip(&upper).enumerate() {
             let pair = format!("lower {lo}, upper {hi}");
-            let argument = format!("bounds[{i}]");
+            let argument = Argument::from("bounds").item(i);
             // Written so that NaN fails too.
             if !(lo.abs() <= MAX_MAGNITUDE && hi.abs() <= MAX_MAGNITUDE) {
                 return Err(
@@ -102,14 +104,18 @@ impl Bounds {
             if x.len() != self.n_genes() {
                 let wanted = format!("{} genes, one per bound", self.n_genes());
                 return Err(Error::input(
-                    format!("x0[{g}]"),
+                    Argument::from("x0").item(g),
                     format!("{} genes", x.len()),
                     wanted,
-                ));
+                )
+                .remedy("A guess holds a value for each gene, in the order of the bounds."));
             }
             if let Some(i) = (0..x.len()).find(|&i| !self.admits(i, x[i])) {
                 let wanted = format!("a value in [{}, {}]", self.lower[i], self.upper[i]);
-                return Err(Error::input(format!("x0[{g}][{i}]"), x[i], wanted));
+                return Err(
+                    Error::input(Argument::from("x0").item(g).item(i), x[i], wanted)
+                        .remedy("Move the guess inside, or widen the bounds."),
+                );
             }
         }
         Ok(())
@@ -137,7 +143,7 @@ mod tests {
         assert!(refusal(&[-f64::MAX], &[f64::MAX]).contains("wanted finite bounds"));
         assert_eq!(
             refusal(&[], &[]),
-            "bounds: got no gene; wanted at least one gene."
+            "bounds: got no gene; wanted at least one gene. Give a pair (lower, upper) for each gene."
         );
         assert!(refusal(&[0.0], &[]).contains("1 lower and 0 upper"));
     }
@@ -170,7 +176,7 @@ mod tests {
         };
         assert_eq!(
             refusal(vec![0.0, 1.5]),
-            "x0[1][1]: got 1.5; wanted a value in [0, 1]."
+            "x0[1][1]: got 1.5; wanted a value in [0, 1]. Move the guess inside, or widen the bounds."
         );
         assert!(refusal(vec![f64::NAN, 0.0]).starts_with("x0[1][0]: got NaN"));
         assert!(refusal(vec![0.5]).contains("got 1 genes; wanted 2 genes"));

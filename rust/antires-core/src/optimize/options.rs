@@ -25,7 +25,8 @@ impl Agreement {
                 "agreement",
                 format!("'{name}'"),
                 "'genes-or-cost' or 'genes'",
-            )),
+            )
+            .remedy("Leave it out for 'genes-or-cost'.")),
         }
     }
 
@@ -136,7 +137,8 @@ impl IslandOptions {
         ];
         for (name, got, least) in counts {
             if got < least {
-                return Err(Error::input(name, got, format!("at least {least}")));
+                return Err(Error::input(name, got, format!("at least {least}"))
+                    .remedy("Leave it out for the default."));
             }
         }
         let probabilities = [
@@ -145,7 +147,8 @@ impl IslandOptions {
         ];
         for (name, got) in probabilities {
             if !(0.0..=1.0).contains(&got) {
-                return Err(Error::input(name, got, "a value in [0, 1]"));
+                return Err(Error::input(name, got, "a value in [0, 1]")
+                    .remedy("It is a probability; leave it out for the default."));
             }
         }
         let tolerances = [
@@ -155,19 +158,25 @@ impl IslandOptions {
         ];
         for (name, got) in tolerances {
             if !(0.0..1.0).contains(&got) {
-                return Err(Error::input(name, got, "a value in [0, 1)"));
+                return Err(Error::input(name, got, "a value in [0, 1)")
+                    .remedy("It is relative; leave it out for the default."));
             }
         }
         let q = self.selection_pressure;
         if !(q > 0.0 && q < 1.0) {
-            return Err(Error::input("selection_pressure", q, "a value in (0, 1)"));
+            return Err(
+                Error::input("selection_pressure", q, "a value in (0, 1)").remedy(
+                    "It is the chance of the best to be drawn; leave it out for the default.",
+                ),
+            );
         }
         if !(self.cost_floor >= 0.0 && self.cost_floor.is_finite()) {
             return Err(Error::input(
                 "cost_floor",
                 self.cost_floor,
                 "a finite value of at least 0",
-            ));
+            )
+            .remedy("It is a cost below which the search is done; leave it out for the default."));
         }
         // Streams are split by island and memory by individual: refuse what cannot be meant.
         if self.islands.saturating_mul(self.population) > MAX_INDIVIDUALS {
@@ -175,10 +184,12 @@ impl IslandOptions {
                 "islands",
                 format!("{} islands of {}", self.islands, self.population),
                 format!("at most {MAX_INDIVIDUALS} individuals in all"),
-            ));
+            )
+            .remedy("Lower islands or population."));
         }
         if self.crossovers.is_empty() {
-            return Err(Error::input("crossovers", "none", "at least one operator"));
+            return Err(Error::input("crossovers", "none", "at least one operator")
+                .remedy("Leave it out for one of each."));
         }
         self.crossovers.iter().try_for_each(Crossover::validate)
     }
@@ -235,7 +246,7 @@ mod tests {
             let Err(Error::InvalidInput { argument, .. }) = options.validate() else {
                 panic!("{name} was not refused");
             };
-            assert_eq!(argument, name);
+            assert_eq!(argument.name(), name);
         }
     }
 

@@ -73,6 +73,9 @@ impl AntiresonanceObjective {
                     "measured",
                     format!("{f} Hz at dof {}", target.dof),
                     "positive, finite frequencies",
+                )
+                .remedy(
+                    "Drop it from the measured set: an antiresonance at 0 Hz is a rigid motion.",
                 ));
             }
         }

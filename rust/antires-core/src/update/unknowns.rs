@@ -8,7 +8,7 @@
 //! exactly zero.
 
 use super::penalties::Penalty;
-use crate::error::{Error, Result};
+use crate::error::{Argument, Error, Result};
 use crate::fem::model::Model;
 use crate::fem::parameters::{Parameter, Quantity};
 use crate::fem::slopes::{MatrixSlopes, Slopes};
@@ -40,17 +40,17 @@ impl Unknowns {
         snap: f64,
     ) -> Result<Self> {
         if !(0.0..=LARGEST_SNAP).contains(&snap) {
-            return Err(Error::input(
-                "snap",
-                snap,
-                format!("a threshold in [0, {LARGEST_SNAP}]"),
-            ));
+            return Err(
+                Error::input("snap", snap, format!("a threshold in [0, {LARGEST_SNAP}]"))
+                    .remedy("0 snaps nothing; more than that would hide damage."),
+            );
         }
         if parameters.is_empty() {
-            return Err(Error::input("parameters", "none", "at least one parameter"));
+            return Err(Error::input("parameters", "none", "at least one parameter")
+                .remedy("Say what may change, by stiffness_factor, mass_factor and the like."));
         }
         for (i, parameter) in parameters.iter().enumerate() {
-            parameter.check(&format!("parameters[{i}]"), &model)?;
+            parameter.check(&Argument::from("parameters").item(i), &model)?;
         }
         Ok(Self {
             model,
@@ -158,5 +158,6 @@ pub(super) fn checked_weights(weights: Vec<f64>, count: usize) -> Result<Vec<f64
         "weights",
         format!("{} values", weights.len()),
         format!("{count} finite weights of at least 0, one for each measured value, not all 0"),
-    ))
+    )
+    .remedy("Leave them out to count all values alike."))
 }

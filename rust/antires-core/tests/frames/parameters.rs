@@ -1,5 +1,6 @@
 //! Parameters of frames: formed again they are the frame built anew, and rigid motions stay free.
 
+use antires_core::error::Argument;
 use antires_core::fem::frame::dofs::Dimension;
 use antires_core::fem::frame::{Angle, Property, Scale};
 use antires_core::fem::model::Model;
@@ -85,7 +86,7 @@ fn forming_again_is_building_anew_and_forgets_what_was_before() {
         let (parameters, x) = all_kinds(&nominal);
         for (i, parameter) in parameters.iter().enumerate() {
             parameter
-                .check(&format!("parameters[{i}]"), &nominal)
+                .check(&Argument::from("parameters").item(i), &nominal)
                 .unwrap();
         }
         let mut assembly = Assembly::new(&nominal);

@@ -1,5 +1,6 @@
 //! Ill-posed frames and parameters: an error that names the part.
 
+use antires_core::error::Argument;
 use antires_core::fem::bounds::check_bounds;
 use antires_core::fem::frame::description::{FrameDescription, GroundSpring, NodeSpring};
 use antires_core::fem::frame::dofs::Dimension;
@@ -172,7 +173,7 @@ fn parameters_that_change_nothing_or_cannot_be() {
         ("point mass 2", property(Mass, Value, &[2])),
     ] {
         let error = parameter
-            .check("parameters[5]", &model)
+            .check(&Argument::from("parameters").item(5), &model)
             .unwrap_err()
             .to_string();
         assert!(error.starts_with("parameters[5]: got "), "{error}");
@@ -180,7 +181,7 @@ fn parameters_that_change_nothing_or_cannot_be() {
     }
     let chain = antires_core::fem::chain::mass_spring_chain(&[1.0; 2], &[1.0], 0.0, 0.0).unwrap();
     let error = property(Mass, Value, &[0])
-        .check("p", &chain)
+        .check(&"p".into(), &chain)
         .unwrap_err()
         .to_string();
     assert!(error.contains("FrameModel"), "{error}");

@@ -1,7 +1,7 @@
 //! What a frame is made of, and the checks of it.
 
 use super::dofs::Dimension;
-use crate::error::{Error, Result};
+use crate::error::{Argument, Error, Result};
 use crate::fem::section::Section;
 
 /// Shortest element, relative to the extent of the frame, that still has a direction.
@@ -83,11 +83,11 @@ impl FrameDescription {
     pub fn check(&self) -> Result<()> {
         self.check_nodes()?;
         for (i, section) in self.sections.iter().enumerate() {
-            section.check(&format!("sections[{i}]"))?;
+            section.check(&Argument::from("sections").item(i))?;
         }
         self.check_beams()?;
         for (i, mass) in self.point_masses.iter().enumerate() {
-            let name = format!("point_masses[{i}]");
+            let name = Argument::from("point_masses").item(i);
             self.check_node(&name, mass.node)?;
             check_amount(&name, "kg", mass.mass_kg)?;
             for inertia in mass.inertia_kg_m2 {
@@ -95,16 +95,16 @@ impl FrameDescription {
             }
         }
         for (i, spring) in self.ground_springs.iter().enumerate() {
-            let name = format!("ground_springs[{i}]");
+            let name = Argument::from("ground_springs").item(i);
             self.check_node(&name, spring.node)?;
             self.check_direction(&name, spring.direction)?;
             check_amount(&name, "N/m", spring.stiffness_n_per_m)?;
         }
         for (i, spring) in self.node_springs.iter().enumerate() {
-            self.check_node_spring(&format!("node_springs[{i}]"), spring)?;
+            self.check_node_spring(&Argument::from("node_springs").item(i), spring)?;
         }
         for (i, &(node, direction)) in self.fixed.iter().enumerate() {
-            let name = format!("fixed[{i}]");
+            let name = Argument::from("fixed").item(i);
             self.check_node(&name, node)?;
             self.check_direction(&name, direction)?;
         }
@@ -128,15 +128,17 @@ impl FrameDescription {
             } else {
                 ("elements", "at least one element")
             };
-            return Err(Error::input(what, "none", wanted));
+            return Err(Error::input(what, "none", wanted)
+                .remedy("A frame is at least one beam between two nodes."));
         }
         for (i, node) in self.nodes_m.iter().enumerate() {
             if let Some(x) = node.iter().find(|x| !x.is_finite()) {
                 return Err(Error::input(
-                    format!("nodes_m[{i}]"),
+                    Argument::from("nodes_m").item(i),
                     format!("{x} m"),
                     "finite coordinates",
-                ));
+                )
+                .remedy("Correct the coordinates of that node, in m."));
             }
         }
         Ok(())
@@ -145,14 +147,15 @@ impl FrameDescription {
     fn check_beams(&self) -> Result<()> {
         let shortest = SHORTEST * self.extent_m();
         for (i, beam) in self.beams.iter().enumerate() {
-            let name = format!("elements[{i}]");
+            let name = Argument::from("elements").item(i);
             self.check_pair(&name, beam.nodes)?;
             if beam.section >= self.sections.len() {
                 return Err(Error::input(
                     name,
                     format!("section {}", beam.section),
                     format!("a section below {}", self.sections.len()),
-                ));
+                )
+                .remedy("Sections are counted from 0, in the order in which they are given."));
             }
             let length = self.length_m(beam.nodes);
             if length <= shortest {
@@ -184,7 +187,7 @@ impl FrameDescription {
             if pair[0].0 == pair[1].0 {
                 let [a, b] = pair[0].0;
                 return Err(Error::input(
-                    format!("elements[{}]", pair[1].1),
+                    Argument::from("elements").item(pair[1].1),
                     format!("nodes {a} and {b} again, after elements[{}]", pair[0].1),
                     "each pair of nodes joined once",
                 )
@@ -202,13 +205,14 @@ impl FrameDescription {
             return Ok(());
         }
         Err(Error::input(
-            format!("orientation[{index}]"),
+            Argument::from("orientation").item(index),
             format!("{reference:?}, along its element"),
             "a direction across the element",
-        ))
+        )
+        .remedy("It tells where the section's z axis points; leave it out for the default."))
     }
 
-    fn check_node_spring(&self, name: &str, spring: &NodeSpring) -> Result<()> {
+    fn check_node_spring(&self, name: &Argument, spring: &NodeSpring) -> Result<()> {
         self.check_pair(name, spring.nodes)?;
         check_amount(name, "N/m", spring.stiffness_n_per_m)?;
         let apart = self.length_m(spring.nodes) > SHORTEST * self.extent_m();
@@ -218,7 +222,8 @@ impl FrameDescription {
                 name,
                 format!("no direction, at the coincident nodes {a} and {b}"),
                 "the direction of a spring between coincident nodes",
-            )),
+            )
+            .remedy("Say in which direction it acts, such as 'v'.")),
             // It would resist a rotation of the whole structure: a hidden support.
             Some(direction) if apart && direction < self.dimension.axes() => Err(Error::input(
                 name,
@@ -231,7 +236,7 @@ impl FrameDescription {
         }
     }
 
-    fn check_pair(&self, name: &str, nodes: [usize; 2]) -> Result<()> {
+    fn check_pair(&self, name: &Argument, nodes: [usize; 2]) -> Result<()> {
         for node in nodes {
             self.check_node(name, node)?;
         }
@@ -240,12 +245,13 @@ impl FrameDescription {
                 name,
                 format!("node {} at both ends", nodes[0]),
                 "two different nodes",
-            ));
+            )
+            .remedy("Join it to another node, or leave it out."));
         }
         Ok(())
     }
 
-    pub(super) fn check_node(&self, name: &str, node: usize) -> Result<()> {
+    pub(super) fn check_node(&self, name: &Argument, node: usize) -> Result<()> {
         if node < self.nodes_m.len() {
             return Ok(());
         }
@@ -253,10 +259,11 @@ impl FrameDescription {
             name,
             format!("node {node}"),
             format!("a zero-based node in 0..{}", self.nodes_m.len() - 1),
-        ))
+        )
+        .remedy("Nodes are counted from 0, in the order of nodes_m."))
     }
 
-    fn check_direction(&self, name: &str, direction: usize) -> Result<()> {
+    fn check_direction(&self, name: &Argument, direction: usize) -> Result<()> {
         if direction < self.dimension.per_node() {
             return Ok(());
         }
@@ -264,7 +271,8 @@ impl FrameDescription {
             name,
             format!("direction {direction}"),
             format!("a direction below {}", self.dimension.per_node()),
-        ))
+        )
+        .remedy("Directions are counted from 0: translations, then rotations."))
     }
 
     pub(super) fn vector_m(&self, nodes: [usize; 2]) -> [f64; 3] {
@@ -288,7 +296,7 @@ impl FrameDescription {
     }
 }
 
-fn check_amount(name: &str, unit: &str, value: f64) -> Result<()> {
+fn check_amount(name: &Argument, unit: &str, value: f64) -> Result<()> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }
@@ -296,7 +304,8 @@ fn check_amount(name: &str, unit: &str, value: f64) -> Result<()> {
         name,
         format!("{value} {unit}"),
         "a finite value of at least 0",
-    ))
+    )
+    .remedy("Leave it out where there is none."))
 }
 
 fn norm(v: [f64; 3]) -> f64 {

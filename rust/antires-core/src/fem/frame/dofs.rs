@@ -7,7 +7,7 @@
 //!
 //! Free dofs are numbered node by node in this order.
 
-use crate::error::{Error, Result};
+use crate::error::{Argument, Error, Result};
 
 /// Whether a frame lies in the plane or in space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +47,7 @@ impl Dimension {
     ///
     /// # Errors
     /// [`Error::InvalidInput`] when a node has no such dof.
-    pub fn direction(self, argument: &str, name: &str) -> Result<usize> {
+    pub fn direction(self, argument: &Argument, name: &str) -> Result<usize> {
         let names = self.directions();
         names.iter().position(|n| *n == name).ok_or_else(|| {
             Error::input(
@@ -55,6 +55,7 @@ impl Dimension {
                 format!("the direction '{name}'"),
                 format!("one of {}", names.join(", ")),
             )
+            .remedy("The letters are those of the node's dofs: translations, then rotations.")
         })
     }
 }

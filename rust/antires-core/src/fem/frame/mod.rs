@@ -53,7 +53,8 @@ impl Frame {
             &description.fixed,
         );
         if dofs.n_free() == 0 {
-            return Err(Error::input("fixed", "all dofs", "at least one free dof"));
+            return Err(Error::input("fixed", "all dofs", "at least one free dof")
+                .remedy("Leave free what is to move."));
         }
         let n = description.beams.len();
         let references = description
@@ -92,11 +93,11 @@ impl Frame {
     /// # Errors
     /// [`Error::InvalidInput`] when there is no such dof, or when it is fixed.
     pub fn dof(&self, node: usize, direction: &str) -> Result<usize> {
-        self.description.check_node("node", node)?;
+        self.description.check_node(&"node".into(), node)?;
         let index = self
             .description
             .dimension
-            .direction("direction", direction)?;
+            .direction(&"direction".into(), direction)?;
         self.dofs.number(node, index).ok_or_else(|| {
             Error::input(
                 "direction",

@@ -14,7 +14,7 @@ use nalgebra::{Rotation3, Unit, Vector3};
 
 use super::Frame;
 use super::dofs::Dimension;
-use crate::error::{Error, Result};
+use crate::error::{Argument, Error, Result};
 use crate::fem::parameters::{Parameter, Quantity};
 
 /// A property that a parameter can set; its terms are indices of sections, lumped masses or springs.
@@ -190,7 +190,7 @@ impl Frame {
     /// values under one new value, or a factor on zero.
     pub fn check_property(
         &self,
-        name: &str,
+        name: &Argument,
         property: Property,
         scale: Scale,
         indices: &[usize],
@@ -200,7 +200,11 @@ impl Frame {
         for &index in indices {
             let Some(values) = self.values(property, index) else {
                 let wanted = format!("a {carrier} of the model");
-                return Err(Error::input(name, format!("{carrier} {index}"), wanted));
+                return Err(
+                    Error::input(name, format!("{carrier} {index}"), wanted).remedy(format!(
+                        "Each {carrier} is counted from 0, in the order of the model."
+                    )),
+                );
             };
             nominal.extend(values);
         }
@@ -217,7 +221,8 @@ impl Frame {
                 name,
                 format!("a factor on the {carrier}(s) {indices:?}, which are zero"),
                 "a parameter that changes the model",
-            ));
+            )
+            .remedy("Give a nominal value above zero, or leave the parameter out."));
         }
         let beams = &self.description.beams;
         let unused = |index: &usize| match property {
@@ -236,7 +241,8 @@ impl Frame {
                 name,
                 format!("the {carrier}(s) {indices:?}, which no free part of the model uses"),
                 "a parameter that changes the model",
-            ));
+            )
+            .remedy("Leave it out, or use it in the model first."));
         }
         Ok(())
     }

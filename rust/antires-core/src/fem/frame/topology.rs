@@ -31,13 +31,14 @@ impl Frame {
     /// in a loop through it, so that turning it would tear or stretch other beams.
     pub fn downstream(&self, group: &[usize], pivot: usize) -> Result<Vec<usize>> {
         let parts = self.description();
-        parts.check_node("pivot", pivot)?;
+        parts.check_node(&"pivot".into(), pivot)?;
         if let Some(&beam) = group.iter().find(|&&beam| beam >= parts.beams.len()) {
             return Err(Error::input(
                 "elements",
                 format!("element {beam}"),
                 format!("a zero-based element in 0..{}", parts.beams.len() - 1),
-            ));
+            )
+            .remedy("Elements are counted from 0, in the order in which they are given."));
         }
         let touches = |beam: usize| parts.beams[beam].nodes.contains(&pivot);
         if !group.iter().any(|&beam| touches(beam)) {
@@ -45,7 +46,8 @@ impl Frame {
                 "pivot",
                 format!("node {pivot}, which no element of the group touches"),
                 "an end of the group",
-            ));
+            )
+            .remedy("Name the node at which the group joins the rest of the frame."));
         }
         let neighbours = self.neighbours();
         let mut turning = vec![false; parts.nodes_m.len()];

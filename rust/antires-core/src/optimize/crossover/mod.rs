@@ -56,6 +56,7 @@ impl Crossover {
                     .map(|kind| format!("'{}'", kind.name()))
                     .join(", ");
                 Error::input("crossovers", format!("'{name}'"), format!("one of {names}"))
+                    .remedy("Leave it out for one of each.")
             })
     }
 
@@ -76,13 +77,17 @@ impl Crossover {
     pub fn validate(&self) -> Result<()> {
         match *self {
             Self::Heuristic { tries: 0 } => {
-                Err(Error::input("crossovers: heuristic tries", 0, "at least 1"))
+                Err(
+                    Error::input("crossovers", "'heuristic' with 0 tries", "at least 1 try")
+                        .remedy("The original takes 3."),
+                )
             }
             Self::Blend { alpha } if !(0.0..=10.0).contains(&alpha) => Err(Error::input(
-                "crossovers: blend alpha",
-                alpha,
-                "a value in [0, 10]",
-            )),
+                "crossovers",
+                format!("'blend' with alpha {alpha}"),
+                "alpha in [0, 10]",
+            )
+            .remedy("BLX-0.5 has 0.5.")),
             _ => Ok(()),
         }
     }
@@ -124,7 +129,8 @@ mod tests {
         }
         assert_eq!(
             Crossover::from_name("twopoint").unwrap_err().to_string(),
-            "crossovers: got 'twopoint'; wanted one of 'arithmetic', 'heuristic', 'blend', 'uniform'."
+            "crossovers: got 'twopoint'; wanted one of 'arithmetic', 'heuristic', 'blend', 'uniform'. \
+             Leave it out for one of each."
         );
     }
 

@@ -1,0 +1,127 @@
+"""Keys of [data] and [identification]."""
+
+from __future__ import annotations
+
+from .formats import ARRAYS, SIGNALS
+from .key import Key, Section
+
+__all__ = ["DATA", "IDENTIFICATION"]
+
+DATA = Section(
+    "data",
+    "What was measured. One [[data]] for each position of the force, or a single [data].",
+    (
+        Key(
+            "file",
+            "text",
+            "The measurement: a file .uff, .unv, .mat, .h5, .csv, .tsv, .txt or .npz, or the "
+            ".json of 'antires identify'. Relative to this job file.",
+            required=True,
+        ),
+        Key(
+            "format", "text", "One of uff, mat, hdf5, csv, npz, antiresonances. By default the ending tells."
+        ),
+        Key(
+            "excitation",
+            "dof",
+            "Dof of the model at which the one force acts, or the name of its channel.",
+            of=SIGNALS,
+        ),
+        Key(
+            "band_hz",
+            "pair",
+            "Lowest and highest frequency in Hz: from above the rigid-body modes to beyond "
+            "the highest antiresonance wanted.",
+            of=SIGNALS,
+        ),
+        Key(
+            "dofs",
+            "dofs",
+            "Dof of the model for each channel: a list in their order, or name = dof; false "
+            'leaves a channel out. Dofs count from 0; those of frames may be named as in "3 v".',
+        ),
+        Key(
+            "unit",
+            "text",
+            'Unit of the responses, where the file does not tell: "m/s2", "g", "g/N".',
+            of=SIGNALS,
+        ),
+        Key(
+            "force",
+            "force",
+            "Channel of the force; false leaves it out. Antiresonances do not need it.",
+            '"auto"',
+            of=SIGNALS,
+        ),
+        Key(
+            "fs_hz",
+            "number",
+            "Sampling rate in Hz, where the file does not tell.",
+            of=("mat", "hdf5", "npz", "csv"),
+        ),
+        Key(
+            "kind",
+            "text",
+            '"frf" or "transmissibility" (for UFF also "time" and "spectra"): what to read '
+            "where a file does not tell or holds several.",
+            of=SIGNALS,
+        ),
+        Key("reference", "dof", "Reference of transmissibilities.", of=SIGNALS),
+        Key("responses", "texts", "Arrays of the responses; * stands for anything.", of=ARRAYS),
+        Key("time", "text", "Array of time in s.", of=ARRAYS),
+        Key("freq", "text", "Array of frequencies in Hz.", of=ARRAYS),
+        Key("first", "text", 'What the first column is: "time", "freq" or "channel".', of=("csv",)),
+        Key("delimiter", "text", "What stands between columns.", of=("csv",)),
+        Key("decimal", "text", "Decimal sign.", of=("csv",)),
+        Key(
+            "partial",
+            "switch",
+            "Whether to read what is whole of a file that was cut.",
+            "false",
+            of=("uff", "csv"),
+        ),
+    ),
+    "may",
+)
+
+IDENTIFICATION = Section(
+    "identification",
+    "How antiresonances are identified. The defaults suit most records.",
+    (
+        Key("preset", "text", '"paper", "strict" or "sensitive": a named set of the options below.'),
+        Key("dofs", "list", "Dofs whose antiresonances are used; by default all that were measured."),
+        Key(
+            "route",
+            "text",
+            '"transmissibility" reads responses only, "frf" uses a measured force.',
+            '"transmissibility"',
+        ),
+        Key("formulation", "text", '"auto", "numerators", "joint", "power" or "eq10".', '"auto"'),
+        Key("estimator", "text", '"rank1", "h1", "h2" or "hv".', '"rank1"'),
+        Key("method", "text", '"auto", "welch" for random records, "transient" for impacts.', '"auto"'),
+        Key("nperseg", "whole", "Samples in a segment; by default chosen from the data."),
+        Key("noverlap", "whole", "Samples shared by neighbouring segments; by default half."),
+        Key("window", "text", "Window of the segments.", '"hann"'),
+        Key("min_order", "whole", "Lowest order of the stabilization diagram.", "2"),
+        Key("max_order", "whole", "Highest order of the stabilization diagram.", "60"),
+        Key(
+            "freq_tol",
+            "number",
+            "Relative change of frequency from order to order that counts as stable.",
+            "0.01",
+        ),
+        Key("damping_tol", "number", "The same for damping.", "0.1"),
+        Key("min_rows", "whole", "Orders in which a value must be stable.", "10"),
+        Key("max_damping", "number", "Largest damping ratio of an antiresonance.", "0.1"),
+        Key("min_dominance", "number", "How much of the curve a value must own.", "0.05"),
+        Key(
+            "persistent",
+            "switch",
+            "Whether to accept values that are there at most orders without being stable.",
+            "true",
+        ),
+        Key("keep_common", "switch", "Whether to keep values that all channels share.", "false"),
+        Key("second_opinion", "text", '"aaa" or "vector_fitting": another method that confirms or flags.'),
+        Key("check", "text", 'What to do about data that are not fit: "warn", "raise" or "off".', '"warn"'),
+    ),
+)

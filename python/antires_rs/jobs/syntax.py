@@ -1,0 +1,67 @@
+"""From the text of a job file to its tables; where it is no TOML, the line on which that begins."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any
+
+from ..exceptions import InvalidInputError
+from .keys import SECTIONS
+from .places import Place
+
+__all__ = ["parsed"]
+
+
+def parsed(name: str, text: str) -> dict[str, Any]:
+    """The tables of a job file called ``name``.
+
+    Raises
+    ------
+    InvalidInputError
+        The text is no TOML.
+
+    Examples
+    --------
+    >>> parsed("job.toml", "[search]\\nseed = 3")
+    {'search': {'seed': 3}}
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as exc:
+        lines = text.split("\n")
+        number = min(_sound(lines) + 1, len(lines))
+        line = lines[number - 1].strip()
+        remedy = (
+            _again(lines[: number - 1], line) or "Text stands in quotes, lists in [ ], and each key once."
+        )
+        if "\\" in line:
+            remedy += r" A path is written with / or in single quotes: 'C:\tests\a.uff'."
+        raise InvalidInputError(
+            Place(f"{name}, line {number}"),
+            f"{line if len(line) <= 60 else line[:57] + '...'!r}, which is no TOML ({exc})",
+            "lines such as key = value under a [section]",
+            remedy,
+        ) from exc
+
+
+def _sound(lines: list[str]) -> int:
+    """Number of lines before the statement that is no TOML.
+
+    An error stays where it is when lines behind it are cut off, so that the longest beginning without one
+    ends just before it. (tomllib gives the line as a number only from Python 3.14 on.)
+    """
+    for n in range(len(lines) - 1, 0, -1):
+        try:
+            tomllib.loads("\n".join(lines[:n]))
+        except tomllib.TOMLDecodeError:
+            continue
+        return n
+    return 0
+
+
+def _again(before: list[str], line: str) -> str:
+    """What to do about a heading that was there before, where there may be several."""
+    name = line.strip("[] ")
+    if line != f"[{name}]" or name not in SECTIONS or SECTIONS[name].several == "no":
+        return ""
+    return f"Where there are several, each is headed [[{name}]]." if line in map(str.strip, before) else ""
