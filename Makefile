@@ -38,9 +38,10 @@ test-python: $(STAMP) $(DOCS_STAMP)  ## tests of the Python package, the documen
 coverage: $(STAMP) $(DOCS_STAMP)  ## the same, line by line, into target/coverage/html
 	$(PYTEST) --cov antires_rs --cov-report html
 
-campaign: $(STAMP)  ## the studies of which the suites have a part: half an hour
-	PROPTEST_CASES=4000 cargo test --locked --release
+campaign: $(STAMP)  ## the studies of which the suites have a part, and thirty times the random files and cases
+	PROPTEST_CASES=4000 cargo test --locked
 	$(PYTEST) -m campaign
+	ANTIRES_EXAMPLES=30 $(PYTEST) $(wildcard tests/*/test_any_*.py)
 
 lint: build  ## clippy, rustdoc, ruff, import contracts, mypy, stubtest
 	cargo fmt --check

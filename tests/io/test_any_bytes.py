@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 import antires_rs as ar
 from reference.io_signals import differences
 from reference.truncation import FORMATS
+from tests.support.campaign import examples
 from tests.support.mutations import any_bytes, mutated
 
 #: Formats read in this process, without compression, so that a change gets past the checksum of an archive.
@@ -26,7 +27,7 @@ READ_HERE = (
     "AntiresonanceSet",
 )
 ONE_FILE = settings(
-    deadline=20_000, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=20_000, max_examples=examples(60), suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 #: Dofs as files may hold them; control characters are refused by name.
 DOFS = st.one_of(

@@ -14,11 +14,12 @@ from antires_rs.jobs import read_job, template
 from antires_rs.jobs.lines import lines_of
 from antires_rs.jobs.model import model_of
 from antires_rs.jobs.unknowns import parameters_of
+from tests.support.campaign import examples
 from tests.support.job_files import DAMAGE, UPDATE
 from tests.support.mutations import any_bytes, mutated
 
 ONE_FILE = settings(
-    deadline=20_000, max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=20_000, max_examples=examples(100), suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 TEMPLATES = {
     f"{task} of a {model}": template(task, model, data="record.npz")

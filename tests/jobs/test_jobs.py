@@ -16,6 +16,8 @@ from antires_rs.jobs.unknowns import parameters_of
 from tests.support.campaign import some_of
 from tests.support.job_files import DAMAGE, UPDATE, write_measured
 
+pytestmark = pytest.mark.usefixtures("quick_pictures")
+
 FOUND = {"spring 5": 0.55}
 
 

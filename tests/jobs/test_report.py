@@ -14,6 +14,9 @@ from antires_rs import cli
 from antires_rs.jobs.evidence import Evidence, heard
 from antires_rs.report import figures
 from tests.support.job_files import DAMAGE, write_measured
+from tests.support.pictures import drawn_quickly
+
+pytestmark = pytest.mark.usefixtures("quick_pictures")
 
 JOB = DAMAGE.replace(
     'file = "measured.json"',
@@ -39,7 +42,8 @@ def ran(tmp_path_factory):
     record = ar.cases.chain8().experiment(1, noise=0.01, duration_s=64.0, rng=1)
     ar.write_npz(folder / "record.npz", record)
     (folder / "job.toml").write_text(JOB, encoding="utf-8")
-    assert cli.main(["damage", str(folder / "job.toml")]) == 0
+    with drawn_quickly():
+        assert cli.main(["damage", str(folder / "job.toml")]) == 0
     return folder
 
 

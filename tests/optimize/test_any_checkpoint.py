@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 
 import antires_rs as ar
 from antires_rs.optimize.checkpoint import Checkpoint
+from tests.support.campaign import examples
 from tests.support.mutations import any_bytes, mutated
 
 ONE_FILE = settings(
-    deadline=20_000, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=20_000, max_examples=examples(150), suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 SEARCH = ar.IslandGA(islands=2, population=8, max_evaluations=400, polish=False)
 NAME = "run.ckpt"

@@ -8,6 +8,8 @@ import pytest
 from tests.support.campaign import campaign
 from tests.support.paths import EXAMPLES
 
+pytestmark = pytest.mark.usefixtures("quick_pictures")
+
 
 def load(name):
     spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")

@@ -6,6 +6,8 @@ import pytest
 
 from tests.support.paths import ROOT
 
+pytestmark = pytest.mark.usefixtures("quick_pictures")
+
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 STUDIES = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 
 #: For a whole test that repeats at length what others show in small.
@@ -13,6 +15,11 @@ def some_of(cases, kept=1):
     cases = list(cases)
     always = cases[:kept] if isinstance(kept, int) else kept
     return [case if case in always else _later(case) for case in cases]
+
+
+def examples(n):
+    """Examples of a property test: ``n``, or a multiple of it in the campaign."""
+    return n * int(os.environ.get("ANTIRES_EXAMPLES", "1"))
 
 
 def _later(case):

@@ -8,6 +8,10 @@ use antires_core::modal::modes::modes;
 use faer::Mat;
 use proptest::prelude::*;
 
+mod common;
+
+use common::config;
+
 const SPRING: f64 = 56.7e3;
 const MASS: f64 = 0.4194;
 
@@ -233,7 +237,7 @@ fn random_model() -> impl Strategy<Value = (Model, usize, usize)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(config(400))]
 
     #[test]
     fn the_two_routes_agree_on_random_models((model, i, k) in random_model()) {

@@ -6,11 +6,10 @@ use antires_core::optimize::{
     Agreement, Bounds, Crossover, Hooks, IslandOptions, IslandState, Status, minimize_objective,
 };
 use proptest::prelude::{any, prop_assert, prop_assert_eq, proptest};
-use proptest::test_runner::Config;
 
 mod common;
 
-use common::{assert_monotone, bits, rastrigin, run, sparse, sphere};
+use common::{assert_monotone, bits, config, rastrigin, run, sparse, sphere};
 
 #[test]
 fn the_sphere_is_solved_and_the_islands_agree() {
@@ -183,7 +182,7 @@ fn generations_are_a_budget_too() {
 }
 
 proptest! {
-    #![proptest_config(Config::with_cases(64))]
+    #![proptest_config(config(64))]
     #[test]
     fn evaluations_are_counted_and_never_exceed_the_budget(
         max_evaluations in 1..2000_usize,

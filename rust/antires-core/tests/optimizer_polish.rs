@@ -7,11 +7,10 @@ use antires_core::optimize::{
     Status, minimize_objective,
 };
 use proptest::prelude::{any, prop_assert, prop_assert_eq, proptest};
-use proptest::test_runner::Config;
 
 mod common;
 
-use common::{assert_monotone, bits, rastrigin, sparse, sphere};
+use common::{assert_monotone, bits, config, rastrigin, sparse, sphere};
 
 const N: usize = 12;
 const M: usize = 25;
@@ -167,7 +166,7 @@ fn one_seed_gives_one_outcome_for_any_number_of_threads() {
 }
 
 proptest! {
-    #![proptest_config(Config::with_cases(48))]
+    #![proptest_config(config(48))]
     #[test]
     fn every_evaluation_of_a_polish_is_counted_and_none_exceeds_the_budget(
         max_evaluations in 1..3000_usize,

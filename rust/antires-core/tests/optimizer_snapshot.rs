@@ -3,11 +3,10 @@
 use antires_core::error::Result;
 use antires_core::optimize::{Bounds, Hooks, IslandOptions, Outcome, minimize_objective};
 use proptest::prelude::{any, prop, prop_assert, proptest};
-use proptest::test_runner::Config;
 
 mod common;
 
-use common::{bits, rastrigin, sparse};
+use common::{bits, config, rastrigin, sparse};
 
 const N: usize = 7;
 
@@ -109,7 +108,7 @@ fn a_snapshot_of_another_search_is_refused() {
 }
 
 proptest! {
-    #![proptest_config(Config::with_cases(200))]
+    #![proptest_config(config(200))]
     #[test]
     fn a_cut_or_garbled_snapshot_never_panics(at in any::<prop::sample::Index>(), byte in any::<u8>()) {
         let options = options(Some(true));

@@ -8,6 +8,13 @@ use std::f64::consts::TAU;
 use antires_core::optimize::{
     Bounds, Hooks, IslandOptions, Objective, Outcome, minimize_objective,
 };
+use proptest::test_runner::Config;
+
+/// Cases of a property test: `cases`, or what `PROPTEST_CASES` asks for in a campaign.
+pub fn config(cases: u32) -> Config {
+    let asked = std::env::var("PROPTEST_CASES").ok();
+    Config::with_cases(asked.and_then(|n| n.parse().ok()).unwrap_or(cases))
+}
 
 pub fn sphere(x: &[f64]) -> f64 {
     x.iter().map(|x| (x - 0.3).powi(2)).sum()
