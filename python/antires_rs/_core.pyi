@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from .optimize.checkpoint import Checkpoint
 
 _Floats = NDArray[np.float64]
+_Complexes = NDArray[np.complex128]
 _Term = tuple[NDArray[np.uint32], NDArray[np.uint32], _Floats]
 _Section = tuple[str, list[float], float, float, float]
 _PointMass = tuple[int, float, tuple[float, float, float]]
@@ -23,9 +24,13 @@ __all__ = [
     "Objective",
     "__version__",
     "check_bounds",
+    "dominant_pairs",
+    "forsythe_basis_at",
+    "hermitian_values",
     "island_options",
     "minimize",
     "nominal_values",
+    "refined_roots",
 ]
 
 __version__: str
@@ -134,3 +139,7 @@ def minimize(
 def island_options(options: dict[str, Any]) -> dict[str, Any]: ...
 def nominal_values(model: Model, parameters: Sequence[_Parameter]) -> _Floats: ...
 def check_bounds(model: Model, parameters: Sequence[_Parameter], lower: _Floats, upper: _Floats) -> None: ...
+def forsythe_basis_at(points: _Complexes, b: _Floats) -> _Complexes: ...
+def refined_roots(coefficients: _Floats, b: _Floats, start: _Complexes) -> _Complexes | None: ...
+def hermitian_values(matrices: _Complexes, scale: _Floats) -> _Floats: ...
+def dominant_pairs(matrices: _Complexes, scale: _Floats) -> tuple[_Floats, _Floats, _Complexes]: ...

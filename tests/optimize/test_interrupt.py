@@ -127,7 +127,7 @@ def test_long_calls_raise_keyboard_interrupt(code):
 
 def test_progress_ends_its_line_when_interrupted():
     code = UPDATE.format(workers=1).replace("callback=announce", "callback=announce, progress=True")
-    said, took = after_sigint("from antires_rs import _progress\n_progress.FIRST_S = 0.0\n" + code)
+    said, took = after_sigint("from antires_rs.support import progress\nprogress.FIRST_S = 0.0\n" + code)
     assert said == GOOD
     assert took < INTERRUPT_S
 

@@ -106,8 +106,8 @@ def test_a_legend_never_outgrows_its_picture(ax, letters):
 
 
 def test_what_is_seen_only_above_the_axis_is_named_at_its_edge(damage, ax, monkeypatch):
-    monkeypatch.setitem(damage.__dict__, "detectable", {0: 0.05, 1: 0.02, 2: 0.96})
-    monkeypatch.setattr(damage, "x", np.array([0.0, 0.03, 0.0]))
+    monkeypatch.setitem(damage.__dict__, "_detectable", (0.05, 0.02, 0.96))
+    monkeypatch.setitem(damage.__dict__, "x", np.array([0.0, 0.03, 0.0]))
     damage.plot(ax=ax)
     top = ax.get_ylim()[1]
     assert 25.0 < top < 40.0  # a loss of 3 % stays a bar

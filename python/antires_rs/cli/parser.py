@@ -186,6 +186,7 @@ def _identify(commands: Any) -> None:
     )
     found.add_argument("--max-order", type=number(int, 2), metavar="N", help="highest order (default: 60)")
     found.add_argument(
+        "--cross-check",
         "--second-opinion",
         **one_of("aaa", "vector_fitting"),
         help="another method that confirms or flags every value",

@@ -25,12 +25,12 @@ _NAMES = {
     "band_hz": "--band",
     "dofs": "--dof",
     "fs_hz": "--fs",
-    "second_opinion": "--second-opinion",
+    "cross_check": "--cross-check",
     "max_order": "--max-order",
     **{name: f"--{name}" for name in ("excitation", "unit", "force", "kind", "first", "reference", "preset")},
 }
 _READING = ("kind", "reference", "force", "fs_hz", "unit", "first")
-_CHOICES = ("preset", "max_order", "second_opinion")
+_CHOICES = ("preset", "max_order", "cross_check")
 _SEE = "See 'antires identify --help'."
 
 
@@ -65,8 +65,8 @@ def identify(args: argparse.Namespace) -> int:
         return 0
     for each in found:
         print(each)
-        if each.second_opinion is not None:
-            print(each.second_opinion)
+        if each.cross_check is not None:
+            print(each.cross_check)
     return 0
 
 

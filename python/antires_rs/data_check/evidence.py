@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..signals.eigen import spectrum
 from ..signals.roughness import typical_noise
 from ..signals.spectra import CrossSpectra
 from ..support.validation import ComplexArray, FloatArray
@@ -106,16 +107,16 @@ def of_spectra(
     root = np.sqrt(noise)
     # conj(A) B is the transpose of the covariance whose eigenvectors are wanted.
     scaled = (matrix / (root[:, None] * root)).transpose(0, 2, 1)
-    values, vectors = np.linalg.eigh(scaled)
-    first = np.maximum(values[:, -1], 0.0)
+    values, vectors = spectrum(matrix, noise)
+    first = np.maximum(values[:, 0], 0.0)
     coherence, explained = _best_partners(matrix, auto)
     return Evidence(
         dofs,
         freq,
-        vectors[:, :, -1] * np.sqrt(first)[:, None],
+        vectors * np.sqrt(first)[:, None],
         first,
         scaled,
-        np.maximum(values[:, ::-1], 0.0),
+        np.maximum(values, 0.0),
         spectra.n_effective,
         np.maximum(auto / noise[:, None] - 1.0, 0.0),
         coherence,

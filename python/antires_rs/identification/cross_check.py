@@ -175,26 +175,8 @@ def cross_check(
 
     Notes
     -----
-    Measured on the eight-mass chain (1 % damping, 200 s, five records each, seeds 100 to 104). True: values
-    identified within 1 % of a true one. Superfluous: chains of six orders that a lax rule accepts and that
-    are no antiresonances; some lie on what the noise itself has. Chance: frequencies drawn at random, 2 % or
-    more from any true one. Candidates, all false: nothing was missed in these records, there were none to
-    find.
-
-    =====  ==============  ==============  ===========  ==========  ====================
-    noise  method          true            superfluous  chance      candidates a record
-    =====  ==============  ==============  ===========  ==========  ====================
-    0      aaa             140 of 140      0 of 43      0.1 %       0
-    0      vector_fitting  140 of 140      0 of 43      0.1 %       0.4
-    1 %    aaa             139 of 140      8 of 44      2.0 %       1.6
-    1 %    vector_fitting  140 of 140      9 of 44      0.1 %       0
-    5 %    aaa             133 of 140      6 of 34      1.0 %       2.2
-    5 %    vector_fitting  140 of 140      10 of 34     0.3 %       0
-    10 %   aaa             130 of 140      6 of 44      1.8 %       1.4
-    10 %   vector_fitting  135 of 140      14 of 44     0.3 %       0
-    =====  ==============  ==============  ===========  ==========  ====================
-
-    So vector fitting is the default; AAA takes a fifth of its time (0.5 s against 2.5 s for eight dofs).
+    Vector fitting is the default: near the noise it confirms more of what is true, AAA takes a fifth of its
+    time (``benchmarks/cross_check_table.py`` on the eight-mass chain).
     Candidates are asked to rise out of the noise on both sides: the lowest antiresonances of a response,
     where it lies near its noise, are confirmed, but are not proposed.
 

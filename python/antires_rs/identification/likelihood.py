@@ -6,9 +6,9 @@ misfit loses its accuracy; below it, the fit is wrong. So the order is the one o
     BIC = (n_data - n_free) log Q(m) + n_free(m) log(n_data)
 
 with n_data the number of independent real data and n_free = (n - 1)(m + 1) (the common factor is not
-counted); the level of the noise need not be known. The weights of each turn come from the turn before: of the
-lowest order that fits nearly as well as the best, and once that stands, of the best order. Q itself does not
-depend on the weights, so that the best of all turns can be kept.
+counted); the level of the noise need not be known. The weights of each iteration come from the one before: of
+the lowest order that fits nearly as well as the best, and once that stands, of the best order. Q itself does
+not depend on the weights, so that the best of all iterations can be kept.
 
 Reference: G. Schwarz, Ann. Stat. 6 (1978) 461-464.
 """
@@ -19,15 +19,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..signals.eigen import dominant
 from ..support.validation import ComplexArray, FloatArray
 from .numerators import NumeratorFit
 
-# Orders settle in two or three turns of the weights; the others may find better ones.
-TURNS = 6
-# The weights are those of the lowest order whose misfit is within this factor of the least: a superfluous
+# Orders settle in two or three iterations of the weights; the others may find better ones.
+ITERATIONS = 6
+# Relative change of Q from one iteration to the next below which the weights stand, too.
+SETTLED = 1e-8
+# The weights are those of the lowest order whose misfit is within this factor of the least: a spurious
 # common factor of the numerators would distort them.
 KNEE = 2.0
-# The first turn looks at every second order, the next ones this far from the knee.
+# The first iteration looks at every second order, the next ones this far from the knee.
 BELOW, ABOVE = 4, 16
 # So many lines tell the weights and the order as well as all of them.
 ENOUGH_LINES = 1200
@@ -53,13 +56,13 @@ class Likeliest:
 def likeliest(
     freq_hz: FloatArray, covariance: ComplexArray, cap: float, independent: float, max_order: int
 ) -> Likeliest:
-    """Turn weights and order until they stand.
+    """Iterate weights and order until they stand.
 
     ``cap`` bounds the signal-to-noise power a line may count with; ``independent`` is the number of
     independent lines over the number of lines.
     """
     n = covariance.shape[1]
-    largest = np.asarray(np.linalg.eigvalsh(covariance)[:, -1], dtype=np.float64)
+    largest = dominant(covariance, np.ones(n))[0]
     capped = 1.0 / (1.0 + largest / cap)
     # Weights and order are found on a part of the lines; the last fit has all.
     step = max(1, freq_hz.size // ENOUGH_LINES)
@@ -69,20 +72,26 @@ def likeliest(
     size = np.ones(freq_hz.size)
     best: tuple[float, int, FloatArray] = (np.inf, 0, size)
     last = (-1, -1)
-    for _ in range(TURNS):
-        fit = NumeratorFit(freq_hz[some], covariance[some], largest[some], (capped / size)[some], max_order)
+    before = np.inf
+    for _ in range(ITERATIONS):
+        weights = (capped / size)[some]
+        fit = NumeratorFit(freq_hz[some], covariance[some], largest[some], weights, int(orders[-1]))
         solutions = [fit.likeliest(int(m))[0] for m in orders]
         q = _misfits(fit, solutions, covariance[some], largest[some], capped[some])
         free = (n - 1.0) * (orders + 1.0)
-        # Q does not depend on the weights of the turn, so that turns can be compared; it need not fall.
+        # Q does not depend on the weights, so that iterations can be compared; it need not fall.
         criterion = np.maximum(data - free, 1.0) * np.log(q) + free * np.log(data)
         pick = int(np.argmin(criterion))
         if criterion[pick] < best[0]:
             best = (float(criterion[pick]), int(orders[pick]), size)
-        # The knee first, since superfluous factors distort the weights; when it stands, the order itself.
+        # The knee first, since spurious factors distort the weights; when it stands, the order itself.
         first = int(np.argmax(q <= KNEE * q.min()))
-        source = first if (int(orders[first]), int(orders[pick])) != last else pick
+        stands = (int(orders[first]), int(orders[pick])) == last
+        source = pick if stands else first
         last = (int(orders[first]), int(orders[pick]))
+        if stands and abs(criterion[pick] - before) <= SETTLED * data:
+            break
+        before = float(criterion[pick])
         middle = int(orders[source])
         at = fit.basis.at(np.asarray(1j * freq_hz / fit.scale_hz, dtype=np.complex128), middle)
         size = np.sum(np.abs(at @ solutions[source]) ** 2, axis=1)
@@ -105,8 +114,7 @@ def _misfits(
     stack = np.zeros((terms, fit.n, len(solutions)))
     for i, c in enumerate(solutions):
         stack[: c.shape[0], :, i] = c
-    turned = (1j ** np.arange(terms))[:, None] * stack.reshape(terms, -1)
-    values = (fit.basis.p @ turned).reshape(largest.size, fit.n, -1)
+    values = fit.values(stack.reshape(terms, -1)).reshape(largest.size, fit.n, -1)
     seen = np.sum(values.conj() * (covariance @ values), axis=1).real
     total = np.sum(np.abs(values) ** 2, axis=1)
     share = seen / np.maximum(total, 1e-300)

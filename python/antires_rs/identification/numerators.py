@@ -11,11 +11,11 @@ Lagrange's identity Q is the sum of the misfits of all transmissibilities T_pq a
 reference knows N_p only where that reference is strong; here every pair contributes, which lifts the
 lowest antiresonances of a response, 20 to 30 dB under its noise, out of it.
 
-With the weights 1 / N'N taken from the turn before, Q is a quadratic form c' A c in the coefficients. On
+With the weights 1 / N'N taken from the iteration before, Q is a quadratic form c' A c in the coefficients. On
 Forsythe's polynomials for the same weights the noise adds a multiple of the identity to A, hence
 
 - "likeliest": the eigenvector of the smallest eigenvalue; without bias, for the true order;
-- "low": all of the lowest coefficient that there can be. Superfluous roots, common to all N_p, go
+- "low": all of the lowest coefficient that there can be. Spurious roots, common to all N_p, go
   to the right half plane, so this one serves the sweep over orders.
 
 A is ordered by degree: one Cholesky factor serves every order. The zeros of N_j are the antiresonances of j;
@@ -47,7 +47,7 @@ class NumeratorFit:
     """The quadratic form of the weighted direction misfit, factored once for all orders up to ``max_order``.
 
     Parameters are the lines' frequencies (n_freq,), covariances (n_freq, n, n), their largest eigenvalues,
-    and the weights of the turn, all checked by the caller.
+    and the weights of the iteration, all checked by the caller.
     """
 
     def __init__(
@@ -152,9 +152,11 @@ class NumeratorFit:
         out[1::2] = self._odd[lines, : count[1]].T @ weighted.imag
         return np.asarray(out * self._signs[: order + 1, None])
 
-    def zeros(self, c: FloatArray, row: int) -> ComplexArray:
-        """Roots of one numerator in rad/s."""
-        return roots(c[:, row], self.basis.b[: c.shape[0]]) * (2 * np.pi * self.scale_hz)
+    def zeros(self, c: FloatArray, row: int, near: ComplexArray | None = None) -> ComplexArray:
+        """Roots of one numerator in rad/s; ``near`` are those of the order before, if they are known."""
+        unit = 2 * np.pi * self.scale_hz
+        own = np.ascontiguousarray(c[:, row])
+        return roots(own, self.basis.b[: c.shape[0]], None if near is None else near / unit) * unit
 
     def slopes(self, c: FloatArray, row: int, s: ComplexArray) -> ComplexArray:
         """Derivatives of simple roots (rad/s) of one numerator by its coefficients, (n_roots, order + 1)."""
@@ -180,13 +182,15 @@ def _solved(root: FloatArray, right: FloatArray, *, transposed: bool = False) ->
 class NumeratorSweep:
     """Zeros of one response's numerator, order by order: what the stabilization diagram asks for."""
 
+    refines = False
+
     def __init__(
         self, fit: NumeratorFit, row: int, others: Sequence[int], solutions: dict[int, FloatArray]
     ) -> None:
         self.fit, self.row, self.others = fit, row, tuple(others)
         self._solutions = solutions  # shared by the rows of one fit
         self._roots: dict[int, ComplexArray] = {}
-        #: Sweeps of the other rows, if roots that all rows share are to count as superfluous.
+        #: Sweeps of the other rows, if roots that all rows share are to count as spurious.
         self.companions: list[NumeratorSweep] = []
 
     def _solution(self, order: int) -> FloatArray:
@@ -197,7 +201,7 @@ class NumeratorSweep:
     def roots(self, order: int, norm: bool = False) -> ComplexArray:
         """All roots in rad/s. There is one solution an order; ``norm`` asks for the same."""
         if order not in self._roots:
-            self._roots[order] = self.fit.zeros(self._solution(order), self.row)
+            self._roots[order] = self.fit.zeros(self._solution(order), self.row, self._roots.get(order - 1))
         return self._roots[order]
 
     def dominances(self, order: int, s: ComplexArray) -> FloatArray:

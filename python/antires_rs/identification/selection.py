@@ -68,7 +68,12 @@ def select(
     roots = [best.fit.zeros(best.coefficients, row) for row in rows]
     solutions: dict[int, FloatArray] = {}
     sweeps = [NumeratorSweep(best.fit, row, [k for k in rows if k != row], solutions) for row in rows]
+    for sweep in sweeps:
+        # Ascending, so that the roots of each order start from those of the one before.
+        for order in orders:
+            sweep.roots(order)
     numerators = best.fit.values(best.coefficients).T
+    higher = [order for order in orders if order > best.order]
     diagrams = []
     for row in range(n_responses):
         step(f"response {row + 1} of {n_responses}")
@@ -82,9 +87,9 @@ def select(
         )
         own = roots[row][~shared(roots[row], others)]
         s, share, std = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
-        seen = [_seen(zero, sweep, best.order, orders, rule) for zero in s.tolist()]
+        seen = _seen(s, sweep, higher, rule)
         counts = np.array([len(own) for own in seen], dtype=int)
-        stays = (counts > rule.min_rows) & (counts >= PRESENCE * sum(m > best.order for m in orders))
+        stays = (counts > rule.min_rows) & (counts >= PRESENCE * len(higher))
         zeros = _table(s, share, std, seen, stays, one.accepted, lines.added_decay_per_s)
         keep = _credible(s, zeros, stays, others)
         if not rule.persistent:
@@ -153,22 +158,24 @@ def _credible(s: ComplexArray, zeros: ResponseTable, stays: Any, others: list[Co
     return np.where(zeros.damping_ratio < LEAST_DAMPING, hardly_damped, damped)
 
 
-def _seen(zero: complex, sweep: NumeratorSweep, order: int, orders: range, rule: Rule) -> list[float]:
-    """Moduli of the roots of higher orders that agree with a zero in frequency and damping."""
-    size, damping = abs(zero), -zero.real / abs(zero)
+def _seen(zeros: ComplexArray, sweep: NumeratorSweep, higher: list[int], rule: Rule) -> list[list[float]]:
+    """For every zero: moduli of the roots of higher orders that agree with it in frequency and damping."""
+    every = [sweep.roots(order) for order in higher]
+    every = [s[s.imag > 0] for s in every]
+    order = np.repeat(np.arange(len(every)), [s.size for s in every])
+    roots = np.concatenate([np.empty(0, dtype=np.complex128), *every])
+    size, damping = np.abs(roots), -roots.real / np.abs(roots)
     seen = []
-    for m in orders:
-        if m <= order:
-            continue
-        s = sweep.roots(m)
-        s = s[s.imag > 0]
-        own = np.abs(s)
-        s = s[
-            (np.abs(own / size - 1.0) <= rule.freq_tol)
-            & (np.abs(-s.real / own - damping) <= rule.damping_tol * abs(damping) + SAME_DAMPING)
-        ]
-        if s.size:
-            seen.append(float(np.abs(s[np.argmin(np.abs(s - zero))])))
+    for zero in zeros.tolist():
+        own_size, own_damping = abs(zero), -zero.real / abs(zero)
+        near = np.flatnonzero(
+            (np.abs(size / own_size - 1.0) <= rule.freq_tol)
+            & (np.abs(damping - own_damping) <= rule.damping_tol * abs(own_damping) + SAME_DAMPING)
+        )
+        # Of each order the nearest.
+        near = near[np.argsort(np.abs(roots[near] - zero), kind="stable")]
+        nearest = near[np.unique(order[near], return_index=True)[1]]
+        seen.append(size[nearest].tolist())
     return seen
 
 

@@ -14,7 +14,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice, finite_scalar, reject, shape_of
 from ..support.wording import Passed, Wording
 from ._common import Signal, rate_of, unsuitable, warn
-from .channels import Channel, Dofs, in_si, recording_of, renamed
+from .channels import Channel, Dofs, in_si, kept, recording_of, renamed
 from .units import named_unit
 
 __all__ = ["signal_of_arrays"]
@@ -144,11 +144,11 @@ def _response(
                 "Export values and frequencies of the same test.",
             )
     labels = renamed("dofs", [name for name, _ in rows], dofs)
-    kept = [i for i, label in enumerate(labels) if label is not None]
-    values = np.stack([rows[i][1] for i in kept])
+    chosen = kept(labels)
+    values = np.stack([rows[i][1] for i in chosen])
     coherence = np.vstack([numeric[n] for n in seen]).real if seen else None
     if coherence is not None and coherence.shape == (len(rows), lines.size):
-        coherence = coherence[kept]
+        coherence = coherence[chosen]
     elif coherence is not None:
         unsuitable(
             path,
@@ -158,7 +158,9 @@ def _response(
         )
     if unit is not None:
         values = in_si(values, named_unit("unit", unit))
-    return FrequencyResponse(lines, values, [labels[i] for i in kept], cast(Kind, kind), reference, coherence)
+    return FrequencyResponse(
+        lines, values, [labels[i] for i in chosen], cast(Kind, kind), reference, coherence
+    )
 
 
 def _rate(path: Path, numeric: dict[str, NDArray[Any]], time: str | None, fs_hz: float | None) -> float:

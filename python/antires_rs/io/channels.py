@@ -72,15 +72,8 @@ def recording_of(
     chosen = _force(forces, force)
     labels = renamed("dofs", [c.name for c in responses], dofs)
     # What is left out need not fit the rest.
-    kept = [(label, c) for label, c in zip(labels, responses, strict=True) if label is not None]
-    if not kept:
-        reject(
-            "dofs",
-            "None for every channel",
-            "at least one channel to keep",
-            "Leave out of dofs what is to keep its name.",
-        )
-    used = [c for _, c in kept]
+    rows = kept(labels)
+    used = [responses[i] for i in rows]
     lengths = {c.values.size for c in (*used, *([] if chosen is None else [chosen]))}
     if len(lengths) > 1:
         unsuitable(
@@ -106,7 +99,7 @@ def recording_of(
     return Recording(
         np.stack([in_si(c.values, units[id(c)]) for c in used]),
         fs_hz,
-        [label for label, _ in kept],
+        [labels[i] for i in rows],
         None if chosen is None else in_si(chosen.values, units[id(chosen)]),
     )
 
@@ -136,6 +129,14 @@ def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
             "Name a dof for each channel, in their order, or map channels to dofs.",
         )
     return labels
+
+
+def kept(labels: Sequence[Any]) -> list[int]:
+    """Which channels are kept: those with a dof."""
+    rows = [i for i, label in enumerate(labels) if label is not None]
+    if not rows:
+        reject("dofs", "None for every channel", "at least one channel to keep", "Give one of them a dof.")
+    return rows
 
 
 def in_si(values: Any, unit: Unit) -> Any:

@@ -18,7 +18,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice, finite_scalar
 from ..support.wording import Passed, Wording
 from ._common import Signal, existing_file, missing_part, rate_of, unsuitable, warn
-from .channels import Channel, Dofs, in_si, recording_of, renamed, unit_or_warning
+from .channels import Channel, Dofs, in_si, kept, recording_of, renamed, unit_or_warning
 from .delimited_text import Table, table_of
 from .own import own_signal
 from .units import abscissa_factor, is_frequency, named_unit
@@ -289,15 +289,15 @@ def _response(
         )
     lines = columns[0].real * abscissa_factor(units[0])
     named = renamed("dofs", labels[1:], dofs)
-    kept = [i for i, label in enumerate(named) if label is not None]
+    chosen = kept(named)
     rows = []
-    for i in kept:
+    for i in chosen:
         own = named_unit("unit", unit) if unit is not None else unit_or_warning(file, units[i + 1])
         rows.append(in_si(columns[i + 1], own))
     return FrequencyResponse(
         lines,
         np.stack(rows),
-        [named[i] for i in kept],
+        [named[i] for i in chosen],
         "frf" if kind == "frf" else "transmissibility",
         reference,
     )

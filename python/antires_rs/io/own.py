@@ -11,7 +11,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.validation import finite_scalar, reject
 from ._common import Signal
-from .channels import Dofs, renamed
+from .channels import Dofs, kept, renamed
 from .units import named_unit
 
 __all__ = ["own_signal", "relabelled"]
@@ -84,15 +84,8 @@ def _named(signal: Signal, dofs: Dofs) -> Signal:
     if dofs is None:
         return signal
     labels = renamed("dofs", signal.dofs, dofs)
-    kept = [i for i, label in enumerate(labels) if label is not None]
-    if not kept:
-        reject(
-            "dofs",
-            "None for every channel",
-            "at least one channel to keep",
-            "Leave out of dofs what is to keep its name.",
-        )
-    return relabelled(signal, kept, [labels[i] for i in kept])
+    rows = kept(labels)
+    return relabelled(signal, rows, [labels[i] for i in rows])
 
 
 def _check_force(path: Path, signal: Signal, force: Any) -> None:

@@ -121,7 +121,8 @@ IDENTIFICATION = Section(
             "true",
         ),
         Key("keep_common", "switch", "Whether to keep values that all channels share.", "false"),
-        Key("second_opinion", "text", '"aaa" or "vector_fitting": another method that confirms or flags.'),
+        Key("cross_check", "text", '"aaa" or "vector_fitting": another method that confirms or flags.'),
+        Key("second_opinion", "text", "The older name of cross_check."),
         Key("check", "text", 'What to do about data that are not fit: "warn", "raise" or "off".', '"warn"'),
     ),
 )

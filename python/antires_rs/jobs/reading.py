@@ -9,7 +9,7 @@ from typing import Any
 from .. import io
 from ..exceptions import InvalidInputError
 from ..io._common import Signal
-from ..io.channels import renamed
+from ..io.channels import kept, renamed
 from ..io.own import relabelled
 from ..io.uff_names import as_point
 from ..support.validation import reject
@@ -90,10 +90,8 @@ def _named(signal: Signal, dofs: dict[Any, Any] | list[Any]) -> Signal:
             if name not in dofs:
                 reject("dofs", f"no dof for channel {name!r}", f"one for each of {names}", f"{LEAVE_OUT}.")
     labels = renamed("dofs", names, dofs)
-    kept = [i for i, label in enumerate(labels) if label is not None]
-    if not kept:
-        reject("dofs", "no channel that is kept", "at least one", "Give one of them a dof.")
-    return relabelled(signal, kept, [labels[i] for i in kept])
+    rows = kept(labels)
+    return relabelled(signal, rows, [labels[i] for i in rows])
 
 
 def _plain(dof: Any) -> Any:

@@ -30,6 +30,8 @@ def shared(values: Any, others: Sequence[Any], within: float = SHARED) -> NDArra
     every = np.ones(values.size, dtype=bool)
     for other in others:
         every &= np.abs(other[None, :] - values[:, None]).min(axis=1, initial=np.inf) <= size
+        if not every.any():
+            break
     return every
 
 

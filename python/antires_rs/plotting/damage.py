@@ -66,19 +66,7 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     percent_axis(ax, np.concatenate([severity, known, np.minimum(visible, MOST_VISIBLE)]), upright)
     _smallest_seen(ax, x, visible)
     if truth is not None:
-        ax.plot(
-            x,
-            known,
-            ls="",
-            marker="D",
-            ms=8,
-            mfc="none",
-            mec="black",
-            mew=1.3,
-            label="truth",
-            zorder=4,
-            clip_on=False,
-        )
+        mark_truth(ax, x, known, 8)
     for i, value in enumerate(severity):
         if value > 0.0:
             # A diamond or a tick close above the bar would strike the number out: it goes above them.
@@ -182,6 +170,12 @@ def percent_axis(ax: Any, shown: FloatArray, upright: bool) -> None:
     ax.set_ylabel("Stiffness loss (%)")
     ax.grid(axis="y", alpha=0.25)
     ax.set_axisbelow(True)
+
+
+def mark_truth(ax: Any, x: Any, known: FloatArray, size: float) -> None:
+    """Known losses as diamonds that leave the bars visible."""
+    look = {"marker": "D", "mfc": "none", "mec": "black", "mew": 1.3, "clip_on": False}
+    ax.plot(x, known, ls="", ms=size, label="truth", zorder=4, **look)
 
 
 def element_axis(ax: Any, names: list[str], upright: bool, first: tuple[str, ...]) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..support.validation import reject
 from .canvas import COLOURS, fit_across, new_axes, offer
-from .damage import element_axis, element_names, percent_axis
+from .damage import element_axis, element_names, mark_truth, percent_axis
 
 if TYPE_CHECKING:
     from ..updating.results import DamageResult
@@ -99,19 +99,7 @@ def plot_damages(
                     rotation=90 if narrow else 0,
                 )
     if truth is not None:
-        ax.plot(
-            x,
-            known,
-            ls="",
-            marker="D",
-            ms=7,
-            mfc="none",
-            mec="black",
-            mew=1.3,
-            label="truth",
-            zorder=4,
-            clip_on=False,
-        )
+        mark_truth(ax, x, known, 7)
     element_axis(ax, names, upright, first=tuple(results))
     columns = {f"{name}_percent": percent for name, percent in losses.items()}
     shown = {} if truth is None else {"truth_percent": known}

@@ -6,7 +6,7 @@ Forsythe basis for w^2 and the denominator on one for w^2 sum_o abs(Y_o)^2, all 
 at no cost and the denominator minimises d' G d, G = I - sum_o X_o' X_o (Richardson & Formenti 1982).
 The X_o are computed once: their leading blocks serve every lower order.
 
-d = 0 is excluded in one of two ways. "low" sets the lowest coefficient to one: superfluous poles then go to
+d = 0 is excluded in one of two ways. "low" sets the lowest coefficient to one: spurious poles then go to
 the right half plane, where they are told from physical ones. "norm" takes the eigenvector of the smallest
 eigenvalue of G: more accurate where it finds a pole. A monic denominator would be wrong here: a
 transmissibility of two dofs can have a numerator of higher order than its denominator.
@@ -346,7 +346,7 @@ def fit_rational(
         # A line on a pole must not get all the weight there is: less than this is rounding.
         below = np.maximum(np.abs(terms @ 1j ** np.arange(order + 1)), 1e-15 * np.abs(terms).sum(axis=1))
         weight = first / below**2
-    # Reweighting need not converge: where the last turn is much worse than an earlier one, that one counts.
+    # Reweighting need not converge: where the last fit is much worse than an earlier one, that one counts.
     best = min(fits, key=lambda fit: fit.residual)
     return fits[-1] if fits[-1].residual <= 2.0 * best.residual else best
 

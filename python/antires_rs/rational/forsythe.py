@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import _core
 from ..support.validation import ComplexArray, FloatArray
 
 # A top coefficient this far below the largest carries rounding only; its root would be at infinity.
@@ -43,13 +44,7 @@ class Basis:
 
     def at(self, s: ComplexArray, order: int) -> ComplexArray:
         """phi_0 ... phi_order at complex points s (in units of 2 pi f_max), shape (n_points, order + 1)."""
-        out = np.empty((s.size, order + 1), dtype=np.complex128)
-        out[:, 0] = 1.0 / self.b[0]
-        if order:
-            out[:, 1] = s * out[:, 0] / self.b[1]
-        for k in range(1, order):
-            out[:, k + 1] = (s * out[:, k] + self.b[k] * out[:, k - 1]) / self.b[k + 1]
-        return out
+        return _core.forsythe_basis_at(np.asarray(s, dtype=np.complex128), self.b[: order + 1])
 
 
 def forsythe_basis(x: FloatArray, weight: FloatArray, order: int) -> Basis:
@@ -65,10 +60,26 @@ def forsythe_basis(x: FloatArray, weight: FloatArray, order: int) -> Basis:
     return Basis(b, np.ascontiguousarray(p.T))
 
 
-def roots(coefficients: FloatArray, b: FloatArray) -> ComplexArray:
-    """All roots in s / (2 pi f_max) of sum_k coefficients[k] phi_k."""
+def roots(coefficients: FloatArray, b: FloatArray, near: ComplexArray | None = None) -> ComplexArray:
+    """All roots in s / (2 pi f_max) of sum_k coefficients[k] phi_k.
+
+    ``near`` are roots of a polynomial much like it, as of the order before; from there all roots are refined
+    at once (Ehrlich and Aberth). Where they do not all stand in the end, and without ``near``, they are
+    eigenvalues.
+    """
+    if near is not None:
+        kept = coefficients[: _order(coefficients) + 1]
+        found = _core.refined_roots(kept, b[: kept.size], near)
+        if found is not None:
+            return found
     # s phi_k = b_{k+1} phi_{k+1} - b_k phi_{k-1}
     return comrade_roots(coefficients, b, below=-b)
+
+
+def _order(coefficients: FloatArray) -> int:
+    """Index of the highest coefficient that carries more than rounding."""
+    size = np.abs(coefficients)
+    return int(np.flatnonzero(size > TOP_COEFFICIENT * size.max(initial=0.0))[-1]) if size.any() else 0
 
 
 def comrade_roots(
@@ -78,10 +89,7 @@ def comrade_roots(
 
     The recurrence is x p_k = b_{k+1} p_{k+1} + middle_k p_k + below_k p_{k-1}.
     """
-    size = np.abs(coefficients)
-    order = coefficients.size - 1
-    while order > 0 and size[order] <= TOP_COEFFICIENT * size.max():
-        order -= 1
+    order = _order(coefficients)
     if order == 0:
         return np.empty(0, dtype=np.complex128)
     comrade = np.diag(b[1:order], 1) + np.diag(below[1:order], -1)

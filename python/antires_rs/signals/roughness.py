@@ -12,18 +12,20 @@ __all__ = ["local_noise", "roughness", "second_differences", "typical_noise"]
 NOISE_LINES = 31
 # No curve is taken to have less noise than this share of its power.
 LEAST_NOISE = 1e-12
+# Second differences of white noise over the noise itself, in power.
+GAIN = 6.0
 # The median of abs()**2 of complex Gaussian noise over its mean.
 MEDIAN = np.log(2.0)
 
 
 def second_differences(values: ComplexArray) -> FloatArray:
-    """Squared second differences along the last axis, scaled to the power of white noise."""
-    return np.abs(values[..., 2:] - 2.0 * values[..., 1:-1] + values[..., :-2]) ** 2 / 6.0
+    """Squared second differences along the last axis: ``GAIN`` times the power of white noise."""
+    return np.abs(values[..., 2:] - 2.0 * values[..., 1:-1] + values[..., :-2]) ** 2
 
 
 def typical_noise(values: ComplexArray) -> FloatArray:
     """Noise power of every curve (n_outputs, n_freq) at its median line, (n_outputs,)."""
-    noise = np.median(second_differences(values), axis=1) / MEDIAN
+    noise = np.median(second_differences(values), axis=1) / (GAIN * MEDIAN)
     return np.asarray(np.maximum(noise, LEAST_NOISE * np.mean(np.abs(values) ** 2, axis=1)))
 
 
@@ -40,11 +42,11 @@ def local_noise(values: ComplexArray) -> FloatArray:
         return np.repeat(power, values.shape[1], axis=1)
     second = second_differences(values)
     second = np.concatenate([second[:, :1], second, second[:, -1:]], axis=1)
-    noise = median_filter(second, size=(1, NOISE_LINES), mode="nearest") / MEDIAN
+    noise = median_filter(second, size=(1, NOISE_LINES), mode="nearest") / (GAIN * MEDIAN)
     return np.asarray(np.maximum(noise, LEAST_NOISE * power))
 
 
 def roughness(curve: ComplexArray) -> float:
     """Noise over power of one curve, by medians: the few lines of a sharp resonance are rough too."""
     power = float(np.median(np.abs(curve) ** 2))
-    return float(np.median(second_differences(curve))) / power if power > 0.0 else 0.0
+    return float(np.median(second_differences(curve))) / GAIN / power if power > 0.0 else 0.0

@@ -24,6 +24,8 @@ __all__ = ["Event", "find_events", "is_transient", "transient_spectra"]
 COARSE_BLOCKS = 64
 FINE_BLOCK_SAMPLES = 8
 FINE_BLOCKS = 8192
+# Samples of which the coarse profile takes the median.
+MEDIAN_SAMPLES = 8192
 # A steady Gaussian record of one narrow mode has an exponentially distributed envelope: over 64 blocks its
 # largest energy is some 13 dB above its lower fifth. 20 dB is out of its reach.
 DECAY_RATIO = 100.0
@@ -47,9 +49,9 @@ class Event:
     stop: int
 
 
-def _energy(rec: Recording, block: int) -> FloatArray:
-    """Mean energy of each block, channels at equal weight."""
-    x = rec.responses - np.median(rec.responses, axis=1, keepdims=True)
+def _energy(rec: Recording, block: int, every: int = 1) -> FloatArray:
+    """Mean energy of each block, channels at equal weight, about a median of every so-many-th sample."""
+    x = rec.responses - np.median(rec.responses[:, ::every], axis=1, keepdims=True)
     power = x.var(axis=1, keepdims=True)
     power[power == 0.0] = 1.0
     n = rec.n_samples // block
@@ -81,7 +83,8 @@ def is_transient(rec: Recording) -> bool:
     """
     if rec.n_samples < 2 * COARSE_BLOCKS:
         return False
-    energy = _energy(rec, rec.n_samples // COARSE_BLOCKS)
+    # A hundredfold rise is told from any few thousand samples' median.
+    energy = _energy(rec, rec.n_samples // COARSE_BLOCKS, max(1, rec.n_samples // MEDIAN_SAMPLES))
     return bool(energy.max() > DECAY_RATIO * np.quantile(energy, 0.2))
 
 

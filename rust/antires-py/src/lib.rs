@@ -31,5 +31,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(rational::forsythe_basis_at, module)?)?;
     module.add_function(wrap_pyfunction!(rational::refined_roots, module)?)?;
     module.add_function(wrap_pyfunction!(rational::dominant_pairs, module)?)?;
+    module.add_function(wrap_pyfunction!(rational::hermitian_values, module)?)?;
     Ok(())
 }

@@ -1,13 +1,14 @@
 //! Loops of the identification: Forsythe's basis, roots, dominant eigenpairs.
 
 use antires_core::linalg::dominant::Workspace;
+use antires_core::linalg::hermitian::Hermitian;
 use antires_core::rational::{forsythe, roots};
 use numpy::{
     Complex64, IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3,
 };
 use pyo3::prelude::*;
 
-use crate::doorway::guarded;
+use crate::doorway::{NumericalError, guarded};
 
 /// φ_0 … φ_m at complex points, (n_points, m + 1).
 #[pyfunction]
@@ -68,4 +69,32 @@ pub fn dominant_pairs<'py>(
         rest.into_pyarray(py),
         vectors.into_pyarray(py).reshape([count, n])?,
     ))
+}
+
+/// Ascending eigenvalues of the transpose of every matrix, (n, m, m), scaled in the same way; (n, m).
+#[pyfunction]
+pub fn hermitian_values<'py>(
+    py: Python<'py>,
+    matrices: PyReadonlyArray3<'py, Complex64>,
+    scale: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let matrices = matrices.as_array();
+    let over: Vec<f64> = scale.as_array().iter().map(|s| 1.0 / s.sqrt()).collect();
+    let (count, n) = (matrices.shape()[0], matrices.shape()[1]);
+    let values = guarded(py, || {
+        let mut work = Hermitian::default();
+        let mut values = vec![0.0; count * n];
+        for (matrix, own) in matrices.outer_iter().zip(values.chunks_exact_mut(n)) {
+            if !work.eigenvalues(|i, j| matrix[(j, i)] * (over[i] * over[j]), own) {
+                return Ok(None);
+            }
+        }
+        Ok(Some(values))
+    })?;
+    values
+        .ok_or_else(|| {
+            NumericalError::new_err("eigenvalues of the spectral matrix did not converge")
+        })?
+        .into_pyarray(py)
+        .reshape([count, n])
 }

@@ -1,16 +1,17 @@
 //! The dominant eigenpair of a small Hermitian matrix with nonnegative eigenvalues.
 //!
-//! The matrix over its trace is squared until it is the projector v vᴴ: after k squarings the second
-//! eigenvalue, over the first, is the 2^k-th power of what it was. One product with the matrix itself takes
-//! the rounding of the squarings away. For spectral matrices, whose first eigenvalue stands out, three to six
-//! squarings do, a fraction of a full decomposition.
+//! Power iteration with powers of the matrix: after k squarings the second eigenvalue, over the first, is the
+//! 2^k-th power of what it was. Where a few steps with one power do not settle the vector, the matrix is
+//! squared again. One product with the matrix itself takes the rounding of the squarings away. For spectral
+//! matrices, whose first eigenvalue stands out, this is a fraction of a full decomposition.
 
 use faer::c64;
 
 /// Squarings after which two equal eigenvalues are taken as such.
 const MOST_SQUARINGS: usize = 40;
-/// 1 − tr P² of a projector, but for rounding.
-const PURE: f64 = 1e-14;
+/// Steps with one power, and the squared change of a unit vector below which it stands.
+const STEPS: usize = 6;
+const SETTLED: f64 = 1e-30;
 
 /// The largest eigenvalue, the mean of the others and the unit eigenvector.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +29,7 @@ pub struct Workspace {
     matrix: Vec<c64>,
     power: Vec<c64>,
     next: Vec<c64>,
+    moved: Vec<c64>,
 }
 
 impl Workspace {
@@ -40,6 +42,7 @@ impl Workspace {
             matrix: zero.clone(),
             power: zero.clone(),
             next: zero,
+            moved: vec![c64::new(0.0, 0.0); n],
         }
     }
 
@@ -71,11 +74,12 @@ impl Workspace {
             *power = *value / trace;
         }
         for _ in 0..MOST_SQUARINGS {
-            if self.square() {
+            self.square();
+            if self.iterated(vector) {
                 break;
             }
         }
-        self.project(vector);
+        self.through_matrix(vector);
         let first = self.rayleigh(vector);
         let rest = if n > 1 {
             (trace - first) / (n as f64 - 1.0)
@@ -85,8 +89,8 @@ impl Workspace {
         Dominant { first, rest }
     }
 
-    /// P ← P² / tr P²; true when P was a projector.
-    fn square(&mut self) -> bool {
+    /// P ← P² / tr P².
+    fn square(&mut self) {
         let n = self.n;
         let mut trace = 0.0;
         for i in 0..n {
@@ -104,47 +108,73 @@ impl Workspace {
             }
             trace += self.next[i * n + i].re;
         }
+        let over = 1.0 / trace;
         for value in &mut self.next {
-            *value /= trace;
+            *value *= over;
         }
         std::mem::swap(&mut self.power, &mut self.next);
-        1.0 - trace <= PURE
     }
 
-    /// The column of the projector's largest diagonal entry, once more through the matrix, at unit length.
-    fn project(&mut self, vector: &mut [c64]) {
+    /// A few steps from the column of the largest diagonal entry; whether the vector stands.
+    fn iterated(&mut self, vector: &mut [c64]) -> bool {
         let n = self.n;
-        let best = (0..n)
-            .max_by(|&a, &b| {
-                self.power[a * n + a]
-                    .re
-                    .total_cmp(&self.power[b * n + b].re)
-            })
-            .unwrap_or(0);
-        for i in 0..n {
-            let mut sum = c64::new(0.0, 0.0);
-            for k in 0..n {
-                sum += self.matrix[i * n + k] * self.power[k * n + best];
+        let mut best = 0;
+        for i in 1..n {
+            if self.power[i * n + i].re > self.power[best * n + best].re {
+                best = i;
             }
-            vector[i] = sum;
         }
-        let length = vector.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
-        for v in vector {
-            *v /= length;
+        for i in 0..n {
+            vector[i] = self.power[i * n + best];
         }
+        normalize(vector);
+        for _ in 0..STEPS {
+            multiply(&self.power, vector, &mut self.moved);
+            normalize(&mut self.moved);
+            let change: f64 = vector
+                .iter()
+                .zip(&self.moved)
+                .map(|(a, b)| (a - b).norm_sqr())
+                .sum();
+            vector.copy_from_slice(&self.moved);
+            if change <= SETTLED {
+                return true;
+            }
+        }
+        false
     }
 
-    fn rayleigh(&self, v: &[c64]) -> f64 {
-        let n = self.n;
-        let mut sum = 0.0;
-        for i in 0..n {
-            let mut product = c64::new(0.0, 0.0);
-            for k in 0..n {
-                product += self.matrix[i * n + k] * v[k];
-            }
-            sum += (v[i].conj() * product).re;
+    fn through_matrix(&mut self, vector: &mut [c64]) {
+        multiply(&self.matrix, vector, &mut self.moved);
+        normalize(&mut self.moved);
+        vector.copy_from_slice(&self.moved);
+    }
+
+    fn rayleigh(&mut self, v: &[c64]) -> f64 {
+        multiply(&self.matrix, v, &mut self.moved);
+        v.iter()
+            .zip(&self.moved)
+            .map(|(a, b)| a.re * b.re + a.im * b.im)
+            .sum()
+    }
+}
+
+/// out ← A v, A by rows.
+fn multiply(a: &[c64], v: &[c64], out: &mut [c64]) {
+    for (row, out) in a.chunks_exact(v.len()).zip(out) {
+        let (mut re, mut im) = (0.0, 0.0);
+        for (a, v) in row.iter().zip(v) {
+            re += a.re * v.re - a.im * v.im;
+            im += a.re * v.im + a.im * v.re;
         }
-        sum
+        *out = c64::new(re, im);
+    }
+}
+
+fn normalize(v: &mut [c64]) {
+    let over = 1.0 / v.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+    for v in v {
+        *v *= over;
     }
 }
 

@@ -8,6 +8,7 @@
 //! | [`blocks`] | block-triangular form of a pencil | [`pencil`] |
 //! | [`definite`] | are all eigenvalues at or above zero | `fem::bounds` |
 //! | [`dominant`] | the first eigenpair of small Hermitian matrices | `antires-py`, for spectra |
+//! | [`hermitian`] | eigenvalues of small Hermitian matrices | `antires-py`, for spectra |
 //! | [`pencil`] | A v = x B v, general real | the pencil route |
 //!
 //! Everything runs with `Par::Seq`: parallelism belongs one level up, to the optimizer.
@@ -16,6 +17,7 @@ pub mod banded;
 pub mod blocks;
 pub mod definite;
 pub mod dominant;
+pub mod hermitian;
 pub mod krylov;
 pub mod ordering;
 pub mod pencil;
