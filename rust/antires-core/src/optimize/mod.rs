@@ -35,7 +35,7 @@
 //! not print a number (`q`, the share of the mutations, the heuristic's tries) the documentation of
 //! [`IslandOptions`] and [`Crossover`] states ours.
 
-pub mod archipelago;
+mod archipelago;
 pub mod bounds;
 pub mod composition;
 pub mod crossover;
@@ -43,6 +43,7 @@ pub mod evaluate;
 pub mod island;
 mod ledger;
 pub mod migration;
+mod minimize;
 pub mod mutation;
 pub mod objective;
 pub mod options;
@@ -50,14 +51,14 @@ pub mod outcome;
 pub mod polish;
 pub mod population;
 pub mod selection;
-pub mod snapshot;
+mod tape;
 pub mod termination;
 
-pub use archipelago::{minimize, minimize_objective};
 pub use bounds::Bounds;
 pub use composition::{Composition, Linearization, Norm};
 pub use crossover::Crossover;
 pub use evaluate::{ObjectiveEvaluator, Workers, evaluate_many, parallel_map};
+pub use minimize::{minimize, minimize_objective};
 pub use objective::{Candidates, Evaluator, Objective};
 pub use options::{Agreement, IslandOptions};
 pub use outcome::{
