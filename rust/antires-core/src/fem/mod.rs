@@ -13,6 +13,8 @@
 //!
 //! SI units throughout: kg, N/m, m, rad/s; degrees of freedom are zero-based.
 
+pub mod applicability;
+pub mod assembly;
 pub mod bounds;
 pub mod chain;
 pub mod elements;

@@ -12,8 +12,9 @@
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
+use crate::fem::assembly::Assembly;
 use crate::fem::model::Model;
-use crate::fem::parameters::{Assembly, Parameter};
+use crate::fem::parameters::Parameter;
 use crate::modal::low_modes::LowModes;
 use crate::modal::mac::Shape;
 use crate::modal::modes::eigenvalue;

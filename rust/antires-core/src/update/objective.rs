@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
+use crate::fem::assembly::Assembly;
 use crate::fem::model::{Model, connected};
-use crate::fem::parameters::{Assembly, Parameter};
+use crate::fem::parameters::Parameter;
 use crate::modal::antiresonances::{AntiresonanceSolver, Query, Route};
 use crate::modal::structure::Structure;
 use crate::optimize::{Composition, Linearization, Objective};
