@@ -68,7 +68,7 @@ fn objective(criterion: &mut Criterion) {
         let x: Vec<f64> = (0..n)
             .map(|i| {
                 if i % 4 == 1 {
-                    0.05 * (i + 1) as f64 / 2.0
+                    0.025 * f64::from(i + 1)
                 } else {
                     0.0
                 }

@@ -79,17 +79,17 @@ mod tests {
         };
         let roots = &antiresonances(&model, &[17], 30, &query).unwrap()[0].freq_hz;
         assert!(roots.len() > 20);
-        let mut by_band = 0;
+        let mut settled = 0;
         for want in roots.iter().map(|&f| eigenvalue(f)) {
             let (start, reach) = (want * (1.0 + 1e-6), 1e-5 * want);
             let deleted = by_quotients(matrices, (17, 30), start, reach).unwrap();
             assert!((deleted.x / want - 1.0).abs() < 1e-11);
             if let Some(found) = by_band(&mut band, (17, 30), start, reach) {
-                by_band += 1;
+                settled += 1;
                 assert!((found.x / deleted.x - 1.0).abs() < 1e-11);
             }
         }
-        assert!(2 * by_band > roots.len(), "{by_band}");
+        assert!(2 * settled > roots.len(), "{settled}");
     }
 
     #[test]

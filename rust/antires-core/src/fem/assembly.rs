@@ -102,7 +102,8 @@ impl Model {
     /// The model whose nominal state is this model at parameter values `x`.
     ///
     /// # Errors
-    /// Those of [`Model::new`], for example when a factor makes a mass negative, and of [`Frame::at`].
+    /// Those of [`Model::new`], for example when a factor makes a mass negative, and of
+    /// [`Frame::at`](super::frame::Frame::at).
     pub fn at(&self, parameters: &[Parameter], x: &[f64]) -> Result<Self> {
         if let Some(frame) = self.frame() {
             return Self::from_frame(frame.at(parameters, x)?);

@@ -251,7 +251,7 @@ impl SymmetricSolver {
             .fold(0.0_f64, |a, l| a.max(l.abs()));
         self.zero = zero_eigenvalue(self.n, largest);
         self.eigenvalues.clear();
-        self.eigenvalues.extend_from_slice(&self.standard.values());
+        self.eigenvalues.extend_from_slice(self.standard.values());
         self.clear_zeros();
     }
 

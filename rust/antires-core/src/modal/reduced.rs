@@ -1,12 +1,12 @@
 //! Poles of one excitation up to a limit, from band matrices, with the proof that none is missing.
 //!
-//! 1. A Krylov space of the load gives H_ik for every i as partial fractions that are exact to rounding below the limit
-//!    ([`super::poles`]).
+//! 1. A Krylov space of the load gives H_ik for every i as partial fractions that are exact to rounding below
+//!    the limit (`poles`).
 //! 2. By Sylvester's law the inertia of K − xM counts all modes below the limit. Each of the poles found has
 //!    a residual far below its distance from the next, so if there are as many, they are the modes.
 //! 3. If there are more modes than poles, the load does not excite the others: a node at the excitation, or
 //!    a repeated eigenvalue, of which any load excites one combination only. They are sought in the
-//!    complement of those found until the count is met ([`super::hidden_modes`]).
+//!    complement of those found until the count is met (`hidden_modes`).
 //!
 //! What cannot be settled so is left to the dense solver.
 
