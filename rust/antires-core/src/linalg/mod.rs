@@ -11,6 +11,8 @@
 //! | [`pencil`] | A v = x B v, general real | the pencil route |
 //!
 //! Everything runs with `Par::Seq`: parallelism belongs one level up, to the optimizer.
+//!
+//! May use: `error`.
 
 pub mod banded;
 pub mod blocks;

@@ -30,6 +30,8 @@
 //! The same seed gives the same bits for any number of threads. No clock is read here: a time limit,
 //! like Ctrl-C, is a hook that says stop.
 //!
+//! May use: `error`, `rng`.
+//!
 //! V. Meruane, Model updating using antiresonant frequencies identified from transmissibility
 //! functions, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021. Where the paper does
 //! not print a number (`q`, the share of the mutations, the heuristic's tries) the documentation of
