@@ -1,14 +1,15 @@
 //! Sensitivities of antiresonances against central differences of the whole computation.
 
+use std::sync::Arc;
+
+use antires_core::antiresonances::{
+    AntiresonanceSolver, Query, Route, ZeroSensitivity, antiresonances,
+};
 use antires_core::fem::chain::mass_spring_chain;
 use antires_core::fem::model::Model;
 use antires_core::fem::parameters::{Parameter, Quantity};
-use std::sync::Arc;
-
 use antires_core::fem::slopes::Slopes;
-use antires_core::modal::antiresonances::{AntiresonanceSolver, Query, Route, antiresonances};
 use antires_core::modal::modes::eigenvalue;
-use antires_core::modal::sensitivities::ZeroSensitivity;
 use antires_core::modal::structure::Structure;
 use antires_core::optimize::{Linearization, Objective};
 use antires_core::update::misfit::Misfit;
@@ -40,9 +41,7 @@ fn parameters() -> Vec<Parameter> {
 const AT: [f64; 5] = [0.3, 1.1, 0.9, 1.05, 1.2];
 
 fn solver(model: &Model) -> AntiresonanceSolver {
-    let mut solver = AntiresonanceSolver::new(&Arc::new(Structure::of(model)));
-    solver.set_matrices(model.stiffness(), model.mass());
-    solver
+    AntiresonanceSolver::new(&Arc::new(Structure::of(model)))
 }
 
 fn zeros(model: &Model, response: usize) -> Vec<f64> {
@@ -60,13 +59,13 @@ fn analytic_sensitivities_are_the_limit_of_differences() {
     let (model, parameters) = (chain(), parameters());
     let here = model.at(&parameters, &AT).unwrap();
     let mut solver = solver(&here);
+    let mut prepared = solver.prepare(here.stiffness(), here.mass());
     let slopes = Slopes::new(&model, &parameters, &AT);
     let mut zero = ZeroSensitivity::default();
     let mut compared = 0;
     for response in 0..6 {
         for (nth, x) in zeros(&here, response).into_iter().enumerate() {
-            let matrices = (here.stiffness(), here.mass());
-            zero.set(&mut solver, matrices, (response, 1), x).unwrap();
+            zero.set(&mut prepared, (response, 1), x).unwrap();
             for index in 0..parameters.len() {
                 let moved = |h: f64| {
                     let mut p = AT;
@@ -100,9 +99,9 @@ fn one_mass_between_two_springs_moves_as_the_textbook_says() {
         });
     let slopes = Slopes::new(&model, &parameters, &[0.0, 1.0]);
     let mut zero = ZeroSensitivity::default();
-    let matrices = (model.stiffness(), model.mass());
-    zero.set(&mut solver(&model), matrices, (0, 0), 250.0)
-        .unwrap();
+    let mut solver = solver(&model);
+    let mut prepared = solver.prepare(model.stiffness(), model.mass());
+    zero.set(&mut prepared, (0, 0), 250.0).unwrap();
     for index in 0..2 {
         let slope = zero.along(&slopes.along(index));
         assert!((slope + 250.0).abs() < 1e-9, "{slope}");

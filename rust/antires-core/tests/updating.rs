@@ -1,9 +1,9 @@
 //! The whole core: measured antiresonances in, parameters out.
 
+use antires_core::antiresonances::{Query, Route, antiresonances};
 use antires_core::fem::chain::mass_spring_chain;
 use antires_core::fem::model::Model;
 use antires_core::fem::parameters::{Parameter, Quantity};
-use antires_core::modal::antiresonances::{Query, Route, antiresonances};
 use antires_core::optimize::{Bounds, Hooks, IslandOptions, Objective, minimize_objective};
 use antires_core::update::misfit::Misfit;
 use antires_core::update::objective::{AntiresonanceObjective, Target};

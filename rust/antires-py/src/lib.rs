@@ -15,6 +15,7 @@ mod frame;
 mod model;
 mod objective;
 mod optimizer;
+mod options;
 mod parameters;
 mod rational;
 
@@ -27,7 +28,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(parameters::nominal_values, module)?)?;
     module.add_function(wrap_pyfunction!(parameters::check_bounds, module)?)?;
     module.add_function(wrap_pyfunction!(optimizer::minimize, module)?)?;
-    module.add_function(wrap_pyfunction!(optimizer::island_options, module)?)?;
+    module.add_function(wrap_pyfunction!(options::island_options, module)?)?;
     module.add_function(wrap_pyfunction!(rational::forsythe_basis_at, module)?)?;
     module.add_function(wrap_pyfunction!(rational::refined_roots, module)?)?;
     module.add_function(wrap_pyfunction!(rational::dominant_pairs, module)?)?;

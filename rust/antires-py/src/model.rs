@@ -2,10 +2,10 @@
 
 use std::sync::OnceLock;
 
+use antires_core::antiresonances::{Query, Route, antiresonances};
 use antires_core::error::Error;
 use antires_core::fem::chain::mass_spring_chain;
 use antires_core::fem::model::Model as CoreModel;
-use antires_core::modal::antiresonances::{Query, Route, antiresonances};
 use antires_core::modal::frf::{Motion, frequency_response};
 use antires_core::modal::modes::{AllModes, low_modes};
 use numpy::ndarray::Array2;

@@ -2,10 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use antires_core::error::Error;
 use antires_core::optimize::{
-    Agreement, Bounds, Candidates, Crossover, Evaluator, Failure, Hooks, Interrupt, IslandOptions,
-    IslandState, Keep, Outcome, Progress, minimize as minimize_core,
+    Bounds, Candidates, Evaluator, Failure, Hooks, Interrupt, IslandOptions, IslandState, Keep,
+    Outcome, Progress, minimize as minimize_core,
 };
 use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
@@ -15,102 +14,7 @@ use pyo3::types::PyDict;
 
 use crate::checkpoint::Checkpoint;
 use crate::doorway::{ObjectiveError, Watch, guarded, to_python};
-
-/// Sets the fields of [`IslandOptions`] that the dictionary names, and writes them all out again:
-/// the list of fields stands here once.
-macro_rules! option_fields {
-    ($options:expr, $dict:expr, $($field:ident),+ $(,)?) => {
-        $(if let Some(value) = $dict.get_item(stringify!($field))? {
-            $options.$field = value.extract()?;
-        })+
-    };
-}
-
-fn read_options(dict: &Bound<'_, PyDict>) -> PyResult<IslandOptions> {
-    let mut options = IslandOptions::default();
-    option_fields!(
-        options,
-        dict,
-        islands,
-        population,
-        crossover_probability,
-        mutation_probability,
-        selection_pressure,
-        patience,
-        improvement_tolerance,
-        gene_tolerance,
-        cost_tolerance,
-        cost_floor,
-        cost_migrations,
-        polish,
-        polish_interval,
-        polish_evaluations,
-        max_evaluations,
-        max_generations,
-    );
-    if let Some(value) = dict.get_item("agreement")? {
-        options.agreement = Agreement::from_name(&value.extract::<String>()?).map_err(to_python)?;
-    }
-    if let Some(value) = dict.get_item("crossovers")? {
-        options.crossovers = value
-            .extract::<Vec<String>>()?
-            .iter()
-            .map(|name| Crossover::from_name(name))
-            .collect::<Result<_, Error>>()
-            .map_err(to_python)?;
-    }
-    let known = write_options(dict.py(), &options)?;
-    for key in dict.keys() {
-        if !known.contains(&key)? {
-            let names: Vec<String> = known.keys().extract()?;
-            let error = Error::input(
-                "option",
-                key.to_string(),
-                format!("one of {}", names.join(", ")),
-            )
-            .remedy("Correct the name, or leave the option out.");
-            return Err(to_python(error));
-        }
-    }
-    options.validate().map_err(to_python)?;
-    Ok(options)
-}
-
-fn write_options<'py>(py: Python<'py>, options: &IslandOptions) -> PyResult<Bound<'py, PyDict>> {
-    let dict = PyDict::new(py);
-    macro_rules! write {
-        ($($field:ident),+ $(,)?) => { $(dict.set_item(stringify!($field), options.$field)?;)+ };
-    }
-    write!(
-        islands,
-        population,
-        crossover_probability, mutation_probability
-    );
-    write!(
-        selection_pressure,
-        patience,
-        improvement_tolerance, gene_tolerance, cost_tolerance
-    );
-    write!(
-        cost_floor,
-        cost_migrations,
-        polish, polish_interval, polish_evaluations
-    );
-    write!(max_evaluations, max_generations);
-    dict.set_item("agreement", options.agreement.name())?;
-    let names: Vec<&str> = options.crossovers.iter().map(Crossover::name).collect();
-    dict.set_item("crossovers", names)?;
-    Ok(dict)
-}
-
-/// The options with defaults filled in; refuses unknown names and values out of range.
-#[pyfunction]
-pub fn island_options<'py>(
-    py: Python<'py>,
-    options: &Bound<'py, PyDict>,
-) -> PyResult<Bound<'py, PyDict>> {
-    write_options(py, &read_options(options)?)
-}
+use crate::options::read_options;
 
 /// One search: its problem, its settings, and whoever watches it.
 pub struct Search {

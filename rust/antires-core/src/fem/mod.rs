@@ -12,7 +12,18 @@
 //! and forms them again when parameters change those.
 //!
 //! SI units throughout: kg, N/m, m, rad/s; degrees of freedom are zero-based.
+//!
+//! | module | what it knows |
+//! |---|---|
+//! | [`term`], [`elements`], [`section`] | one contribution to K or M, and the formulas behind it |
+//! | [`model`], [`chain`], [`frame`] | K, M and their terms; from masses in a row, from beams |
+//! | [`parameters`], [`applicability`], [`bounds`] | what may change, whether it does, and how far |
+//! | [`assembly`], [`slopes`] | K(p), M(p); dK/dp, dM/dp |
+//!
+//! May use: `error`, `linalg`.
 
+pub mod applicability;
+pub mod assembly;
 pub mod bounds;
 pub mod chain;
 pub mod elements;

@@ -3,7 +3,6 @@
 use faer::{Mat, MatRef};
 
 use super::frame::{Frame, sum};
-use super::parameters::{Assembly, Parameter};
 use super::term::Term;
 use crate::error::{Error, Result};
 
@@ -118,38 +117,6 @@ impl Model {
     #[must_use]
     pub fn mass_terms(&self) -> &[Term] {
         &self.mass_terms
-    }
-
-    /// The model whose nominal state is this model at parameter values `x`.
-    ///
-    /// # Errors
-    /// Those of [`Model::new`], for example when a factor makes a mass negative, and of [`Frame::at`].
-    pub fn at(&self, parameters: &[Parameter], x: &[f64]) -> Result<Self> {
-        if let Some(frame) = &self.frame {
-            return Self::from_frame(frame.at(parameters, x)?);
-        }
-        let mut assembly = Assembly::new(self);
-        assembly.form(self, parameters, x);
-        let scaled = |terms: &[Term], factors: &[f64]| {
-            terms
-                .iter()
-                .zip(factors)
-                .map(|(term, f)| {
-                    Term::from_entries(
-                        term.entries()
-                            .iter()
-                            .map(|&(i, j, v)| (i, j, v * f))
-                            .collect(),
-                    )
-                })
-                .collect()
-        };
-        Self::new(
-            assembly.stiffness.clone(),
-            assembly.mass.clone(),
-            scaled(&self.stiffness_terms, assembly.stiffness_factors()),
-            scaled(&self.mass_terms, assembly.mass_factors()),
-        )
     }
 
     /// Checks a dof argument against the model.

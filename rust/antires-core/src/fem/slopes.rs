@@ -12,7 +12,7 @@
 use super::frame::Frame;
 use super::model::Model;
 use super::parameters::{Parameter, Quantity};
-use super::term::Term;
+use super::term::{Side, Term};
 
 /// Step of the difference: truncation and rounding are then both near 1e-10.
 const STEP: f64 = 1e-5;
@@ -134,12 +134,6 @@ impl<'a> Slopes<'a> {
         }
         product
     }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Side {
-    Stiffness,
-    Mass,
 }
 
 /// Which matrix a parameter scales, its factor there and the slope of that factor; none where the terms

@@ -3,6 +3,15 @@
 use faer::Mat;
 use nalgebra::SMatrix;
 
+/// The matrix that a term is a part of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// K.
+    Stiffness,
+    /// M.
+    Mass,
+}
+
 /// Entries (row, column, value) of a symmetric matrix, both triangles stored.
 #[derive(Debug, Clone, Default)]
 pub struct Term {

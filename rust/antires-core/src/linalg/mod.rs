@@ -3,7 +3,8 @@
 //! | module | problem | used by |
 //! |---|---|---|
 //! | [`symmetric`] | K φ = λ M φ, both symmetric | the modal route |
-//! | [`small`], [`tridiagonal`] | the same with M = 1, few rows | [`symmetric`], [`krylov`] |
+//! | [`standard`] | A q = μ q, A symmetric | [`symmetric`] |
+//! | [`small`], [`tridiagonal`] | the same, few rows | [`standard`], [`krylov`] |
 //! | [`banded`], [`ordering`], [`krylov`] | low modes and responses from band matrices | the modal route |
 //! | [`blocks`] | block-triangular form of a pencil | [`pencil`] |
 //! | [`definite`] | are all eigenvalues at or above zero | `fem::bounds` |
@@ -12,6 +13,8 @@
 //! | [`pencil`] | A v = x B v, general real | the pencil route |
 //!
 //! Everything runs with `Par::Seq`: parallelism belongs one level up, to the optimizer.
+//!
+//! May use: `error`.
 
 pub mod banded;
 pub mod blocks;
@@ -22,6 +25,7 @@ pub mod krylov;
 pub mod ordering;
 pub mod pencil;
 pub mod small;
+pub mod standard;
 pub mod symmetric;
 pub mod tolerances;
 pub mod tridiagonal;

@@ -116,19 +116,23 @@ fn block_eigenvalues(a: Mat<f64>, b: Mat<f64>, low: f64, high: f64) -> Result<Ve
     let mut roots = Vec::with_capacity(candidates.len());
     for (j, &(x, imaginary)) in candidates.iter().enumerate() {
         let close = |other: &(f64, f64)| (other.0 - x).abs() <= REPEATED_ROOT * x.abs();
-        let repeated =
+        let has_neighbour =
             (j > 0 && close(&candidates[j - 1])) || candidates.get(j + 1).is_some_and(close);
+        let multiplicity = if has_neighbour {
+            Multiplicity::Repeated
+        } else {
+            Multiplicity::Simple
+        };
         let checked = Verified::of(&a, &b, x)?;
-        let certain = checked.is_certain(x, n, repeated) && checked.is_real(x, imaginary, n);
-        let small = checked.has_small_residual(repeated);
+        let certain = checked.is_certain(x, n, multiplicity) && checked.is_real(x, imaginary, n);
+        let small = checked.has_small_residual(multiplicity);
         roots.push(PencilRoot {
             x: x * unit,
-            uncertainty: if repeated {
-                SPLIT_ROOT
-            } else {
-                checked.uncertainty(x, n)
+            uncertainty: match multiplicity {
+                Multiplicity::Repeated => SPLIT_ROOT,
+                Multiplicity::Simple => checked.uncertainty(x, n),
             },
-            repeated,
+            repeated: multiplicity == Multiplicity::Repeated,
             certain: certain && small,
             backward_error: (certain && !small).then_some(checked.residual),
         });
@@ -188,6 +192,13 @@ fn unblocked() -> Spec<GevdParams, f64> {
     Spec::new(params)
 }
 
+/// Whether another root lies close by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Multiplicity {
+    Simple,
+    Repeated,
+}
+
 /// An eigenvalue with its vectors, checked on the matrices.
 struct Verified {
     /// ‖y‖‖v‖ / √(|yᵀAv|² + |yᵀBv|²).
@@ -225,12 +236,11 @@ impl Verified {
         )))
     }
 
-    fn has_small_residual(&self, repeated: bool) -> bool {
-        // A repeated root is itself only good to the root of rounding.
-        let most = if repeated {
-            SPLIT_ROOT
-        } else {
-            QZ_BACKWARD_ERROR
+    fn has_small_residual(&self, multiplicity: Multiplicity) -> bool {
+        let most = match multiplicity {
+            // A repeated root is itself only good to the root of rounding.
+            Multiplicity::Repeated => SPLIT_ROOT,
+            Multiplicity::Simple => QZ_BACKWARD_ERROR,
         };
         self.residual <= most
     }
@@ -246,13 +256,13 @@ impl Verified {
         imaginary <= REAL_ROOT.max(10.0 * self.uncertainty(x, n))
     }
 
-    fn is_certain(&self, x: f64, n: usize, repeated: bool) -> bool {
-        if repeated {
+    fn is_certain(&self, x: f64, n: usize, multiplicity: Multiplicity) -> bool {
+        match multiplicity {
             // The vectors of a repeated root are arbitrary within its plane and say nothing of its
             // uncertainty; infinite roots do not come as real roots this close together.
-            return distance(x) > REPEATED_ROOT_DISTANCE;
+            Multiplicity::Repeated => distance(x) > REPEATED_ROOT_DISTANCE,
+            Multiplicity::Simple => self.uncertainty(x, n) <= ROOT_UNCERTAINTY,
         }
-        self.uncertainty(x, n) <= ROOT_UNCERTAINTY
     }
 }
 

@@ -18,29 +18,25 @@
 //!
 //! Reference: Golub & Van Loan, Matrix Computations, 4th ed., section 8.7.
 
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
-use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Accum, Mat, MatRef, Par, Scale};
+use faer::{Mat, MatRef, Par};
 
-use super::small::{MOST_ROWS, SmallSymmetric};
+use super::standard::StandardSymmetric;
 use super::tolerances::{INFINITE_MODE, MASS_PIVOT_RATIO, zero_eigenvalue};
 use crate::error::{Error, Result};
 
 /// Solver of K φ = λ M φ for one size, with its working memory; reuse it between evaluations.
 pub struct SymmetricSolver {
     n: usize,
-    reduced: Mat<f64>,
+    standard: StandardSymmetric,
     factor: Mat<f64>,
-    rotated: Mat<f64>,
+    work: Mat<f64>,
     inverse_root_mass: Vec<f64>,
-    raw: Vec<f64>,
     memory: MemBuffer,
-    small: SmallSymmetric,
     eigenvalues: Vec<f64>,
     vectors: Mat<f64>,
     /// Shift σ of the massless path, with the largest μ; none when M was reduced directly.
@@ -51,9 +47,6 @@ pub struct SymmetricSolver {
 /// Ulp of every entry of K, in φᵀ K φ, up to which λ is zero.
 const RIGID_ULPS: f64 = 16.0;
 
-/// Residual of an eigenpair, in n ulp of the largest eigenvalue, that the solver's own rounding explains.
-const RESIDUAL_ULPS: f64 = 16.0;
-
 /// Most rigid-body modes a structure has.
 const RIGID_MODES: usize = 6;
 
@@ -61,24 +54,14 @@ impl SymmetricSolver {
     /// Reserves the memory for `n` degrees of freedom.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        let requirement = StackReq::any_of(&[
-            self_adjoint_evd_scratch::<f64>(
-                n,
-                ComputeEigenvectors::Yes,
-                Par::Seq,
-                Default::default(),
-            ),
-            cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()),
-        ]);
+        let memory = cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());
         Self {
             n,
-            reduced: Mat::zeros(n, n),
+            standard: StandardSymmetric::new(n),
             factor: Mat::zeros(n, n),
-            rotated: Mat::zeros(n, n),
+            work: Mat::zeros(n, n),
             inverse_root_mass: vec![0.0; n],
-            raw: vec![0.0; n],
-            memory: MemBuffer::new(requirement),
-            small: SmallSymmetric::default(),
+            memory: MemBuffer::new(memory),
             eigenvalues: Vec::with_capacity(n),
             vectors: Mat::zeros(n, n),
             shift: None,
@@ -97,7 +80,11 @@ impl SymmetricSolver {
     pub fn uncertainty(&self, lambda: f64) -> f64 {
         let ulps = self.n as f64 * f64::EPSILON;
         match self.shift {
-            None => ulps * self.raw[self.n - 1].abs().max(self.raw[0].abs()),
+            None => {
+                ulps * self.standard.values()[self.n - 1]
+                    .abs()
+                    .max(self.standard.values()[0].abs())
+            }
             Some((sigma, largest_mu)) => ulps * largest_mu * (lambda + sigma).powi(2),
         }
     }
@@ -133,7 +120,7 @@ impl SymmetricSolver {
         shifted
     }
 
-    /// For a well-conditioned diagonal M: `reduced` = M^(-1/2) K M^(-1/2).
+    /// For a well-conditioned diagonal M: the standard problem of M^(-1/2) K M^(-1/2).
     fn scale_by_diagonal_mass(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) -> bool {
         let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
         for j in 0..self.n {
@@ -153,7 +140,7 @@ impl SymmetricSolver {
         }
         for j in 0..self.n {
             for i in j..self.n {
-                self.reduced[(i, j)] =
+                self.standard.matrix_mut()[(i, j)] =
                     k[(i, j)] * self.inverse_root_mass[i] * self.inverse_root_mass[j];
             }
         }
@@ -161,9 +148,9 @@ impl SymmetricSolver {
     }
 
     fn finish_diagonal(&mut self) -> Result<()> {
-        self.decompose()?;
+        self.standard.decompose()?;
         for j in 0..self.n {
-            let rotated = self.rotated.col_as_slice(j).iter();
+            let rotated = self.standard.vectors().col_as_slice(j).iter();
             let vector = self.vectors.col_as_slice_mut(j).iter_mut();
             for ((v, q), s) in vector.zip(rotated).zip(&self.inverse_root_mass) {
                 *v = q * s;
@@ -174,9 +161,9 @@ impl SymmetricSolver {
     }
 
     fn finish_regular(&mut self) -> Result<()> {
-        self.decompose()?;
+        self.standard.decompose()?;
         self.unreduce();
-        self.vectors.copy_from(&self.rotated);
+        self.vectors.copy_from(self.standard.vectors());
         self.keep_all_eigenvalues();
         Ok(())
     }
@@ -200,16 +187,16 @@ impl SymmetricSolver {
             });
         }
         self.reduce(m);
-        self.decompose()?;
+        self.standard.decompose()?;
         self.unreduce();
-        let largest = self.raw[self.n - 1];
+        let largest = self.standard.values()[self.n - 1];
         let threshold = INFINITE_MODE * self.n as f64 * largest;
-        if self.raw[0] < -1e3 * threshold {
+        if self.standard.values()[0] < -1e3 * threshold {
             return Err(Error::Numerical {
                 what: "modes of (K, M)".into(),
                 detail: format!(
                     "the mass matrix is indefinite: the pair has the eigenvalue {:e} relative to {largest:e}",
-                    self.raw[0]
+                    self.standard.values()[0]
                 ),
             });
         }
@@ -218,11 +205,11 @@ impl SymmetricSolver {
         self.eigenvalues.clear();
         for j in 0..self.n {
             let source = self.n - 1 - j;
-            let mu = self.raw[source];
+            let mu = self.standard.values()[source];
             let finite = mu > threshold;
             let scale = if finite { mu.sqrt().recip() } else { 1.0 };
             for i in 0..self.n {
-                self.vectors[(i, j)] = self.rotated[(i, source)] * scale;
+                self.vectors[(i, j)] = self.standard.vectors()[(i, source)] * scale;
             }
             if finite {
                 self.eigenvalues.push(mu.recip() - sigma);
@@ -257,10 +244,14 @@ impl SymmetricSolver {
     }
 
     fn keep_all_eigenvalues(&mut self) {
-        let largest = self.raw.iter().fold(0.0_f64, |a, l| a.max(l.abs()));
+        let largest = self
+            .standard
+            .values()
+            .iter()
+            .fold(0.0_f64, |a, l| a.max(l.abs()));
         self.zero = zero_eigenvalue(self.n, largest);
         self.eigenvalues.clear();
-        self.eigenvalues.extend_from_slice(&self.raw);
+        self.eigenvalues.extend_from_slice(self.standard.values());
         self.clear_zeros();
     }
 
@@ -287,112 +278,22 @@ impl SymmetricSolver {
         (least / most).powi(2)
     }
 
-    /// `reduced` = L⁻¹ A L⁻ᵀ for symmetric A.
+    /// Takes L⁻¹ A L⁻ᵀ for symmetric A to the standard problem.
     fn reduce(&mut self, a: MatRef<'_, f64>) {
-        self.reduced.copy_from(a);
-        solve_lower_triangular_in_place(self.factor.as_ref(), self.reduced.as_mut(), Par::Seq);
-        self.rotated.copy_from(self.reduced.transpose());
-        solve_lower_triangular_in_place(self.factor.as_ref(), self.rotated.as_mut(), Par::Seq);
-        self.reduced.copy_from(&self.rotated);
+        let (reduced, factor) = (self.standard.matrix_mut(), self.factor.as_ref());
+        reduced.copy_from(a);
+        solve_lower_triangular_in_place(factor, reduced.as_mut(), Par::Seq);
+        self.work.copy_from(reduced.transpose());
+        solve_lower_triangular_in_place(factor, self.work.as_mut(), Par::Seq);
+        reduced.copy_from(&self.work);
     }
 
-    /// `rotated` = L⁻ᵀ `rotated`.
+    /// Q ← L⁻ᵀ Q.
     fn unreduce(&mut self) {
         solve_upper_triangular_in_place(
             self.factor.as_ref().transpose(),
-            self.rotated.as_mut(),
+            self.standard.vectors_mut().as_mut(),
             Par::Seq,
         );
-    }
-
-    /// `reduced` = `rotated` diag(`raw`) `rotated`ᵀ.
-    fn decompose(&mut self) -> Result<()> {
-        if self.n <= MOST_ROWS && self.small.solve(self.n, |i, j| self.reduced[(i, j)]) {
-            for j in 0..self.n {
-                let (value, vector) = self.small.pair(j);
-                self.raw[j] = value;
-                self.rotated.col_as_slice_mut(j).copy_from_slice(vector);
-            }
-            return Ok(());
-        }
-        let unit = self.unit();
-        self.reduced *= Scale(unit.recip());
-        self_adjoint_evd(
-            self.reduced.as_ref(),
-            faer::diag::DiagMut::from_slice_mut(&mut self.raw),
-            Some(self.rotated.as_mut()),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-            Default::default(),
-        )
-        .map_err(|_| not_converged())?;
-        self.check()?;
-        self.raw.iter_mut().for_each(|value| *value *= unit);
-        Ok(())
-    }
-
-    /// The power of two that brings the largest entry of `reduced` near one.
-    ///
-    /// faer 0.24 deflates at absolute thresholds: of matrices far from one it loses digits, or returns one
-    /// value twice and leaves out its neighbour.
-    fn unit(&self) -> f64 {
-        let largest = (0..self.n).fold(0.0_f64, |l, j| l.max(self.reduced[(j, j)].abs()));
-        if largest > 0.0 && largest.is_finite() {
-            largest.log2().round().exp2()
-        } else {
-            1.0
-        }
-    }
-
-    /// Looks at every pair of a decomposition: values by Rayleigh's quotient, residuals by their norm, since
-    /// the solver can return without having converged.
-    fn check(&mut self) -> Result<()> {
-        let n = self.n;
-        // The solver reads the lower triangle only.
-        for j in 0..n {
-            for i in 0..j {
-                self.reduced[(i, j)] = self.reduced[(j, i)];
-            }
-        }
-        let mut image = Mat::<f64>::zeros(n, n);
-        matmul(
-            image.as_mut(),
-            Accum::Replace,
-            self.reduced.as_ref(),
-            self.rotated.as_ref(),
-            1.0,
-            Par::Seq,
-        );
-        let mut worst = 0.0_f64;
-        for j in 0..n {
-            let (q, aq) = (self.rotated.col_as_slice(j), image.col_as_slice(j));
-            let value: f64 = q.iter().zip(aq).map(|(q, a)| q * a).sum();
-            let residual: f64 = q.iter().zip(aq).map(|(q, a)| (a - value * q).powi(2)).sum();
-            self.raw[j] = value;
-            worst = worst.max(residual.sqrt());
-        }
-        let largest = self.raw.iter().fold(0.0_f64, |l, v| l.max(v.abs()));
-        // NaN fails too.
-        if !(worst <= RESIDUAL_ULPS * n as f64 * f64::EPSILON * largest) {
-            return Err(not_converged());
-        }
-        if !self.raw.is_sorted() {
-            let mut order: Vec<usize> = (0..n).collect();
-            order.sort_by(|&a, &b| self.raw[a].total_cmp(&self.raw[b]));
-            let (raw, rotated) = (self.raw.clone(), self.rotated.clone());
-            for (j, &from) in order.iter().enumerate() {
-                self.raw[j] = raw[from];
-                let column = self.rotated.col_as_slice_mut(j);
-                column.copy_from_slice(rotated.col_as_slice(from));
-            }
-        }
-        Ok(())
-    }
-}
-
-fn not_converged() -> Error {
-    Error::Numerical {
-        what: "symmetric eigenproblem".into(),
-        detail: "the iteration did not converge; check K and M for extreme values".into(),
     }
 }

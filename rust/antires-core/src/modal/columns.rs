@@ -8,8 +8,7 @@
 //! At a zero of H_ik, u without its entry i and w without its entry k are the null vectors of the deleted
 //! pencil. The band factors are formed without pivoting, so their growth is asked each time.
 
-use super::polish::Step;
-use super::reduced::ReducedModes;
+use super::band::BandMatrices;
 use crate::linalg::banded::LARGEST_GROWTH;
 use crate::linalg::symmetric::SymmetricSolver;
 
@@ -21,60 +20,70 @@ pub(super) struct Columns {
     mu: Vec<f64>,
 }
 
-impl ReducedModes {
-    /// Newton's step for a root of H_ik at `x`, by rows `i` and `k` of the band.
-    pub(super) fn newton_step(&mut self, (i, k): (usize, usize), x: f64) -> Option<Step> {
-        let slope = self.solve_columns(i, k, x)?;
-        Some(Step {
-            length: -self.columns.u[i] / slope,
-            ulp: self.ulp_shift(x, slope),
-        })
-    }
+/// H_ik on the matrices at one x, in the scale of the band.
+#[derive(Debug, Clone, Copy)]
+pub struct ReceptanceAt {
+    /// H_ik.
+    pub value: f64,
+    /// dH_ik/dx.
+    pub slope: f64,
+    /// How far one ulp of random sign in each entry of K and M moves a root at this x.
+    pub ulp: f64,
+}
 
-    /// How far one ulp of random sign in each entry of K and M moves the root at `x`, from u and w there.
-    fn ulp_shift(&self, x: f64, slope: f64) -> f64 {
-        let Columns { u, w, .. } = &self.columns;
-        let moved = self.stiffness.squared_form(w, u) + x * x * self.mass.squared_form(w, u);
-        f64::EPSILON * moved.sqrt() / slope.abs()
+impl Columns {
+    /// H_ik at `x`; none where rounding spoils the factors.
+    pub fn receptance(
+        &mut self,
+        band: &mut BandMatrices,
+        (i, k): (usize, usize),
+        x: f64,
+    ) -> Option<ReceptanceAt> {
+        let (i, k) = (band.structure().row(i), band.structure().row(k));
+        let slope = self.solve(band, (i, k), x)?;
+        let Self { u, w, .. } = self;
+        let moved = band.stiffness().squared_form(w, u) + x * x * band.mass().squared_form(w, u);
+        Some(ReceptanceAt {
+            value: u[i],
+            slope,
+            ulp: f64::EPSILON * moved.sqrt() / slope.abs(),
+        })
     }
 
     /// Columns i and k of (K − xM)⁻¹ by dof, each up to a factor, into `left` and `right`; returns leftᵀ M
     /// right.
-    pub fn columns(
+    pub fn by_dof(
         &mut self,
+        band: &mut BandMatrices,
         (i, k): (usize, usize),
         x: f64,
         left: &mut Vec<f64>,
         right: &mut Vec<f64>,
     ) -> Option<f64> {
-        let slope = self.solve_columns(self.structure.row(i), self.structure.row(k), x)?;
-        for (out, column) in [(left, &self.columns.w), (right, &self.columns.u)] {
+        let (i, k) = (band.structure().row(i), band.structure().row(k));
+        let slope = self.solve(band, (i, k), x)?;
+        for (out, column) in [(left, &self.w), (right, &self.u)] {
             out.clear();
-            out.resize(self.mass.n(), 0.0);
-            for (row, scale) in self.scale.iter().enumerate() {
-                out[self.structure.dof(row)] = scale * column[row];
-            }
+            out.resize(band.n(), 0.0);
+            band.by_dof(column, out);
         }
         Some(slope)
     }
 
     /// Solves for u and w at rows `i` and `k` of the band; returns wᵀMu.
-    fn solve_columns(&mut self, i: usize, k: usize, x: f64) -> Option<f64> {
-        self.work.combine(&self.stiffness, -x, &self.mass);
-        let (_, growth) = self.work.factorize();
-        if growth > LARGEST_GROWTH {
+    fn solve(&mut self, band: &mut BandMatrices, (i, k): (usize, usize), x: f64) -> Option<f64> {
+        if band.factorize(x) > LARGEST_GROWTH {
             return None;
         }
-        let padded = self.mass.n() + self.mass.half();
-        let Columns { u, w, mu } = &mut self.columns;
+        let Self { u, w, mu } = self;
         for (column, load) in [(&mut *u, k), (&mut *w, i)] {
             column.clear();
-            column.resize(padded, 0.0);
+            column.resize(band.stride(), 0.0);
             column[load] = 1.0;
-            self.work.solve(column);
+            band.solve(column);
         }
-        mu.resize(padded, 0.0);
-        self.mass.multiply(u, mu);
+        mu.resize(band.stride(), 0.0);
+        band.mass().multiply(u, mu);
         let slope: f64 = w.iter().zip(mu.iter()).map(|(a, b)| a * b).sum();
         // A dof without mass has no scale.
         slope.is_finite().then_some(slope)
@@ -82,7 +91,7 @@ impl ReducedModes {
 }
 
 /// The columns from all modes: h_i = Σ φ_r φ_ir / (λ_r − x) + Σ ψ ψ_i; returns h_iᵀ M h_k.
-pub(super) fn modal_columns(
+pub fn modal_columns(
     modes: &SymmetricSolver,
     (i, k): (usize, usize),
     x: f64,

@@ -1,41 +1,21 @@
-//! All modes of a model up to a limit: frequencies, shapes, and what their derivatives need.
+//! All modes of a model up to a limit: frequencies, shapes, and the adjoint solutions for their derivatives.
 //!
-//! A slender structure is solved by [`ReducedModes`], where a count of the modes by inertia proves that none
-//! is missing; all else, and what that leaves open, by the dense [`SymmetricSolver`].
-//!
-//! The derivative of a function of a shape whose size it ignores, with slope g there (gᵀφ = 0), needs one
-//! solution for each mode, whatever the number of parameters:
-//!
-//! ```text
-//! (K − λM) dφ/dp = −(K' − λM' − λ'M) φ        differentiated K φ = λ M φ
-//! (K − λM) z = g,  zᵀMφ = 0                   gᵀ dφ/dp = −zᵀ (K' − λM') φ
-//! ```
-//!
-//! K − λM is singular. In band form it is solved with the row and the column of the largest entry of φ taken
-//! out, as Nelson does; from all modes z = Σ φ_s (φ_sᵀg) / (λ_s − λ) over the others.
-//!
-//! Source: R. B. Nelson, Simplified calculation of eigenvector derivatives, AIAA J. 14 (1976) 1201-1205.
+//! A slender structure is solved by [`ReducedModes`](super::reduced::ReducedModes), where a count of the modes
+//! by inertia proves that none is missing; all else, and what that leaves open, by the dense
+//! [`SymmetricSolver`](crate::linalg::symmetric::SymmetricSolver).
 
-use std::sync::Arc;
-
-use faer::MatRef;
-
-use super::reduced::ReducedModes;
-use super::structure::Structure;
+use super::nelson::{self, Adjoint};
+use super::solved::Solved;
 use crate::error::Result;
-use crate::linalg::banded::LARGEST_GROWTH;
-use crate::linalg::symmetric::SymmetricSolver;
 
 /// Eigenvalues this near to one another, relatively, count as one that is repeated: their shapes are then a
 /// matter of rounding.
 const REPEATED: f64 = 1e-8;
 
 /// Modes up to a limit, with the memory to find them again.
+#[derive(Debug, Clone, Default)]
 pub struct LowModes {
     n: usize,
-    reduced: Option<ReducedModes>,
-    /// Made when first needed, with whether it holds the matrices last solved.
-    dense: Option<(SymmetricSolver, bool)>,
     lambda: Vec<f64>,
     /// Shapes by dof, one after the other.
     shapes: Vec<f64>,
@@ -43,47 +23,22 @@ pub struct LowModes {
 }
 
 impl LowModes {
-    /// Reserves the memory for the models of one structure.
-    #[must_use]
-    pub fn new(structure: &Arc<Structure>) -> Self {
-        Self {
-            n: structure.n_dof(),
-            reduced: structure
-                .is_slender()
-                .then(|| ReducedModes::new(Arc::clone(structure))),
-            dense: None,
-            lambda: Vec::new(),
-            shapes: Vec::new(),
-            zero: 0.0,
-        }
-    }
-
     /// Finds all modes of K φ = λ M φ with λ up to `limit`; from `start`, a dof that the modes looked for
     /// move, the band route is quickest.
     ///
     /// # Errors
-    /// Those of [`SymmetricSolver::solve`].
-    pub fn solve(
-        &mut self,
-        (k, m): (MatRef<'_, f64>, MatRef<'_, f64>),
-        limit: f64,
-        start: usize,
-    ) -> Result<()> {
-        if let Some((_, current)) = &mut self.dense {
-            *current = false;
-        }
-        if let Some(reduced) = &mut self.reduced {
-            reduced.set_matrices(k, m);
-            if reduced.solve(start, limit) {
-                reduced.modes(&mut self.lambda, &mut self.shapes);
-                self.zero = reduced.zero();
+    /// Those of [`Solved::dense`].
+    pub fn find(&mut self, solved: &mut Solved<'_>, limit: f64, start: usize) -> Result<()> {
+        self.n = solved.n_dof();
+        if solved.is_slender() {
+            let band = solved.band();
+            if band.solve(start, limit) {
+                band.modes(&mut self.lambda, &mut self.shapes);
+                self.zero = band.zero();
                 return Ok(());
             }
         }
-        self.solve_dense((k, m))?;
-        let Some((solver, _)) = &self.dense else {
-            return Ok(());
-        };
+        let solver = solved.dense()?;
         let all = solver.eigenvalues();
         let count = all.partition_point(|&l| l <= limit);
         self.lambda.clear();
@@ -94,17 +49,6 @@ impl LowModes {
                 .extend((0..self.n).map(|dof| solver.vectors()[(dof, r)]));
         }
         self.zero = 16.0 * solver.uncertainty(0.0);
-        Ok(())
-    }
-
-    fn solve_dense(&mut self, (k, m): (MatRef<'_, f64>, MatRef<'_, f64>)) -> Result<()> {
-        let (solver, current) = self
-            .dense
-            .get_or_insert_with(|| (SymmetricSolver::new(self.n), false));
-        if !*current {
-            solver.solve(k, m)?;
-            *current = true;
-        }
         Ok(())
     }
 
@@ -143,128 +87,43 @@ impl LowModes {
         self.zero
     }
 
-    /// Solves (K − λM) z = g with zᵀMφ = 0 for mode `r` and a slope `g` with gᵀφ = 0; the matrices are those
-    /// last solved.
+    /// Solves (K − λM) z = g with zᵀMφ = 0 for mode `r` and a slope `g` with gᵀφ = 0, see [`nelson`]; `solved`
+    /// are the matrices whose modes these are.
     ///
     /// Not for a repeated mode, whose shape has no derivative.
     ///
     /// # Errors
-    /// Those of [`SymmetricSolver::solve`].
+    /// Those of [`Solved::dense`].
     pub fn adjoint(
-        &mut self,
-        matrices: (MatRef<'_, f64>, MatRef<'_, f64>),
+        &self,
+        solved: &mut Solved<'_>,
         r: usize,
         g: &[f64],
         z: &mut Vec<f64>,
     ) -> Result<()> {
-        let by_band = self.dense.as_ref().is_none_or(|(_, current)| !current);
-        let (lambda, phi) = (self.lambda[r], &self.shapes[r * self.n..(r + 1) * self.n]);
-        if let (true, Some(reduced)) = (by_band, &mut self.reduced)
-            && reduced.pinned_solution(lambda, phi, g, z)
-        {
-            return Ok(());
-        }
-        self.solve_dense(matrices)?;
-        z.clear();
-        z.resize(self.n, 0.0);
-        if let Some((solver, _)) = &self.dense {
-            let (all, vectors) = (solver.eigenvalues(), solver.vectors());
-            // The modes are in one order on both routes.
-            for s in (0..self.n).filter(|&s| s != r) {
-                let along: f64 = (0..self.n).map(|dof| vectors[(dof, s)] * g[dof]).sum();
-                let stretch = all.get(s).map_or(1.0, |l| (l - all[r]).recip());
-                for (dof, z) in z.iter_mut().enumerate() {
-                    *z += along * stretch * vectors[(dof, s)];
-                }
+        if solved.is_slender() && solved.dense_in_hand().is_none() {
+            let mode = (self.lambda[r], self.shape(r));
+            if nelson::by_band(solved.band().band(), mode, g, z) == Adjoint::Solved {
+                return Ok(());
             }
         }
+        // The modes are in one order on both routes.
+        nelson::by_all_modes(solved.dense()?, r, g, z);
         Ok(())
-    }
-}
-
-impl ReducedModes {
-    /// The modes up to the limit of the last [`solve`](Self::solve), ascending, and their mass-normalised shapes
-    /// by dof.
-    pub(super) fn modes(&mut self, lambda: &mut Vec<f64>, shapes: &mut Vec<f64>) {
-        let n = self.mass.n();
-        // Vectors of those that the load excites stand before the hidden ones, where there are any.
-        if self.hidden.is_empty() {
-            self.weighted.clear();
-            self.vectors.clear();
-        }
-        let mut found = Vec::new();
-        for j in (0..self.found.len()).filter(|&j| self.found[j]) {
-            if self.hidden.is_empty() {
-                self.krylov.vector(j, &mut self.weighted, &mut self.vectors);
-            }
-            found.push(self.krylov.theta()[j].recip() - self.sigma);
-        }
-        found.extend(&self.hidden);
-        let mut order: Vec<usize> = (0..found.len())
-            .filter(|&j| found[j] <= self.limit)
-            .collect();
-        order.sort_by(|&a, &b| found[a].total_cmp(&found[b]));
-        lambda.clear();
-        shapes.clear();
-        let stride = n + self.mass.half();
-        for j in order {
-            let value = found[j];
-            lambda.push(if value.abs() <= self.zero { 0.0 } else { value });
-            let vector = &self.vectors[j * stride..j * stride + n];
-            let at = shapes.len();
-            shapes.resize(at + n, 0.0);
-            for (row, (v, scale)) in vector.iter().zip(&self.scale).enumerate() {
-                shapes[at + self.structure.dof(row)] = v * scale;
-            }
-        }
-    }
-
-    /// z of (K − λM) z = g, M-orthogonal to `phi`, from the band matrix with one row and column taken out;
-    /// false where rounding spoils its factors.
-    fn pinned_solution(&mut self, lambda: f64, phi: &[f64], g: &[f64], z: &mut Vec<f64>) -> bool {
-        let (n, half) = (self.mass.n(), self.mass.half());
-        let by_row = |values: &[f64], times: &dyn Fn(f64) -> f64| -> Vec<f64> {
-            let rows = (0..n).map(|row| values[self.structure.dof(row)] * times(self.scale[row]));
-            rows.chain(std::iter::repeat_n(0.0, half)).collect()
-        };
-        let shape = by_row(phi, &f64::recip);
-        let mut solution = by_row(g, &|scale| scale);
-        let largest = (0..n).fold(0, |at, row| {
-            if shape[row].abs() > shape[at].abs() {
-                row
-            } else {
-                at
-            }
-        });
-        self.work.combine(&self.stiffness, -lambda, &self.mass);
-        self.work.pin(largest);
-        solution[largest] = 0.0;
-        if self.work.factorize().1 > LARGEST_GROWTH {
-            return false;
-        }
-        self.work.solve(&mut solution);
-        let mut weighted = vec![0.0; n + half];
-        self.mass.multiply(&shape, &mut weighted);
-        let part: f64 = solution[..n]
-            .iter()
-            .zip(&weighted)
-            .map(|(s, w)| s * w)
-            .sum();
-        z.clear();
-        z.resize(n, 0.0);
-        for row in 0..n {
-            z[self.structure.dof(row)] = self.scale[row] * (solution[row] - part * shape[row]);
-        }
-        true
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
+    use faer::{Mat, MatRef};
+
+    use super::super::solved::Solutions;
+    use super::super::structure::Structure;
     use super::*;
     use crate::fem::chain::mass_spring_chain;
     use crate::fem::model::Model;
-    use faer::Mat;
 
     /// A free chain of 50 masses without symmetry.
     fn chain() -> Model {
@@ -274,23 +133,34 @@ mod tests {
         mass_spring_chain(&masses, &springs, 0.0, 0.0).unwrap()
     }
 
-    fn low(model: &Model, slender: bool, limit: f64) -> LowModes {
-        let mut modes = LowModes::new(&Arc::new(Structure::of(model)));
-        assert!(modes.reduced.is_some());
-        if !slender {
-            modes.reduced = None;
-        }
-        let matrices = (model.stiffness(), model.mass());
-        modes.solve(matrices, limit, 7).unwrap();
-        assert_eq!(modes.dense.is_none(), slender);
+    /// Memory for the band route.
+    fn slender(model: &Model) -> Solutions {
+        let structure = Structure::of(model);
+        assert!(structure.is_slender());
+        Solutions::new(&Arc::new(structure))
+    }
+
+    /// Memory for the dense one: every dof counts as joined to every other.
+    fn full(model: &Model) -> Solutions {
+        let n = model.n_dof();
+        let all = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        Solutions::new(&Arc::new(Structure::new(n, all)))
+    }
+
+    fn low(solved: &mut Solved<'_>, limit: f64) -> LowModes {
+        let mut modes = LowModes::default();
+        modes.find(solved, limit, 7).unwrap();
         modes
     }
 
     #[test]
     fn both_routes_give_one_answer() {
         let model = chain();
-        let matrices = (model.stiffness(), model.mass());
-        let (mut band, mut dense) = (low(&model, true, 3e4), low(&model, false, 3e4));
+        let (k, m) = (model.stiffness(), model.mass());
+        let (mut for_band, mut for_dense) = (slender(&model), full(&model));
+        let (mut banded, mut solved) = (for_band.of(k, m), for_dense.of(k, m));
+        let (band, dense) = (low(&mut banded, 3e4), low(&mut solved, 3e4));
+        assert!(banded.dense_in_hand().is_none() && solved.dense_in_hand().is_some());
         let count = band.eigenvalues().len();
         assert!(count > 8 && count == dense.eigenvalues().len(), "{count}");
         assert!(band.eigenvalues()[0] <= band.zero() && dense.eigenvalues()[0] <= dense.zero());
@@ -305,9 +175,9 @@ mod tests {
             // A slope without part along the shape.
             let mut g = vec![0.0; 50];
             (g[3], g[20]) = (band.shape(r)[20], -band.shape(r)[3]);
-            band.adjoint(matrices, r, &g, &mut by_band).unwrap();
-            dense.adjoint(matrices, r, &g, &mut densely).unwrap();
-            assert!(band.dense.is_none(), "the band settled it");
+            band.adjoint(&mut banded, r, &g, &mut by_band).unwrap();
+            dense.adjoint(&mut solved, r, &g, &mut densely).unwrap();
+            assert!(banded.dense_in_hand().is_none(), "the band settled it");
             let size = densely.iter().fold(0.0_f64, |m, z| m.max(z.abs()));
             for (y, z) in by_band.iter().zip(&densely) {
                 assert!((y - z).abs() < 1e-7 * size, "{y} {z}");
@@ -329,7 +199,14 @@ mod tests {
             })
         };
         let model = Model::new(twice(one.stiffness()), twice(one.mass()), vec![], vec![]).unwrap();
-        let (single, double) = (low(&one, true, 2e4), low(&model, true, 2e4));
+        let of = |model: &Model| {
+            let mut memory = slender(model);
+            let mut solved = memory.of(model.stiffness(), model.mass());
+            let modes = low(&mut solved, 2e4);
+            assert!(solved.dense_in_hand().is_none());
+            modes
+        };
+        let (single, double) = (of(&one), of(&model));
         assert_eq!(double.eigenvalues().len(), 2 * single.eigenvalues().len());
         for r in 2..double.eigenvalues().len() {
             let ratio = double.eigenvalues()[r] / single.eigenvalues()[r / 2];

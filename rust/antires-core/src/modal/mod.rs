@@ -1,33 +1,39 @@
-//! Modes, frequency responses, and antiresonances.
+//! Modes, and what follows from them: frequency responses, shapes and their sensitivities.
 //!
-//! With x = ω² and mass-normalised modes φ_r of K φ = λ M φ,
+//! With x = ω² (rad²/s²) and mass-normalised modes φ_r of K φ = λ M φ,
 //!
 //! ```text
-//! H_ik(x) = Σ_r φ_ir φ_kr / (λ_r − x) + d_ik
+//! H_ik(x) = Σ_r φ_ir φ_kr / (λ_r − x) + d_ik        [m/N]
 //! ```
 //!
 //! is the receptance between response dof i and excitation dof k; d is zero unless some dofs carry no
-//! mass. Its positive real zeros are the antiresonances, and equally the roots of
-//! det(K_ik − x M_ik) = 0 with row i and column k deleted, since that determinant is
-//! ± det(K − x M) H_ik(x). Hence two routes that must agree: [`antiresonances`].
+//! mass.
+//!
+//! | module | what it knows |
+//! |---|---|
+//! | [`structure`] | what stays while parameters change: the ordering, the band, the degrees of the determinants |
+//! | [`band`] | K and M as band matrices, factors of K − xM |
+//! | [`poles`](reduced), [`reduced`] | the poles of one load up to a limit, and the proof that none is missing |
+//! | [`solved`] | K and M of one evaluation with the solutions made of them |
+//! | [`receptance`] | H_ik as partial fractions |
+//! | [`columns`] | columns of (K − xM)⁻¹ |
+//! | [`modes`], [`low_modes`] | all modes, or those up to a limit |
+//! | [`frf`] | frequency responses |
+//! | [`mac`], [`nelson`], [`mode_sensitivities`] | comparison with a measured shape, and its derivatives |
+//!
+//! May use: `fem`, `linalg`.
 
-pub mod antiresonances;
-pub mod bracket;
-mod columns;
-pub mod enclosure;
+pub mod band;
+pub mod columns;
 pub mod frf;
-pub mod glance;
-mod isolate;
-mod join;
+mod hidden_modes;
 pub mod low_modes;
 pub mod mac;
 pub mod mode_sensitivities;
 pub mod modes;
-mod polish;
+pub mod nelson;
+mod poles;
 pub mod receptance;
 pub mod reduced;
-pub mod rest;
-pub mod secular;
-pub mod sensitivities;
+pub mod solved;
 pub mod structure;
-pub mod tail;

@@ -10,10 +10,9 @@
 //! Source: R. L. Fox & M. P. Kapoor, Rates of change of eigenvalues and eigenvectors, AIAA J. 6 (1968)
 //! 2426-2429; R. B. Nelson, AIAA J. 14 (1976) 1201-1205.
 
-use faer::MatRef;
-
 use super::low_modes::LowModes;
 use super::mac::Shape;
+use super::solved::Solved;
 use crate::error::Result;
 use crate::fem::slopes::MatrixSlopes;
 
@@ -27,14 +26,14 @@ pub struct ModeSensitivity {
 }
 
 impl ModeSensitivity {
-    /// Takes up mode `r` of `modes` and the measured `shape`; `matrices` are those last solved.
+    /// Takes up mode `r` of `modes`, which are those of `solved`, and the measured `shape`.
     ///
     /// # Errors
     /// Those of [`LowModes::adjoint`].
     pub fn set(
         &mut self,
-        modes: &mut LowModes,
-        matrices: (MatRef<'_, f64>, MatRef<'_, f64>),
+        modes: &LowModes,
+        solved: &mut Solved<'_>,
         r: usize,
         shape: &Shape,
     ) -> Result<()> {
@@ -47,7 +46,7 @@ impl ModeSensitivity {
             return Ok(());
         }
         shape.slope(&self.phi, &mut self.slope);
-        modes.adjoint(matrices, r, &self.slope, &mut self.z)
+        modes.adjoint(solved, r, &self.slope, &mut self.z)
     }
 
     /// dλ/dp in (rad/s)² and dMAC/dp, per unit of p. A repeated mode has no derivatives: the first is then that

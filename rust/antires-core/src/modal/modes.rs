@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use faer::{Mat, MatRef};
 
+use super::band::BandMatrices;
 use super::reduced::ReducedModes;
 use super::structure::Structure;
 use crate::error::Result;
 use crate::fem::model::Model;
-use crate::linalg::banded::count_below;
 use crate::linalg::symmetric::SymmetricSolver;
 
 /// Modes more than asked for, and half of those, that the band route may find.
@@ -94,7 +94,7 @@ pub fn low_modes(model: &Model, f_max_hz: f64, most: Option<usize>) -> Option<Mo
     band.set_matrices(model.stiffness(), model.mass());
     let mut limit = eigenvalue(f_max_hz);
     if let Some(most) = most {
-        limit = limit.min(band.above(most)?);
+        limit = limit.min(limit_above(most, band.band())?);
     }
     if !(limit.is_finite() && band.solve(0, limit)) {
         return None;
@@ -109,28 +109,25 @@ pub fn low_modes(model: &Model, f_max_hz: f64, most: Option<usize>) -> Option<Mo
     })
 }
 
-impl ReducedModes {
-    /// A λ with `most` modes below it, or a few more; none where the search for it leads nowhere.
-    fn above(&mut self, most: usize) -> Option<f64> {
-        let n = self.mass.n();
-        let enough = most..=most + most / 2 + SPARE;
-        let largest = (0..n)
-            .map(|j| self.stiffness.diagonal(j))
-            .fold(0.0, f64::max);
-        let (mut low, mut high) = (0.0, largest);
-        for _ in 0..MOST_COUNTS {
-            // Halving the exponent, until there is a lower end.
-            let at = if low > 0.0 {
-                f64::sqrt(low * high)
-            } else {
-                COARSE * high
-            };
-            let (count, _) = count_below(&self.stiffness, &self.mass, at, &mut self.work);
-            if enough.contains(&count) {
-                return Some(at);
-            }
-            *(if count < most { &mut low } else { &mut high }) = at;
+/// A λ with `most` modes below it, or a few more; none where the search for it leads nowhere.
+fn limit_above(most: usize, band: &mut BandMatrices) -> Option<f64> {
+    let enough = most..=most + most / 2 + SPARE;
+    let largest = (0..band.n())
+        .map(|j| band.stiffness().diagonal(j))
+        .fold(0.0, f64::max);
+    let (mut low, mut high) = (0.0, largest);
+    for _ in 0..MOST_COUNTS {
+        // Halving the exponent, until there is a lower end.
+        let at = if low > 0.0 {
+            f64::sqrt(low * high)
+        } else {
+            COARSE * high
+        };
+        let (count, _) = band.count_below(at);
+        if enough.contains(&count) {
+            return Some(at);
         }
-        None
+        *(if count < most { &mut low } else { &mut high }) = at;
     }
+    None
 }

@@ -84,6 +84,20 @@ impl Receptance {
         self.residues.clear();
         self.cancelled.clear();
         (self.constant, self.floor_error) = (0.0, 0.0);
+        self.most_roots = None;
+    }
+
+    /// Notes an upper bound of the number of roots, cancelled ones too.
+    pub fn bound_roots(&mut self, most: Option<usize>) {
+        self.most_roots = most;
+    }
+
+    /// Largest modulus of the residues of the poles up to `limit`.
+    #[must_use]
+    pub fn largest_residue(&self, limit: f64) -> f64 {
+        let poles = self.poles.iter().zip(&self.residues);
+        let below = poles.take_while(|(l, _)| **l <= limit);
+        below.map(|(_, c)| c.abs()).fold(0.0, f64::max)
     }
 
     /// Adds a mode, λ ascending; within `repeated` of the last it shares its pole.

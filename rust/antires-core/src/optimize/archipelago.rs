@@ -1,112 +1,42 @@
-//! The search: islands in step, generation by generation.
+//! A search under way: islands, the evaluations made, the record, and the loop over the generations.
 //!
-//! ```text
-//! populations at random, guesses among them; evaluate
-//! polish the objective's own starting point, which settles on the first island
-//! repeat
-//!     if every island waits, or it is time to polish: polish the islands' bests; finished if they agree
-//!     if every island waits: exchange and search on
-//!     finished if a budget is spent
-//!     every searching island proposes a generation; evaluate all proposals as one batch; accept
-//! ```
-//!
-//! Each island draws from its own stream of the seed, proposals and acceptance go island by island,
-//! and only the evaluation of a batch is parallel. So one seed gives the same bits for any number
-//! of threads. Of equal costs the one found first wins, within a batch the lower island, then the
-//! lower index. Without a [polish](super::polish) islands meet only when all wait, as in the paper. With
-//! one, bests that are the same before any exchange were found independently, so that is asked at once.
-//!
-//! V. Meruane, Model updating using antiresonant frequencies identified from transmissibility
-//! functions, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021.
+//! Between two generations it passes over a [tape](super::tape) as a snapshot. A search that goes on from one gives
+//! the bits of one that was never stopped: the snapshot holds the populations, where every random stream stands,
+//! the account of evaluations, the record, and what the polish remembers. The bounds, the seed and the sizes are
+//! passed first and must be those of the search that takes the snapshot up; that the objective is the same one is
+//! for the caller to know.
 
 use std::ops::ControlFlow;
 
 use super::bounds::Bounds;
-use super::evaluate::ObjectiveEvaluator;
 use super::island::{Habitat, Island};
 use super::ledger::{Ledger, Stop};
 use super::migration::exchange;
-use super::objective::{Evaluator, Objective};
+use super::objective::Evaluator;
 use super::options::IslandOptions;
-use super::outcome::{
-    Failure, History, Hooks, Interrupt, IslandProgress, Outcome, Progress, Status,
-};
+use super::outcome::{History, Hooks, Interrupt, IslandProgress, Outcome, Progress, Status};
 use super::polish::{Point, Polish};
 use super::selection::GeometricSelection;
+use super::tape::{Tape, pass_bounds};
 use super::termination::Consensus;
 use crate::error::{Error, Result};
 
-/// Minimizes the cost that `evaluator` computes, inside `bounds`.
-///
-/// `guesses` join the initial populations: guess `g` goes to island `g` modulo their number. `seed`
-/// determines the search entirely, apart from an interrupt. A search that is interrupted or runs out
-/// of its budget still has an outcome: the best so far, and a status that says so. With a
-/// [snapshot](super::snapshot) in the hooks the search goes on from there, to the same bits.
-///
-/// # Errors
-/// [`Failure::Input`] for unusable options or guesses; [`Failure::Evaluation`] with the evaluator's
-/// own fault.
-pub fn minimize<E: Evaluator>(
-    evaluator: &mut E,
-    bounds: &Bounds,
-    guesses: &[Vec<f64>],
-    options: &IslandOptions,
-    seed: u64,
-    hooks: &mut Hooks<'_>,
-) -> std::result::Result<Outcome, Failure<E::Fault>> {
-    options.validate()?;
-    bounds.check_guesses(guesses)?;
-    let room = options.islands * options.population;
-    if guesses.len() > room {
-        let wanted = format!("at most {room}, the individuals of all islands");
-        return Err(
-            Error::input("x0", format!("{} guesses", guesses.len()), wanted)
-                .remedy("Keep the best of them, or give the islands more individuals.")
-                .into(),
-        );
-    }
-    let mut archipelago = Archipelago::new(evaluator, bounds, guesses, options, seed);
-    if let Some(bytes) = hooks.resume {
-        archipelago.restore(bytes)?;
-    }
-    let status = archipelago.search(hooks).map_err(Failure::Evaluation)?;
-    Ok(archipelago.into_outcome(status))
-}
-
-/// As [`minimize`], for a native objective evaluated on `threads` threads of the search's own.
-///
-/// # Errors
-/// If `threads`, the options or the guesses are unusable.
-pub fn minimize_objective<O: Objective>(
-    objective: &O,
-    bounds: &Bounds,
-    guesses: &[Vec<f64>],
-    options: &IslandOptions,
-    seed: u64,
-    threads: usize,
-    hooks: &mut Hooks<'_>,
-) -> Result<Outcome> {
-    let mut evaluator = ObjectiveEvaluator::new(objective, threads)?;
-    minimize(&mut evaluator, bounds, guesses, options, seed, hooks).map_err(|failure| match failure
-    {
-        Failure::Input(error) => error,
-        Failure::Evaluation(never) => match never {},
-    })
-}
+/// The first bytes of a snapshot: a name and the version of the layout.
+const HEADER: u64 = u64::from_le_bytes(*b"antires2");
 
 /// A search under way.
 pub(super) struct Archipelago<'a, E: Evaluator> {
-    pub(super) ledger: Ledger<'a, E>,
+    ledger: Ledger<'a, E>,
     habitat: Habitat<'a>,
-    pub(super) islands: Vec<Island>,
-    pub(super) polish: Option<Polish>,
-    pub(super) consensus: Consensus,
-    pub(super) generation: usize,
+    islands: Vec<Island>,
+    polish: Option<Polish>,
+    consensus: Consensus,
+    generation: usize,
     /// Generation of the last polish.
-    pub(super) polished: usize,
+    polished: usize,
     /// Evaluations at the last migration.
-    pub(super) evaluations_before: usize,
-    pub(super) history: History,
+    evaluations_before: usize,
+    history: History,
     // Buffers reused from generation to generation.
     batch: Vec<f64>,
     costs: Vec<f64>,
@@ -114,7 +44,7 @@ pub(super) struct Archipelago<'a, E: Evaluator> {
 }
 
 impl<'a, E: Evaluator> Archipelago<'a, E> {
-    fn new(
+    pub(super) fn new(
         evaluator: &'a mut E,
         bounds: &'a Bounds,
         guesses: &[Vec<f64>],
@@ -155,7 +85,10 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     }
 
     /// Runs to an end and says which.
-    fn search(&mut self, hooks: &mut Hooks<'_>) -> std::result::Result<Status, E::Fault> {
+    pub(super) fn search(
+        &mut self,
+        hooks: &mut Hooks<'_>,
+    ) -> std::result::Result<Status, E::Fault> {
         if hooks.resume.is_none() {
             if let ControlFlow::Break(interrupt) = self.evaluate(hooks)? {
                 return Ok(interrupt.into());
@@ -341,7 +274,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     }
 
     /// Looks at the islands for the next report.
-    pub(super) fn observe(&mut self) {
+    fn observe(&mut self) {
         self.progress.clear();
         self.progress
             .extend(self.islands.iter().map(Island::progress));
@@ -366,7 +299,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
         hooks.report(&progress).or_else(|| hooks.poll())
     }
 
-    fn into_outcome(self, status: Status) -> Outcome {
+    pub(super) fn into_outcome(self, status: Status) -> Outcome {
         Outcome {
             x: self.ledger.best_x,
             fun: self.ledger.best_cost,
@@ -378,6 +311,60 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
             status,
             history: self.history,
             islands: self.islands.into_iter().map(Island::into_final).collect(),
+        }
+    }
+}
+
+impl<E: Evaluator> Archipelago<'_, E> {
+    /// The search as it stands between two generations.
+    fn save(&mut self) -> Vec<u8> {
+        let mut tape = Tape::Writing(Vec::new());
+        self.pass(&mut tape);
+        match tape {
+            Tape::Writing(bytes) => bytes,
+            Tape::Reading(_) => unreachable!("writing never fails"),
+        }
+    }
+
+    /// Takes up a search where it was saved.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] for bytes that are no snapshot of a search with these bounds, options and seed.
+    pub(super) fn restore(&mut self, bytes: &[u8]) -> Result<()> {
+        let mut tape = Tape::Reading(Some(bytes));
+        self.pass(&mut tape);
+        if !matches!(tape, Tape::Reading(Some([]))) {
+            return Err(Error::input(
+                "checkpoint",
+                format!("{} bytes that do not fit this search", bytes.len()),
+                "the snapshot of a search with the same parameters, bounds, options and seed",
+            )
+            .remedy("Begin anew under another name, or give the same problem and options."));
+        }
+        self.observe();
+        Ok(())
+    }
+
+    fn pass(&mut self, tape: &mut Tape<'_>) {
+        tape.same(HEADER);
+        pass_bounds(self.ledger.bounds, tape);
+        tape.same(self.islands.len() as u64);
+        self.islands.iter_mut().for_each(|island| island.pass(tape));
+        tape.count(&mut self.ledger.evaluations);
+        tape.count(&mut self.ledger.linearizations);
+        tape.floats(&mut self.ledger.best_x);
+        tape.float(&mut self.ledger.best_cost);
+        tape.count(&mut self.consensus.in_cost);
+        tape.count(&mut self.generation);
+        tape.count(&mut self.polished);
+        tape.count(&mut self.evaluations_before);
+        let history = &mut self.history;
+        tape.list(&mut history.evaluations, || 0, Tape::count);
+        tape.list(&mut history.best_costs, || 0.0, Tape::float);
+        tape.list(&mut history.migrations, || 0, Tape::count);
+        tape.same(u64::from(self.polish.is_some()));
+        if let Some(polish) = &mut self.polish {
+            polish.pass(self.ledger.bounds.n_genes(), tape);
         }
     }
 }

@@ -30,12 +30,14 @@
 //! The same seed gives the same bits for any number of threads. No clock is read here: a time limit,
 //! like Ctrl-C, is a hook that says stop.
 //!
+//! May use: `error`, `rng`.
+//!
 //! V. Meruane, Model updating using antiresonant frequencies identified from transmissibility
 //! functions, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021. Where the paper does
 //! not print a number (`q`, the share of the mutations, the heuristic's tries) the documentation of
 //! [`IslandOptions`] and [`Crossover`] states ours.
 
-pub mod archipelago;
+mod archipelago;
 pub mod bounds;
 pub mod composition;
 pub mod crossover;
@@ -43,6 +45,7 @@ pub mod evaluate;
 pub mod island;
 mod ledger;
 pub mod migration;
+mod minimize;
 pub mod mutation;
 pub mod objective;
 pub mod options;
@@ -50,14 +53,14 @@ pub mod outcome;
 pub mod polish;
 pub mod population;
 pub mod selection;
-pub mod snapshot;
+mod tape;
 pub mod termination;
 
-pub use archipelago::{minimize, minimize_objective};
 pub use bounds::Bounds;
 pub use composition::{Composition, Linearization, Norm};
 pub use crossover::Crossover;
 pub use evaluate::{ObjectiveEvaluator, Workers, evaluate_many, parallel_map};
+pub use minimize::{minimize, minimize_objective};
 pub use objective::{Candidates, Evaluator, Objective};
 pub use options::{Agreement, IslandOptions};
 pub use outcome::{

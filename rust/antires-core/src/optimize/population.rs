@@ -4,12 +4,14 @@
 
 use std::cmp::Ordering;
 
+use super::tape::Tape;
+
 /// The individuals of one island.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Population {
     n_genes: usize,
-    pub(super) genes: Vec<f64>,
-    pub(super) costs: Vec<f64>,
+    genes: Vec<f64>,
+    costs: Vec<f64>,
 }
 
 impl Population {
@@ -20,6 +22,13 @@ impl Population {
             genes: vec![0.0; size * n_genes],
             costs: vec![f64::INFINITY; size],
         }
+    }
+
+    /// Passes genes and costs.
+    pub(super) fn pass(&mut self, tape: &mut Tape<'_>) {
+        tape.same(self.len() as u64);
+        tape.floats(&mut self.genes);
+        tape.floats(&mut self.costs);
     }
 
     /// The number of individuals, `P`.

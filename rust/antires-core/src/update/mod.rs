@@ -10,7 +10,9 @@
 //! A analytic, E experimental; the penalties apply to stiffness reductions only. This is the one
 //! place where the models meet the optimizer.
 //!
-//! Source: Meruane, J. Sound Vib. 332 (2013) 807-820.
+//! May use: `error`, `fem`, `modal`, `antiresonances`, `optimize`.
+//!
+//! Source: Meruane, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021.
 
 pub mod linearization;
 pub mod misfit;

@@ -1,4 +1,4 @@
-//! First derivatives of the comparison objective's residuals, for the optimizer's polish.
+//! What the optimizer asks of the comparison objective: its cost and the first derivatives of its residuals.
 //!
 //! ```text
 //! de/dp = (dλ_A/dp) / λ_E,   d(1 − MAC)/dp = −dMAC/dp
@@ -13,15 +13,30 @@ use super::misfit::Misfit;
 use super::modal_objective::{ModalObjective, ModalWorkspace};
 use crate::modal::mode_sensitivities::ModeSensitivity;
 use crate::modal::modes::eigenvalue;
-use crate::optimize::Linearization;
+use crate::optimize::{Composition, Linearization, Objective};
 
-impl ModalObjective {
+impl Objective for ModalObjective {
+    type Workspace = ModalWorkspace;
+
+    fn workspace(&self) -> ModalWorkspace {
+        self.memory()
+    }
+
+    fn cost(&self, x: &[f64], ws: &mut ModalWorkspace) -> f64 {
+        self.value(x, ws)
+    }
+
+    fn composition(&self) -> Option<Composition> {
+        Some(self.unknowns().composition(self.misfit().norm()))
+    }
+
     /// J, its residuals, two for each measured mode, and their derivatives; `None` where the eigenproblem
     /// fails.
-    pub(super) fn linearized(&self, x: &[f64], ws: &mut ModalWorkspace) -> Option<Linearization> {
-        let snapped = self.unknowns.snapped(x);
-        let pairs = self.pairs(&snapped, ws).ok()?;
-        let slopes = self.unknowns.slopes(&snapped);
+    fn linearize(&self, x: &[f64], ws: &mut ModalWorkspace) -> Option<Linearization> {
+        let snapped = self.unknowns().snapped(x);
+        let mut formed = self.form(&snapped, ws);
+        let pairs = self.pairs_of(&mut formed).ok()?;
+        let slopes = self.unknowns().slopes(&snapped);
         let (m, n) = (pairs.len(), slopes.len());
         let mut found = Linearization {
             cost: 0.0,
@@ -30,20 +45,19 @@ impl ModalObjective {
         };
         let mut both = Vec::with_capacity(m);
         let mut mode = ModeSensitivity::default();
-        for (nth, (measured, partner)) in self.measured.iter().zip(pairs).enumerate() {
+        for (nth, ((measured, weight), partner)) in self.measured().zip(pairs).enumerate() {
             let (e, s) = self.residuals(nth, partner);
             both.push((e, s));
             // The residual that the norm knows, and its slope along s.
-            let (shape, along) = match self.misfit {
+            let (shape, along) = match self.misfit() {
                 Misfit::Squared => (s, 1.0),
                 Misfit::Absolute | Misfit::Largest => (s * s, 2.0 * s),
             };
             found.residuals.extend([e, shape]);
             let Some(partner) = partner else { continue };
-            let matrices = (ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref());
-            mode.set(&mut ws.modes, matrices, partner.mode, &measured.shape)
+            let (modes, solved) = (&*formed.modes, &mut formed.solved);
+            mode.set(modes, solved, partner.mode, &measured.shape)
                 .ok()?;
-            let weight = self.weights[nth];
             let rows = found.jacobian[2 * nth * n..].split_at_mut(n);
             for (index, slopes) in slopes.iter().enumerate() {
                 let (lambda, mac) = mode.along(slopes);
@@ -55,5 +69,10 @@ impl ModalObjective {
         }
         found.cost = self.total(&both, &snapped);
         Some(found)
+    }
+
+    /// Negligible severities become exactly zero.
+    fn repair(&self, x: &mut [f64]) {
+        self.unknowns().snap(x);
     }
 }

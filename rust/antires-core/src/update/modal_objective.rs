@@ -12,13 +12,14 @@
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
+use crate::fem::assembly::Assembly;
 use crate::fem::model::Model;
-use crate::fem::parameters::{Assembly, Parameter};
+use crate::fem::parameters::Parameter;
 use crate::modal::low_modes::LowModes;
 use crate::modal::mac::Shape;
 use crate::modal::modes::eigenvalue;
+use crate::modal::solved::{Solutions, Solved};
 use crate::modal::structure::Structure;
-use crate::optimize::{Composition, Linearization, Objective};
 
 use super::misfit::Misfit;
 use super::objective::BAND_MARGIN;
@@ -37,18 +38,25 @@ pub struct MeasuredMode {
 
 /// J(x) for one model, one parameter set and one set of measured modes.
 pub struct ModalObjective {
-    pub(super) unknowns: Unknowns,
-    pub(super) measured: Vec<MeasuredMode>,
-    pub(super) misfit: Misfit,
-    pub(super) weights: Vec<f64>,
+    unknowns: Unknowns,
+    measured: Vec<MeasuredMode>,
+    misfit: Misfit,
+    weights: Vec<f64>,
     limit: f64,
     structure: Arc<Structure>,
 }
 
 /// Working memory of one thread.
 pub struct ModalWorkspace {
-    pub(super) assembly: Assembly,
-    pub(super) modes: LowModes,
+    assembly: Assembly,
+    solutions: Solutions,
+    modes: LowModes,
+}
+
+/// The model at one x with its modes.
+pub(super) struct FormedModes<'a> {
+    pub solved: Solved<'a>,
+    pub modes: &'a mut LowModes,
 }
 
 impl ModalWorkspace {
@@ -123,14 +131,37 @@ impl ModalObjective {
     /// # Errors
     /// Those of the eigenproblem.
     pub fn pairs(&self, x: &[f64], ws: &mut ModalWorkspace) -> Result<Vec<Option<Partner>>> {
-        let Unknowns {
-            model, parameters, ..
-        } = &self.unknowns;
-        ws.assembly.form(model, parameters, x);
-        let matrices = (ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref());
+        self.pairs_of(&mut self.form(x, ws))
+    }
+
+    /// New working memory.
+    pub(super) fn memory(&self) -> ModalWorkspace {
+        ModalWorkspace {
+            assembly: Assembly::new(&self.unknowns.model),
+            solutions: Solutions::new(&self.structure),
+            modes: LowModes::default(),
+        }
+    }
+
+    /// K(x) and M(x).
+    pub(super) fn form<'a>(&self, x: &[f64], ws: &'a mut ModalWorkspace) -> FormedModes<'a> {
+        let ModalWorkspace {
+            assembly,
+            solutions,
+            modes,
+        } = ws;
+        assembly.form(&self.unknowns.model, &self.unknowns.parameters, x);
+        FormedModes {
+            solved: solutions.of(assembly.stiffness.as_ref(), assembly.mass.as_ref()),
+            modes,
+        }
+    }
+
+    /// [`pairs`](Self::pairs) of a model that is formed.
+    pub(super) fn pairs_of(&self, formed: &mut FormedModes<'_>) -> Result<Vec<Option<Partner>>> {
         let start = self.measured[0].shape.dofs()[0];
-        ws.modes.solve(matrices, self.limit, start)?;
-        let modes = &ws.modes;
+        formed.modes.find(&mut formed.solved, self.limit, start)?;
+        let modes = &*formed.modes;
         Ok(self
             .measured
             .iter()
@@ -140,6 +171,16 @@ impl ModalObjective {
                 least_apart(modes.eigenvalues(), modes.zero(), measured, mac)
             })
             .collect())
+    }
+
+    /// Norm of the frequency residuals.
+    pub(super) fn misfit(&self) -> Misfit {
+        self.misfit
+    }
+
+    /// Each measured mode with its weight.
+    pub(super) fn measured(&self) -> impl Iterator<Item = (&MeasuredMode, f64)> {
+        self.measured.iter().zip(self.weights.iter().copied())
     }
 
     /// e and 1 − MAC of measured mode `m`, weighted.
@@ -159,21 +200,10 @@ impl ModalObjective {
         let shapes: f64 = residuals.iter().map(|(_, shape)| shape * shape).sum();
         frequencies + shapes + self.unknowns.penalty_at(snapped)
     }
-}
-
-impl Objective for ModalObjective {
-    type Workspace = ModalWorkspace;
-
-    fn workspace(&self) -> ModalWorkspace {
-        ModalWorkspace {
-            assembly: Assembly::new(&self.unknowns.model),
-            modes: LowModes::new(&self.structure),
-        }
-    }
 
     /// J(x). Where the eigenproblem fails, every measured mode counts as unpaired, so that J stays finite
     /// for every x in bounds.
-    fn cost(&self, x: &[f64], ws: &mut ModalWorkspace) -> f64 {
+    pub(super) fn value(&self, x: &[f64], ws: &mut ModalWorkspace) -> f64 {
         let snapped = self.unknowns.snapped(x);
         let pairs = self.pairs(&snapped, ws);
         let pairs = pairs.unwrap_or_else(|_| vec![None; self.measured.len()]);
@@ -183,18 +213,5 @@ impl Objective for ModalObjective {
             .map(|(m, partner)| self.residuals(m, partner))
             .collect();
         self.total(&residuals, &snapped)
-    }
-
-    fn composition(&self) -> Option<Composition> {
-        Some(self.unknowns.composition(self.misfit.norm()))
-    }
-
-    fn linearize(&self, x: &[f64], ws: &mut ModalWorkspace) -> Option<Linearization> {
-        self.linearized(x, ws)
-    }
-
-    /// Negligible severities become exactly zero.
-    fn repair(&self, x: &mut [f64]) {
-        self.unknowns.snap(x);
     }
 }

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
+use crate::antiresonances::{AntiresonanceSolver, Prepared, Query, Route};
 use crate::error::{Error, Result};
+use crate::fem::assembly::Assembly;
 use crate::fem::model::{Model, connected};
-use crate::fem::parameters::{Assembly, Parameter};
-use crate::modal::antiresonances::{AntiresonanceSolver, Query, Route};
+use crate::fem::parameters::Parameter;
 use crate::modal::structure::Structure;
-use crate::optimize::{Composition, Linearization, Objective};
 
 use super::misfit::Misfit;
 use super::pairing::{Pairing, UNPAIRED};
@@ -31,20 +31,26 @@ pub struct Target {
 
 /// J(x) for one model, one parameter set and one measurement.
 pub struct AntiresonanceObjective {
-    pub(super) unknowns: Unknowns,
-    pub(super) targets: Vec<Target>,
-    pub(super) misfit: Misfit,
+    unknowns: Unknowns,
+    targets: Vec<Target>,
+    misfit: Misfit,
     query: Query,
     structure: Arc<Structure>,
     connected: Vec<bool>,
-    pub(super) weights: Vec<f64>,
+    weights: Vec<f64>,
 }
 
 /// Working memory of one thread.
 pub struct Workspace {
-    pub(super) assembly: Assembly,
-    pub(super) solver: AntiresonanceSolver,
+    assembly: Assembly,
+    solver: AntiresonanceSolver,
     analytic_hz: Vec<f64>,
+}
+
+/// The model at one x, ready to be solved.
+pub(super) struct Formed<'a> {
+    pub prepared: Prepared<'a>,
+    analytic_hz: &'a mut Vec<f64>,
 }
 
 impl AntiresonanceObjective {
@@ -126,51 +132,16 @@ impl AntiresonanceObjective {
         &self.unknowns
     }
 
-    /// The analytic partner of each measured value and its residual, target by target.
+    /// The analytic partner of each measured antiresonance and its residual, target by target.
     ///
     /// # Errors
     /// Those of the eigenproblem.
     pub fn pairs(&self, x: &[f64], ws: &mut Workspace) -> Result<Vec<Pairing>> {
-        let mut out = Vec::new();
-        self.each_pair(x, ws, |pairing| out.push(pairing))?;
-        Ok(out)
+        self.pairs_of(&mut self.form(x, ws))
     }
 
-    fn each_pair(
-        &self,
-        x: &[f64],
-        ws: &mut Workspace,
-        mut visit: impl FnMut(Pairing),
-    ) -> Result<()> {
-        let Unknowns {
-            model, parameters, ..
-        } = &self.unknowns;
-        ws.assembly.form(model, parameters, x);
-        ws.solver
-            .set_matrices(ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref());
-        for (target, &connected) in self.targets.iter().zip(&self.connected) {
-            ws.analytic_hz.clear();
-            if connected && !target.freq_hz.is_empty() {
-                ws.solver.find(
-                    (ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref()),
-                    target.dof,
-                    target.excitation,
-                    &self.query,
-                    &mut ws.analytic_hz,
-                )?;
-            }
-            for &measured in &target.freq_hz {
-                visit(Pairing::of(&ws.analytic_hz, measured, self.query.f_max_hz));
-            }
-        }
-        Ok(())
-    }
-}
-
-impl Objective for AntiresonanceObjective {
-    type Workspace = Workspace;
-
-    fn workspace(&self) -> Workspace {
+    /// New working memory.
+    pub(super) fn memory(&self) -> Workspace {
         Workspace {
             assembly: Assembly::new(&self.unknowns.model),
             solver: AntiresonanceSolver::new(&self.structure),
@@ -178,13 +149,49 @@ impl Objective for AntiresonanceObjective {
         }
     }
 
+    /// K(x) and M(x).
+    pub(super) fn form<'a>(&self, x: &[f64], ws: &'a mut Workspace) -> Formed<'a> {
+        let Workspace {
+            assembly,
+            solver,
+            analytic_hz,
+        } = ws;
+        assembly.form(&self.unknowns.model, &self.unknowns.parameters, x);
+        Formed {
+            prepared: solver.prepare(assembly.stiffness.as_ref(), assembly.mass.as_ref()),
+            analytic_hz,
+        }
+    }
+
+    /// [`pairs`](Self::pairs) of a model that is formed.
+    pub(super) fn pairs_of(&self, formed: &mut Formed<'_>) -> Result<Vec<Pairing>> {
+        let mut out = Vec::new();
+        self.each_pair(formed, |pairing| out.push(pairing))?;
+        Ok(out)
+    }
+
+    fn each_pair(&self, formed: &mut Formed<'_>, mut visit: impl FnMut(Pairing)) -> Result<()> {
+        let analytic_hz = &mut *formed.analytic_hz;
+        for (target, &connected) in self.targets.iter().zip(&self.connected) {
+            analytic_hz.clear();
+            if connected && !target.freq_hz.is_empty() {
+                let (i, k) = (target.dof, target.excitation);
+                formed.prepared.find(i, k, &self.query, analytic_hz)?;
+            }
+            for &measured in &target.freq_hz {
+                visit(Pairing::of(analytic_hz, measured, self.query.f_max_hz));
+            }
+        }
+        Ok(())
+    }
+
     /// J(x). Where the eigenproblem fails, every measured value counts as unpaired, so that J stays
     /// finite for every x in bounds.
-    fn cost(&self, x: &[f64], ws: &mut Workspace) -> f64 {
+    pub(super) fn value(&self, x: &[f64], ws: &mut Workspace) -> f64 {
         let snapped = self.unknowns.snapped(x);
         let mut misfit = 0.0;
         let mut weights = self.weights.iter();
-        let solved = self.each_pair(&snapped, ws, |pairing| {
+        let solved = self.each_pair(&mut self.form(&snapped, ws), |pairing| {
             let weight = weights.next().copied().unwrap_or(1.0);
             misfit = self.misfit.add(misfit, weight * pairing.residual);
         });
@@ -197,16 +204,17 @@ impl Objective for AntiresonanceObjective {
         misfit + self.unknowns.penalty_at(&snapped)
     }
 
-    fn composition(&self) -> Option<Composition> {
-        Some(self.unknowns.composition(self.misfit.norm()))
+    /// Norm of the residuals.
+    pub(super) fn misfit(&self) -> Misfit {
+        self.misfit
     }
 
-    fn linearize(&self, x: &[f64], ws: &mut Workspace) -> Option<Linearization> {
-        self.linearized(x, ws)
-    }
-
-    /// Negligible severities become exactly zero.
-    fn repair(&self, x: &mut [f64]) {
-        self.unknowns.snap(x);
+    /// Each measured value with its target and its weight.
+    pub(super) fn measured(&self) -> impl Iterator<Item = (&Target, f64, f64)> {
+        let values = self
+            .targets
+            .iter()
+            .flat_map(|target| target.freq_hz.iter().map(move |&freq| (target, freq)));
+        values.zip(&self.weights).map(|((t, f), &w)| (t, f, w))
     }
 }

@@ -1,10 +1,11 @@
 //! Parameters of frames: formed again they are the frame built anew, and rigid motions stay free.
 
 use antires_core::error::Argument;
+use antires_core::fem::assembly::Assembly;
 use antires_core::fem::frame::dofs::Dimension;
 use antires_core::fem::frame::{Angle, Property, Scale};
 use antires_core::fem::model::Model;
-use antires_core::fem::parameters::{Assembly, Parameter, Quantity};
+use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::fem::section::Shape;
 use faer::MatRef;
 

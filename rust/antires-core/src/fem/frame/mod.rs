@@ -12,10 +12,12 @@
 
 use faer::Mat;
 
+mod check;
 pub mod description;
 pub mod dofs;
 mod parameters;
-mod reform;
+pub mod property;
+pub mod reform;
 mod terms;
 mod topology;
 
@@ -24,8 +26,7 @@ use crate::fem::term::Term;
 use description::FrameDescription;
 use dofs::DofMap;
 
-pub use parameters::{Angle, Property, Scale};
-pub use reform::Reform;
+pub use property::{Angle, Property, Scale};
 
 /// A checked frame with its dof numbering.
 #[derive(Debug, Clone)]

@@ -14,57 +14,9 @@ use nalgebra::{Rotation3, Unit, Vector3};
 
 use super::Frame;
 use super::dofs::Dimension;
+use super::property::{Angle, Property, Scale};
 use crate::error::{Argument, Error, Result};
 use crate::fem::parameters::{Parameter, Quantity};
-
-/// A property that a parameter can set; its terms are indices of sections, lumped masses or springs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Property {
-    /// Young's modulus of sections (Pa).
-    YoungsModulus,
-    /// Density of sections (kg/m³).
-    Density,
-    /// Wall of tubes (m).
-    Thickness,
-    /// Outer diameter of tubes (m).
-    Diameter,
-    /// Mass of lumped masses (kg).
-    Mass,
-    /// Inertia of lumped masses (kg·m²); in space about all three axes.
-    Inertia,
-    /// Stiffness of springs to ground (N/m).
-    SupportStiffness,
-}
-
-/// How a value is meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
-    /// The new value.
-    Value,
-    /// A factor on the nominal value.
-    Factor,
-}
-
-/// A turn about a node; its terms are the nodes that turn, from [`Frame::downstream`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Angle {
-    /// The node that stays.
-    pub pivot: usize,
-    /// Axis of the turn; z in the plane.
-    pub axis: [f64; 3],
-}
-
-impl Property {
-    /// What a term of it is.
-    fn carrier(self) -> &'static str {
-        match self {
-            Self::YoungsModulus | Self::Density => "section",
-            Self::Thickness | Self::Diameter => "tube section",
-            Self::Mass | Self::Inertia => "point mass",
-            Self::SupportStiffness => "ground spring",
-        }
-    }
-}
 
 impl Frame {
     /// The numbers that hold a property of carrier `index`; none when there is no such carrier.

@@ -4,7 +4,7 @@ use super::Frame;
 use super::description::NodeSpring;
 use super::dofs::Dimension;
 use crate::fem::elements::{beam2, beam3, spring};
-use crate::fem::term::Term;
+use crate::fem::term::{Side, Term};
 use nalgebra::Matrix1;
 
 impl Frame {
@@ -54,7 +54,7 @@ impl Frame {
     pub(super) fn form_stiffness(&self, index: usize, term: &mut Term) {
         let parts = &self.description;
         let Some(after_beams) = index.checked_sub(parts.beams.len()) else {
-            self.form_beam(index, term, true);
+            self.form_beam(index, Side::Stiffness, term);
             return;
         };
         let Some(after_ground) = after_beams.checked_sub(parts.ground_springs.len()) else {
@@ -70,7 +70,7 @@ impl Frame {
     pub(super) fn form_mass(&self, index: usize, term: &mut Term) {
         let parts = &self.description;
         let Some(after_beams) = index.checked_sub(parts.beams.len()) else {
-            self.form_beam(index, term, false);
+            self.form_beam(index, Side::Mass, term);
             return;
         };
         let lump = &parts.point_masses[after_beams];
@@ -86,32 +86,29 @@ impl Frame {
         term.set_diagonal(&dofs, &diagonal);
     }
 
-    fn form_beam(&self, index: usize, term: &mut Term, stiffness: bool) {
+    fn form_beam(&self, index: usize, side: Side, term: &mut Term) {
         let parts = &self.description;
         let beam = &parts.beams[index];
         let [a, b] = beam.nodes.map(|node| parts.nodes_m[node]);
         let section = parts.sections[beam.section].rigidity();
-        let factor = if stiffness {
-            self.stiffness_factors[index]
-        } else {
-            self.mass_factors[index]
+        let factor = match side {
+            Side::Stiffness => self.stiffness_factors[index],
+            Side::Mass => self.mass_factors[index],
         };
         match parts.dimension {
             Dimension::Plane => {
                 let (a, b) = ([a[0], a[1]], [b[0], b[1]]);
-                let matrix = if stiffness {
-                    beam2::stiffness(a, b, &section)
-                } else {
-                    beam2::mass(a, b, &section)
+                let matrix = match side {
+                    Side::Stiffness => beam2::stiffness(a, b, &section),
+                    Side::Mass => beam2::mass(a, b, &section),
                 };
                 term.set_element(&self.dofs.pair::<6>(beam.nodes), &(matrix * factor));
             }
             Dimension::Space => {
                 let up = self.references[index];
-                let matrix = if stiffness {
-                    beam3::stiffness(a, b, up, &section)
-                } else {
-                    beam3::mass(a, b, up, &section)
+                let matrix = match side {
+                    Side::Stiffness => beam3::stiffness(a, b, up, &section),
+                    Side::Mass => beam3::mass(a, b, up, &section),
                 };
                 term.set_element(&self.dofs.pair::<12>(beam.nodes), &(matrix * factor));
             }

@@ -9,7 +9,7 @@ use super::super::composition::Composition;
 use super::super::ledger::{Ledger, Stop};
 use super::super::objective::Evaluator;
 use super::super::outcome::Hooks;
-use super::Point;
+use super::point::Point;
 
 /// First and least step, as fractions of each gene's range.
 const FIRST_STEP: f64 = 1.0 / 16.0;

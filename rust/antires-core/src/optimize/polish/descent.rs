@@ -12,7 +12,7 @@ use super::super::composition::{Composition, Linearization, Norm};
 use super::super::ledger::{Ledger, Stop};
 use super::super::objective::Evaluator;
 use super::super::outcome::Hooks;
-use super::Point;
+use super::point::Point;
 use super::subproblem::Subproblem;
 
 /// First trust radius, as a fraction of each gene's range.

@@ -15,7 +15,9 @@
 pub mod cholesky;
 pub mod compass;
 pub mod descent;
+mod local;
 pub mod moves;
+mod point;
 pub mod step;
 pub mod subproblem;
 
@@ -24,36 +26,19 @@ use super::ledger::{Ledger, Stop};
 use super::objective::Evaluator;
 use super::options::IslandOptions;
 use super::outcome::Hooks;
+use super::tape::Tape;
+use local::LocalSearch;
+use moves::Moves;
+
+pub(super) use point::Point;
 
 /// Most steps of one descent.
 const MOST_STEPS: usize = 60;
 
-/// Two points are one where every gene agrees to this fraction of its range.
-const SAME: f64 = 1e-6;
-
-/// A candidate and its cost.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Point {
-    pub(super) x: Vec<f64>,
-    pub(super) cost: f64,
-}
-
-impl Point {
-    /// Moves to `x` where that costs less.
-    fn take(&mut self, x: &[f64], cost: f64) {
-        if cost < self.cost {
-            self.x.copy_from_slice(x);
-            self.cost = cost;
-        }
-    }
-}
-
 /// The polish of one search, with its memory.
 pub(super) struct Polish {
-    composition: Composition,
-    allowance: usize,
-    /// Points to which single genes have been added, and the best that came of it.
-    pub(super) scanned: Vec<moves::Scan>,
+    local: LocalSearch,
+    moves: Moves,
 }
 
 impl Polish {
@@ -70,9 +55,11 @@ impl Polish {
             Some(true) => Some(told().unwrap_or_else(|| Composition::unknown(lower))),
         };
         composition.map(|composition| Self {
-            composition,
-            allowance: options.polish_evaluations,
-            scanned: Vec::new(),
+            local: LocalSearch {
+                composition,
+                allowance: options.polish_evaluations,
+            },
+            moves: Moves::default(),
         })
     }
 
@@ -82,10 +69,10 @@ impl Polish {
         ledger: &mut Ledger<'_, E>,
         hooks: &mut Hooks<'_>,
     ) -> Result<Option<Point>, Stop<E::Fault>> {
-        let Some(mut x) = self.composition.start.clone() else {
+        let Some(mut x) = self.local.composition.start.clone() else {
             return Ok(None);
         };
-        for (gene, &sparse) in self.composition.sparse.iter().enumerate() {
+        for (gene, &sparse) in self.local.composition.sparse.iter().enumerate() {
             if sparse {
                 x[gene] = ledger.bounds.lower()[gene];
             }
@@ -108,34 +95,17 @@ impl Polish {
         ledger: &mut Ledger<'_, E>,
         hooks: &mut Hooks<'_>,
     ) -> Result<(), Stop<E::Fault>> {
-        self.descend(points, MOST_STEPS, ledger, hooks)?;
-        if self.composition.sparse.contains(&true) {
+        self.local.descend(points, MOST_STEPS, ledger, hooks)?;
+        if self.local.composition.sparse.contains(&true) {
             for point in points {
-                self.settle(point, ledger, hooks)?;
+                self.moves.settle(&self.local, point, ledger, hooks)?;
             }
         }
         Ok(())
     }
 
-    fn descend<E: Evaluator>(
-        &self,
-        points: &mut [Point],
-        most_steps: usize,
-        ledger: &mut Ledger<'_, E>,
-        hooks: &mut Hooks<'_>,
-    ) -> Result<(), Stop<E::Fault>> {
-        if let Some(norm) = self.composition.norm {
-            return descent::descend(points, norm, &self.composition, most_steps, ledger, hooks);
-        }
-        let limits = (most_steps, self.allowance);
-        points
-            .iter_mut()
-            .try_for_each(|point| compass::descend(point, &self.composition, limits, ledger, hooks))
-    }
-
-    /// Whether the two candidates are the same, as far as a polish can tell.
-    fn same<E: Evaluator>(ledger: &Ledger<'_, E>, a: &[f64], b: &[f64]) -> bool {
-        let (lower, upper) = (ledger.bounds.lower(), ledger.bounds.upper());
-        (0..a.len()).all(|i| (a[i] - b[i]).abs() <= SAME * (upper[i] - lower[i]))
+    /// Passes what it remembers.
+    pub(super) fn pass(&mut self, n_genes: usize, tape: &mut Tape<'_>) {
+        self.moves.pass(n_genes, tape);
     }
 }

@@ -16,7 +16,9 @@
 use super::super::ledger::{Ledger, Stop};
 use super::super::objective::Evaluator;
 use super::super::outcome::Hooks;
-use super::{Point, Polish};
+use super::super::tape::Tape;
+use super::local::LocalSearch;
+use super::point::{Point, same};
 
 /// Sizes to which a gene is raised, as fractions of its range. A stiffness that is nearly lost acts by
 /// what is left of it, so they are denser at the upper end.
@@ -31,23 +33,31 @@ const FOLLOWED_FAR: (usize, usize) = (6, 20);
 const GAIN: f64 = 1e-7;
 
 /// What came of adding a gene to a point.
-pub(in crate::optimize) struct Scan {
-    pub(in crate::optimize) base: Vec<f64>,
+struct Scan {
+    base: Vec<f64>,
     /// `None` where no gene was left to add.
-    pub(in crate::optimize) best: Option<Point>,
+    best: Option<Point>,
 }
 
-impl Polish {
+/// The moves of one search, with the memory of what they led to.
+#[derive(Default)]
+pub(super) struct Moves {
+    /// Points to which single genes have been added, and the best that came of it.
+    scanned: Vec<Scan>,
+}
+
+impl Moves {
     /// Moves `point` from gene to gene until no move gains, or the allowance is spent.
     pub(super) fn settle<E: Evaluator>(
         &mut self,
+        local: &LocalSearch,
         point: &mut Point,
         ledger: &mut Ledger<'_, E>,
         hooks: &mut Hooks<'_>,
     ) -> Result<(), Stop<E::Fault>> {
-        let end = ledger.evaluations.saturating_add(self.allowance);
-        self.prune(point, ledger, hooks)?;
-        while let Some(better) = self.neighbour(point, end, ledger, hooks)? {
+        let end = ledger.evaluations.saturating_add(local.allowance);
+        prune(local, point, ledger, hooks)?;
+        while let Some(better) = self.neighbour(local, point, end, ledger, hooks)? {
             *point = better;
         }
         Ok(())
@@ -56,6 +66,7 @@ impl Polish {
     /// The best point that swapping or adding a gene leads to, where it gains.
     fn neighbour<E: Evaluator>(
         &mut self,
+        local: &LocalSearch,
         point: &Point,
         end: usize,
         ledger: &mut Ledger<'_, E>,
@@ -64,7 +75,7 @@ impl Polish {
         let lower = ledger.bounds.lower();
         // Swaps first: they keep the count.
         let mut bases: Vec<Vec<f64>> = Vec::new();
-        for gene in self.raised(&point.x, lower) {
+        for gene in local.raised(&point.x, lower) {
             let mut base = point.x.clone();
             base[gene] = lower[gene];
             bases.push(base);
@@ -74,7 +85,7 @@ impl Polish {
             if ledger.evaluations >= end {
                 return Ok(None);
             }
-            let best = self.scan(base, ledger, hooks)?;
+            let best = self.scan(local, base, ledger, hooks)?;
             let gains = |best: &Point| best.cost < point.cost - GAIN * point.cost.abs();
             if let Some(best) = best.filter(gains) {
                 return Ok(Some(best));
@@ -83,34 +94,28 @@ impl Polish {
         Ok(None)
     }
 
-    /// Sparse genes above their lower bound.
-    fn raised(&self, x: &[f64], lower: &[f64]) -> Vec<usize> {
-        (0..x.len())
-            .filter(|&gene| self.composition.sparse[gene] && x[gene] > lower[gene])
-            .collect()
-    }
-
     /// The best that adding a gene to `base` leads to. What is known from an earlier scan is not computed
     /// again: islands arrive at the same optima, and these have common neighbours.
     fn scan<E: Evaluator>(
         &mut self,
+        local: &LocalSearch,
         base: Vec<f64>,
         ledger: &mut Ledger<'_, E>,
         hooks: &mut Hooks<'_>,
     ) -> Result<Option<Point>, Stop<E::Fault>> {
-        let known = |scan: &&Scan| Self::same(ledger, &scan.base, &base);
+        let known = |scan: &&Scan| same(ledger.bounds, &scan.base, &base);
         if let Some(scan) = self.scanned.iter().find(known) {
             return Ok(scan.best.clone());
         }
-        let mut tried = self.additions(&base, ledger, hooks)?;
+        let mut tried = additions(local, &base, ledger, hooks)?;
         for (most, steps) in [FOLLOWED, FOLLOWED_FAR] {
             // A stable sort: of equal costs the lower gene first.
             tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
             tried.truncate(most);
-            self.descend(&mut tried, steps, ledger, hooks)?;
+            local.descend(&mut tried, steps, ledger, hooks)?;
         }
         for candidate in &mut tried {
-            self.prune(candidate, ledger, hooks)?;
+            prune(local, candidate, ledger, hooks)?;
         }
         let best = tried.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
         self.scanned.push(Scan {
@@ -120,87 +125,108 @@ impl Polish {
         Ok(best)
     }
 
-    /// `base` with each sparse gene at rest raised to the best of a few sizes.
-    fn additions<E: Evaluator>(
-        &self,
-        base: &[f64],
-        ledger: &mut Ledger<'_, E>,
-        hooks: &mut Hooks<'_>,
-    ) -> Result<Vec<Point>, Stop<E::Fault>> {
-        let (lower, upper) = (ledger.bounds.lower(), ledger.bounds.upper());
-        let (mut batch, mut costs) = (Vec::new(), Vec::new());
-        for gene in (0..base.len()).filter(|&gene| self.composition.sparse[gene]) {
-            if base[gene] > lower[gene] || lower[gene] == upper[gene] {
-                continue;
+    /// Passes what is remembered.
+    pub(super) fn pass(&mut self, n_genes: usize, tape: &mut Tape<'_>) {
+        let blank = || Scan {
+            base: vec![0.0; n_genes],
+            best: None,
+        };
+        tape.list(&mut self.scanned, blank, |tape, scan| {
+            tape.floats(&mut scan.base);
+            let mut some = scan.best.is_some();
+            tape.flag(&mut some);
+            if some {
+                let best = scan.best.get_or_insert_with(|| Point {
+                    x: vec![0.0; n_genes],
+                    cost: 0.0,
+                });
+                tape.floats(&mut best.x);
+                tape.float(&mut best.cost);
             }
-            for size in SIZES {
-                let mut trial = base.to_vec();
-                trial[gene] = lower[gene] + size * (upper[gene] - lower[gene]);
-                ledger.repair(&mut trial);
-                batch.extend(trial);
+        });
+    }
+}
+
+/// `base` with each sparse gene at rest raised to the best of a few sizes.
+fn additions<E: Evaluator>(
+    local: &LocalSearch,
+    base: &[f64],
+    ledger: &mut Ledger<'_, E>,
+    hooks: &mut Hooks<'_>,
+) -> Result<Vec<Point>, Stop<E::Fault>> {
+    let (lower, upper) = (ledger.bounds.lower(), ledger.bounds.upper());
+    let (mut batch, mut costs) = (Vec::new(), Vec::new());
+    for gene in (0..base.len()).filter(|&gene| local.composition.sparse[gene]) {
+        if base[gene] > lower[gene] || lower[gene] == upper[gene] {
+            continue;
+        }
+        for size in SIZES {
+            let mut trial = base.to_vec();
+            trial[gene] = lower[gene] + size * (upper[gene] - lower[gene]);
+            ledger.repair(&mut trial);
+            batch.extend(trial);
+        }
+    }
+    ledger.all_costs(&batch, &mut costs, hooks)?;
+    let genes = batch.chunks_exact(base.len() * SIZES.len());
+    let best = |(sizes, costs): (&[f64], &[f64])| {
+        let mut best = Point {
+            x: sizes[..base.len()].to_vec(),
+            cost: costs[0],
+        };
+        for (x, &cost) in sizes.chunks_exact(base.len()).zip(costs) {
+            best.take(x, cost);
+        }
+        best
+    };
+    Ok(genes
+        .zip(costs.chunks_exact(SIZES.len()))
+        .map(best)
+        .collect())
+}
+
+/// Drops raised genes as long as that lowers J, each time followed by a descent of the rest.
+fn prune<E: Evaluator>(
+    local: &LocalSearch,
+    point: &mut Point,
+    ledger: &mut Ledger<'_, E>,
+    hooks: &mut Hooks<'_>,
+) -> Result<(), Stop<E::Fault>> {
+    let lower = ledger.bounds.lower();
+    let n = point.x.len();
+    let mut costs = Vec::new();
+    loop {
+        let raised = local.raised(&point.x, lower);
+        let mut batch = Vec::new();
+        for &gene in &raised {
+            let mut trial = point.x.clone();
+            trial[gene] = lower[gene];
+            batch.extend(trial);
+        }
+        ledger.all_costs(&batch, &mut costs, hooks)?;
+        let before = point.cost;
+        let mut trial = point.x.clone();
+        for (row, &cost) in batch.chunks_exact(n).zip(&costs) {
+            point.take(row, cost);
+        }
+        // The cheapest to lose, then that and the next, and so on: many may go at once.
+        let mut order: Vec<usize> = (0..raised.len()).collect();
+        order.sort_by(|&a, &b| costs[a].total_cmp(&costs[b]));
+        batch.clear();
+        for (nth, &i) in order.iter().enumerate() {
+            trial[raised[i]] = lower[raised[i]];
+            // The first alone was among the single drops.
+            if nth > 0 {
+                batch.extend_from_slice(&trial);
             }
         }
         ledger.all_costs(&batch, &mut costs, hooks)?;
-        let genes = batch.chunks_exact(base.len() * SIZES.len());
-        let best = |(sizes, costs): (&[f64], &[f64])| {
-            let mut best = Point {
-                x: sizes[..base.len()].to_vec(),
-                cost: costs[0],
-            };
-            for (x, &cost) in sizes.chunks_exact(base.len()).zip(costs) {
-                best.take(x, cost);
-            }
-            best
-        };
-        Ok(genes
-            .zip(costs.chunks_exact(SIZES.len()))
-            .map(best)
-            .collect())
-    }
-
-    /// Drops raised genes as long as that lowers J, each time followed by a descent of the rest.
-    fn prune<E: Evaluator>(
-        &self,
-        point: &mut Point,
-        ledger: &mut Ledger<'_, E>,
-        hooks: &mut Hooks<'_>,
-    ) -> Result<(), Stop<E::Fault>> {
-        let lower = ledger.bounds.lower();
-        let n = point.x.len();
-        let mut costs = Vec::new();
-        loop {
-            let raised = self.raised(&point.x, lower);
-            let mut batch = Vec::new();
-            for &gene in &raised {
-                let mut trial = point.x.clone();
-                trial[gene] = lower[gene];
-                batch.extend(trial);
-            }
-            ledger.all_costs(&batch, &mut costs, hooks)?;
-            let before = point.cost;
-            let mut trial = point.x.clone();
-            for (row, &cost) in batch.chunks_exact(n).zip(&costs) {
-                point.take(row, cost);
-            }
-            // The cheapest to lose, then that and the next, and so on: many may go at once.
-            let mut order: Vec<usize> = (0..raised.len()).collect();
-            order.sort_by(|&a, &b| costs[a].total_cmp(&costs[b]));
-            batch.clear();
-            for (nth, &i) in order.iter().enumerate() {
-                trial[raised[i]] = lower[raised[i]];
-                // The first alone was among the single drops.
-                if nth > 0 {
-                    batch.extend_from_slice(&trial);
-                }
-            }
-            ledger.all_costs(&batch, &mut costs, hooks)?;
-            for (row, &cost) in batch.chunks_exact(n).zip(&costs) {
-                point.take(row, cost);
-            }
-            if point.cost >= before {
-                return Ok(());
-            }
-            self.descend(std::slice::from_mut(point), FOLLOWED_FAR.1, ledger, hooks)?;
+        for (row, &cost) in batch.chunks_exact(n).zip(&costs) {
+            point.take(row, cost);
         }
+        if point.cost >= before {
+            return Ok(());
+        }
+        local.descend(std::slice::from_mut(point), FOLLOWED_FAR.1, ledger, hooks)?;
     }
 }

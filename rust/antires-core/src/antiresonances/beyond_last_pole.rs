@@ -11,7 +11,7 @@
 //! root there that survives rounding. (D_1 = Σ c = (M⁻¹)_ik and the next moments vanish when i and k
 //! are far apart in a lumped chain: the small sums are left out of the vote.)
 
-use super::receptance::Receptance;
+use crate::modal::receptance::Receptance;
 
 /// True when `h` is proved to have no root above its last pole. False means "not proved".
 pub fn is_rootless(h: &Receptance, scratch: &mut Vec<f64>) -> bool {

@@ -7,17 +7,16 @@
 //! A pole that is left out is moved to infinity with the residue 0, and so is the padding to whole lanes:
 //! its terms vanish by themselves. Sums run in four lanes, the same on every machine.
 
-use super::enclosure::Cell;
-use super::receptance::Receptance;
-
-pub use crate::linalg::wide::{LANES, total};
+use super::cell::Cell;
+use crate::linalg::wide::{LANES, total};
+use crate::modal::receptance::Receptance;
 
 /// Four partial sums.
 pub type Lanes = [f64; LANES];
 
 /// Poles and residues of a receptance, padded.
 #[derive(Debug, Clone, Default)]
-pub struct Rest {
+pub struct Remainder {
     poles: Vec<f64>,
     residues: Vec<f64>,
     constant: f64,
@@ -34,7 +33,7 @@ pub struct Jet {
     pub bend: f64,
 }
 
-impl Rest {
+impl Remainder {
     /// Takes all poles of `h`.
     pub fn set(&mut self, h: &Receptance) {
         let padded = h.poles.len().next_multiple_of(LANES);

@@ -3,8 +3,8 @@
 //! Between its poles f is smooth, and [`Enclosure`] bounds f, f' and f'' over a whole cell:
 //!
 //! - f bounded away from zero: no root;
-//! - f' of one sign: f is monotone, and its end signs tell of one root or none ([`Glance`] sees most cells
-//!   of these two kinds);
+//! - f' of one sign: f is monotone, and its end signs tell of one root or none ([`Screening`] tells most
+//!   cells of these two kinds);
 //! - f'' of one sign: f is convex or concave, with at most two roots, told apart at its extremum;
 //! - otherwise the cell is halved.
 //!
@@ -15,12 +15,14 @@
 //! that rounding hides is infinite at working precision (H_ik of a long chain falls off as x^-n there,
 //! its partial fractions only as 1/x).
 
+use super::beyond_last_pole::is_rootless;
 use super::bracket::root_in_cell;
-use super::enclosure::{Cell, DROWNED, Enclosure};
-use super::glance::{Glance, Sight};
-use super::receptance::{Pattern, Receptance};
-use super::rest::Rest;
-use super::tail::is_rootless;
+use super::cell::Cell;
+use super::enclosure::Enclosure;
+use super::range::Sign;
+use super::remainder::Remainder;
+use super::screening::{Screening, Verdict};
+use crate::modal::receptance::{Pattern, Receptance};
 
 /// Upper end of an unbounded search, relative to the last pole.
 const INFINITY_RATIO: f64 = 1e16;
@@ -42,110 +44,155 @@ const ON_A_POLE: f64 = 1e-7;
 /// Working memory of a search.
 #[derive(Debug, Clone, Default)]
 pub struct Scratch {
-    glance: Glance,
-    rest: Rest,
-    tail: Vec<f64>,
+    screening: Screening,
+    rest: Remainder,
+    moments: Vec<f64>,
+}
+
+/// Whether the number of roots is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Certainty {
+    /// By proof.
+    Proven,
+    /// Rounding leaves a doubt.
+    Doubtful,
+}
+
+impl Certainty {
+    /// Proven where both are.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        if self == Self::Proven {
+            other
+        } else {
+            Self::Doubtful
+        }
+    }
+}
+
+/// Where a cell lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Place {
+    BetweenPoles,
+    BeyondLastPole,
+}
+
+/// An end of a cell.
+#[derive(Debug, Clone, Copy)]
+enum End {
+    Left,
+    Right,
 }
 
 /// A search for the roots of one receptance.
-pub struct Secular<'a> {
+struct Secular<'a> {
     h: &'a Receptance,
-    rest: &'a mut Rest,
+    rest: &'a mut Remainder,
     roots: &'a mut Vec<f64>,
     budget: usize,
-    doubtful: bool,
+    certainty: Certainty,
 }
 
-/// Appends the roots of `h` in (low, high] to `roots`, ascending; `high` may be infinite. False when
-/// rounding leaves a doubt about the number of them. Their places are good to
-/// [`Receptance::noise_and_slope`].
+/// Appends the roots of `h` in (low, high] to `roots`, ascending; `high` may be infinite. Their
+/// places are good to [`Receptance::noise_and_slope`].
 pub fn roots(
     h: &Receptance,
     low: f64,
     high: f64,
     roots: &mut Vec<f64>,
     scratch: &mut Scratch,
-) -> bool {
+) -> Certainty {
     let Some(&last) = h.poles.last() else {
-        return true;
+        return Certainty::Proven;
     };
     let start = roots.len();
-    let Scratch { glance, rest, tail } = scratch;
+    let Scratch {
+        screening,
+        rest,
+        moments,
+    } = scratch;
     rest.set(h);
     let ceiling = high.min(INFINITY_RATIO * last.abs().max(f64::MIN_POSITIVE / f64::EPSILON));
-    glance.prepare(h, low, ceiling);
+    screening.prepare(h, low, ceiling);
     let mut search = Secular {
         h,
         rest,
         roots,
         budget: MOST_CELLS,
-        doubtful: false,
+        certainty: Certainty::Proven,
     };
     let pattern = h.pattern();
-    for index in 0..glance.n_cells() {
-        let cell = glance.cell(index);
-        let beyond_last = !cell.pole_b && last < ceiling;
-        let sight = match pattern {
-            Pattern::OneSign if !beyond_last => Sight::Monotone,
-            Pattern::OneSign if h.constant == 0.0 => Sight::Rootless,
-            Pattern::Counted if between_one_sign(h, cell) => Sight::Monotone,
-            Pattern::Counted => Sight::Rootless,
-            _ => glance.at(index, h, search.rest),
+    for index in 0..screening.n_cells() {
+        let cell = screening.cell(index);
+        let place = if !cell.pole_b && last < ceiling {
+            Place::BeyondLastPole
+        } else {
+            Place::BetweenPoles
         };
-        match sight {
-            Sight::Rootless => {}
+        let verdict = match pattern {
+            Pattern::OneSign if place == Place::BetweenPoles => Verdict::Monotone,
+            Pattern::OneSign if h.constant == 0.0 => Verdict::Rootless,
+            Pattern::Counted if between_one_sign(h, cell) => Verdict::Monotone,
+            Pattern::Counted => Verdict::Rootless,
+            _ => screening.verdict(index, h, search.rest),
+        };
+        match verdict {
+            Verdict::Rootless => {}
             // Beyond the last pole the sign at the ceiling may be rounding.
-            Sight::Monotone if !beyond_last => {
-                let middle = glance.middle(index, h, search.rest);
+            Verdict::Monotone if place == Place::BetweenPoles => {
+                let middle = screening.middle(index, h, search.rest);
                 search.monotone(cell, Some(middle));
             }
-            _ if beyond_last && is_rootless(h, tail) => {}
-            _ => search.cell(cell, beyond_last),
+            _ if place == Place::BeyondLastPole && is_rootless(h, moments) => {}
+            _ => search.cell(cell, place),
         }
     }
     search.check_cancelled();
-    let doubtful = search.doubtful;
+    let certainty = search.certainty;
     roots[start..].sort_by(f64::total_cmp);
-    !doubtful
+    certainty
 }
 
 impl Secular<'_> {
     /// Finds the roots of one cell; the halves of a cell that cannot be decided are searched in turn.
-    fn cell(&mut self, cell: Cell, beyond_last: bool) {
+    fn cell(&mut self, cell: Cell, place: Place) {
         self.budget = self.budget.saturating_sub(1);
         self.rest.leave_out(cell);
-        let bounds = if beyond_last {
-            Enclosure::of::<FAR_ORDER>(self.h, self.rest, cell)
-        } else {
-            Enclosure::of::<NEAR_ORDER>(self.h, self.rest, cell)
+        let bounds = match place {
+            Place::BeyondLastPole => Enclosure::of::<FAR_ORDER>(self.h, self.rest, cell),
+            Place::BetweenPoles => Enclosure::of::<NEAR_ORDER>(self.h, self.rest, cell),
         };
         self.rest.take_back(self.h, cell);
-        if bounds.value.sign(bounds.noise).is_some() {
+        if bounds.value().sign(bounds.noise()).is_some() {
             return;
         }
-        let drowned = bounds.value.magnitude() <= DROWNED * bounds.noise;
-        if drowned && beyond_last {
-            self.doubtful |= cell.a < FAR_RATIO * self.h.poles[self.h.poles.len() - 1];
+        let drowned = bounds.value().is_drowned(bounds.noise());
+        if drowned && place == Place::BeyondLastPole {
+            if cell.a < FAR_RATIO * self.h.poles[self.h.poles.len() - 1] {
+                self.certainty = Certainty::Doubtful;
+            }
             return;
         }
         let guessed = drowned || cell.is_narrow() || self.budget == 0;
-        self.doubtful |= guessed;
+        if guessed {
+            self.certainty = Certainty::Doubtful;
+        }
         if guessed || bounds.slope().sign(0.0).is_some() {
             self.solve(cell);
-        } else if let Some(convex) = bounds.curvature().sign(0.0) {
-            self.curved(cell, convex, bounds.noise);
+        } else if let Some(bend) = bounds.curvature().sign(0.0) {
+            self.curved(cell, bend, bounds.noise());
         } else {
             let middle = cell.middle();
-            self.cell(cell.left_of(middle), beyond_last);
-            self.cell(cell.right_of(middle), beyond_last);
+            self.cell(cell.left_of(middle), place);
+            self.cell(cell.right_of(middle), place);
         }
     }
 
     /// One root or none, by the signs at the ends of a cell; `middle` is the value of the part of the other
     /// poles in its middle, if known.
     fn monotone(&mut self, cell: Cell, middle: Option<f64>) {
-        let left = sign(self.h, cell, false);
-        if left != sign(self.h, cell, true) {
+        let left = sign(self.h, cell, End::Left);
+        if left != sign(self.h, cell, End::Right) {
             self.rest.leave_out(cell);
             let root = root_in_cell(self.h, self.rest, cell, left, middle);
             self.rest.take_back(self.h, cell);
@@ -158,26 +205,26 @@ impl Secular<'_> {
         self.monotone(cell, None);
     }
 
-    /// A convex (or concave) cell: none, one or two roots.
-    fn curved(&mut self, cell: Cell, convex: bool, noise: f64) {
+    /// A cell with f'' of the sign `bend`, convex or concave: none, one or two roots.
+    fn curved(&mut self, cell: Cell, bend: Sign, noise: f64) {
         let h = self.h;
-        let (at_a, at_b) = (sign(h, cell, false), sign(h, cell, true));
+        let (at_a, at_b) = (sign(h, cell, End::Left), sign(h, cell, End::Right));
         if at_a != at_b {
             self.solve(cell);
             return;
         }
         // A convex function that is negative at both ends stays negative; mirrored for a concave one.
-        if at_a != convex {
+        if at_a != bend {
             return;
         }
-        let upward = if convex { 1.0 } else { -1.0 };
+        let upward = bend.unit();
         let mut shrinking = cell;
         while !shrinking.is_narrow() {
             let middle = shrinking.middle();
             let (value, slope) = (upward * h.value(middle), upward * h.slope(middle));
             if value.abs() <= noise {
                 // f touches zero, or nearly so: two roots or none is beyond its rounding.
-                self.doubtful = true;
+                self.certainty = Certainty::Doubtful;
             }
             if value < 0.0 {
                 self.solve(cell.left_of(middle));
@@ -199,13 +246,15 @@ impl Secular<'_> {
                 shrinking.right_of(middle)
             };
         }
-        self.doubtful = true;
+        self.certainty = Certainty::Doubtful;
     }
 
     /// Looks whether H really vanishes on the poles that are taken for cancelled ones.
     fn check_cancelled(&mut self) {
         let h = self.h;
-        self.doubtful |= h.cancelled.iter().any(|&l| is_hollow(h, l));
+        if h.cancelled.iter().any(|&l| is_hollow(h, l)) {
+            self.certainty = Certainty::Doubtful;
+        }
     }
 }
 
@@ -226,13 +275,18 @@ fn between_one_sign(h: &Receptance, cell: Cell) -> bool {
         && h.residues[cell.below - 1] * h.residues[cell.below] > 0.0
 }
 
-/// Sign of f at the left or right end of the cell, as the limit from inside.
-fn sign(h: &Receptance, cell: Cell, right: bool) -> bool {
+/// Sign of f at an end of the cell, as the limit from inside.
+fn sign(h: &Receptance, cell: Cell, end: End) -> Sign {
     let [pole_a, pole_b] = cell.ends();
-    match (right, pole_a, pole_b) {
-        (false, Some(r), _) => h.residues[r] < 0.0,
-        (true, _, Some(r)) => h.residues[r] > 0.0,
-        (false, None, _) => h.value(cell.a) >= 0.0,
-        (true, _, None) => h.value(cell.b) >= 0.0,
+    let positive = match (end, pole_a, pole_b) {
+        (End::Left, Some(r), _) => h.residues[r] < 0.0,
+        (End::Right, _, Some(r)) => h.residues[r] > 0.0,
+        (End::Left, None, _) => h.value(cell.a) >= 0.0,
+        (End::Right, _, None) => h.value(cell.b) >= 0.0,
+    };
+    if positive {
+        Sign::Positive
+    } else {
+        Sign::Negative
     }
 }

@@ -13,19 +13,18 @@
 //!
 //! Reference: Melman, Numer. Math. 69 (1995) 483-493 (transformed secular equations).
 
-use crate::linalg::wide::NullaryFnOnce;
-
-use super::enclosure::Cell;
-use super::receptance::Receptance;
-use super::rest::{Jet, Rest};
-use crate::linalg::wide;
+use super::cell::Cell;
+use super::range::Sign;
+use super::remainder::{Jet, Remainder};
+use crate::linalg::wide::{self, NullaryFnOnce};
+use crate::modal::receptance::Receptance;
 
 /// Relative step after which the next one of third order is below rounding.
 const LAST_STEP: f64 = 1e-6;
 
 /// f in a cell with the poles at its ends multiplied out.
 struct Smooth<'a> {
-    rest: &'a Rest,
+    rest: &'a Remainder,
     cell: Cell,
     ends: [f64; 2],
 }
@@ -79,14 +78,14 @@ impl Smooth<'_> {
     }
 }
 
-/// Root of `h` in `cell`, with `rest` the part of the other poles; f is positive at the left end if
-/// `left_positive`, and has the other sign at the right end. `at_middle` is the value of `rest` there, if
+/// Root of `h` in `cell`, with `rest` the part of the other poles; f has the sign `left` at the left end
+/// and the other one at the right end. `at_middle` is the value of `rest` there, if
 /// known.
 pub fn root_in_cell(
     h: &Receptance,
-    rest: &Rest,
+    rest: &Remainder,
     cell: Cell,
-    left_positive: bool,
+    left: Sign,
     at_middle: Option<f64>,
 ) -> f64 {
     let smooth = Smooth {
@@ -96,7 +95,7 @@ pub fn root_in_cell(
     };
     wide::run(Search {
         smooth,
-        left_positive,
+        left,
         at_middle,
     })
 }
@@ -104,7 +103,7 @@ pub fn root_in_cell(
 /// [`root_in_cell`].
 struct Search<'a> {
     smooth: Smooth<'a>,
-    left_positive: bool,
+    left: Sign,
     at_middle: Option<f64>,
 }
 
@@ -115,7 +114,7 @@ impl NullaryFnOnce for Search<'_> {
     fn call(self) -> f64 {
         let Self {
             smooth,
-            left_positive,
+            left,
             at_middle,
         } = self;
         let cell = smooth.cell;
@@ -128,7 +127,12 @@ impl NullaryFnOnce for Search<'_> {
             if value == 0.0 {
                 return x;
             }
-            if (value > 0.0) == left_positive {
+            let here = if value > 0.0 {
+                Sign::Positive
+            } else {
+                Sign::Negative
+            };
+            if here == left {
                 low = x;
             } else {
                 high = x;
@@ -165,11 +169,11 @@ mod tests {
         }
     }
 
-    fn solve(h: &Receptance, cell: Cell, left_positive: bool) -> f64 {
-        let mut rest = Rest::default();
+    fn solve(h: &Receptance, cell: Cell, left: Sign) -> f64 {
+        let mut rest = Remainder::default();
         rest.set(h);
         rest.leave_out(cell);
-        root_in_cell(h, &rest, cell, left_positive, None)
+        root_in_cell(h, &rest, cell, left, None)
     }
 
     #[test]
@@ -182,11 +186,11 @@ mod tests {
             pole_a: true,
             pole_b: true,
         };
-        assert!((solve(&h, cell, false) - 2.0).abs() <= f64::EPSILON * 2.0);
+        assert!((solve(&h, cell, Sign::Negative) - 2.0).abs() <= f64::EPSILON * 2.0);
         // 1e-9/(1−x) + 1/(3−x): the root hugs the weak pole.
         let h = receptance(&[1.0, 3.0], &[1e-9, 1.0], 0.0);
         let want = 1.0 + 2.0 * 1e-9 / (1.0 + 1e-9);
-        assert!((solve(&h, cell, false) - want).abs() <= 2.0 * f64::EPSILON);
+        assert!((solve(&h, cell, Sign::Negative) - want).abs() <= 2.0 * f64::EPSILON);
     }
 
     #[test]
@@ -200,7 +204,11 @@ mod tests {
             pole_a: false,
             pole_b: false,
         };
-        let left = h.value(3.0) > 0.0;
+        let left = if h.value(3.0) > 0.0 {
+            Sign::Positive
+        } else {
+            Sign::Negative
+        };
         assert!((solve(&h, cell, left) - 4.0).abs() <= 4.0 * f64::EPSILON);
         let half = Cell {
             a: 2.0,
@@ -209,7 +217,7 @@ mod tests {
             pole_a: true,
             pole_b: false,
         };
-        assert!((solve(&h, half, h.residues[1] < 0.0) - 4.0).abs() <= 4.0 * f64::EPSILON);
+        assert!((solve(&h, half, Sign::Negative) - 4.0).abs() <= 4.0 * f64::EPSILON);
     }
 
     #[test]
@@ -222,7 +230,7 @@ mod tests {
             pole_a: true,
             pole_b: true,
         };
-        let root = solve(&h, cell, false);
+        let root = solve(&h, cell, Sign::Negative);
         let (before, after) = (root * (1.0 - 1e-14), root * (1.0 + 1e-14));
         assert!(h.value(before) < 0.0 && h.value(after) > 0.0);
     }

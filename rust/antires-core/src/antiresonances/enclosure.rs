@@ -10,139 +10,20 @@
 //! The a_j carry the cancellation between the terms, so the bounds are as narrow as f itself varies,
 //! however small f is against its terms.
 //!
-//! The poles at the ends of the cell stay out of the series. Over a cell of width w with poles at both
-//! ends, t = x − λ_a and A, B the moduli of the residues, their part has a closed least value,
-//!
-//! ```text
-//! min over 0 < t < w of  A / t^p + B / (w − t)^p  =  (A^(1/(p+1)) + B^(1/(p+1)))^(p+1) / w^p
-//!                                                 >= (A + B + (2^(p+1) − 2) √(AB)) / w^p
-//! ```
-//!
-//! with p = 1, 2, 3 for f, f' and f''/2, wherever the two terms have one sign. The second line, equal for A
-//! = B, follows from a + b >= 2 √(ab) for the mixed terms in pairs, and needs one root.
+//! The poles at the ends of the cell stay out of the series; their part is added by [`EndPoles`].
 
-use crate::linalg::wide::NullaryFnOnce;
-
-use super::receptance::Receptance;
-use super::rest::{LANES, Lanes, Rest, total};
-use crate::linalg::wide;
-
-/// A cell between or beside poles.
-#[derive(Debug, Clone, Copy)]
-pub struct Cell {
-    /// Left end.
-    pub a: f64,
-    /// Right end.
-    pub b: f64,
-    /// Number of poles at or left of `a`.
-    pub below: usize,
-    /// Whether the last of them lies at `a`.
-    pub pole_a: bool,
-    /// Whether the next pole lies at `b`.
-    pub pole_b: bool,
-}
-
-impl Cell {
-    /// Indices of the poles at the ends.
-    pub fn ends(self) -> [Option<usize>; 2] {
-        [
-            self.pole_a.then(|| self.below - 1),
-            self.pole_b.then_some(self.below),
-        ]
-    }
-
-    /// Residues of the poles at the ends, zero where there is none.
-    pub fn end_residues(self, h: &Receptance) -> [f64; 2] {
-        self.ends().map(|end| end.map_or(0.0, |r| h.residues[r]))
-    }
-
-    /// Arithmetic middle, or the geometric one where the cell spans orders of magnitude.
-    pub fn middle(self) -> f64 {
-        if self.a > 0.0 && self.b > 4.0 * self.a {
-            self.a.sqrt() * self.b.sqrt()
-        } else {
-            0.5 * (self.a + self.b)
-        }
-    }
-
-    /// Part of the cell left of `x`.
-    pub fn left_of(self, x: f64) -> Self {
-        Self {
-            b: x,
-            pole_b: false,
-            ..self
-        }
-    }
-
-    /// Part of the cell right of `x`.
-    pub fn right_of(self, x: f64) -> Self {
-        Self {
-            a: x,
-            pole_a: false,
-            ..self
-        }
-    }
-
-    /// True when the cell is a few ulp wide.
-    pub fn is_narrow(self) -> bool {
-        self.b - self.a <= 8.0 * f64::EPSILON * self.b.abs().max(self.a.abs())
-    }
-}
-
-/// Lower and upper bounds.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Range {
-    low: f64,
-    high: f64,
-}
-
-impl Range {
-    /// All within `spread` of `centre`.
-    pub fn about(centre: f64, spread: f64) -> Self {
-        Self {
-            low: centre - spread,
-            high: centre + spread,
-        }
-    }
-
-    /// Adds a term that ranges from `nearest` away from zero, to infinity.
-    fn add_beyond(&mut self, nearest: f64) {
-        if nearest > 0.0 {
-            self.low += nearest;
-            self.high = f64::INFINITY;
-        } else {
-            self.high += nearest;
-            self.low = f64::NEG_INFINITY;
-        }
-    }
-
-    /// Some(positive) when zero is excluded by more than `pad`.
-    pub fn sign(self, pad: f64) -> Option<bool> {
-        if self.low > pad {
-            Some(true)
-        } else if self.high < -pad {
-            Some(false)
-        } else {
-            None
-        }
-    }
-
-    /// Largest modulus in the range.
-    pub fn magnitude(self) -> f64 {
-        self.low.abs().max(self.high.abs())
-    }
-}
-
-/// Multiple of its rounding error below which f is drowned in it.
-pub const DROWNED: f64 = 4.0;
+use super::cell::Cell;
+use super::end_poles::EndPoles;
+use super::range::Range;
+use super::remainder::{Lanes, Remainder};
+use crate::linalg::wide::{self, LANES, NullaryFnOnce, total};
+use crate::modal::receptance::Receptance;
 
 /// Bounds over a cell.
 #[derive(Debug, Clone, Copy)]
 pub struct Enclosure {
-    /// Of f.
-    pub value: Range,
-    /// Rounding error of f in the cell.
-    pub noise: f64,
+    value: Range,
+    noise: f64,
     slope: Range,
     curvature: Range,
     ends: EndPoles,
@@ -151,7 +32,7 @@ pub struct Enclosure {
 impl Enclosure {
     /// Bounds of `h` over `cell` from `ORDER` terms of the series; `rest` is `h` without the poles at the
     /// ends. Few terms do between poles; more are needed where f is small against its partial fractions.
-    pub fn of<const ORDER: usize>(h: &Receptance, rest: &Rest, cell: Cell) -> Self {
+    pub fn of<const ORDER: usize>(h: &Receptance, rest: &Remainder, cell: Cell) -> Self {
         let (middle, radius) = (0.5 * (cell.a + cell.b), 0.5 * (cell.b - cell.a));
         let (series, tails) = wide::run(Series::<ORDER> {
             rest,
@@ -187,6 +68,16 @@ impl Enclosure {
         }
     }
 
+    /// Bounds of f.
+    pub fn value(&self) -> Range {
+        self.value
+    }
+
+    /// Rounding error of f in the cell.
+    pub fn noise(&self) -> f64 {
+        self.noise
+    }
+
     /// Bounds of f'.
     pub fn slope(&self) -> Range {
         let mut range = self.slope;
@@ -205,7 +96,7 @@ impl Enclosure {
 /// Coefficients a_j of the series about the middle of a cell, and of the rest of f, f', f''/2 and of the
 /// reciprocals, lane by lane.
 struct Series<'a, const ORDER: usize> {
-    rest: &'a Rest,
+    rest: &'a Remainder,
     middle: f64,
     radius: f64,
 }
@@ -251,51 +142,6 @@ impl<const ORDER: usize> NullaryFnOnce for Series<'_, ORDER> {
     }
 }
 
-/// Residues of the poles at the ends of a cell of width w; zero where there is none.
-#[derive(Debug, Clone, Copy)]
-pub struct EndPoles {
-    left: f64,
-    right: f64,
-    width: f64,
-}
-
-impl EndPoles {
-    /// Those of `cell`.
-    pub fn of(h: &Receptance, cell: Cell) -> Self {
-        let [left, right] = cell.end_residues(h);
-        Self {
-            left,
-            right,
-            width: cell.b - cell.a,
-        }
-    }
-
-    /// Sum of 1 / |λ − x| of the end poles at their far ends.
-    pub fn reach(self) -> f64 {
-        f64::from(u8::from(self.left != 0.0) + u8::from(self.right != 0.0)) / self.width
-    }
-
-    /// Adds the range of the end terms of f (P = 1), f' (P = 2) or f''/2 (P = 3).
-    pub fn add<const P: i32>(self, range: &mut Range) {
-        // Left of x, λ − x = −t is negative: odd powers change the sign.
-        let left = if P == 2 { self.left } else { -self.left };
-        let right = self.right;
-        let scale = self.width.powi(P).recip();
-        if left * right > 0.0 {
-            // The least value, from below.
-            let (a, b) = (left.abs(), right.abs());
-            let mixed = [2.0, 6.0, 14.0][P as usize - 1] * (a * b).sqrt();
-            range.add_beyond(((a + b + mixed) * scale).copysign(left));
-        } else {
-            for term in [left, right] {
-                if term != 0.0 {
-                    range.add_beyond(term * scale);
-                }
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -312,7 +158,7 @@ mod tests {
     #[test]
     fn bounds_hold_over_the_cell_and_shrink_with_it() {
         let h = receptance();
-        let mut rest = Rest::default();
+        let mut rest = Remainder::default();
         rest.set(&h);
         for (a, b, below, pole_a, pole_b) in [
             (1.0, 2.0, 1, true, true),
@@ -344,22 +190,22 @@ mod tests {
                     .map(|(l, c)| c / (l - x).powi(3))
                     .sum();
                 for (range, v) in [
-                    (bounds.value, f),
+                    (bounds.value(), f),
                     (bounds.slope(), slope),
                     (bounds.curvature(), bend),
-                    (fine.value, f),
+                    (fine.value(), f),
                     (fine.slope(), slope),
                     (fine.curvature(), bend),
                 ] {
                     let slack = 1e-12 * (1.0 + v.abs());
                     assert!(
-                        range.low <= v + slack && v - slack <= range.high,
+                        range.low() <= v + slack && v - slack <= range.high(),
                         "{x} {v} {range:?}"
                     );
                 }
             }
         }
-        let width = |r: Range| r.high - r.low;
+        let width = |r: Range| r.high() - r.low();
         let at = |half: f64| {
             let cell = Cell {
                 a: 1.3 - half,
@@ -368,7 +214,7 @@ mod tests {
                 pole_a: false,
                 pole_b: false,
             };
-            width(Enclosure::of::<5>(&h, &rest, cell).value)
+            width(Enclosure::of::<5>(&h, &rest, cell).value())
         };
         assert!(at(0.005) < 0.2 * at(0.05));
     }

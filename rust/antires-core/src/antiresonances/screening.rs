@@ -1,4 +1,4 @@
-//! The cells between neighbouring poles, and bounds of f and f' over each that cost little.
+//! Screening of the cells between neighbouring poles: bounds of f and f' over each that cost little.
 //!
 //! Inside a cell from a to b every term of g, the part of f without the poles at the ends, is monotone, and
 //! so is its derivative. With s = 1 / (λ − a) and t = 1 / (λ − b)
@@ -11,16 +11,19 @@
 //! The factors do not depend on the residues. They are formed once for all responses that share their poles;
 //! a response then costs some products a cell.
 
-use super::enclosure::{Cell, DROWNED, EndPoles, Range};
-use super::receptance::Receptance;
-use super::rest::{LANES, Lanes, Rest, total};
+use super::cell::Cell;
+use super::end_poles::EndPoles;
+use super::range::Range;
+use super::remainder::{Lanes, Remainder};
+use crate::linalg::wide::{LANES, total};
+use crate::modal::receptance::Receptance;
 
 /// Rows of factors for each lane of poles.
 const ROWS: usize = 5;
 
-/// Cells of one set of poles, with their factors.
+/// Cells of one set of poles, with the factors of their bounds.
 #[derive(Debug, Clone, Default)]
-pub struct Glance {
+pub struct Screening {
     poles: Vec<f64>,
     low: f64,
     ceiling: f64,
@@ -31,9 +34,9 @@ pub struct Glance {
     factors: Vec<[Lanes; ROWS]>,
 }
 
-/// What a glance tells of a cell.
+/// What the screening tells of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sight {
+pub enum Verdict {
     /// f has no root.
     Rootless,
     /// f is monotone.
@@ -42,7 +45,7 @@ pub enum Sight {
     Unclear,
 }
 
-impl Glance {
+impl Screening {
     /// Forms the cells of the poles of `h` from `low` to `ceiling`, unless it has them.
     pub fn prepare(&mut self, h: &Receptance, low: f64, ceiling: f64) {
         if self.poles == h.poles && self.low == low && self.ceiling == ceiling {
@@ -120,7 +123,7 @@ impl Glance {
     }
 
     /// Value of g in the middle of a cell.
-    pub fn middle(&self, index: usize, h: &Receptance, all: &Rest) -> f64 {
+    pub fn middle(&self, index: usize, h: &Receptance, all: &Remainder) -> f64 {
         let mut sums = [0.0; LANES];
         for (rows, (_, residues)) in self.factors_of(index).iter().zip(all.lanes()) {
             for l in 0..LANES {
@@ -136,7 +139,7 @@ impl Glance {
     }
 
     /// What the bounds over a cell tell of `h`, which `all` holds without a pole left out.
-    pub fn at(&self, index: usize, h: &Receptance, all: &Rest) -> Sight {
+    pub fn verdict(&self, index: usize, h: &Receptance, all: &Remainder) -> Verdict {
         let mut sums = [[0.0; LANES]; 4];
         for (rows, (_, residues)) in self.factors_of(index).iter().zip(all.lanes()) {
             for l in 0..LANES {
@@ -155,14 +158,12 @@ impl Glance {
         ends.add::<2>(&mut slope);
         let reach = self.reach[index] + ends.reach();
         let noise = f64::EPSILON * h.constant.abs() + h.floor_error + h.residue_error * reach;
-        if slope.sign(h.residue_error * reach * reach).is_some()
-            && value.magnitude() > DROWNED * noise
-        {
-            return Sight::Monotone;
+        if slope.sign(h.residue_error * reach * reach).is_some() && value.stands_out(noise) {
+            return Verdict::Monotone;
         }
         match value.sign(noise) {
-            Some(_) => Sight::Rootless,
-            None => Sight::Unclear,
+            Some(_) => Verdict::Rootless,
+            None => Verdict::Unclear,
         }
     }
 }
@@ -182,8 +183,8 @@ mod tests {
 
     #[test]
     fn what_is_seen_is_so() {
-        let mut glance = Glance::default();
-        let mut all = Rest::default();
+        let mut screening = Screening::default();
+        let mut all = Remainder::default();
         let (mut rootless, mut monotone) = (0, 0);
         for signs in 0..32 {
             let sized = [0.3, 0.7, 0.5, 0.1, 0.4];
@@ -197,24 +198,24 @@ mod tests {
                 })
                 .collect();
             let h = receptance(&residues);
-            glance.prepare(&h, 0.0, 30.0);
+            screening.prepare(&h, 0.0, 30.0);
             all.set(&h);
-            assert_eq!(glance.n_cells(), 6);
+            assert_eq!(screening.n_cells(), 6);
             for index in 0..6 {
-                let cell = glance.cell(index);
+                let cell = screening.cell(index);
                 let inside = |j: i32| cell.a + (cell.b - cell.a) * f64::from(j) / 400.0;
                 let slopes = (1..400).map(|j| h.slope(inside(j)) > 0.0);
                 let signs = (1..400).map(|j| h.value(inside(j)) > 0.0);
-                match glance.at(index, &h, &all) {
-                    Sight::Rootless => {
+                match screening.verdict(index, &h, &all) {
+                    Verdict::Rootless => {
                         rootless += 1;
                         assert!(signs.clone().all(|s| s) || !signs.clone().any(|s| s));
                     }
-                    Sight::Monotone => {
+                    Verdict::Monotone => {
                         monotone += 1;
                         assert!(slopes.clone().all(|s| s) || !slopes.clone().any(|s| s));
                     }
-                    Sight::Unclear => {}
+                    Verdict::Unclear => {}
                 }
             }
         }

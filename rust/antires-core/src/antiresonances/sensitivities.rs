@@ -16,9 +16,7 @@
 //! changes, Int. J. Anal. Exp. Modal Anal. 10 (1995) 224-235; J. E. Mottershead, On the zeros of structural
 //! frequency response functions and their sensitivities, Mech. Syst. Signal Process. 12 (1998) 591-597.
 
-use faer::MatRef;
-
-use super::antiresonances::AntiresonanceSolver;
+use super::solver::Prepared;
 use crate::error::Result;
 use crate::fem::slopes::MatrixSlopes;
 
@@ -33,20 +31,13 @@ pub struct ZeroSensitivity {
 }
 
 impl ZeroSensitivity {
-    /// Takes up the zero `x` = ω² of H_ik; `matrices` are those last set in `solver`, and `k` the excitation of
-    /// its last query.
+    /// Takes up the zero `x` = ω² of H_ik.
     ///
     /// # Errors
-    /// Those of [`AntiresonanceSolver::columns`].
-    pub fn set(
-        &mut self,
-        solver: &mut AntiresonanceSolver,
-        matrices: (MatRef<'_, f64>, MatRef<'_, f64>),
-        (i, k): (usize, usize),
-        x: f64,
-    ) -> Result<()> {
+    /// Those of [`Prepared::columns`].
+    pub fn set(&mut self, prepared: &mut Prepared<'_>, ends: (usize, usize), x: f64) -> Result<()> {
         self.x = x;
-        self.slope = solver.columns(matrices, (i, k), x, &mut self.left, &mut self.right)?;
+        self.slope = prepared.columns(ends, x, &mut self.left, &mut self.right)?;
         Ok(())
     }
 

@@ -1,0 +1,64 @@
+//! Antiresonances of H_ik: the positive real x = ω² with det(K_ik − x M_ik) = 0.
+//!
+//! K_ik and M_ik are K and M without row i and column k. That determinant is ± det(K − xM) H_ik(x), so its roots
+//! are the zeros of the receptance
+//!
+//! ```text
+//! H_ik(x) = Σ_r φ_ir φ_kr / (λ_r − x) + d
+//! ```
+//!
+//! and those on which a pole cancels. Hence two routes that must agree:
+//!
+//! - The **modal route** takes one symmetric eigenproblem for all responses and brackets the zeros of
+//!   each receptance between its poles ([`secular`]). It is what the optimizer runs.
+//! - The **pencil route** deletes row i and column k and solves the general eigenproblem by QZ
+//!   ([`crate::linalg::pencil`]). It is the reference, but for roots far below the norm of the matrices: those
+//!   that the modal series isolates and Newton's method confirms on the matrices are joined to it.
+//!
+//! Both leave out, by default, the roots that cancel against a pole
+//! ([`Receptance`](crate::modal::receptance::Receptance)), since no frequency response shows them. Dropped by
+//! both: roots that are infinite, negative, complex, or zero at working precision (the tolerances of
+//! [`crate::linalg::tolerances`]).
+//!
+//! | module | what it knows |
+//! |---|---|
+//! | [`query`] | what is asked for, and what comes back |
+//! | [`solver`] | K and M handed over once; both routes |
+//! | `search` | the modal route for one response, divided where rounding disturbs |
+//! | `pencil_route` | the roots of the deleted pencil, joined to those proven |
+//! | `found` | what is known of the roots of one response |
+//! | [`secular`] | the zeros between the poles, isolated by proof |
+//! | [`screening`], [`enclosure`], [`end_poles`] | bounds of f, f' and f'' over a cell: cheap ones, narrow ones |
+//! | [`beyond_last_pole`] | the certificate that no zero lies beyond the last pole |
+//! | [`bracket`] | the one zero of a cell, to the last digits |
+//! | [`cell`], [`range`](mod@range), [`remainder`] | an interval without a pole, bounds of a value, H without the poles at the ends |
+//! | `placement`, `newton`, `rayleigh` | a root on the matrices themselves |
+//! | [`sensitivities`] | how a zero moves with the model |
+//!
+//! May use: `modal`, `fem`, `linalg`.
+//!
+//! Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021; W. D'Ambrogio &
+//! A. Fregolent, The use of antiresonances for robust model updating, J. Sound Vib. 236 (2000) 227-243.
+
+pub mod beyond_last_pole;
+pub mod bracket;
+pub mod cell;
+pub mod enclosure;
+pub mod end_poles;
+mod found;
+mod newton;
+mod pencil_route;
+mod placement;
+pub mod query;
+pub mod range;
+mod rayleigh;
+pub mod remainder;
+pub mod screening;
+mod search;
+pub mod secular;
+pub mod sensitivities;
+pub mod solver;
+
+pub use query::{Antiresonances, Query, Route, Transfer};
+pub use sensitivities::ZeroSensitivity;
+pub use solver::{AntiresonanceSolver, Prepared, antiresonances};

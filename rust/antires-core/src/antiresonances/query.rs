@@ -1,0 +1,39 @@
+//! What is asked for, and what comes back.
+
+/// How the roots are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Route {
+    /// Zeros of the modal series.
+    Modal,
+    /// Generalized eigenvalues of the deleted pencil.
+    Pencil,
+}
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Query {
+    /// The route.
+    pub route: Route,
+    /// Highest frequency (Hz), infinity for all.
+    pub f_max_hz: f64,
+    /// Whether roots that cancel against a pole are returned too.
+    pub include_cancelled: bool,
+}
+
+/// Antiresonances of one response.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Antiresonances {
+    /// Frequencies (Hz), ascending.
+    pub freq_hz: Vec<f64>,
+    /// True when H_ik is identically zero: response and excitation are not connected.
+    pub identically_zero: bool,
+}
+
+/// Whether there is anything to be zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Transfer {
+    /// H_ik is not zero everywhere.
+    Present,
+    /// H_ik is identically zero at working precision.
+    IdenticallyZero,
+}

@@ -1,0 +1,145 @@
+//! The solver: K and M handed over once, then the antiresonances of as many responses as are asked for.
+//!
+//! ```text
+//! let mut prepared = solver.prepare(K, M);       one evaluation
+//! prepared.find(i, k, &query, &mut freq_hz)      every response
+//! prepared.columns((i, k), x, ...)               sensitivities of the roots
+//! ```
+
+use std::sync::Arc;
+
+use faer::MatRef;
+
+use super::pencil_route;
+use super::query::{Antiresonances, Query, Route, Transfer};
+use super::search::{Memory, Search};
+use super::secular::Certainty;
+use crate::error::Result;
+use crate::fem::model::{Model, connected};
+use crate::modal::columns::modal_columns;
+use crate::modal::modes::{eigenvalue, hertz};
+use crate::modal::solved::{Solutions, Solved};
+use crate::modal::structure::Structure;
+
+/// Working memory for the models of one structure.
+///
+/// A slender structure with a limit in frequency is solved by
+/// [`ReducedModes`](crate::modal::reduced::ReducedModes), all else, and what that leaves open, by the dense
+/// [`SymmetricSolver`](crate::linalg::symmetric::SymmetricSolver).
+pub struct AntiresonanceSolver {
+    solutions: Solutions,
+    memory: Memory,
+}
+
+impl AntiresonanceSolver {
+    /// Reserves the memory for the models of one structure.
+    #[must_use]
+    pub fn new(structure: &Arc<Structure>) -> Self {
+        Self {
+            solutions: Solutions::new(structure),
+            memory: Memory::default(),
+        }
+    }
+
+    /// Takes K and M.
+    #[must_use]
+    pub fn prepare<'a>(
+        &'a mut self,
+        stiffness: MatRef<'a, f64>,
+        mass: MatRef<'a, f64>,
+    ) -> Prepared<'a> {
+        Prepared {
+            solved: self.solutions.of(stiffness, mass),
+            memory: &mut self.memory,
+        }
+    }
+}
+
+/// K and M with what was solved of them: one eigenproblem serves every response.
+pub struct Prepared<'a> {
+    solved: Solved<'a>,
+    memory: &'a mut Memory,
+}
+
+impl Prepared<'_> {
+    /// Antiresonances (Hz) of H_ik up to the limit of the query, appended to `freq_hz`.
+    ///
+    /// Where rounding leaves the modal route in doubt, the roots of the pencil join those that are proven.
+    ///
+    /// # Errors
+    /// Those of [`Solved::dense`], and of the pencil if that is the route asked for.
+    pub fn find(
+        &mut self,
+        i: usize,
+        k: usize,
+        query: &Query,
+        freq_hz: &mut Vec<f64>,
+    ) -> Result<Transfer> {
+        let ceiling = eigenvalue(query.f_max_hz);
+        let certainty = Search::new(&mut self.solved, (i, k), self.memory).run(ceiling)?;
+        if query.route == Route::Modal && self.memory.is_zero() {
+            return Ok(Transfer::IdenticallyZero);
+        }
+        let found = self.memory.found();
+        found.drop_cancelled_zeros();
+        if query.route == Route::Pencil || certainty == Certainty::Doubtful {
+            match pencil_route::join(&mut self.solved, (i, k), ceiling, found) {
+                Err(error) if query.route == Route::Pencil => return Err(error),
+                Err(_) => found.settle_open(),
+                Ok(()) => {}
+            }
+        }
+        if query.include_cancelled {
+            found.include_cancelled();
+        }
+        freq_hz.extend(found.sorted().iter().map(|&x| hertz(x)));
+        Ok(Transfer::Present)
+    }
+
+    /// Columns i and k of (K − xM)⁻¹, each up to a factor, into `left` and `right`; returns leftᵀ M right.
+    ///
+    /// # Errors
+    /// Those of [`Solved::dense`].
+    pub fn columns(
+        &mut self,
+        ends: (usize, usize),
+        x: f64,
+        left: &mut Vec<f64>,
+        right: &mut Vec<f64>,
+    ) -> Result<f64> {
+        if self.solved.is_slender()
+            && let Some(slope) = self.solved.band().columns(ends, x, left, right)
+        {
+            return Ok(slope);
+        }
+        Ok(modal_columns(self.solved.dense()?, ends, x, left, right))
+    }
+}
+
+/// Antiresonances of each response of a model.
+///
+/// # Errors
+/// [`crate::error::Error::InvalidInput`] for a dof outside the model, and those of the eigenproblems.
+pub fn antiresonances(
+    model: &Model,
+    responses: &[usize],
+    excitation: usize,
+    query: &Query,
+) -> Result<Vec<Antiresonances>> {
+    model.check_dof("excitation", excitation)?;
+    for &i in responses {
+        model.check_dof("response", i)?;
+    }
+    let (k_mat, m_mat) = (model.stiffness(), model.mass());
+    let mut solver = AntiresonanceSolver::new(&Arc::new(Structure::of(model)));
+    let mut prepared = solver.prepare(k_mat, m_mat);
+    let mut out = Vec::with_capacity(responses.len());
+    for &i in responses {
+        let mut found = Antiresonances::default();
+        found.identically_zero = !connected(k_mat, m_mat, i, excitation)
+            || prepared.find(i, excitation, query, &mut found.freq_hz)?
+                == Transfer::IdenticallyZero;
+        out.push(found);
+    }
+    Ok(out)
+}

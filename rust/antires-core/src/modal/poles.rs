@@ -1,0 +1,226 @@
+//! The poles of the response to one load below a limit, from its Krylov space, and H_ik as partial fractions
+//! of them.
+//!
+//! ```text
+//! H_ik(x) = Σ_j φ_ij φ_kj / (λ_j − x),    λ_j = 1/θ_j − σ
+//! ```
+//!
+//! Those up to the limit are the modes that the load excites; those far above stand for all other modes
+//! together ([`Krylov`]).
+
+use super::band::BandMatrices;
+use super::receptance::Receptance;
+use crate::linalg::banded::Banded;
+use crate::linalg::krylov::{Krylov, Operator};
+
+/// The poles are told up to this part above the limit, for the count to find a clear place.
+pub(super) const MARGIN: f64 = 0.02;
+
+/// Residual, relative to θ, of a pole that counts as found. The eigenvalue is good to its square.
+pub(super) const FOUND: f64 = 1e-6;
+
+/// Part of a mode in the load, relative to the largest, below which a pole that is not found is rounding.
+const UNSEEN: f64 = 1e-11;
+
+/// Rounding errors of Θ within which two poles are one.
+const REPEATED: f64 = 32.0;
+
+/// Relative distance of two poles from which on it is asked whether they are one.
+const CLOSE: f64 = 1e-6;
+
+/// Most rigid-body modes a structure has.
+const RIGID: usize = 6;
+
+/// The poles of one load, with the memory to find them again.
+#[derive(Default)]
+pub(super) struct Poles {
+    krylov: Krylov,
+    sigma: f64,
+    limit: f64,
+    zero: f64,
+    found: Vec<bool>,
+    repeated: Vec<f64>,
+    weighted: Vec<f64>,
+    vectors: Vec<f64>,
+    row: Vec<f64>,
+}
+
+impl Poles {
+    /// Finds the poles up to `limit` of a load on row `k`; `shifted` holds the factors of K + σM. False where
+    /// one of them is neither a mode nor rounding.
+    pub fn find(
+        &mut self,
+        band: &BandMatrices,
+        shifted: &Banded,
+        (sigma, limit): (f64, f64),
+        k: usize,
+    ) -> bool {
+        (self.limit, self.sigma) = (limit, sigma);
+        let mut load = vec![0.0; band.stride()];
+        load[k] = 1.0;
+        let op = Operator {
+            shifted,
+            mass: band.mass(),
+            outside: (&[], &[]),
+        };
+        if !self.krylov.grow(op, &load, self.highest(), band.n()) || !self.classify(band) {
+            return false;
+        }
+        self.tell_repeated(band);
+        true
+    }
+
+    /// Largest s = x + σ for which the response is exact.
+    pub fn highest(&self) -> f64 {
+        (1.0 + MARGIN) * self.limit + self.sigma
+    }
+
+    /// σ.
+    pub fn sigma(&self) -> f64 {
+        self.sigma
+    }
+
+    /// Eigenvalues below this are zero at working precision.
+    pub fn zero(&self) -> f64 {
+        self.zero
+    }
+
+    /// The space of the load.
+    pub fn krylov(&self) -> &Krylov {
+        &self.krylov
+    }
+
+    /// For each pole up to the limit and its margin: whether it is a mode.
+    pub fn found(&self) -> &[bool] {
+        &self.found
+    }
+
+    /// λ of all poles, ascending.
+    pub fn lambda(&self) -> impl Iterator<Item = f64> {
+        self.krylov.theta().iter().map(|&t| self.pole(t))
+    }
+
+    /// Number of modes with θ of at least `least`.
+    pub fn count(&self, least: f64) -> usize {
+        let poles = self.krylov.theta().iter().zip(&self.found);
+        poles.filter(|(t, f)| **t >= least && **f).count()
+    }
+
+    /// Eigenvalues of the modes, ascending.
+    pub fn modes(&self) -> Vec<f64> {
+        let modes = self.lambda().zip(&self.found).filter(|(_, f)| **f);
+        modes.map(|(l, _)| l).collect()
+    }
+
+    /// Vectors of the modes by rows, one after the other.
+    pub fn vectors(&mut self) -> &[f64] {
+        self.weighted.clear();
+        self.vectors.clear();
+        for j in (0..self.found.len()).filter(|&j| self.found[j]) {
+            self.krylov.vector(j, &mut self.weighted, &mut self.vectors);
+        }
+        &self.vectors
+    }
+
+    /// Rounding error of the poles near x: that of Θ.
+    pub fn error(&self, x: f64) -> f64 {
+        4.0 * f64::EPSILON * (x + self.sigma).powi(2) * self.krylov.theta()[0]
+    }
+
+    /// λ_j of a pole.
+    fn pole(&self, theta: f64) -> f64 {
+        theta.recip() - self.sigma
+    }
+
+    /// Tells the modes among the poles up to the limit.
+    fn classify(&mut self, band: &BandMatrices) -> bool {
+        let theta = self.krylov.theta();
+        let least = self.highest().recip();
+        let strongest = (0..theta.len())
+            .map(|j| self.krylov.first(j).abs())
+            .fold(0.0, f64::max);
+        self.found.clear();
+        for (j, &t) in theta.iter().enumerate().take_while(|(_, t)| **t >= least) {
+            let found = self.krylov.residual(j) <= FOUND * t;
+            if !found && self.krylov.first(j).abs() > UNSEEN * strongest {
+                return false;
+            }
+            self.found.push(found);
+        }
+        self.zero = (0..self.found.len().min(RIGID))
+            .map(|j| 16.0 * self.ulps(band, j))
+            .fold(0.0, f64::max);
+        true
+    }
+
+    /// How far one ulp in each entry of K and M can move the eigenvalue of pole `j`.
+    fn ulps(&mut self, band: &BandMatrices, j: usize) -> f64 {
+        self.weighted.clear();
+        self.vectors.clear();
+        self.krylov.vector(j, &mut self.weighted, &mut self.vectors);
+        let lambda = self.pole(self.krylov.theta()[j]).abs();
+        let moved = band.stiffness().absolute_form(&self.vectors)
+            + lambda * band.mass().absolute_form(&self.vectors);
+        f64::EPSILON * moved
+    }
+
+    /// Notes how near each pole may come to the one below and still be the same, repeated.
+    fn tell_repeated(&mut self, band: &BandMatrices) {
+        self.repeated.clear();
+        for j in 0..self.found.len() {
+            let theta = self.krylov.theta();
+            let (s, largest) = (theta[j].recip(), theta[0]);
+            let mut tolerance = REPEATED * f64::EPSILON * s * s * largest;
+            if j > 0 && s - theta[j - 1].recip() <= CLOSE * s {
+                tolerance += 4.0 * self.ulps(band, j);
+            }
+            self.repeated.push(tolerance);
+        }
+    }
+
+    /// Forms the partial fractions between row `i` of `n` and the load; a root cancels on each pole of `hidden`.
+    pub fn form(&mut self, n: usize, i: usize, hidden: &[f64], h: &mut Receptance) {
+        h.clear();
+        let krylov = &self.krylov;
+        krylov.row(i, &mut self.row);
+        let (mut size_i, mut size_k, mut modes) = (0.0_f64, 0.0_f64, 0);
+        let top = (4.0 * (self.limit + self.sigma)).recip();
+        let largest_theta = krylov.theta()[0];
+        for (j, (&theta, &phi_i)) in krylov.theta().iter().zip(&self.row).enumerate() {
+            let strength = krylov.start_norm() * krylov.first(j);
+            if theta <= f64::EPSILON * largest_theta {
+                // So stiff that its term is constant in band.
+                h.constant += strength * phi_i;
+                continue;
+            }
+            let phi_k = strength / theta;
+            if theta >= top {
+                size_i = size_i.max(phi_i.abs());
+                size_k = size_k.max(phi_k.abs());
+            }
+            if j >= self.found.len() {
+                h.floor_error += (strength * phi_i).abs();
+            } else if !self.found[j] {
+                continue;
+            }
+            let lambda = self.pole(theta);
+            let lambda = if lambda.abs() <= self.zero {
+                0.0
+            } else {
+                lambda
+            };
+            h.add(
+                lambda,
+                phi_i * phi_k,
+                self.repeated.get(j).copied().unwrap_or(0.0),
+            );
+            if j < self.found.len() {
+                modes = h.poles.len();
+            }
+        }
+        h.cancelled
+            .extend(hidden.iter().filter(|&&l| l <= self.limit));
+        h.floor_error = 4.0 * f64::EPSILON * (h.floor_error + h.constant.abs());
+        h.finish(n, modes, (size_i, size_k));
+    }
+}
