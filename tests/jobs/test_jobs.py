@@ -14,27 +14,11 @@ from antires_rs.jobs.measured import measured_of
 from antires_rs.jobs.model import model_of
 from antires_rs.jobs.unknowns import parameters_of
 from tests.support.campaign import some_of
-from tests.support.job_files import DAMAGE, UPDATE, write_measured
+from tests.support.job_files import DAMAGE, UPDATE, losses, run, write_measured
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
 
 FOUND = {"spring 5": 0.55}
-
-
-def run(folder, text, *arguments, name="job.toml"):
-    """Carry out a job; its summary."""
-    (folder / name).write_text(text, encoding="utf-8")
-    task = "update" if "[[parameters]]" in text else "damage"
-    assert cli.main([task, str(folder / name), *arguments]) == 0
-    return json.loads((folder / f"{name[:-5]}_results" / "summary.json").read_text())
-
-
-def losses(summary):
-    return {
-        row["name"]: pytest.approx(row["stiffness_loss"], abs=1e-3)
-        for row in summary["elements"]
-        if row["stiffness_loss"] > 0
-    }
 
 
 def test_damage_from_antiresonances(tmp_path, capsys):

@@ -1,8 +1,12 @@
 """A small measurement and job for the tests of jobs: an eight-mass chain with a damaged spring."""
 
+import json
+
 import numpy as np
+import pytest
 
 import antires_rs as ar
+from antires_rs import cli
 
 DAMAGE = """\
 [data]
@@ -51,3 +55,19 @@ def write_record(folder, name="record.npz"):
     {".npz": ar.write_npz, ".uff": ar.write_uff, ".csv": ar.write_csv}[name[name.index(".") :]](
         folder / name, record
     )
+
+
+def run(folder, text, *arguments, name="job.toml"):
+    """Carry out a job; its summary."""
+    (folder / name).write_text(text, encoding="utf-8")
+    task = "update" if "[[parameters]]" in text else "damage"
+    assert cli.main([task, str(folder / name), *arguments]) == 0
+    return json.loads((folder / f"{name[:-5]}_results" / "summary.json").read_text())
+
+
+def losses(summary):
+    return {
+        row["name"]: pytest.approx(row["stiffness_loss"], abs=1e-3)
+        for row in summary["elements"]
+        if row["stiffness_loss"] > 0
+    }
