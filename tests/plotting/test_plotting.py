@@ -155,7 +155,7 @@ def test_differences_are_the_tables_and_grouped_by_response(updated, ax):
     before, after = ax.containers
     np.testing.assert_allclose([bar.get_height() for bar in before], table.before_percent)
     np.testing.assert_allclose([bar.get_height() for bar in after], table.after_percent, atol=1e-12)
-    assert texts(ax) == ["dof 0", "1", "2"]  # dof 3 has none
+    assert texts(ax) == ["mass 1", "2", "3"]  # mass 4 has none
     assert f"{table.largest_before_percent:.2f} %" in labels(ax)[0]
     assert before[0].get_hatch()
     assert not after[0].get_hatch()  # told apart without colour

@@ -93,8 +93,8 @@ def test_updating_report_is_one_complete_self_contained_file(updated, tmp_path):
 
 def test_each_dof_is_named_once(updated, tmp_path):
     html, _, _ = read(write_report(updated, tmp_path / "run.html"))
-    groups = re.findall(r'<tr class="group"><td class="name">(\d+)</td>\s*<td>(\d+)</td>', html)
-    assert groups == [("0", "0"), ("1", "0"), ("2", "0")]
+    groups = re.findall(r'<tr class="group"><td class="name">(.+?)</td>\s*<td>(.+?)</td>', html)
+    assert groups == [("mass 1", "mass 1"), ("mass 2", "mass 1"), ("mass 3", "mass 1")]
     assert html.count('<td class="name"></td>') == updated.table.dof.size - 3
 
 

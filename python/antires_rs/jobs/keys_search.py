@@ -47,7 +47,7 @@ SEARCH = Section(
         Key(
             "polish",
             "switch",
-            "Whether the islands' bests are polished; false is the paper's algorithm.",
+            "Whether a local search polishes the islands' bests; false leaves it out.",
             "true",
         ),
         Key(

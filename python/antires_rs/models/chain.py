@@ -89,6 +89,10 @@ class MassSpringChain(StructuralModel):
             else ("first ground spring" if element == between else "last ground spring")
         )
 
+    def dof_label(self, dof: int) -> str:
+        """``mass 1`` for dof 0 and on, counted from 1 like the springs."""
+        return self.mass_label(dof)
+
     @property
     def default_elements(self) -> list[int]:
         """The springs between the masses; ground springs only on request."""

@@ -118,6 +118,10 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         """Name of stiffness term ``element`` in tables and pictures, counted from 1 as users do."""
         return f"element {element + 1}"
 
+    def dof_label(self, dof: int) -> str:
+        """Name of a dof in tables and pictures: its zero-based number, where nothing else names it."""
+        return f"dof {dof}"
+
     def mass_label(self, term: int) -> str:
         """Name of mass term ``term`` in tables, counted from 1 as users do."""
         return f"mass {term + 1}"

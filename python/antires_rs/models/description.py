@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import _core
 from ..support.validation import FloatArray, real_array, reject
 from ..support.values import Value
 from .parameter import CoreParameter, Parameter, core_parameters, parameter_tuple
@@ -98,8 +97,4 @@ class ModelDescription(Value):
 
     def applied_to(self, core: CoreModel, applied: AppliedParameters) -> CoreModel:
         """The core's model with parameters applied to the state that ``core`` is."""
-        # TEMPORARY until the core with Model.at is everywhere
-        target = [(0, 0, np.array([1.0]))]
-        parts = self.core_parameters(applied.parameters)
-        objective = _core.Objective.antiresonance(core, parts, target, "absolute", None, 0.0, None)
-        return objective.model_at(applied.values)
+        return core.at(self.core_parameters(applied.parameters), applied.values)

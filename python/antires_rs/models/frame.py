@@ -191,6 +191,10 @@ class FrameModel(StructuralModel):
         node, direction = self._frame.dof_names()[self._dof("dof", dof)]
         return f"node {node} {direction}"
 
+    def dof_label(self, dof: int) -> str:
+        """As :meth:`dof_name`: nodes are called by the numbers that ``elements`` and :meth:`dof` know."""
+        return self.dof_name(dof)
+
     def section_index(self, name: str | int) -> int:
         """Index of a section, by its name."""
         return self._recipe.section_index(name)

@@ -114,6 +114,16 @@ class OptimizeResult(Value):
     @classmethod
     def _of(cls, raw: dict[str, Any], options: dict[str, Any]) -> Self:
         history = History(raw["history_nfev"], raw["history_cost"], raw["history_migrations"])
-        names = ("x", "fun", "success", "status", "message", "nfev", "nit", "populations", "population_costs")
-        njev = raw.get("njev", 0)  # TEMPORARY: a core that does not say njev yet.
-        return cls(history=history, options=options, njev=njev, **{name: raw[name] for name in names})
+        names = (
+            "x",
+            "fun",
+            "success",
+            "status",
+            "message",
+            "nfev",
+            "njev",
+            "nit",
+            "populations",
+            "population_costs",
+        )
+        return cls(history=history, options=options, **{name: raw[name] for name in names})

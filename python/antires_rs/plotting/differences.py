@@ -138,11 +138,12 @@ def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], str]:
     several = np.unique(force).size > 1
     starts = np.r_[True, (dof[1:] != dof[:-1]) | (force[1:] != force[:-1])][: dof.size]
     firsts = np.flatnonzero(starts)
-    # "dof" once: beside it there is no room over a response with a single antiresonance.
-    title = "" if names else "dof "
+    # "mass" or "dof" once: beside it there is no room over a response with a single antiresonance.
+    masses = bool(names) and all(str(each).startswith("mass ") for each in names.values())
+    title = "mass " if masses else "" if names else "dof "
 
     def name(which: int) -> str:
-        return str(names.get(which, which))
+        return str(names.get(which, which)).removeprefix("mass ")
 
     named = [
         (

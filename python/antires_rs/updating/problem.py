@@ -115,6 +115,10 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
 
     Notes
     -----
+    The model is asked for antiresonances up to 1.5 times the highest measured frequency. A partner between
+    1.49 and 1.5 times fades out, so that J does not jump where one leaves the band: e passes evenly to the
+    abs(e) that there is without it, which is 1 where no other antiresonance is left.
+
     A measured mode is paired, at every evaluation, with the mode of the model that is least apart:
     ``abs(log(w_A**2 / w_E**2)) + (1 - MAC)**2`` decides, ties go to the lower, one mode of the model may
     serve several measured ones, and those up to 1.5 times the highest measured frequency are at choice. So

@@ -74,12 +74,11 @@ class AntiresonanceTargets:
         self.hz = np.concatenate([np.empty(0), *(freq for _, _, freq in self._parts)])
         self.dofs = np.repeat([dof for dof, _, _ in self._parts], counts)
         self.excitations = np.repeat([force for _, force, _ in self._parts], counts)
-        #: What the tables call the dofs of a frame: "3 v".
-        self.names = (
-            {}
-            if not hasattr(model, "dof_name")
-            else {dof: model.dof_name(dof).removeprefix("node ") for part in self._parts for dof in part[:2]}
-        )
+        #: What the tables call the dofs: "mass 4", "3 v"; none where they are numbers only.
+        labels = {dof: model.dof_label(dof) for part in self._parts for dof in part[:2]}
+        self.names = {
+            dof: label.removeprefix("node ") for dof, label in labels.items() if label != f"dof {dof}"
+        }
 
     def weights(self, given: Any) -> FloatArray | None:
         """Factors on the residuals, one a measured antiresonance or mode."""
@@ -92,8 +91,9 @@ class AntiresonanceTargets:
 
     def residuals(self, core: _core.Objective, x: FloatArray) -> FloatArray:
         """Signed residuals e at ``x``; 1 without a partner."""
-        paired = core.pairs(x)[0]
-        return np.where(np.isnan(paired), 1.0, (paired / self.hz) ** 2 - 1.0)
+        found = core.residuals(x)
+        assert found is not None  # an objective of antiresonances has them
+        return found
 
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> FrequencyTable:
         """Measured, before and after."""

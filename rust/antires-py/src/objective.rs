@@ -153,7 +153,7 @@ impl Objective {
             Core::Modal(objective) => objective,
             Core::Antiresonance(o) => {
                 let pairs = run(py, || o.pairs(&x, &mut o.workspace()))?;
-                let hz = pairs.into_iter().map(|p| p.unwrap_or(f64::NAN));
+                let hz = pairs.into_iter().map(|p| p.partner_hz.unwrap_or(f64::NAN));
                 return Ok((hz.collect::<Vec<_>>().into_pyarray(py), None));
             }
         };
@@ -171,11 +171,19 @@ impl Objective {
         Ok((hz.into_pyarray(py), Some(mac_and_shapes)))
     }
 
-    /// The model at x (n,).
-    fn model_at(&self, x: PyReadonlyArray1<'_, f64>) -> PyResult<Model> {
+    /// Residuals e of measured antiresonances at x (n,), (m,); none of modes, whose pairs tell them.
+    fn residuals<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         let x = x.as_array().to_vec();
-        let core = with!(&self.core, o => o.unknowns().model_at(&x)).map_err(to_python)?;
-        Ok(Model::from(core))
+        let Core::Antiresonance(o) = &self.core else {
+            return Ok(None);
+        };
+        let pairs = run(py, || o.pairs(&x, &mut o.workspace()))?;
+        let e: Vec<f64> = pairs.into_iter().map(|p| p.residual).collect();
+        Ok(Some(e.into_pyarray(py)))
     }
 
     /// J of each row of (m, n), (m,).

@@ -40,7 +40,8 @@ impl Agreement {
 }
 
 /// The settings of a search. [`IslandOptions::default`] is the paper's algorithm, completed where the
-/// paper is silent, and polished where the objective allows; `polish: Some(false)` leaves that out.
+/// paper is silent, with stop rules of our own, and polished where the objective allows; `polish: Some(false)`
+/// leaves the polish out, and [`IslandOptions::paper`] all that the paper does not have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IslandOptions {
     /// Islands, at least 1. Default 4.
@@ -80,8 +81,7 @@ pub struct IslandOptions {
     /// Successive migrations at which the costs must agree, at least 1. Default 3.
     pub cost_migrations: usize,
     /// Whether a local search [polishes](super::polish) the objective's starting point and, when they meet,
-    /// the islands' bests: never for `Some(false)`, the paper's algorithm; always for `Some(true)`,
-    /// without derivatives where need be; for `None` where the objective tells how it is composed.
+    /// the islands' bests: never for `Some(false)`; always for `Some(true)`, without derivatives where need be; for `None` where the objective tells how it is composed.
     /// Default `None`.
     pub polish: Option<bool>,
     /// Generations after which the bests are polished, even if not all islands wait; at least 1. Default
@@ -121,6 +121,19 @@ impl Default for IslandOptions {
 }
 
 impl IslandOptions {
+    /// The algorithm as Meruane (2013) prints it: no polish, any gain counts, and only equal genes end the
+    /// search. What the paper does not say is still ours: see the fields.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            polish: Some(false),
+            improvement_tolerance: 0.0,
+            agreement: Agreement::Genes,
+            gene_tolerance: 0.0,
+            ..Self::default()
+        }
+    }
+
     /// Checks every setting against its range.
     ///
     /// # Errors

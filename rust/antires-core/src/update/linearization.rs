@@ -4,11 +4,10 @@
 //! e = x_A / x_E − 1,  x = ω²        de/dp = (dx_A/dp) / x_E
 //! ```
 //!
-//! with dx_A/dp from [`crate::modal::sensitivities`]. The pairing counts as fixed: where a measured value is
+//! with dx_A/dp from [`crate::modal::sensitivities`], and at the edge of the band as of [`super::pairing`]. The pairing counts as fixed: where a measured value is
 //! about to change its partner the model is wrong, and the optimizer's trust region finds out.
 
 use super::objective::{AntiresonanceObjective, Workspace};
-use super::pairing::residual;
 use crate::modal::modes::eigenvalue;
 use crate::modal::sensitivities::ZeroSensitivity;
 use crate::optimize::Linearization;
@@ -30,24 +29,26 @@ impl AntiresonanceObjective {
             .iter()
             .flat_map(|target| target.freq_hz.iter().map(move |&freq| (target, freq)));
         let mut zero = ZeroSensitivity::default();
-        for (((target, measured_hz), paired), weight) in measured.zip(pairs).zip(&self.weights) {
-            let e = weight * residual(paired, measured_hz);
+        for (((target, measured_hz), pairing), weight) in measured.zip(pairs).zip(&self.weights) {
+            let e = weight * pairing.residual;
             found.cost = self.misfit.add(found.cost, e);
             found.residuals.push(e);
-            let Some(analytic_hz) = paired else {
-                found.jacobian.extend(std::iter::repeat_n(0.0, n));
-                continue;
-            };
-            let matrices = (ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref());
-            let ends = (target.dof, target.excitation);
-            zero.set(&mut ws.solver, matrices, ends, eigenvalue(analytic_hz))
-                .ok()?;
-            for slopes in &slopes {
-                let slope = weight * zero.along(slopes) / eigenvalue(measured_hz);
-                // A double zero has no derivative; the descent must not follow one.
-                found
-                    .jacobian
-                    .push(if slope.is_finite() { slope } else { 0.0 });
+            let first = found.jacobian.len();
+            found.jacobian.extend(std::iter::repeat_n(0.0, n));
+            for (analytic_hz, along) in pairing.moves_with.into_iter().flatten() {
+                let matrices = (ws.assembly.stiffness.as_ref(), ws.assembly.mass.as_ref());
+                let ends = (target.dof, target.excitation);
+                zero.set(&mut ws.solver, matrices, ends, eigenvalue(analytic_hz))
+                    .ok()?;
+                for (entry, slopes) in found.jacobian[first..].iter_mut().zip(&slopes) {
+                    let slope = weight * zero.along(slopes) / eigenvalue(measured_hz);
+                    // A double zero has no derivative; the descent must not follow one.
+                    *entry += if slope.is_finite() {
+                        along * slope
+                    } else {
+                        0.0
+                    };
+                }
             }
         }
         found.cost += self.unknowns.penalty_at(&snapped);

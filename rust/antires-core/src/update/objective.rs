@@ -10,7 +10,7 @@ use crate::modal::structure::Structure;
 use crate::optimize::{Composition, Linearization, Objective};
 
 use super::misfit::Misfit;
-use super::pairing::{UNPAIRED, nearest, residual};
+use super::pairing::{Pairing, UNPAIRED};
 use super::penalties::Penalty;
 use super::unknowns::{Unknowns, checked_weights};
 
@@ -126,14 +126,13 @@ impl AntiresonanceObjective {
         &self.unknowns
     }
 
-    /// The analytic partner (Hz) of each measured value, target by target; none where the model has
-    /// no antiresonance.
+    /// The analytic partner of each measured value and its residual, target by target.
     ///
     /// # Errors
     /// Those of the eigenproblem.
-    pub fn pairs(&self, x: &[f64], ws: &mut Workspace) -> Result<Vec<Option<f64>>> {
+    pub fn pairs(&self, x: &[f64], ws: &mut Workspace) -> Result<Vec<Pairing>> {
         let mut out = Vec::new();
-        self.each_pair(x, ws, |paired, _| out.push(paired))?;
+        self.each_pair(x, ws, |pairing| out.push(pairing))?;
         Ok(out)
     }
 
@@ -141,7 +140,7 @@ impl AntiresonanceObjective {
         &self,
         x: &[f64],
         ws: &mut Workspace,
-        mut visit: impl FnMut(Option<f64>, f64),
+        mut visit: impl FnMut(Pairing),
     ) -> Result<()> {
         let Unknowns {
             model, parameters, ..
@@ -161,7 +160,7 @@ impl AntiresonanceObjective {
                 )?;
             }
             for &measured in &target.freq_hz {
-                visit(nearest(&ws.analytic_hz, measured), measured);
+                visit(Pairing::of(&ws.analytic_hz, measured, self.query.f_max_hz));
             }
         }
         Ok(())
@@ -185,9 +184,9 @@ impl Objective for AntiresonanceObjective {
         let snapped = self.unknowns.snapped(x);
         let mut misfit = 0.0;
         let mut weights = self.weights.iter();
-        let solved = self.each_pair(&snapped, ws, |paired, measured| {
+        let solved = self.each_pair(&snapped, ws, |pairing| {
             let weight = weights.next().copied().unwrap_or(1.0);
-            misfit = self.misfit.add(misfit, weight * residual(paired, measured));
+            misfit = self.misfit.add(misfit, weight * pairing.residual);
         });
         if solved.is_err() {
             misfit = self

@@ -1,7 +1,8 @@
 //! Pairing: which analytic value stands for a measured one, anew at every evaluation. One analytic value may
 //! serve several measured ones.
 //!
-//! An antiresonance takes the nearest in Hz, ties to the lower. A mode takes the one least apart,
+//! An antiresonance takes the nearest in Hz, ties to the lower, and fades out at the edge of the band in which the
+//! model is asked for antiresonances. A mode takes the one least apart,
 //!
 //! ```text
 //! |ln(ω_A² / ω_E²)| + (1 − MAC)²,        ties to the lower
@@ -17,20 +18,71 @@
 /// Residual given to a measured value when the model has no antiresonance to offer.
 pub const UNPAIRED: f64 = 1.0;
 
-/// The value of ascending `analytic_hz` nearest to `measured_hz`, or none when it is empty.
+/// The last part of the band of the analytic values in which a partner fades out: from 1.49 to 1.5 times the
+/// highest measured frequency, so that all but this hundredth is e as defined. No partner there explains anything.
+const FADING: f64 = 0.01 / 1.5;
+
+/// A measured antiresonance and what the model has for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pairing {
+    /// The nearest antiresonance of the model (Hz).
+    pub partner_hz: Option<f64>,
+    /// The residual e; [`UNPAIRED`] without a partner.
+    pub residual: f64,
+    /// The antiresonances (Hz) that e moves with, and ∂e/∂x_A times x_E for each, x = ω².
+    pub moves_with: [Option<(f64, f64)>; 2],
+}
+
+impl Pairing {
+    /// Pairs `measured_hz` with the nearest of ascending `analytic_hz`, which are all up to `limit_hz`, or none.
+    ///
+    /// What e would be without a partner near the limit, `e'`, comes in by degrees, so that J does not jump where
+    /// an antiresonance leaves the band:
+    ///
+    /// ```text
+    /// e = (1 − t) (f_A² / f_E² − 1) + t |e'|,   t = (f_A − f_0) / (f_limit − f_0) from f_0 = 1.49/1.5 f_limit on
+    /// ```
+    #[must_use]
+    pub fn of(analytic_hz: &[f64], measured_hz: f64, limit_hz: f64) -> Self {
+        let Some(nth) = nearest(analytic_hz, measured_hz) else {
+            return Self {
+                partner_hz: None,
+                residual: UNPAIRED,
+                moves_with: [None; 2],
+            };
+        };
+        let hz = analytic_hz[nth];
+        let e = residual(Some(hz), measured_hz);
+        let width = FADING * limit_hz;
+        let share = (hz - (limit_hz - width)) / width;
+        if share <= 0.0 {
+            return Self {
+                partner_hz: Some(hz),
+                residual: e,
+                moves_with: [Some((hz, 1.0)), None],
+            };
+        }
+        // All others in the band lie below the measured value, or they would be nearer.
+        let below = nth.checked_sub(1).map(|i| analytic_hz[i]);
+        let without = residual(below, measured_hz).abs();
+        let along = 1.0 - share + (without - e) * measured_hz.powi(2) / (2.0 * hz * width);
+        Self {
+            partner_hz: Some(hz),
+            residual: (1.0 - share) * e + share * without,
+            moves_with: [Some((hz, along)), below.map(|low| (low, -share))],
+        }
+    }
+}
+
+/// Index of the value of ascending `analytic_hz` nearest to `measured_hz`, or none when it is empty.
 #[must_use]
-pub fn nearest(analytic_hz: &[f64], measured_hz: f64) -> Option<f64> {
+pub fn nearest(analytic_hz: &[f64], measured_hz: f64) -> Option<usize> {
     let above = analytic_hz.partition_point(|&a| a < measured_hz);
-    match (
-        above.checked_sub(1).map(|i| analytic_hz[i]),
-        analytic_hz.get(above),
-    ) {
-        (Some(low), Some(&high)) => Some(if high - measured_hz < measured_hz - low {
-            high
-        } else {
-            low
-        }),
-        (low, high) => low.or(high.copied()),
+    let low = above.checked_sub(1);
+    match (low, analytic_hz.get(above)) {
+        (Some(i), Some(&high)) if high - measured_hz >= measured_hz - analytic_hz[i] => Some(i),
+        (_, Some(_)) => Some(above),
+        (low, None) => low,
     }
 }
 
@@ -83,12 +135,69 @@ mod tests {
     #[test]
     fn nearest_takes_the_closer_neighbour_and_the_lower_on_a_tie() {
         let analytic = [1.0, 2.0, 4.0];
-        assert_eq!(nearest(&analytic, 0.1), Some(1.0));
-        assert_eq!(nearest(&analytic, 1.4), Some(1.0));
-        assert_eq!(nearest(&analytic, 3.0), Some(2.0));
-        assert_eq!(nearest(&analytic, 3.1), Some(4.0));
-        assert_eq!(nearest(&analytic, 9.0), Some(4.0));
+        assert_eq!(nearest(&analytic, 0.1), Some(0));
+        assert_eq!(nearest(&analytic, 1.4), Some(0));
+        assert_eq!(nearest(&analytic, 3.0), Some(1));
+        assert_eq!(nearest(&analytic, 3.1), Some(2));
+        assert_eq!(nearest(&analytic, 9.0), Some(2));
         assert_eq!(nearest(&[], 9.0), None);
+    }
+
+    /// e of 1 Hz (the highest measured, so that the limit is 1.5 Hz) when one antiresonance is at `hz` and the
+    /// others at `low`; those beyond the limit are not seen.
+    fn leaving(hz: f64, low: &[f64], measured_hz: f64) -> Pairing {
+        let mut analytic = low.to_vec();
+        analytic.extend((hz <= 1.5).then_some(hz));
+        Pairing::of(&analytic, measured_hz, 1.5)
+    }
+
+    #[test]
+    fn nothing_jumps_where_an_antiresonance_leaves_the_band() {
+        // Alone; with another below; and for a lower measured value, for which it is far off.
+        for (low, measured_hz) in [(&[][..], 1.0), (&[0.4], 1.0), (&[], 0.3)] {
+            let step = 1e-6;
+            let sizes: Vec<f64> = (0..30_000)
+                .map(|i| {
+                    leaving(1.48 + step * f64::from(i), low, measured_hz)
+                        .residual
+                        .abs()
+                })
+                .collect();
+            let steepest = sizes
+                .windows(2)
+                .map(|w| (w[1] - w[0]).abs())
+                .fold(0.0, f64::max);
+            // Within the last 0.01 Hz it falls from what it was to what is left.
+            assert!(steepest < step * (110.0 * sizes[0] + 50.0), "{steepest:e}");
+            assert!((sizes[0] - residual(Some(1.48), measured_hz)).abs() < 1e-12);
+            let left = residual(low.last().copied(), measured_hz).abs();
+            assert!((sizes[29_999] - left).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_fading_residual_moves_with_both_antiresonances() {
+        let (h, e) = (1e-7, 0.9);
+        let at = |hz: f64, low: f64| Pairing::of(&[low, hz], e, 1.5).residual;
+        let moves = Pairing::of(&[0.2, 1.496], e, 1.5).moves_with;
+        for (moved, numeric) in [
+            (
+                moves[0],
+                (at(1.496 + h, 0.2) - at(1.496 - h, 0.2)) / (2.0 * h),
+            ),
+            (
+                moves[1],
+                (at(1.496, 0.2 + h) - at(1.496, 0.2 - h)) / (2.0 * h),
+            ),
+        ] {
+            // ∂e/∂f = ∂e/∂x · 2 f / E², with x = f² here.
+            let (hz, along) = moved.unwrap();
+            assert!((along * 2.0 * hz / e.powi(2) - numeric).abs() < 1e-6 * numeric.abs());
+        }
+        assert_eq!(
+            Pairing::of(&[0.95], e, 1.5).moves_with,
+            [Some((0.95, 1.0)), None]
+        );
     }
 
     #[test]

@@ -78,14 +78,6 @@ impl Unknowns {
         self.model.n_dof()
     }
 
-    /// The model at parameter values `x`, as its own nominal state.
-    ///
-    /// # Errors
-    /// Those of [`Model::at`].
-    pub fn model_at(&self, x: &[f64]) -> Result<Model> {
-        self.model.at(&self.parameters, x)
-    }
-
     /// Negligible severities become exactly zero.
     pub(super) fn snap(&self, x: &mut [f64]) {
         if self.snap > 0.0 {

@@ -105,7 +105,10 @@ fn sensitivities_of_frames_are_the_limit_of_differences() {
             let mut p = at.clone();
             p[index] += times * step;
             let pairs = objective.pairs(&p, ws).unwrap();
-            pairs.iter().map(|f| eigenvalue(f.unwrap())).collect()
+            pairs
+                .iter()
+                .map(|f| eigenvalue(f.partner_hz.unwrap()))
+                .collect()
         };
         let (a, b, c, d) = (moved(1.0), moved(-1.0), moved(2.0), moved(-2.0));
         for row in 0..residuals.len() {
