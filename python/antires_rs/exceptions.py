@@ -73,7 +73,7 @@ class Argument(str):
 class _Refusal(Exception):
     """What an error about an argument says, in four fields."""
 
-    def __init__(self, argument: str, got: str = "", wanted: str = "", remedy: str = "") -> None:
+    def __init__(self, argument: str, got: str, wanted: str, remedy: str) -> None:
         super().__init__(argument, got, wanted, remedy)
         self.argument = argument if isinstance(argument, Argument) else Argument(argument)
         self.got, self.wanted, self.remedy = got, wanted, remedy
@@ -84,9 +84,7 @@ class _Refusal(Exception):
         return self.argument.path
 
     def __str__(self) -> str:
-        if not self.wanted:  # a sentence of a core that was built before the fields
-            return str(self.argument)
-        return f"{self.argument}: got {self.got}; wanted {self.wanted}. {self.remedy}".rstrip()
+        return f"{self.argument}: got {self.got}; wanted {self.wanted}. {self.remedy}"
 
 
 class InvalidInputError(_Refusal, AntiresError, ValueError):
@@ -145,12 +143,12 @@ class NumericalError(AntiresError, ArithmeticError):
      M) failed: the stiffness is indefinite
     """
 
-    def __init__(self, what: str, detail: str = "") -> None:
+    def __init__(self, what: str, detail: str) -> None:
         super().__init__(what, detail)
         self.what, self.detail = what, detail
 
     def __str__(self) -> str:
-        return f"{self.what} failed: {self.detail}" if self.detail else self.what
+        return f"{self.what} failed: {self.detail}"
 
 
 class ObjectiveError(_Refusal, AntiresError, ValueError):

@@ -15,8 +15,9 @@ def chain(springs=SPRINGS):
     return ar.MassSpringChain(np.ones(4), springs)
 
 
-def exact(model, dofs=DOFS):
-    """Antiresonances without error, force at the first mass."""
+def exact(model, dofs=None):
+    """Antiresonances without error, of all dofs by default, force at the first mass."""
+    dofs = range(model.n_dof) if dofs is None else dofs
     return ar.AntiresonanceSet(0, dict(zip(dofs, model.antiresonances(dofs, 0), strict=True)))
 
 

@@ -85,7 +85,7 @@ def _pile(x: FloatArray) -> int:
     more = int(np.count_nonzero(high >= largest - (1 + LEVELS_BELOW) * level))
     if count < PILE or count <= PILE_RATIO * (more - count) / LEVELS_BELOW:
         return 0
-    # Rest is no pile: the force between two hits.
+    # Rest is no pile: the force between two impacts.
     return count if largest - np.median(x) > level else 0
 
 

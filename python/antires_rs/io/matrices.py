@@ -277,6 +277,9 @@ def _matrix_market(file: Path) -> Any:
 
 
 def _stated(head: Sequence[bytes], sizes: list[int]) -> int:
+    # SciPy writes beyond its memory at a symmetric array that is not square.
+    if sizes[0] != sizes[1] or sizes[0] < 1:
+        raise ValueError("not square")
     if head[2] == b"coordinate":
         return sizes[2]
     n = sizes[0]

@@ -104,7 +104,7 @@ def average(
     >>> rec = Recording(np.random.default_rng(0).standard_normal((2, 8192)), 100.0)
     >>> made = average(rec, (10.0, 20.0), Averaging())
     >>> made.nperseg, made.spectra.matrix.shape
-    (1024, (103, 2, 2))
+    (1024, (102, 2, 2))
     """
     lines = band_hz if lines_hz is None else lines_hz
     correlation = Autocorrelation(rec)

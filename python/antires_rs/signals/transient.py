@@ -1,8 +1,8 @@
-"""Hammer hits: one transform over the whole event, from before the hit until it has died.
+"""Hammer impacts: one transform over the whole event, from before the impact until it has died.
 
 Welch's segments would each start in the middle of a decay, with an unknown state; the quotient of two such
 spectra is not a transmissibility. A transform over the whole event, from rest, is exact: every response is
-then the FRF times the spectrum of the force, whatever its shape (a double hit included). If the response has
+then the FRF times the spectrum of the force, whatever its shape (double impacts too). If the response has
 not died at the end, an exponential window forces it to. That window moves every root of every quotient by its
 decay rate along the real axis, so its damping can be taken off again exactly.
 """
@@ -20,7 +20,7 @@ from .spectra import CrossSpectra, averaged_products, channels_of, lines_in
 
 __all__ = ["Event", "find_events", "is_transient", "transient_spectra"]
 
-# Blocks of the energy profile: coarse ones tell a decay from steady vibration, fine ones find the hit.
+# Blocks of the energy profile: coarse ones tell a decay from steady vibration, fine ones find the impact.
 COARSE_BLOCKS = 64
 FINE_BLOCK_SAMPLES = 8
 FINE_BLOCKS = 8192
@@ -29,9 +29,9 @@ MEDIAN_SAMPLES = 8192
 # A steady Gaussian record of one narrow mode has an exponentially distributed envelope: over 64 blocks its
 # largest energy is some 13 dB above its lower fifth. 20 dB is out of its reach.
 DECAY_RATIO = 100.0
-# A hit lifts the energy at least this much over the eight blocks before it ...
+# An impact lifts the energy at least this much over the eight blocks before it ...
 HIT_RISE = 30.0
-# ... and to this share of the record's peak. A new hit needs the last one dead by this much.
+# ... and to this share of the record's peak. A new impact needs the last one dead by this much.
 HIT_SHARE = 0.01
 DEAD_SHARE = 1e-3
 # Amplitude at the end of an event, relative to its start, above which the window must help: -40 dB.
@@ -42,7 +42,7 @@ WINDOWED_END = 1e-3
 
 @dataclass(frozen=True)
 class Event:
-    """Samples ``start`` to ``stop`` of a record hold one hit at sample ``hit``."""
+    """Samples ``start`` to ``stop`` of a record hold one impact at sample ``hit``."""
 
     start: int
     hit: int
@@ -96,12 +96,12 @@ def require_stationary(rec: Recording) -> None:
             "'auto' for a record whose energy decays by more than 20 dB",
             "steady vibration for Welch's averages, because a segment that starts within a decay does not "
             "hold its own excitation",
-            "Use method='transient' (one transform over each whole hit), or force it with method='welch'.",
+            "Use method='transient' (one transform over each whole impact), or force it with method='welch'.",
         )
 
 
 def find_events(rec: Recording) -> tuple[Event, ...]:
-    """Find the hits of a record.
+    """Find the impacts of a record.
 
     Parameters
     ----------
@@ -110,12 +110,12 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
     Returns
     -------
     tuple of Event
-        In order of time. Hits that come before the last one has died by 30 dB belong to its event.
+        In order of time. Impacts that come before the last one has died by 30 dB belong to its event.
 
     Raises
     ------
     UnsuitableDataError
-        No hit found; most often because the record starts after it.
+        No impact found; most often because the record starts after it.
 
     Examples
     --------
@@ -141,14 +141,14 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
     if not hits:
         raise UnsuitableDataError(
             "responses",
-            "a record without a hit: the energy never rises from rest",
+            "a record without an impact: the energy never rises from rest",
             "a record that starts before the hit",
             "Record again with a pre-trigger: what was missed at the start cannot be recovered.",
         )
     events = []
     for i, b in enumerate(hits):
         stop = hits[i + 1] * block if i + 1 < len(hits) else rec.n_samples
-        # Anti-alias filters ring before the hit: start a little earlier, but not inside the last event's
+        # Anti-alias filters ring before the impact: start a little earlier, but not inside the last event's
         # tail.
         early = max(4 * block, (stop - b * block) // 50)
         start = max(0, b * block - early)
@@ -164,12 +164,12 @@ def transient_spectra(
     include_force: bool = False,
     band_hz: tuple[float, float] | None = None,
 ) -> CrossSpectra:
-    """Energy spectra of whole hits, averaged over the hits.
+    """Energy spectra of whole impacts, averaged over the impacts.
 
     Parameters
     ----------
     rec : Recording
-        Starting before its first hit.
+        Starting before its first impact.
     window : {"auto", "rectangular", "exponential"}
         "auto" takes the rectangular one if the response dies by 40 dB within the event.
     include_force : bool
@@ -180,13 +180,13 @@ def transient_spectra(
     Returns
     -------
     CrossSpectra
-        ``n_averages`` hits; ``added_decay_per_s`` of the exponential window; ``noise`` measured before the
-        first hit, where there are at least 32 quiet samples.
+        ``n_averages`` impacts; ``added_decay_per_s`` of the exponential window; ``noise`` measured before the
+        first impact, where there are at least 32 quiet samples.
 
     Raises
     ------
     UnsuitableDataError
-        No hit found.
+        No impact found.
 
     Examples
     --------
@@ -214,7 +214,7 @@ def transient_spectra(
     for i, event in enumerate(events):
         piece = data[:, event.start : event.stop] - offset
         t = (np.arange(piece.shape[1]) - (event.hit - event.start)) / rec.fs_hz
-        # The same exponential before the hit too: the window must be one exponential for its shift to be
+        # The same exponential before the impact too: the window must be one exponential for its shift to be
         # exact.
         taper = np.exp(-decay * t)
         energy += float(taper @ taper) / len(events)
