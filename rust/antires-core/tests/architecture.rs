@@ -12,7 +12,7 @@ const ARROWS: [(&str, &[&str]); 9] = [
     ("error", &[]),
     ("rng", &[]),
     ("linalg", &["error"]),
-    ("rational", &["error"]),
+    ("rational", &["linalg"]),
     ("fem", &["error", "linalg"]),
     ("modal", &["error", "linalg", "fem"]),
     ("antiresonances", &["error", "linalg", "fem", "modal"]),

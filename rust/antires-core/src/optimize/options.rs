@@ -246,10 +246,10 @@ mod tests {
             ("cost_floor", |o| o.cost_floor = f64::INFINITY),
             ("cost_floor", |o| o.cost_floor = -1.0),
             ("crossovers", |o| o.crossovers.clear()),
-            ("crossovers: heuristic tries", |o| {
+            ("crossovers", |o| {
                 o.crossovers[1] = Crossover::Heuristic { tries: 0 };
             }),
-            ("crossovers: blend alpha", |o| {
+            ("crossovers", |o| {
                 o.crossovers[0] = Crossover::Blend { alpha: f64::NAN };
             }),
         ];
