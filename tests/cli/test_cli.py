@@ -69,7 +69,11 @@ def test_wrong_usage_leaves_with_2_and_explains(capsys, arguments):
 @pytest.mark.parametrize(
     ("raised", "code", "said"),
     [
-        (ar.UnsuitableDataError("source: got nothing"), 1, "antires: error: source: got nothing"),
+        (
+            ar.UnsuitableDataError("source", "nothing", "a record", "Give one."),
+            1,
+            "antires: error: source: got nothing",
+        ),
         (PermissionError(13, "denied", "here"), 1, "denied"),
         (KeyboardInterrupt(), 130, "interrupted"),
     ],

@@ -79,12 +79,19 @@ def test_a_good_file_gone_wrong(tmp_path, whole, name, data):
     read(form, tmp_path / f"any{form.ending}", data.draw(mutated(whole(name))), **options)
 
 
-@pytest.mark.parametrize("sizes", ["2 3", "3 2", "-2 -2", "0 0"])
+@pytest.mark.parametrize("sizes", ["2 3", "3 2", "2 2_0", "-2 -2", "0 0"])
 @pytest.mark.parametrize("symmetry", ["symmetric", "skew-symmetric", "general"])
 def test_a_matrix_that_is_not_square_ends_no_process(tmp_path, sizes, symmetry):
     """Found at random: SciPy wrote beyond its memory at a symmetric array of two rows and three columns."""
     text = f"%%MatrixMarket matrix array real {symmetry}\n{sizes}\n" + "1.0\n" * 3
     assert read(FORMATS["Matrix Market"], tmp_path / "any.mtx", text.encode()) is None
+
+
+@pytest.mark.parametrize("entry", ["0\0", "0x", "1 2", "", "nan-", "1e", "--1"])
+def test_an_entry_that_is_no_number_ends_no_process(tmp_path, entry):
+    """Found at random: SciPy ended the process at a NUL behind a number of a symmetric array."""
+    lines = ["%%MatrixMarket matrix array real symmetric", "40 40", *["0"] * 177, entry, *["0"] * 642, ""]
+    assert read(FORMATS["Matrix Market"], tmp_path / "any.mtx", "\n".join(lines).encode()) is None
 
 
 @st.composite

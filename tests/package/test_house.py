@@ -71,14 +71,20 @@ def test_a_wrong_import_is_found(copied, file, line, rule):
     assert re.search(rule, " ".join(said.split())), said
 
 
+#: Eigenvalues of many small matrices, which the core finds and which know nothing of models.
+LINEAR_ALGEBRA = {"eigen.py"}
+
+
 def test_the_signal_side_does_not_load_the_core():
     for folder in ("signals", "order_sweep", "measured", "data_check"):
         sources = list((PACKAGE / folder).rglob("*.py"))
         assert sources, folder
-        for source in sources:
-            assert not re.search(r"^\s*from \.+ import _core\b", source.read_text(), re.MULTILINE), (
-                source.name
-            )
+        loading = {
+            source.name
+            for source in sources
+            if re.search(r"^\s*from \.+ import _core\b", source.read_text(), re.MULTILINE)
+        }
+        assert loading <= LINEAR_ALGEBRA, folder
 
 
 def test_little_stands_beside_the_packages():

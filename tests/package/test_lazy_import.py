@@ -91,7 +91,7 @@ def test_an_unknown_name_is_answered_as_python_does():
 def test_a_broken_installation_is_not_taken_for_an_unknown_name():
     code = (
         "import sys; sys.modules['numpy'] = None\nimport antires_rs\n"
-        "for name in ('Recording', 'spectra'):\n"
+        "for name in ('Recording', 'frf'):\n"
         "    try: getattr(antires_rs, name)\n    except ImportError as exc: print(exc.name)"
     )
     assert in_a_new_process(code).split() == ["numpy", "numpy"]

@@ -244,16 +244,14 @@ def test_data_stay_as_they_are(measured, name, copied):
 
 
 def test_errors_and_warnings(copied):
-    for kind in (
-        *map(partial(getattr, ar), ("InvalidInputError", "UnsuitableDataError", "NumericalError")),
-        ar.ObjectiveError,
-        ar.InternalError,
-        ar.MissingDependencyError,
-        ar.AntiresWarning,
-    ):
-        again = copied(kind("x: got 1; wanted 2."))
-        assert type(again) is kind
-        assert str(again) == "x: got 1; wanted 2."
+    fields = ("x[2]", "1", "2", "Take 2.")
+    refusals = [kind(*fields) for kind in (ar.InvalidInputError, ar.UnsuitableDataError, ar.ObjectiveError)]
+    plain = [kind("It is so.") for kind in (ar.InternalError, ar.MissingDependencyError, ar.AntiresWarning)]
+    for made in (*refusals, ar.NumericalError("the modes", "no root"), *plain):
+        again = copied(made)
+        assert type(again) is type(made)
+        assert str(again) == str(made)
+        assert vars(again) == vars(made)
 
 
 def test_two_processes_share_a_problem():

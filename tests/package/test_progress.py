@@ -98,7 +98,7 @@ def test_antiresonances_of_many_dofs_come_from_the_background_unchanged(at_once,
 
 def test_an_error_in_the_background_is_the_callers():
     def fail():
-        raise ar.NumericalError("no such zero")
+        raise ar.NumericalError("zeros", "no such zero")
 
     with pytest.raises(ar.NumericalError, match="no such zero"):
         _progress.interruptible(fail, "failing")

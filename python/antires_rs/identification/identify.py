@@ -190,6 +190,7 @@ def identify_antiresonances(
     if isinstance(source, Recording):
         averages = average(source, band, options.averaging, include_force=options.use_force)
     lines_for = lines_of(source, averages, band, use_force=options.use_force, estimator=options.estimator)
+    step("checking the data")
     checked = _checked(source, excitation, band, averages, options)
     step("fit")
     found, of_numerators = diagrams_of(source.dofs, lines_for, band, options)

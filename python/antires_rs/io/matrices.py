@@ -7,6 +7,7 @@ returns fits ``dofs=`` of :func:`~antires_rs.io.read_uff`.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -238,6 +239,7 @@ def _sparse_npz(file: Path) -> Any:
 def _matrix_market(file: Path) -> Any:
     """A Matrix Market file, its entries counted against its header."""
     import gzip
+    from io import BytesIO
 
     from scipy.io import mmread
 
@@ -257,16 +259,21 @@ def _matrix_market(file: Path) -> Any:
             "Export it again as MatrixMarket, .mtx.",
         )
     try:
-        stated = _stated(lines[0].lower().split(), [int(part) for part in numbers[0].split()])
-    except (ValueError, IndexError):
+        head, stated = _head(lines[0].lower().split(), numbers[0].split())
+    except ValueError:
         unsuitable(
             file, f"with the sizes {numbers[0]!r}", wanted, "Export it again: the matrix must be square."
         )
     if len(numbers) - 1 != stated or not text.endswith((b"\n", b"\r")):
         end = "" if text.endswith((b"\n", b"\r")) else ", the last without a line end"
         unsuitable(file, f"with {len(numbers) - 1} of {stated} entries{end}", wanted, "Copy it again.")
+    entry = _entry(head[0].split())
+    wrong = next((line for line in numbers[1:] if not entry.fullmatch(line)), None)
+    if wrong is not None:
+        unsuitable(file, f"with the entry {wrong[:40]!r}", wanted, "Export it again, as real numbers.")
     try:
-        return mmread(file)
+        # Not the file: what SciPy reads is what was looked at here.
+        return mmread(BytesIO(b"\n".join([*head, *numbers[1:], b""])))
     except (ValueError, OverflowError, TypeError) as exc:
         unsuitable(
             file,
@@ -276,11 +283,25 @@ def _matrix_market(file: Path) -> Any:
         )
 
 
-def _stated(head: Sequence[bytes], sizes: list[int]) -> int:
-    # SciPy writes beyond its memory at a symmetric array that is not square.
-    if sizes[0] != sizes[1] or sizes[0] < 1:
+def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[list[bytes], int]:
+    """Both lines of the head, and the entries that they state; ValueError for any other head."""
+    if len(words) != 5 or words[1] != b"matrix":
+        raise ValueError("unknown head")
+    if len(sizes) != {b"coordinate": 3, b"array": 2}.get(words[2]) or not all(map(bytes.isdigit, sizes)):
+        raise ValueError("no sizes")
+    n, columns, *entries = map(int, sizes)
+    if n != columns or n < 1:  # SciPy would write beyond its memory
         raise ValueError("not square")
-    if head[2] == b"coordinate":
-        return sizes[2]
-    n = sizes[0]
-    return {b"symmetric": n * (n + 1) // 2, b"skew-symmetric": n * (n - 1) // 2}.get(head[4], n * sizes[1])
+    half = n * (n + 1) // 2
+    stored = {b"general": n * n, b"symmetric": half, b"hermitian": half, b"skew-symmetric": half - n}
+    if words[4] not in stored:
+        raise ValueError("unknown symmetry")
+    lines = [b" ".join([b"%%MatrixMarket", *words[1:]]), b" ".join(sizes)]
+    return lines, entries[0] if entries else stored[words[4]]
+
+
+def _entry(words: Sequence[bytes]) -> re.Pattern[bytes]:
+    """A line of numbers. At some others, a NUL behind one in a symmetric array, SciPy ends the process."""
+    places = 2 * (words[2] == b"coordinate") + {b"pattern": 0, b"complex": 2}.get(words[3], 1)
+    number = rb"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|inf|infinity|nan)"
+    return re.compile(rb"[ \t\r]*" + rb"[ \t]+".join([number] * places) + rb"[ \t\r]*", re.IGNORECASE)
