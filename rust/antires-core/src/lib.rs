@@ -56,6 +56,7 @@
 //! |---|---|---|
 //! | [`error`] | what can go wrong, and how to mend it | – |
 //! | [`linalg`] | eigenproblems, band matrices, pencils | `error` |
+//! | [`rational`] | polynomials on Forsythe's basis, for fits of measured curves | `linalg` |
 //! | [`fem`] | K(p), M(p) and their derivatives | `error`, `linalg` |
 //! | [`modal`] | modes, receptances, frequency responses, MAC | `error`, `linalg`, `fem` |
 //! | [`antiresonances`] | the zeros of H_ik by two routes, and their sensitivities | `error`, `linalg`, `fem`, `modal` |
