@@ -27,6 +27,7 @@ from ..data_check import DataCheck
 from ..data_check.check import judged
 from ..exceptions import AntiresWarning, UnsuitableDataError
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.tables import label
 from ..order_sweep.scores import graded
 from ..signals.averaging import Averages, Averaging, average
 from ..signals.band import band_of
@@ -183,6 +184,7 @@ def identify_antiresonances(
     )
     warn_of_formulation(options.formulation)
     band = band_of(source, band_hz)
+    excitation = label("excitation", excitation)
     wanted = _wanted_dofs(dofs, source.dofs)
     _can_answer(source, options.use_force)
     step("spectra")
@@ -262,7 +264,8 @@ def _wanted_dofs(dofs: Iterable[Any] | None, known: tuple[Any, ...]) -> tuple[An
         return known
     if isinstance(dofs, str | bytes) or not isinstance(dofs, Iterable):
         reject("dofs", dofs, f"a list of dofs out of {known}", "Put the dofs in a list, such as dofs=[0, 1].")
-    wanted = tuple(dict.fromkeys(dofs))
+    named = list(dofs)
+    wanted = tuple(dof for i, dof in enumerate(named) if dof not in named[:i])
     strange = [dof for dof in wanted if dof not in known]
     if strange or not wanted:
         reject(

@@ -111,7 +111,9 @@ IDENTIFICATION = Section(
             "0.01",
         ),
         Key("damping_tol", "number", "The same for damping.", "0.1"),
-        Key("min_rows", "whole", "Orders in which a value must be stable.", "10"),
+        Key(
+            "min_rows", "whole", "An antiresonance must be stable in more consecutive orders than this.", "10"
+        ),
         Key("max_damping", "number", "Largest damping ratio of an antiresonance.", "0.1"),
         Key("min_dominance", "number", "How much of the curve a value must own.", "0.05"),
         Key(

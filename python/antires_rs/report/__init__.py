@@ -229,14 +229,16 @@ def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
             "Pass a list with one for each, None where there is none.",
         )
     for one in given:
-        if not isinstance(one, Recording | FrequencyResponse | Mapping):
+        if one is not None and not isinstance(one, Recording | FrequencyResponse | Mapping):
             reject(
                 "measurement",
                 type(one).__name__,
                 "a Recording, a FrequencyResponse or facts by name",
                 "Pass what was read from the file, or None.",
             )
-    told = [_lines(one) if isinstance(one, Mapping) else of_signal(one) for one in given]
+    told = [
+        {} if one is None else _lines(one) if isinstance(one, Mapping) else of_signal(one) for one in given
+    ]
     return [(told[i] if told else {}) | of_set(each, result.problem.model) for i, each in enumerate(sets)]
 
 

@@ -49,7 +49,8 @@ def two_channel(matrix: ComplexArray, j: int, estimator: str) -> tuple[ComplexAr
     auto = np.einsum("fii->if", matrix).real
     s_jp, s_jj = matrix[:, j, :].T, auto[j]
     if not s_jj[1:].all() or not auto.any(axis=1).all():
-        dead = int(np.flatnonzero(~auto[:, 1:].all(axis=1))[0])
+        silent = ~auto.any(axis=1)
+        dead = int(np.flatnonzero(silent)[0]) if silent.any() else j
         raise UnsuitableDataError(
             "responses",
             f"channel {dead} without energy at some frequencies",

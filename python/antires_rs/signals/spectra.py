@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from ..support.validation import ComplexArray, FloatArray, integer, reject
+from ..support.validation import ComplexArray, FloatArray, integer, real_array, reject
 from .noise import noise_power
 from .recording import Recording
 
@@ -255,8 +255,8 @@ def window_values(window: Any, n: int) -> FloatArray:
                 f"a window known to scipy.signal.get_window ({exc})",
                 "Leave it out for 'hann'.",
             )
-    taper = np.asarray(window, dtype=np.float64)
-    if taper.shape != (n,) or not np.isfinite(taper).all() or not taper.any():
+    taper = real_array("window", window, ndim=1, wanted=f"a window name, or {n} finite values")
+    if taper.shape != (n,) or not taper.any():
         reject(
             "window",
             f"an array of shape {taper.shape}",

@@ -145,7 +145,7 @@ def finite_scalar(
 
 
 def integer(name: str, value: Any, *, low: int | None = None, high: int | None = None) -> int:
-    """One integer inside a closed interval; booleans and floats with a fraction are refused."""
+    """One integer inside a closed interval; booleans and floats are refused."""
     bounds = (
         ""
         if low is None and high is None
@@ -183,12 +183,13 @@ def choice(name: str, value: Any, options: Sequence[T]) -> T:
     for option in options:
         if type(value) is type(option) and value == option:
             return option
-    near = get_close_matches(value, map(str, options), 1, 0.6) if isinstance(value, str) else ()
+    known = {str(option).lower(): option for option in options}
+    near = get_close_matches(value.lower(), known, 1, 0.6) if isinstance(value, str) else ()
     reject(
         name,
         repr(value),
         "one of " + ", ".join(repr(option) for option in options),
-        f"Did you mean {near[0]!r}?" if near else "Choose one of them.",
+        f"Did you mean {known[near[0]]!r}?" if near else "Choose one of them.",
     )
 
 

@@ -27,7 +27,7 @@ from ..models.parameter_names import parameter_name, warn_far
 from ..models.structural_model import StructuralModel
 from ..optimize.arguments import thread_count
 from ..support.pickling import AroundCore, ReadOnly, frozen
-from ..support.validation import FloatArray, choice, finite_scalar, real_array, reject
+from ..support.validation import FloatArray, choice, finite_scalar, real_array, reject, shape_of
 from ..support.values import frozen_or_none
 from .tables import FrequencyTable, ModalTable
 from .targets import AntiresonanceTargets, ModalTargets, Targets, targets_of
@@ -298,7 +298,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
 def _penalty(penalty: Any) -> DamagePenalty | None:
     if penalty is None or isinstance(penalty, DamagePenalty):
         return penalty
-    if np.shape(penalty) != (2,):
+    if shape_of(penalty) != (2,):
         reject(
             "penalty",
             penalty,

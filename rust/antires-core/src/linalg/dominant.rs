@@ -172,7 +172,7 @@ fn multiply(a: &[c64], v: &[c64], out: &mut [c64]) {
 }
 
 fn normalize(v: &mut [c64]) {
-    let over = 1.0 / v.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+    let over = 1.0 / v.iter().map(c64::norm_sqr).sum::<f64>().sqrt();
     for v in v {
         *v *= over;
     }

@@ -63,7 +63,7 @@ impl Hermitian {
         self.v.extend((k + 1..n).map(|i| self.a[i * n + k]));
         self.v[0] += turn * size;
         // 2 / vᴴv; the trailing block becomes A − v wᴴ − w vᴴ.
-        let factor = 2.0 / self.v.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        let factor = 2.0 / self.v.iter().map(c64::norm_sqr).sum::<f64>();
         self.w.clear();
         self.w.resize(m, c64::new(0.0, 0.0));
         let mut along = 0.0;
