@@ -24,8 +24,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork and 
 @pytest.mark.parametrize(
     ("scenario", "writing"),
     some_of(
-        [("new", "half"), ("again", "whole"), ("fresh", "whole"), ("script", "half")],
-        kept=[("new", "half"), ("script", "half")],
+        [("new", "half"), ("again", "whole"), ("fresh", "whole"), ("script", "half")], kept=[("new", "half")]
     ),
 )
 def test_killed_before_any_change_on_the_disk(tmp_path, scenario, writing):

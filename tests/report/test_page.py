@@ -246,6 +246,7 @@ def drawn_of(diagram, count=1):
     return figures.drawings_of(result, diagrams=dict.fromkeys(range(count), diagram)).diagrams
 
 
+@pytest.mark.usefixtures("quick_pictures")
 def test_diagrams_beyond_the_size_are_left_out_and_counted(tmp_path, monkeypatch):
     f = np.linspace(1.0, 20.0, 200)
     noise = 1e-3 * np.random.default_rng(0).standard_normal(200)

@@ -295,6 +295,7 @@ def test_what_modes_cannot_tell_is_said():
     np.testing.assert_allclose(ratios, truth / truth[-1], atol=0.02)
 
 
+@pytest.mark.usefixtures("quick_pictures")
 def test_pictures_and_report(damage, tmp_path):
     figure = pytest.importorskip("matplotlib.figure")
     pytest.importorskip("jinja2")
@@ -326,6 +327,7 @@ def test_pictures_and_report(damage, tmp_path):
     assert "antiresonance" not in html.split("<footer")[0].replace("antires_rs", "")
 
 
+@pytest.mark.usefixtures("quick_pictures")
 def test_the_report_of_identified_modes_shows_their_diagram(tmp_path):
     pytest.importorskip("jinja2")
     record = CASE.experiment(level=1, noise=0.01, rng=6, duration_s=64.0)
