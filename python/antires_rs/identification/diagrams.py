@@ -17,6 +17,7 @@ from ..support.progress import step
 from ..support.validation import FloatArray
 from .formulations import sweep_of
 from .lines import FORCE, Lines
+from .local.sweep import local_diagrams
 from .options import IdentificationOptions
 from .selection import select
 
@@ -31,14 +32,18 @@ def diagrams_of(
 ) -> tuple[dict[Any, StabilizationDiagram], bool]:
     """Diagrams by dof, and whether they are of all numerators, whose values have grades and deviations."""
     first = lines_for(FORCE if options.use_force else 0)
-    numerators = options.formulation == "numerators" or (
-        options.formulation == "auto" and first.segments is not None and options.estimator == "rank1"
-    )
-    if numerators:
+    averaged = first.segments is not None
+    formulation = options.formulation
+    if formulation == "auto":
+        formulation = "windows" if not averaged else "numerators" if options.estimator == "rank1" else "joint"
+    if formulation == "windows":
+        found = dict(zip(dofs, local_diagrams(first, len(dofs), band, options), strict=True))
+    elif formulation == "numerators":
         found = _from_numerators(dofs, first, band, options)
     else:
-        found = _one_by_one(dofs, lines_for, band, options)
-    return found if options.keep_common else without_common(found), numerators
+        found = _one_by_one(dofs, lines_for, band, options, formulation)
+    found = found if options.keep_common else without_common(found)
+    return found, formulation == "numerators"
 
 
 def _from_numerators(
@@ -58,10 +63,10 @@ def _one_by_one(
     lines_for: Callable[[int], Lines],
     band: tuple[float, float],
     options: IdentificationOptions,
+    formulation: str,
 ) -> dict[Any, StabilizationDiagram]:
     """Every dof from its own joint fit of all T_pj; with a force, from one joint fit of all H_jk."""
     rule, use_force = options.rule, options.use_force
-    formulation = "joint" if options.formulation == "auto" else options.formulation
     found: dict[Any, StabilizationDiagram] = {}
     shared: dict[int, tuple[PoleSweep, range, FloatArray]] = {}
     # Dofs not asked for are looked at too: what all channels share is told only from all.
@@ -83,7 +88,7 @@ def _one_by_one(
             one = diagram(
                 sweep, swept, window.report_hz, rule, part.freq_hz, background, part.added_decay_per_s
             )
-            if part.snr_known and rule.persistent:
+            if rule.persistent:
                 one = add_persistent(one, sweep, rule, part.channel_snr(row), part.added_decay_per_s)
             curves = sweep.curves(swept[len(swept) // 2])
             parts.append(replace(one, accepted=scored(one.accepted, part.freq_hz, background, *curves)))

@@ -51,7 +51,7 @@ from .power import PowerFit, PowerSweep
 __all__ = ["CHOICES", "FORMULATIONS", "check_formulation", "sweep_of", "warn_of_formulation"]
 
 FORMULATIONS = ("joint", "power", "eq10")
-CHOICES = ("auto", "numerators", *FORMULATIONS)
+CHOICES = ("auto", "windows", "numerators", *FORMULATIONS)
 # Order of the denominator guessed for the weights: the trend over the band, from which every order gains.
 # Higher ones find more near the noise, and false ones with them.
 GUESS_ORDER = 4

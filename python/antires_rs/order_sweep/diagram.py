@@ -13,7 +13,7 @@ more at 5 % noise than the customary 5 % does, and costs no false one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -43,6 +43,8 @@ class StabilizationDiagram(ReadOnly):
     background_freq_hz, background : (n_freq,)
         ``abs(sum over outputs)`` of the data, for drawing behind the poles.
     band_hz : (low, high)
+    left_out : ResponseTable
+        What fits over windows see and was not accepted, with the score "why".
 
     Examples
     --------
@@ -62,6 +64,7 @@ class StabilizationDiagram(ReadOnly):
     background_freq_hz: FloatArray
     background: FloatArray
     band_hz: tuple[float, float]
+    left_out: ResponseTable = field(default_factory=lambda: ResponseTable([]))
 
     @property
     def identified(self) -> FloatArray:
