@@ -121,8 +121,10 @@ def main():
     parser.add_argument("--records", type=int, default=100, help="records of each state")
     parser.add_argument("--jobs", type=int, default=MOST_JOBS)
     options = parser.parse_args()
-    impacts(options.tests, options.jobs)
-    comparisons(options.records, options.jobs)
+    if options.tests:
+        impacts(options.tests, options.jobs)
+    if options.records:
+        comparisons(options.records, options.jobs)
 
 
 if __name__ == "__main__":

@@ -102,21 +102,3 @@ def test_an_empty_response_has_no_tracks():
 def test_bad_arguments_of_track_are_named(sets, options, name):
     with pytest.raises(InvalidInputError, match=f"^{name}: got "):
         ar.track(sets, **options)
-
-
-@pytest.mark.parametrize("kind", ["change", "frequency"])
-@pytest.mark.parametrize("conditions", [None, [0.0, 5.0, 20.0], ["intact", "cut", "repaired"]])
-def test_pictures_of_tracks(kind, conditions):
-    pytest.importorskip("matplotlib")
-    from matplotlib.figure import Figure
-
-    from antires_rs import plotting
-
-    followed = ar.track(sets_of([10.0, 20.0], [10.1, 30.0], [10.2, 20.1]), conditions)
-    ax = followed.plot(0, kind=kind, ax=Figure().subplots())
-    assert ax.get_ylabel().endswith("(%)" if kind == "change" else "(Hz)")
-    assert plotting.data_of(ax)["tracks"]["freq_hz"].size == 9
-    names = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert {"10.00 Hz", "20.00 Hz", "30.00 Hz", "new", "lost"} <= set(names)
-    with pytest.raises(InvalidInputError, match="^dof: got 7"):
-        followed.plot(7)

@@ -42,6 +42,14 @@ class Comparison(ReadOnly):
         Rate of false alarms of both tests.
     unmatched_a, unmatched_b : mapping of dof to (m,)
         Values in Hz that the other set does not have; dofs without any are left out.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> a, b = (ar.AntiresonanceSet(0, {0: f}, std_hz={0: [0.01]}) for f in ([8.70], [8.72]))
+    >>> seen = ar.compare(a, b)
+    >>> seen.different, round(seen.p_all, 2), seen.std_percent.round(2).tolist()
+    (False, 0.18, [0.16])
     """
 
     excitation: Any

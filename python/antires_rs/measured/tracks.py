@@ -32,6 +32,12 @@ class TrackEvent:
         Its column in :class:`Tracks`.
     freq_hz : float
         Where it was seen last, or first.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> print(ar.TrackEvent("lost", 3, 0, 1, 23.8).kind)
+    lost
     """
 
     kind: str
@@ -55,6 +61,13 @@ class Tracks(ReadOnly):
         NaN where a test does not have it, or its deviation is not known.
     events : tuple of TrackEvent
         By test.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> followed = ar.track([ar.AntiresonanceSet(0, {0: f}) for f in ([8.0, 23.9], [8.1])])
+    >>> followed, followed.change_percent[1].round(2).tolist()
+    (Tracks(2 antiresonances, 2 tests, 1 events), [1.25, nan])
     """
 
     excitation: Any
