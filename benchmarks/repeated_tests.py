@@ -84,7 +84,7 @@ def impacts(tests, jobs):
         )
     many, one = rows.values()
     known = (~np.isnan(one)).sum(axis=0) > 0.8 * len(one)
-    ratio = np.nanstd(many, axis=0, ddof=1)[known] / np.nanstd(one, axis=0, ddof=1)[known]
+    ratio = np.nanstd(many[:, known], axis=0, ddof=1) / np.nanstd(one[:, known], axis=0, ddof=1)
     print(
         f"scatter of {IMPACTS} impacts over that of one, {known.sum()} values: root mean square "
         f"{np.sqrt(np.mean(ratio**2)):.3f}, median {np.median(ratio):.3f}; 1 / sqrt({IMPACTS}) = "
