@@ -11,6 +11,7 @@ from ..signals.averaging import Averages, Averaging
 from ..signals.band import band_of
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
+from ..signals.repeats import one_source
 from ..support.pickling import frozen
 from ..support.progress import patient
 from ..support.validation import reject
@@ -39,7 +40,7 @@ TESTS = (
 
 @patient("checking the data")
 def check_data(
-    source: Recording | FrequencyResponse,
+    source: Recording | FrequencyResponse | Sequence[Recording] | Sequence[FrequencyResponse],
     *,
     excitation: Any = None,
     band_hz: Sequence[float],
@@ -53,8 +54,9 @@ def check_data(
 
     Parameters
     ----------
-    source : Recording or FrequencyResponse
-        Time records, or measured responses, for which fewer tests can be made.
+    source : Recording or FrequencyResponse, or a list of either
+        Time records, or measured responses, for which fewer tests can be made. A list holds repeats of one
+        test, whose samples are tested record by record and whose averages together.
     excitation : int or str, optional
         Dof at which the single force is said to act. Without it the location is not tested.
     band_hz : (low, high)
@@ -120,7 +122,8 @@ def check_data(
             "Name the dof as the source does, or leave it out if it is not known.",
         )
     options = Averaging(nperseg, noverlap, window, method).checked()
-    return judged(source, excitation, band_of(source, band_hz), options)
+    one: Recording | FrequencyResponse = one_source(source)
+    return judged(one, excitation, band_of(one, band_hz), options)
 
 
 def judged(

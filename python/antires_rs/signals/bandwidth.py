@@ -18,12 +18,14 @@ from functools import cached_property
 import numpy as np
 
 from ..support.validation import FloatArray
+from .pooled import parts_of, shortest
 from .recording import Recording
 
 __all__ = [
     "Autocorrelation",
     "half_power_widths",
     "hann_autocorrelation",
+    "longest_power",
     "narrow_width",
     "power_of_two",
     "standing_peaks",
@@ -46,22 +48,25 @@ class Autocorrelation:
     @property
     def longest(self) -> int:
         """Samples of the longest segments that leave enough averages."""
-        return power_of_two(self.rec.n_samples / SEGMENTS)
+        return longest_power(self.rec)
 
     @cached_property
     def _lags(self) -> FloatArray:
         from scipy.fft import next_fast_len, rfft  # slow to import
 
-        x = self.rec.responses - self.rec.responses.mean(axis=1, keepdims=True)
-        power = np.einsum("ij,ij->i", x, x)
-        x = x[power > 0.0]
-        n = next_fast_len(self.rec.n_samples + self.longest, real=True)
-        total = np.zeros(n // 2 + 1)
-        for one, size in zip(x, power[power > 0.0], strict=True):
-            # Seven digits do: what is looked for are the widths of peaks.
-            spectrum = rfft(one.astype(np.float32), n)
-            total += (spectrum.real**2 + spectrum.imag**2) / size
-        return np.asarray(np.fft.irfft(total, n)[: self.longest], dtype=np.float64)
+        lags = np.zeros(self.longest)
+        for part in parts_of(self.rec):
+            x = part.responses - part.responses.mean(axis=1, keepdims=True)
+            power = np.einsum("ij,ij->i", x, x)
+            x = x[power > 0.0]
+            n = next_fast_len(part.n_samples + self.longest, real=True)
+            total = np.zeros(n // 2 + 1)
+            for one, size in zip(x, power[power > 0.0], strict=True):
+                # Seven digits do: what is looked for are the widths of peaks.
+                spectrum = rfft(one.astype(np.float32), n)
+                total += (spectrum.real**2 + spectrum.imag**2) / size
+            lags += np.fft.irfft(total, n)[: self.longest]
+        return lags
 
     def power(self, n: int, band_hz: tuple[float, float]) -> FloatArray:
         """Power of all channels at equal weight in the band, as Hann segments of ``n`` samples resolve it."""
@@ -80,6 +85,14 @@ def hann_autocorrelation(n: int) -> FloatArray:
     taper = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n)
     r = np.fft.irfft(np.abs(np.fft.rfft(taper, 2 * n)) ** 2)[:n]
     return np.asarray(r / r[0], dtype=np.float64)
+
+
+def longest_power(rec: Recording) -> int:
+    """Samples of the longest segments that leave enough averages and fit every part of the record."""
+    n = power_of_two(rec.n_samples / SEGMENTS)
+    while n > shortest(rec):
+        n //= 2
+    return n
 
 
 def power_of_two(n: float) -> int:
