@@ -16,7 +16,7 @@ from ..support.pickling import frozen
 from ..support.progress import patient
 from ..support.validation import reject
 from . import channels, force_location, one_force, phase, resolution
-from .findings import DataCheck, Finding, NotTested, grouped
+from .findings import DataCheck, Finding, NotTested, one_of_a_kind
 from .records import of_recording
 from .responses import of_response
 
@@ -139,7 +139,7 @@ def judged(
     else:
         said, seen = of_response(source, excitation, band)
     dofs = source.dofs
-    found = grouped(one for one in said if isinstance(one, Finding))
+    found = one_of_a_kind(one for one in said if isinstance(one, Finding))
     # A test that found something was made, even if a part of it could not be.
     named = {finding.name for finding in found}
     why = {one.name: one.why for one in reversed(said) if isinstance(one, NotTested)}

@@ -61,7 +61,7 @@ class Finding:
         return f"{self.severity}: {self.text} {self.advice}"
 
 
-def grouped(found: Iterable[Finding]) -> tuple[Finding, ...]:
+def one_of_a_kind(found: Iterable[Finding]) -> tuple[Finding, ...]:
     """Findings worst first, those of one kind over several channels made one."""
     kinds: dict[tuple[str, str], list[Finding]] = {}
     for finding in sorted(found, key=lambda each: SEVERITIES.index(each.severity)):
