@@ -264,7 +264,8 @@ def _checked(
             " ".join(f.advice for f in fatal),
         )
     if not checked.ok:
-        warnings.warn("data check: " + " ".join(checked.warnings), AntiresWarning, stacklevel=4)
+        said = "\n".join(f"data check: {line}" for line in checked.warnings)
+        warnings.warn(said, AntiresWarning, stacklevel=4)
     return checked
 
 
