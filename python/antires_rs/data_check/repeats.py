@@ -38,7 +38,8 @@ def grouped(each: Sequence[Said]) -> Said:
     for shown in found.values():
         worst = min((one for _, one in shown), key=lambda one: SEVERITIES.index(one.severity))
         where = _listed([number for number, _ in shown], len(each))
-        joined.append(replace(worst, text=f"{worst.text} ({where})"))
+        brief = f"{worst.brief} ({where[0].lower()}{where[1:-1]})" if worst.brief else ""
+        joined.append(replace(worst, text=f"{worst.text} ({where})", brief=brief))
     return [*joined, *untested.values()]
 
 

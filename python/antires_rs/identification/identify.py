@@ -23,12 +23,15 @@ import warnings
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import numpy as np
+
 from ..data_check import DataCheck
 from ..data_check.check import judged
 from ..exceptions import AntiresWarning, UnsuitableDataError
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.tables import label
 from ..order_sweep.scores import graded
+from ..order_sweep.table import ResponseTable
 from ..signals.averaging import Averages, Averaging, average
 from ..signals.band import band_of
 from ..signals.frequency_response import FrequencyResponse
@@ -40,6 +43,7 @@ from ..support.validation import reject
 from .diagrams import diagrams_of
 from .formulations import warn_of_formulation
 from .options import DEFAULT, IdentificationOptions, checked_options
+from .repeat_scatter import independent_averages
 from .response_lines import lines_of
 
 __all__ = ["identify_antiresonances"]
@@ -220,11 +224,22 @@ def identify_antiresonances(
         compared = judge(lines_for, one.dofs, values, band, options.cross_check)
     return AntiresonanceSet.from_tables(
         excitation,
-        {dof: graded(d.accepted) if of_numerators else d.accepted for dof, d in found.items()},
+        {
+            dof: _with_grades(d.accepted, averages) if of_numerators else d.accepted
+            for dof, d in found.items()
+        },
         diagrams=found,
         data_check=checked,
         cross_check=compared,
     )
+
+
+def _with_grades(table: ResponseTable, averages: Averages | None) -> ResponseTable:
+    """The table of a fit of all numerators with grades, and with what its standard deviations rest on."""
+    table = graded(table)
+    if averages is None:
+        return table
+    return table.with_scores(averages=np.full(len(table), independent_averages(averages.spectra)))
 
 
 def _checked(
@@ -249,7 +264,8 @@ def _checked(
             " ".join(f.advice for f in fatal),
         )
     if not checked.ok:
-        warnings.warn("data check: " + " ".join(checked.warnings), AntiresWarning, stacklevel=4)
+        said = "\n".join(f"data check: {line}" for line in checked.warnings)
+        warnings.warn(said, AntiresWarning, stacklevel=4)
     return checked
 
 

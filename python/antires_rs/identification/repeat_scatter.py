@@ -25,9 +25,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..signals.spectra import CrossSpectra
 from ..support.validation import FloatArray
 
-__all__ = ["combined", "excess", "sums_by_draw"]
+__all__ = ["combined", "excess", "independent_averages", "sums_by_draw"]
 
 # Degrees of freedom with which the whole test speaks on the variance of one zero.
 PRIOR = 8.0
@@ -47,6 +48,13 @@ def excess(between: FloatArray, within: FloatArray, n_draws: int) -> float:
         return 1.0
     middle = float(chi2.ppf(0.5, n_draws - 1)) / (n_draws - 1)
     return max(1.0, float(np.median(between / np.maximum(within, 1e-300))) / middle)
+
+
+def independent_averages(spectra: CrossSpectra) -> float:
+    """How many independent averages stand behind the standard deviations that these spectra give."""
+    if spectra.draws is None:
+        return spectra.n_effective
+    return float(min(np.unique(spectra.draws).size - 1.0 + PRIOR, max(spectra.n_effective, PRIOR)))
 
 
 def combined(between: FloatArray, within: FloatArray, n_draws: int, q: float) -> FloatArray:

@@ -28,6 +28,7 @@ __all__ = [
     "longest_power",
     "narrow_width",
     "power_of_two",
+    "standing_peaks",
 ]
 
 # Segments are not longer than this share of the record, so that their scatter can be told.
@@ -106,10 +107,24 @@ def narrow_width(power: FloatArray) -> float | None:
 
 
 def half_power_widths(power: FloatArray) -> list[float]:
-    """Widths, in lines, of the peaks that stand out; a peak owns all down to a tenth of its height."""
+    """Widths, in lines, of the peaks that stand out."""
+    # The area over the height is steadier than the two half-power points of a ragged spectrum;
+    # pi/2 half-power widths make the area of a resonance.
+    return [
+        float(power[lo : hi + 1].sum() / power[peak]) * 2 / np.pi for lo, peak, hi in _owned_by_peaks(power)
+    ]
+
+
+def standing_peaks(power: FloatArray) -> list[int]:
+    """Lines of the peaks that stand out."""
+    return [peak for _, peak, _ in _owned_by_peaks(power)]
+
+
+def _owned_by_peaks(power: FloatArray) -> list[tuple[int, int, int]]:
+    """First line, highest line and last line of each peak, which owns all down to a tenth of its height."""
     left = power.copy()
     least = PEAK_RATIO * np.median(power)
-    widths = []
+    owned = []
     while left.max() > least:
         peak = int(np.argmax(left))
         lo = hi = peak
@@ -117,9 +132,7 @@ def half_power_widths(power: FloatArray) -> list[float]:
             lo -= 1
         while hi < power.size - 1 and power[hi + 1] > 0.1 * power[peak]:
             hi += 1
-        # The area over the height is steadier than the two half-power points of a ragged spectrum;
-        # pi/2 half-power widths make the area of a resonance.
         if lo > 0 and hi < power.size - 1 and left[lo : hi + 1].min() > 0:
-            widths.append(float(power[lo : hi + 1].sum() / power[peak]) * 2 / np.pi)
+            owned.append((lo, peak, hi))
         left[lo : hi + 1] = 0.0
-    return widths
+    return owned
