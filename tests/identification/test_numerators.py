@@ -79,7 +79,7 @@ def test_force_and_resonances_cancel():
     factor = np.exp(2j * np.pi * rng.random(FREQ.size)) * rng.uniform(0.5, 2.0, FREQ.size)
     for x in (vectors(), vectors() * factor[:, None]):
         fit = fit_of(covariance_of(x), 6)
-        assert nearest(fit.zeros(fit.likeliest(6)[0], 0), exact_zeros(0)).max() < 1e-7
+        assert nearest(fit.zeros(fit.likeliest(6)[0][:, 0]), exact_zeros(0)).max() < 1e-7
 
 
 def test_superfluous_roots_are_shared_and_own_nothing():

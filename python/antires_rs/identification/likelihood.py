@@ -32,6 +32,8 @@ SETTLED = 1e-8
 KNEE = 2.0
 # The first iteration looks at every second order, the next ones this far from the knee.
 BELOW, ABOVE = 4, 16
+# The last fit has so many orders above the likeliest: what is there stays over them, what is noise does not.
+HIGHER = 25
 # So many lines tell the weights and the order as well as all of them.
 ENOUGH_LINES = 1200
 # A line at which all numerators nearly vanish must not get all the weight there is.
@@ -109,7 +111,7 @@ def likeliest(
         size = np.maximum(size, LEAST_SIZE * size.max())
         orders = np.arange(max(middle - BELOW, LEAST_ORDER), min(middle + ABOVE, max_order) + 1)
     _, order, size = best
-    fit = NumeratorFit(freq_hz, covariance, largest, capped / size, max_order)
+    fit = NumeratorFit(freq_hz, covariance, largest, capped / size, min(max_order, order + HIGHER))
     return Likeliest(fit, order, *fit.likeliest(order))
 
 

@@ -185,7 +185,7 @@ def _root(form: FloatArray) -> FloatArray:
             continue
     raise NumericalError(
         "the numerators of all responses",
-        "the spectra leave them undefined; check for channels that are copies of each other or hold no signal",
+        "the spectra leave them undefined; check for channels that are copies or hold no signal",
     )
 
 

@@ -178,6 +178,16 @@ class AntiresonanceSet(EditedTables):
         return self._diagrams
 
     @property
+    def left_out(self) -> Mapping[Any, ResponseTable]:
+        """By dof, where curves were identified: what fits saw and was not accepted, with the score "why"."""
+        return FrozenDict({dof: diagram.left_out for dof, diagram in self._diagrams.items()})
+
+    @property
+    def unexplained_hz(self) -> Mapping[Any, Any]:
+        """By dof of :attr:`diagrams`: peaks of the curve shown there beside which nothing was accepted."""
+        return FrozenDict({dof: diagram.unexplained_hz for dof, diagram in self._diagrams.items()})
+
+    @property
     def data_check(self) -> Any | None:
         """Whether the data were fit for identification, where they were checked."""
         return self._data_check
@@ -197,6 +207,10 @@ class AntiresonanceSet(EditedTables):
         if self._data_check is not None:
             lines += [f"do not trust: {f.text}" for f in self._data_check.findings if f.severity == "fatal"]
         lines += rows_printed(self.tables, self._cross_check)
+        for name, found in (("left_out", self.left_out), ("unexplained_hz", self.unexplained_hz)):
+            count = sum(len(one) for one in found.values())
+            if count:
+                lines.append(f"{name.removesuffix('_hz').replace('_', ' ')}: {count}, see .{name}")
         if self.edits:
             lines.append(described(self.edits))
         return "\n".join(lines)

@@ -22,6 +22,7 @@ from ..rational.dominance import dominance
 from ..rational.fit import NestedFit, prepare
 from ..support.pickling import ReadOnly, frozen
 from ..support.validation import ComplexArray, FloatArray, integer
+from .dips import unexplained
 from .limits import SMALL_DAMPING
 from .rule import Rule
 from .table import ResponseTable
@@ -75,6 +76,11 @@ class StabilizationDiagram(ReadOnly):
     def identified_damping(self) -> FloatArray:
         """Damping ratios of the accepted values."""
         return self.accepted.damping_ratio
+
+    @property
+    def unexplained_hz(self) -> FloatArray:
+        """Peaks of the curve behind the poles beside which nothing was accepted, in Hz."""
+        return unexplained(self.background_freq_hz, self.background, self.identified)
 
     def plot(self, ax: Any | None = None) -> Any:
         """Draw order against frequency with matplotlib; returns the axes."""

@@ -71,11 +71,16 @@ DIP_REACH, DIP_LINES = 0.04, 4
 OWNER_WITHIN = 0.01
 #: A dip of the response's own curve that belongs to one of its direction lies this near.
 OWN_DIP_WITHIN = 0.02
-#: A dip must be so many standard deviations of the noise beside it deep, where that is less than the rule asks
-#: for: what is shallow is believed only of curves that are as good as exact. Shallower ones never count.
+#: A dip must be so many standard deviations of the noise beside it deep, where that is less than the rule
+#: asks for: what is shallow is believed only of curves that are as good as exact. Shallower ones never count.
 DIP_OVER_NOISE, LEAST_DIP_DB = 35.0, 0.5
 
 # --- fits over windows
 #: Zeros of several fits are one antiresonance within this share of the frequency tolerance; two that are
 #: accepted lie at least ONE_DIP apart.
 CLUSTER, ONE_DIP = 0.7, 0.01
+
+# --- peaks that nothing explains
+#: A peak of the curve behind a diagram this high, after averaging the power over so many lines, is named
+#: where no accepted antiresonance lies within this share of its frequency.
+PEAK_DB, PEAK_LINES, EXPLAINED_WITHIN = 10.0, 5, 0.02

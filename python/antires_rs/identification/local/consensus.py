@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...order_sweep.limits import CLUSTER, ONE_DIP
 from ...order_sweep.rule import Rule
+from ...order_sweep.scores import window_grades
 from ...order_sweep.table import ResponseTable
 from ...support.validation import FloatArray
 from .sightings import Sightings
@@ -102,7 +103,7 @@ def _chosen(found: list[tuple[float, ...]], rule: Rule) -> tuple[ResponseTable, 
 
 
 def _by_frequency(rows: list[tuple[float, ...]], words: list[str]) -> NDArray[np.str_]:
-    rank = np.argsort([row[0] for row in rows], kind="stable") if rows else []
+    rank = sorted(range(len(rows)), key=lambda i: rows[i][0])
     return np.array([words[i] for i in rank], dtype=np.str_)
 
 
@@ -113,4 +114,9 @@ def _table(rows: list[tuple[float, ...]]) -> ResponseTable:
         freq, damping, std, rows=fits, spread=spread, dominance=np.full(len(rows), np.nan), how="windows"
     )
     rank = np.argsort(freq, kind="stable")
-    return table.with_scores(share=share[rank], depth_db=depth[rank], own_depth_db=own[rank])
+    return table.with_scores(
+        share=share[rank],
+        depth_db=depth[rank],
+        own_depth_db=own[rank],
+        grade=window_grades(share, spread, np.fmin(depth, own))[rank],
+    )

@@ -52,7 +52,10 @@ class LocalFit:
             power = np.sum(np.abs(scaled) ** 2, axis=0)
             weighed = Lines(self.freq_hz, unit(scaled), power / line)
             self._fit(weighed, row, most, iterations, start)
-            start = (self.best.order, np.sum(np.abs(self.best.fit.values(self.best.coefficients)) ** 2, axis=1))
+            start = (
+                self.best.order,
+                np.sum(np.abs(self.best.fit.values(self.best.coefficients)) ** 2, axis=1),
+            )
 
     def _fit(
         self,

@@ -68,7 +68,8 @@ def sightings_of(
         level = _level(numerators[row], size)
         at, depth = dips(lines.freq_hz, level, LEAST_DIP_DB)
         needed = _needed(fit.noise[row][at], level[at] + depth, rule)
-        at, depth, needed = (each[depth >= needed] for each in (at, depth, needed))
+        deep = depth >= needed
+        at, depth, needed = at[deep], depth[deep], needed[deep]
         others = [roots[k] for k in range(n_responses) if k != row]
         owner, dip = _owners(lines.freq_hz, s, at, others)
         moved = s + lines.added_decay_per_s
@@ -103,7 +104,8 @@ def _level(values: ComplexArray, size: FloatArray) -> FloatArray:
 def _needed(noise: FloatArray, shoulder_db: FloatArray, rule: Rule) -> FloatArray:
     """Depths in dB that dips with such shoulders need to be more than noise."""
     relative = noise / 10.0 ** (shoulder_db / 20.0)
-    return np.clip(DIP_OVER_NOISE * 20.0 / np.log(10.0) * relative, LEAST_DIP_DB, rule.min_depth_db)
+    enough = DIP_OVER_NOISE * 20.0 / np.log(10.0) * relative
+    return np.asarray(np.minimum(np.maximum(enough, LEAST_DIP_DB), rule.min_depth_db), dtype=np.float64)
 
 
 def _own_levels(numerators: ComplexArray, lines: Lines, use_force: bool) -> FloatArray | None:

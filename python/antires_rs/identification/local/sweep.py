@@ -71,18 +71,14 @@ def _diagram(
     """What the fits agree on, with all zeros by order."""
     rule = options.rule
     dipped = seen.where(seen.depth_db > 0.0)
-    inside, covers = (
-        np.stack([ask(w)(lines.freq_hz, dipped.freq_hz) for w in of_fit], axis=1)
-        for ask in (lambda w: w.inside, lambda w: w.covers)
-    )
+    inside = np.stack([w.inside(lines.freq_hz, dipped.freq_hz) for w in of_fit], axis=1)
+    covers = np.stack([w.covers(lines.freq_hz, dipped.freq_hz) for w in of_fit], axis=1)
     accepted, left_out = agreed(dipped, inside, covers, rule)
     quotients = lines.quotients(row)[0]
     own = fitted[row]
     own = np.where(np.abs(own) > 0.0, own, 1e-300)
     background = np.abs(quotients.sum(axis=0))
-    accepted = scored(
-        accepted, lines.freq_hz, background, quotients, np.delete(fitted, row, axis=0) / own
-    )
+    accepted = scored(accepted, lines.freq_hz, background, quotients, np.delete(fitted, row, axis=0) / own)
     orders = np.unique(seen.order) if seen.order.size else np.array([options.min_order])
     by_order = [seen.where(seen.order == order) for order in orders]
     ranks = [np.argsort(one.freq_hz, kind="stable") for one in by_order]
