@@ -1,7 +1,7 @@
 r"""From what was measured to antiresonances.
 
 Under one force at k the responses are X_p = N_pk F / D: their numerators N_pk have the antiresonances for
-zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Three formulations:
+zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Three ways:
 
 - "numerators": all N_pk at once from the whole spectral matrix of the responses
   (:mod:`~antires_rs.identification.numerators`). For averaged records and repeated impacts, whose segments
@@ -12,8 +12,9 @@ zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and
 - "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j. For
   averages by other estimators.
 
-With the first and the last the order is swept and what stays is kept. Everything starts from one complex vector of
-responses a line, known up to a factor that cancels: so transmissibilities to any one reference serve all
+With the first and the last the order is swept and what stays is kept. Everything starts from one complex
+vector of responses a line, known up to a factor that cancels: so transmissibilities to any one reference serve
+all
 dofs (T_pq = T_pj / T_qj). On the "joint" way lines are weighted by
 SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2): by what they are worth, but never so much that leakage rules.
 
@@ -145,8 +146,8 @@ def identify_antiresonances(
     -------
     AntiresonanceSet
         Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.std_hz`` with their standard deviations
-        (not with "joint", "power" and "eq10"), ``.scores`` with what speaks for each, ``.diagrams`` with the evidence. A dof
-        without any antiresonance in the band has an empty array.
+        (not with "joint", "power" and "eq10"), ``.scores`` with what speaks for each, ``.diagrams`` with the
+        evidence. A dof without any antiresonance in the band has an empty array.
 
     Raises
     ------

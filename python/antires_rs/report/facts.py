@@ -105,9 +105,10 @@ def of_identification(
     )
     formulation = rule.pop("formulation")
     if formulation == "auto":
-        # Only the fit of all numerators is graded, see order_sweep.scores.
-        graded = any("grade" in scores for scores in found.scores.values())
-        formulation = f"auto, here {'numerators' if graded else 'joint'}"
+        # Only two fits are graded, see order_sweep.scores; those over windows know shares.
+        every = set().union(*(scores for scores in found.scores.values()))
+        chosen = "windows" if "share" in every else "numerators" if "grade" in every else "joint"
+        formulation = f"auto, here {chosen}"
     thresholds = [f"{name} {value}" for name, value in rule.items()]
     preset = [] if used["preset"] is None else [f"preset {used['preset']}"]
     low, high = band_hz
