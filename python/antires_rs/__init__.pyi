@@ -40,7 +40,6 @@ from .measured.modal_set import ModalSet
 from .models.chain import MassSpringChain
 from .models.frame import FrameModel
 from .models.frame_parameters import (
-    angle,
     density,
     diameter,
     inertia,
@@ -50,6 +49,7 @@ from .models.frame_parameters import (
     youngs_modulus,
 )
 from .models.frame_parts import GroundSpring, NodeSpring, PointMass
+from .models.geometry_parameters import angle, length, position
 from .models.matrix_model import MatrixModel
 from .models.parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
 from .models.sections import Rectangle, Section, Tube
@@ -115,8 +115,10 @@ __all__ = [
     "identify_antiresonances",
     "identify_modes",
     "inertia",
+    "length",
     "mass_factor",
     "point_mass",
+    "position",
     "read_csv",
     "read_hdf5",
     "read_mat",
