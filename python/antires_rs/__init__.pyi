@@ -36,7 +36,11 @@ from .io import (
     write_uff,
 )
 from .measured.antiresonance_set import AntiresonanceSet
+from .measured.compare import Comparison, compare
+from .measured.merge import merge_setups
 from .measured.modal_set import ModalSet
+from .measured.track import track
+from .measured.tracks import TrackEvent, Tracks
 from .models.chain import MassSpringChain
 from .models.frame import FrameModel
 from .models.frame_parameters import (
@@ -70,6 +74,7 @@ __all__ = [
     "AntiresError",
     "AntiresWarning",
     "AntiresonanceSet",
+    "Comparison",
     "DamagePenalty",
     "DamageResult",
     "DataCheck",
@@ -98,6 +103,8 @@ __all__ = [
     "Rectangle",
     "Section",
     "StabilizationDiagram",
+    "TrackEvent",
+    "Tracks",
     "Tube",
     "UnsuitableDataError",
     "UpdateResult",
@@ -107,6 +114,7 @@ __all__ = [
     "assess_damage",
     "cases",
     "check_data",
+    "compare",
     "density",
     "diameter",
     "fit_rational",
@@ -117,6 +125,7 @@ __all__ = [
     "inertia",
     "length",
     "mass_factor",
+    "merge_setups",
     "point_mass",
     "position",
     "read_csv",
@@ -131,6 +140,7 @@ __all__ = [
     "support_stiffness",
     "thickness",
     "to_sep005",
+    "track",
     "transmissibility",
     "transmissibility_sum",
     "update",
