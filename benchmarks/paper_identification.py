@@ -4,7 +4,7 @@ The absolute value of Eq. 10, or its square, fitted by rational functions of f^2
 counts if it is stable within 1 % in frequency and 5 % in damping in more than ten consecutive orders
 (``preset="paper"``). Beside it the joint fit of all transmissibilities under the same rule, and the default.
 1 % damping, 200 s at 512 Hz; found means within 1 %, one to one. Weights and orders of the two fits were
-chosen on two random chains and one with a spring to ground (reference/structures.py, seeds 100 to 102).
+chosen on random chains and one with a spring to ground (reference/structures.py, seeds 100 to 104).
 
     python -m benchmarks.paper_identification                    # some three minutes
     python -m benchmarks.paper_identification --seeds 1 --noise 0

@@ -4,7 +4,7 @@
 option          None           "paper"         "strict"     "sensitive"
 ==============  =============  ==============  ===========  ===========
 formulation     "auto"         "eq10_squared"  "auto"       "auto"
-max_order       60             80              60           60
+max_order       60             70              60           60
 freq_tol        0.01           0.01            0.01         0.01
 damping_tol     0.10           0.05            0.05         0.30
 min_rows        10             10              10           5
@@ -49,7 +49,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "paper": MappingProxyType(
             {
                 "formulation": "eq10_squared",
-                "max_order": 80,
+                "max_order": 70,
                 "damping_tol": 0.05,
                 "min_dominance": 0.0,
                 "persistent": False,
