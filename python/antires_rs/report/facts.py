@@ -65,7 +65,8 @@ def of_signal(signal: Recording | FrequencyResponse) -> Facts:
         parts = len(parts_of(signal))
         several = f"{parts} records of one test, together " if parts > 1 else ""
         facts["Record"] = [
-            f"{several}{signal.duration_s:g} s at {signal.fs_hz:g} Hz, {signal.n_samples:,} samples a channel",
+            f"{several}{signal.duration_s:g} s at {signal.fs_hz:g} Hz, "
+            f"{signal.n_samples:,} samples a channel",
             "force recorded" if signal.force is not None else "force not recorded",
         ]
         return facts
