@@ -40,10 +40,10 @@ import scipy
 
 import antires_rs as ar
 from benchmarks import peers
-from benchmarks.measured_structures import Counted, counted, structures
 from benchmarks.peers.method import MAX_ORDER, Method, Source
 from benchmarks.peers.rule import COMMON, FAMILY, select
 from benchmarks.study_tools import Score, add_options, print_table, score_run
+from reference.measured import Counted, counted, structures
 
 BAND_HZ = (3.0, 130.0)
 DAMPING = 0.01

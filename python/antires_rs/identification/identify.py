@@ -13,9 +13,8 @@ zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and
   averages by other estimators.
 
 With the first and the last the order is swept and what stays is kept. Everything starts from one complex
-vector of responses a line, known up to a factor that cancels: so transmissibilities to any one reference serve
-all
-dofs (T_pq = T_pj / T_qj). On the "joint" way lines are weighted by
+vector of responses a line, known up to a factor that cancels: so transmissibilities to any one reference
+serve all dofs (T_pq = T_pj / T_qj). On the "joint" way lines are weighted by
 SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2): by what they are worth, but never so much that leakage rules.
 
 Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820.
