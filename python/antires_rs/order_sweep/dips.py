@@ -36,7 +36,7 @@ def dips(
     >>> f = np.linspace(5.0, 15.0, 401)
     >>> at, depth = dips(f, 10 * np.log10((f / 10 - 1) ** 2 + 0.01**2), 3.0)
     >>> f[at].tolist(), depth.round(1).tolist()
-    ([10.0], [12.3])
+    ([10.0], [11.8])
     """
     middle = level_db[1:-1]
     lines = np.flatnonzero((middle <= level_db[:-2]) & (middle < level_db[2:])) + 1
