@@ -1,13 +1,17 @@
 r"""How much repeats of one test scatter beyond their stated deviations.
 
-With r_tk the relative distance of value k in test t from the mean of k over the tests, the part that all
-values of a test have in common is a_t, the median of r_tk over k. Its variance over the tests, less pi / 2
-times the variance of one value over their number (that of a median), is the square of the common scatter. The
-scatter of single values, tau, is that with which the rest is as large as it should be,
+With r_tk the relative distance of value k in test t from the mean of k over the tests, and s_tk its stated
+relative deviation, the part that all values of a test have in common is their weighted mean
 
-    sum_tk (r_tk - a_t)^2 / (s_tk^2 + tau^2) = degrees of freedom,      s the stated relative deviations,
+    a_t = sum_k w_tk r_tk / sum_k w_tk,      w_tk = 1 / (s_tk^2 + tau^2).
 
-so that values known well tell most (R. C. Paule and J. Mandel, J. Res. Natl. Bur. Stand. 87 (1982) 377-385).
+The scatter of single values, tau, is that with which the rest is as large as it should be,
+
+    sum_tk w_tk (r_tk - a_t)^2 = degrees of freedom,
+
+so that values known well tell most (R. C. Paule and J. Mandel, J. Res. Natl. Bur. Stand. 87 (1982) 377-385);
+a and tau are found in turn. The variance of a_t over the tests, less that of the mean, is the square of the
+common scatter.
 """
 
 from __future__ import annotations
@@ -20,6 +24,8 @@ __all__ = ["scatter"]
 
 # Bisections: the root of a falling function to ten digits.
 STEPS = 40
+# Common part and scatter of the rest settle in a few rounds.
+ROUNDS = 8
 
 
 def scatter(freq_hz: FloatArray, std_hz: FloatArray) -> tuple[float, float]:
@@ -48,14 +54,18 @@ def scatter(freq_hz: FloatArray, std_hz: FloatArray) -> tuple[float, float]:
     middle = np.nanmean(freq, axis=0)
     away = freq / middle - 1.0
     n_tests, count = freq.shape
-    alike = np.nanmedian(away, axis=1)
+    stated = np.nan_to_num(std / middle) ** 2
     free = int(there.sum()) - count - (n_tests - 1)
     if free <= 0:  # a single value: what is its own and what is common cannot be told apart
-        alike, free = np.zeros(n_tests), int(there.sum()) - count
-    rest = ((away - alike[:, None]) ** 2)[there]
-    stated = (np.nan_to_num(std / middle) ** 2)[there]
-    common = np.sum(alike**2) / max(n_tests - 1, 1) - 0.5 * np.pi * np.sum(rest) / free / count
-    return float(np.sqrt(_beyond(rest, stated, free))), float(np.sqrt(max(0.0, common)))
+        tau2 = _beyond((away**2)[there], stated[there], int(there.sum()) - count)
+        return float(np.sqrt(tau2)), 0.0
+    tau2 = float(np.nanmean(away**2))
+    for _ in range(ROUNDS):
+        weight = np.where(there, 1.0 / np.maximum(stated + tau2, 1e-300), 0.0)
+        alike = np.nansum(weight * away, axis=1) / weight.sum(axis=1)
+        tau2 = _beyond(((away - alike[:, None]) ** 2)[there], stated[there], free)
+    common = np.sum(alike**2) / (n_tests - 1) - np.mean(1.0 / weight.sum(axis=1))
+    return float(np.sqrt(tau2)), float(np.sqrt(max(0.0, common)))
 
 
 def _beyond(rest: FloatArray, stated: FloatArray, free: int) -> float:
