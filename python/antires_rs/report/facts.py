@@ -96,6 +96,7 @@ def of_identification(
             name: used[name]
             for name in (
                 "formulation",
+                "max_order",
                 "freq_tol",
                 "damping_tol",
                 "min_rows",
@@ -105,7 +106,7 @@ def of_identification(
             )
         },
     )
-    formulation = rule.pop("formulation")
+    formulation, max_order = rule.pop("formulation"), rule.pop("max_order")
     if formulation == "auto":
         # Only the fit of all numerators is graded, see order_sweep.scores.
         graded = any("grade" in scores for scores in found.scores.values())
@@ -119,7 +120,7 @@ def of_identification(
     }
     if isinstance(signal, Recording):
         facts["Spectra"] = [_spectra(signal, found, used)]
-    facts["Orders"] = [f"{used['min_order']} to {used['max_order']}"]
+    facts["Orders"] = [f"{used['min_order']} to {max_order}"]
     facts["Thresholds"] = [", ".join([*preset, *thresholds, f"keep_common {used['keep_common']}"])]
     return facts
 
