@@ -40,6 +40,7 @@ fn targets(model: &Model, error: f64) -> Vec<Target> {
                 dof,
                 excitation: 0,
                 freq_hz,
+                ..Target::default()
             }
         })
         .collect()
@@ -127,6 +128,7 @@ fn wrong_problems_are_refused_by_name() {
             dof,
             excitation,
             freq_hz: vec![freq],
+            ..Target::default()
         }]
     };
     let ground = Parameter {

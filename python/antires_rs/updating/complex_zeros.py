@@ -1,0 +1,123 @@
+"""Measured values that are no antiresonances: halves of complex zeros.
+
+Between two antiresonances of the undamped structure that have met, H_ik no longer vanishes at any frequency:
+its zeros are complex, x = a + jb and a - jb, or f (1 + j d) and f (1 - j d) in frequency. With damping zeta
+they lie at damping ratios near zeta + d and zeta - d. Identification keeps the first, if it looks like a
+strongly damped antiresonance. A model has no real root there, and the nearest is another one; so such a value
+is left out, and named.
+
+A value is one of these if its damping tells it, beside the others of its set:
+
+- the nominal model has a complex zero nearer to it than any real root, and its damping is nearer to a half of
+  that than to the median of the set; or
+- whatever the model has, its damping differs from the median by more than 2 % and more than twice the median.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..support.validation import FloatArray
+
+if TYPE_CHECKING:
+    from ..models.structural_model import StructuralModel
+
+__all__ = ["complex_zeros", "of_one_kind"]
+
+#: Damping ratios whose median says what is usual.
+_LEAST_KNOWN = 4
+#: Zeros less complex than this lie beside a double antiresonance; more complex ones are no dips.
+_LEAST, _MOST = 0.005, 0.15
+#: A model is right to this share in frequency.
+_REACH = 0.10
+#: Differences from the median that no antiresonance has: absolute, and as a multiple of it.
+_ODD, _ODD_TIMES = 0.02, 2.0
+#: Modes up to this multiple of the band make the series.
+_MODES = 6.0
+
+
+def complex_zeros(
+    model: StructuralModel, response: int, excitation: int, f_max_hz: float
+) -> tuple[FloatArray, FloatArray]:
+    """Complex zeros f (1 + j d) of an undamped response up to a frequency: f in Hz, and d.
+
+    Zeros of the modal series, eigenvalues x of the pencil ``[[L - x, phi_k], [phi_i', 0]]`` with L the
+    diagonal of the eigenvalues.
+    """
+    from scipy.linalg import eigvals
+
+    modes = model.modes(f_max_hz=_MODES * f_max_hz)
+    n = modes.freq_hz.size
+    # In units of the band, so that the lowest are not lost in rounding.
+    pencil, mass = np.zeros((n + 1, n + 1)), np.eye(n + 1)
+    pencil[np.arange(n), np.arange(n)] = (modes.freq_hz / f_max_hz) ** 2
+    shapes = modes.shapes.real / np.abs(modes.shapes).max(initial=1e-300)
+    pencil[:n, n], pencil[n, :n] = shapes[:, excitation], shapes[:, response]
+    mass[n, n] = 0.0
+    upper, lower = eigvals(pencil, mass, homogeneous_eigvals=True)
+    finite = np.abs(lower) > 1e-12 * np.abs(upper)
+    root = np.sqrt((upper[finite] / lower[finite]).astype(complex))
+    freq = np.abs(root) * f_max_hz
+    part = np.abs(root.imag) / np.abs(root)
+    kept = (root.imag > 0.0) & (part >= _LEAST) & (part <= _MOST) & (freq <= f_max_hz)
+    order = np.argsort(freq[kept])
+    return freq[kept][order], part[kept][order]
+
+
+def of_one_kind(
+    model: StructuralModel,
+    sets: Sequence[AntiresonanceSet],
+    dofs: Sequence[Sequence[int]],
+    forces: Sequence[int],
+) -> tuple[list[list[NDArray[np.bool_]]], tuple[str, ...]]:
+    """For each set and response which values are antiresonances, and a sentence on each that is not."""
+    masks, notes = [], []
+    for found, numbers, force in zip(sets, dofs, forces, strict=True):
+        known = np.concatenate([np.empty(0), *(t.damping_ratio for t in found.tables.values())])
+        known = known[np.isfinite(known)]
+        usual = float(np.median(known)) if known.size >= _LEAST_KNOWN else None
+        of_set = []
+        for (label, table), dof in zip(found.tables.items(), numbers, strict=True):
+            keep = np.ones(len(table), dtype=bool)
+            odd = np.abs(table.damping_ratio - usual) > _LEAST / 2.0 if usual is not None else ~keep
+            odd &= ~table.by_hand
+            if odd.any() and usual is not None:
+                roots = _both_kinds(model, dof, force, _REACH, float(table.freq_hz[odd].max()))
+                for at in np.flatnonzero(odd):
+                    freq, damping = float(table.freq_hz[at]), float(table.damping_ratio[at])
+                    why = _complex(freq, damping, usual, *roots)
+                    if why:
+                        keep[at] = False
+                        notes.append(
+                            f"Left out: {freq:.2f} Hz at dof {label}, whose damping of {100 * damping:.1f} % "
+                            f"differs from the usual {100 * usual:.1f} %: {why}."
+                        )
+            of_set.append(keep)
+        masks.append(of_set)
+    return masks, tuple(notes)
+
+
+def _both_kinds(model: StructuralModel, dof: int, force: int, reach: float, highest_hz: float) -> Any:
+    limit_hz = (1.0 + 2.0 * reach) * highest_hz
+    real = model.antiresonances([dof], force, f_max_hz=limit_hz, include_cancelled=True)[0]
+    return real, *complex_zeros(model, dof, force, limit_hz)
+
+
+def _complex(
+    freq: float, damping: float, usual: float, real: FloatArray, hz: FloatArray, part: FloatArray
+) -> str:
+    """Why a value is not an antiresonance; nothing if it is one."""
+    excess = abs(damping - usual)
+    to_real = np.abs(real - freq).min(initial=np.inf)
+    near = np.flatnonzero((np.abs(hz - freq) <= min(to_real, _REACH * freq)) & (excess > part / 2.0))
+    if near.size:
+        at = near[np.argmin(np.abs(hz[near] - freq))]
+        return f"half of a complex zero, in the model {hz[at]:.2f} Hz (1 \u00b1 {part[at]:.3f}j)"
+    if excess > max(_ODD, _ODD_TIMES * usual):
+        return "half of a complex zero, or spurious; the model has real antiresonances only"
+    return ""
