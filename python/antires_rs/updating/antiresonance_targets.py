@@ -1,22 +1,22 @@
 """Measured antiresonances, as an updating problem sees them: those of the kind that the model has.
 
 What a set was identified from (``sees``) decides which roots of the model may be partners; the core knows
-them by that name. So does the exact measurement that a damaged model would have given, with one difference:
-values that the intact structure hides, where symmetry is about to break, are not counted on.
+them by that name.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import FloatArray
 from .complex_zeros import of_one_kind
 from .model_dofs import model_dof
+from .steady_roots import followed, roots_of, steady
 from .tables import FrequencyTable
 from .weights import residual_weights
 
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
 __all__ = ["AntiresonanceTargets"]
-
-#: Roots of all responses this close, in Hz, or root and resonance of an FRF, are not told apart by a test.
-_HIDDEN = 0.005
 
 
 class AntiresonanceTargets:
@@ -40,7 +37,7 @@ class AntiresonanceTargets:
         self._dofs = [[model_dof(model, "measured dof", dof) for dof in s] for s in sets]
         self._channels = [_channels(model, s) for s in sets]
         kept, self.left_out = of_one_kind(model, sets, self._dofs, self._forces)
-        self._hidden: tuple[StructuralModel, list[Any]] | None = None
+        self._steady: tuple[StructuralModel, list[Any]] | None = None
         self._kept = np.concatenate([np.empty(0, dtype=bool), *(mask for masks in kept for mask in masks)])
         self._parts: list[tuple[int, int, FloatArray, str | None, int]] = []
         for number, (s, dofs, force, masks) in enumerate(
@@ -89,64 +86,35 @@ class AntiresonanceTargets:
         return np.asarray((core.pairs(ahead)[0] ** 2 - core.pairs(behind)[0] ** 2) / self.hz**2)
 
     def exact(
-        self, model: StructuralModel, nominal: StructuralModel, nominal_hz: FloatArray
-    ) -> list[AntiresonanceSet] | None:
-        """Antiresonances up to the highest measured one, less those that the nominal model hides."""
+        self,
+        model: StructuralModel,
+        nominal: StructuralModel,
+        nominal_hz: FloatArray,
+        moved: Sequence[StructuralModel],
+    ) -> tuple[list[AntiresonanceSet], FloatArray | None] | None:
+        """Antiresonances up to the highest measured one that can be followed from the nominal model."""
         band_hz = float(self.hz.max())
-        found = []
-        for s, dofs, force, channels in zip(self.sets, self._dofs, self._forces, self._channels, strict=True):
-            there = _roots(model, dofs, force, band_hz, s.sees != "frf")
-            hidden = _hidden(nominal, dofs, force, 1.5 * band_hz, s.sees, channels)
-            shown = [freq[~_claimed(freq, *of)] for freq, of in zip(there, hidden, strict=True)]
-            found.append(
-                AntiresonanceSet(
-                    s.excitation, dict(zip(s, shown, strict=True)), sees=s.sees, channels=s.channels
-                )
+        if self._steady is None or self._steady[0] is not nominal:
+            parts = zip(self.sets, self._dofs, self._forces, self._channels, strict=True)
+            self._steady = (
+                nominal,
+                [
+                    steady(nominal, moved, dofs, force, 1.5 * band_hz, s.sees, ch)
+                    for s, dofs, force, ch in parts
+                ],
             )
-        return found if any(len(freq) for s in found for freq in s.values()) else None
+        found, weights = [], [np.empty(0)]
+        for s, dofs, force, roots in zip(self.sets, self._dofs, self._forces, self._steady[1], strict=True):
+            there = roots_of(model, dofs, force, band_hz, s.sees != "frf")
+            both = [followed(own, now) for own, now in zip(roots, there, strict=True)]
+            columns = dict(zip(s, (freq for freq, _ in both), strict=True))
+            found.append(AntiresonanceSet(s.excitation, columns, sees=s.sees, channels=s.channels))
+            weights += [weight for _, weight in both]
+        joined = np.concatenate(weights)
+        return (found, joined) if joined.size else None
 
 
 def _channels(model: StructuralModel, found: AntiresonanceSet) -> list[int]:
     """All responses that were measured together, none where one is no dof of the model."""
     channels = [dof for dof in found.channels if isinstance(dof, int) and 0 <= dof < model.n_dof]
     return channels if len(channels) == len(found.channels) else []
-
-
-def _roots(
-    model: StructuralModel, dofs: list[int], force: int, limit_hz: float, cancelled: bool
-) -> list[FloatArray]:
-    """Roots of each response."""
-    found: list[FloatArray] = model.antiresonances(
-        dofs, force, f_max_hz=limit_hz, include_cancelled=cancelled
-    )
-    return found
-
-
-def _hidden(
-    model: StructuralModel, dofs: list[int], force: int, limit_hz: float, sees: Any, channels: list[int]
-) -> list[tuple[FloatArray, NDArray[np.bool_]]]:
-    """All roots of each response, and which of them a test of that kind does not show."""
-    own = _roots(model, dofs, force, limit_hz, True)
-    if sees == "frf":
-        poles = model.modes(f_max_hz=1.1 * limit_hz).freq_hz
-        return [(freq, _near(freq, poles)) for freq in own]
-    if sees is None or len(channels) < 2:
-        return [(freq, np.zeros(freq.size, dtype=bool)) for freq in own]
-    every = dict(zip(channels, _roots(model, channels, force, 1.1 * limit_hz, True), strict=True))
-    return [
-        (freq, np.logical_and.reduce([_near(freq, every[other]) for other in channels if other != dof]))
-        for dof, freq in zip(dofs, own, strict=True)
-    ]
-
-
-def _near(freq: FloatArray, others: FloatArray) -> NDArray[np.bool_]:
-    """Whether one of the others is too close to be told apart."""
-    apart = np.abs(freq[:, None] - others)
-    return np.asarray(apart.min(axis=1, initial=np.inf) <= _HIDDEN * freq)
-
-
-def _claimed(freq: FloatArray, roots: FloatArray, hidden: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Whether the nearest of the nominal roots is hidden."""
-    if not roots.size:
-        return np.zeros(freq.size, dtype=bool)
-    return np.asarray(hidden[np.abs(freq[:, None] - roots).argmin(axis=1)])

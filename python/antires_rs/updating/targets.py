@@ -53,8 +53,17 @@ class Targets(Protocol):
     def change(self, core: _core.Objective, behind: FloatArray, ahead: FloatArray) -> FloatArray:
         """How what was measured differs between two parameter vectors; NaN without a partner."""
 
-    def exact(self, model: StructuralModel, nominal: StructuralModel, nominal_hz: FloatArray) -> Any:
-        """What a model would have given if measured exactly at the same dofs, None if nothing."""
+    def exact(
+        self,
+        model: StructuralModel,
+        nominal: StructuralModel,
+        nominal_hz: FloatArray,
+        moved: Sequence[StructuralModel],
+    ) -> Any:
+        """What a model would have given if measured exactly at the same dofs, with weights; None if nothing.
+
+        ``nominal`` is the intact one with its partners, ``moved`` are others hardly different from it.
+        """
 
 
 class ModalTargets:
@@ -130,8 +139,12 @@ class ModalTargets:
         return np.concatenate(changes)
 
     def exact(
-        self, model: StructuralModel, nominal: StructuralModel, nominal_hz: FloatArray
-    ) -> list[ModalSet] | None:
+        self,
+        model: StructuralModel,
+        nominal: StructuralModel,
+        nominal_hz: FloatArray,
+        moved: Sequence[StructuralModel],
+    ) -> tuple[list[ModalSet], None] | None:
         """The modes whose numbers are those of the nominal model's partners."""
         modes, intact = model.modes(), nominal.modes()
         found, first = [], 0
@@ -144,7 +157,7 @@ class ModalTargets:
             at = shapes[:, dofs]
             moving = np.linalg.norm(at, axis=1) > _AT_REST * np.abs(shapes).max(axis=1, initial=0.0)
             found.append(ModalSet(modes.freq_hz[numbers][moving], at[moving], dofs))
-        return found if any(np.any(s.freq_hz > 0.0) for s in found) else None
+        return (found, None) if any(np.any(s.freq_hz > 0.0) for s in found) else None
 
 
 def targets_of(model: StructuralModel, measured: Any, objective: str | None) -> Targets:
