@@ -106,6 +106,8 @@ class AntiresonanceTargets:
         found, weights = [], [np.empty(0)]
         for s, dofs, force, roots in zip(self.sets, self._dofs, self._forces, self._steady[1], strict=True):
             there = roots_of(model, dofs, force, band_hz, s.sees != "frf")
+            # Below the band a root on its way to zero would differ without bound.
+            there = [None if freq is None else freq[freq >= 0.5 * self.hz.min()] for freq in there]
             both = [followed(own, now) for own, now in zip(roots, there, strict=True)]
             columns = dict(zip(s, (freq for freq, _ in both), strict=True))
             found.append(AntiresonanceSet(s.excitation, columns, sees=s.sees, channels=s.channels))

@@ -33,6 +33,8 @@ __all__ = ["complex_zeros", "of_one_kind"]
 _LEAST_KNOWN = 4
 #: Zeros less complex than this lie beside a double antiresonance; more complex ones are no dips.
 _LEAST, _MOST = 0.005, 0.15
+#: Imaginary parts up to this share are rounding.
+_REAL = 1e-6
 #: A model is right to this share in frequency.
 _REACH = 0.10
 #: Differences from the median that no antiresonance has: absolute, and as a multiple of it.
@@ -42,9 +44,13 @@ _MODES = 6.0
 
 
 def complex_zeros(
-    model: StructuralModel, response: int, excitation: int, f_max_hz: float
+    model: StructuralModel,
+    response: int,
+    excitation: int,
+    f_max_hz: float,
+    parts: tuple[float, float] = (_LEAST, _MOST),
 ) -> tuple[FloatArray, FloatArray]:
-    """Complex zeros f (1 + j d) of an undamped response up to a frequency: f in Hz, and d.
+    """Complex zeros f (1 + j d) of an undamped response up to a frequency: f in Hz, and d within ``parts``.
 
     Zeros of the modal series, eigenvalues x of the pencil ``[[L - x, phi_k], [phi_i', 0]]`` with L the
     diagonal of the eigenvalues.
@@ -64,7 +70,7 @@ def complex_zeros(
     root = np.sqrt((upper[finite] / lower[finite]).astype(complex))
     freq = np.abs(root) * f_max_hz
     part = np.abs(root.imag) / np.abs(root)
-    kept = (root.imag > 0.0) & (part >= _LEAST) & (part <= _MOST) & (freq <= f_max_hz)
+    kept = (root.imag > 0.0) & (part > max(parts[0], _REAL)) & (part <= parts[1]) & (freq <= f_max_hz)
     order = np.argsort(freq[kept])
     return freq[kept][order], part[kept][order]
 
