@@ -6,17 +6,20 @@ they lie at damping ratios near zeta + d and zeta - d. Identification keeps the 
 strongly damped antiresonance. A model has no real root there, and the nearest is another one; so such a value
 is left out, and named.
 
-A value is one of these if its damping tells it, beside the others of its set:
+Of sets with damping ratios a value is one of these if
 
-- the nominal model has a complex zero nearer to it than any real root, and its damping is nearer to a half of
-  that than to the median of the set; or
-- whatever the model has, its damping differs from the median by more than 2 % and more than twice the median.
+- the nominal model has a complex zero nearer to it than any real root, and its damping is nearer to a half
+  of that than to the median of the set;
+- or that zero is so much nearer than any real root that damping need not tell, as where two antiresonances
+  have just met;
+- or, whatever the model has, its damping differs from the median by more than 2 % and by more than twice the
+  median.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +40,8 @@ _LEAST, _MOST = 0.005, 0.15
 _REAL = 1e-6
 #: A model is right to this share in frequency.
 _REACH = 0.10
+#: A complex zero within the first share of the value, with no real root within the second, tells by itself.
+_CLEAR, _FAR = 0.01, 0.05
 #: Differences from the median that no antiresonance has: absolute, and as a multiple of it.
 _ODD, _ODD_TIMES = 0.02, 2.0
 #: Modes up to this multiple of the band make the series.
@@ -70,7 +75,7 @@ def complex_zeros(
     root = np.sqrt((upper[finite] / lower[finite]).astype(complex))
     freq = np.abs(root) * f_max_hz
     part = np.abs(root.imag) / np.abs(root)
-    kept = (root.imag > 0.0) & (part > max(parts[0], _REAL)) & (part <= parts[1]) & (freq <= f_max_hz)
+    kept = (root.imag > 0.0) & (part > parts[0]) & (part <= parts[1]) & (freq <= f_max_hz)
     order = np.argsort(freq[kept])
     return freq[kept][order], part[kept][order]
 
@@ -84,45 +89,45 @@ def of_one_kind(
     """For each set and response which values are antiresonances, and a sentence on each that is not."""
     masks, notes = [], []
     for found, numbers, force in zip(sets, dofs, forces, strict=True):
-        known = np.concatenate([np.empty(0), *(t.damping_ratio for t in found.tables.values())])
+        tables = list(found.tables.values())
+        known = np.concatenate([np.empty(0), *(table.damping_ratio for table in tables)])
         known = known[np.isfinite(known)]
-        usual = float(np.median(known)) if known.size >= _LEAST_KNOWN else None
-        of_set = []
-        for (label, table), dof in zip(found.tables.items(), numbers, strict=True):
-            keep = np.ones(len(table), dtype=bool)
-            odd = np.abs(table.damping_ratio - usual) > _LEAST / 2.0 if usual is not None else ~keep
-            odd &= ~table.by_hand
-            if odd.any() and usual is not None:
-                roots = _both_kinds(model, dof, force, _REACH, float(table.freq_hz[odd].max()))
-                for at in np.flatnonzero(odd):
-                    freq, damping = float(table.freq_hz[at]), float(table.damping_ratio[at])
-                    why = _complex(freq, damping, usual, *roots)
-                    if why:
-                        keep[at] = False
-                        notes.append(
-                            f"Left out: {freq:.2f} Hz at dof {label}, whose damping of {100 * damping:.1f} % "
-                            f"differs from the usual {100 * usual:.1f} %: {why}."
-                        )
-            of_set.append(keep)
+        of_set = [np.ones(len(table), dtype=bool) for table in tables]
         masks.append(of_set)
+        if known.size < _LEAST_KNOWN:
+            continue
+        usual, highest = float(np.median(known)), max(found[dof].max(initial=0.0) for dof in found)
+        limit_hz = (1.0 + 2.0 * _REACH) * highest
+        real = [f for f, _ in model._core.antiresonances(list(numbers), force, limit_hz, "modal", True)]
+        for label, table, dof, roots, keep in zip(found, tables, numbers, real, of_set, strict=True):
+            excess = np.abs(table.damping_ratio - usual)
+            to_real = np.abs(table.freq_hz[:, None] - roots).min(axis=1, initial=np.inf)
+            odd = ((excess > _LEAST / 2.0) | (to_real > _FAR * table.freq_hz)) & ~table.by_hand
+            if not odd.any():
+                continue
+            zeros = complex_zeros(model, dof, force, limit_hz, (_REAL, _MOST))
+            for at in np.flatnonzero(odd & np.isfinite(excess)):
+                freq = float(table.freq_hz[at])
+                why = _complex(freq, float(excess[at]), usual, float(to_real[at]), *zeros)
+                if why:
+                    keep[at] = False
+                    notes.append(
+                        f"Left out: {freq:.2f} Hz at dof {label}, damped by "
+                        f"{100 * table.damping_ratio[at]:.1f} % (usual: {100 * usual:.1f} %): {why}."
+                    )
     return masks, tuple(notes)
 
 
-def _both_kinds(model: StructuralModel, dof: int, force: int, reach: float, highest_hz: float) -> Any:
-    limit_hz = (1.0 + 2.0 * reach) * highest_hz
-    real = model.antiresonances([dof], force, f_max_hz=limit_hz, include_cancelled=True)[0]
-    return real, *complex_zeros(model, dof, force, limit_hz)
-
-
 def _complex(
-    freq: float, damping: float, usual: float, real: FloatArray, hz: FloatArray, part: FloatArray
+    freq: float, excess: float, usual: float, to_real: float, hz: FloatArray, part: FloatArray
 ) -> str:
     """Why a value is not an antiresonance; nothing if it is one."""
-    excess = abs(damping - usual)
-    to_real = np.abs(real - freq).min(initial=np.inf)
-    near = np.flatnonzero((np.abs(hz - freq) <= min(to_real, _REACH * freq)) & (excess > part / 2.0))
+    apart = np.abs(hz - freq)
+    told = (apart <= min(to_real, _REACH * freq)) & (part >= _LEAST) & (excess > part / 2.0)
+    told |= (apart <= _CLEAR * freq) & (to_real > _FAR * freq)
+    near = np.flatnonzero(told)
     if near.size:
-        at = near[np.argmin(np.abs(hz[near] - freq))]
+        at = near[np.argmin(apart[near])]
         return f"half of a complex zero, in the model {hz[at]:.2f} Hz (1 \u00b1 {part[at]:.3f}j)"
     if excess > max(_ODD, _ODD_TIMES * usual):
         return "half of a complex zero, or spurious; the model has real antiresonances only"

@@ -35,12 +35,12 @@ _SHARED = 0.02
 _ON_POLE = 0.005
 #: Loss of stiffness by which a root is tried.
 STEP = 0.005
-#: Sums of the sensitivities of omega squared up to which a root counts in full, and from which on it does not.
+#: Sum of the sensitivities of omega squared up to which a root counts in full, and from which on not at all.
 #: By far most roots of symmetric chains, rings, frames and grillages have 1 to 3, those that a broken symmetry
 #: makes, or one that is all but double, 10 to 10000.
 _ORDINARY, _UNSTEADY = 3.0, 6.0
-#: Complex zeros up to this share of imaginary part may become antiresonances by a small change.
-_MOST_COMPLEX = 0.3
+#: Complex zeros with such shares of imaginary part may become antiresonances by a small change.
+_COMPLEX = (1e-6, 0.3)
 
 
 def roots_of(
@@ -65,9 +65,7 @@ def steady(
     ``moved`` are the models with one stiffness less by ``STEP``.
     """
     every = {
-        dof: None
-        if freq is None
-        else (freq, complex_zeros(model, dof, force, limit_hz, (0.0, _MOST_COMPLEX))[0])
+        dof: None if freq is None else (freq, complex_zeros(model, dof, force, limit_hz, _COMPLEX)[0])
         for dof, freq in _by_dof(model, {*dofs, *channels}, force, limit_hz).items()
     }
     none = (np.empty(0), np.empty(0))
