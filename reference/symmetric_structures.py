@@ -1,7 +1,8 @@
 """Symmetric chains, rings, portal frames and grillages with sensors on nodes of their modes.
 
-Each can be built exactly symmetric, or as a twin whose members differ by some per mille. Records are simulated from
-K and M as matrices (``MatrixModel.simulate``), whatever model is compared with them afterwards.
+Each can be built exactly symmetric, or as a twin whose members differ by some per mille. Records are
+simulated from K and M as matrices (``MatrixModel.simulate``), whatever model is compared with them
+afterwards.
 """
 
 from __future__ import annotations

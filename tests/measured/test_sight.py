@@ -1,4 +1,4 @@
-"""What a set of antiresonances was identified from: kept by edits, names, files; set by the identification."""
+"""What a set of antiresonances was identified from: kept by edits, names and files."""
 
 import json
 

@@ -16,14 +16,13 @@ SPRINGS = ar.stiffness_reduction(range(6))
 ON_NODES = [15.84, 44.38, 64.13]
 
 
-def zeros_of(model, force, **options):
-    n = model.n_dof
-    return dict(enumerate(model.antiresonances(range(n), force, include_cancelled=True))) | options
+def zeros_of(model, force):
+    return dict(enumerate(model.antiresonances(range(model.n_dof), force, include_cancelled=True)))
 
 
-def paired(freq_hz, sees, force=0, channels=range(7), x=np.zeros(6)):
+def paired(freq_hz, sees, force=0, channels=range(7)):
     measured = ar.AntiresonanceSet(force, freq_hz, sees=sees, channels=channels)
-    return ar.UpdatingProblem(CHAIN, SPRINGS, measured).paired_hz(x)
+    return ar.UpdatingProblem(CHAIN, SPRINGS, measured).paired_hz(np.zeros(6))
 
 
 def test_a_transmissibility_sees_what_a_node_hides_from_an_frf():
@@ -46,9 +45,9 @@ def test_what_all_channels_share_no_transmissibility_sees():
 
 def test_sensors_on_one_side_of_the_force_share_the_zeros_of_the_other():
     # N_p = (masses before p) (masses behind the force): the last factor is common to p = 0, 1, 2.
-    behind = ar.MassSpringChain(np.ones(3), np.full(2, 5e4), ground_first_n_per_m=5e4).modes().freq_hz
+    behind = ar.MassSpringChain(np.ones(4), np.full(3, 5e4), ground_first_n_per_m=5e4).modes().freq_hz
     for channels, seen in (([0, 1, 2], False), (range(7), True)):
-        at = paired({2: behind}, "transmissibility", force=3, channels=channels)
+        at = paired({1: behind}, "transmissibility", force=2, channels=channels)
         assert np.allclose(at, behind, rtol=1e-9) == seen
 
 
@@ -115,7 +114,7 @@ def test_halves_of_complex_zeros_are_left_out_and_named():
     assert ar.UpdatingProblem(model, parameters, plain).left_out == ()
 
 
-QUICK = [
+QUICK = ["5 equal masses, force at 0", "1 storeys of 2, corner"]
     "7 equal masses, force at 0",
     "8 masses, 2 held",
     "1 storeys of 2, corner",
@@ -126,12 +125,11 @@ QUICK = [
 @pytest.mark.parametrize("name", some_of([case.name for case in cases()], QUICK))
 def test_intact_symmetric_structures_are_undamaged_and_their_damage_is_as_visible_as_a_twins(name):
     case = next(c for c in cases() if c.name == name)
-    found = {}
-    for spread in (0.0, 1e-3):
-        model = case.build(spread)
-        result = ar.assess_damage(model, case.identified(model, noise=0.01, seed=1), rng=0)
-        assert result.damaged == []
-        found[spread] = result.detectable
-    for element, least in found[0.0].items():
-        twin = found[1e-3][element]
-        assert min(least, twin) > 0.3 or max(least, twin) < 1.2 * min(least, twin)
+    model, twin = case.build(0.0), case.build(1e-3)
+    noisy = ar.assess_damage(model, case.identified(model, noise=0.01, seed=1), rng=0)
+    assert noisy.damaged == []
+    result, other = (ar.assess_damage(m, case.identified(m), rng=0) for m in (model, twin))
+    assert result.damaged == other.damaged == []
+    for element, least in result.detectable.items():
+        low, high = sorted([least, other.detectable[element]])
+        assert low > 0.3 or high < 1.2 * low

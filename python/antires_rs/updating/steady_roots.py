@@ -35,9 +35,9 @@ _SHARED = 0.02
 _ON_POLE = 0.005
 #: Loss of stiffness by which a root is tried.
 STEP = 0.005
-#: Sum of the sensitivities of omega squared up to which a root counts in full, and from which on not at all.
-#: By far most roots of symmetric chains, rings, frames and grillages have 1 to 3, those that a broken symmetry
-#: makes, or one that is all but double, 10 to 10000.
+#: Sum of the sensitivities of omega squared up to which a root counts in full, and from which on it does not
+#: count. By far most roots of symmetric chains, rings, frames and grillages have 1 to 3, those that a broken
+#: symmetry makes, or one that is all but double, 10 to 10000.
 _ORDINARY, _UNSTEADY = 3.0, 6.0
 #: Complex zeros with such shares of imaginary part may become antiresonances by a small change.
 _COMPLEX = (1e-6, 0.3)
