@@ -39,6 +39,8 @@ STEP = 0.005
 #: count. By far most roots of symmetric chains, rings, frames and grillages have 1 to 3, those that a broken
 #: symmetry makes, or one that is all but double, 10 to 10000.
 _ORDINARY, _UNSTEADY = 3.0, 6.0
+#: Intact roots are as good as one if they lie within this share.
+_TWIN = 0.01
 #: Complex zeros with such shares of imaginary part may become antiresonances by a small change.
 _COMPLEX = (1e-6, 0.3)
 
@@ -91,19 +93,21 @@ def steady(
 
 
 def followed(own: tuple[FloatArray, FloatArray], now: FloatArray | None) -> tuple[FloatArray, FloatArray]:
-    """Of the roots that are there now, those nearest to an intact one that counts, with its weight.
+    """Of the roots that are there now, those that an intact one has become, with its weight.
 
-    Each intact one has one successor, the nearest.
+    The nearest pairs go first, one to one. One that is left to an intact root farther away than others is of
+    unknown descent, and does not count.
     """
     roots, weights = own
     if now is None or not now.size or not roots.size:
         return np.empty(0), np.empty(0)
     apart = np.abs(roots[:, None] - now)
-    parent = apart.argmin(axis=0)
+    nearest = apart.min(axis=0) + _TWIN * now
     kept = np.zeros(now.size)
-    for row in np.unique(parent):
-        heirs = np.flatnonzero(parent == row)
-        kept[heirs[apart[row, heirs].argmin()]] = weights[row]
+    for _ in range(min(apart.shape)):
+        row, column = np.unravel_index(np.argmin(apart), apart.shape)
+        kept[column] = weights[row] * (apart[row, column] <= nearest[column])
+        apart[row], apart[:, column] = np.inf, np.inf
     return now[kept > 0.0], kept[kept > 0.0]
 
 
