@@ -45,7 +45,11 @@ _NAMES = {
         "write_uff",
     ),
     "measured.antiresonance_set": ("AntiresonanceSet",),
+    "measured.compare": ("Comparison", "compare"),
+    "measured.merge": ("merge_setups",),
     "measured.modal_set": ("ModalSet",),
+    "measured.track": ("track",),
+    "measured.tracks": ("TrackEvent", "Tracks"),
     "models.chain": ("MassSpringChain",),
     "models.frame": ("FrameModel",),
     "models.frame_parameters": (

@@ -36,7 +36,11 @@ from .io import (
     write_uff,
 )
 from .measured.antiresonance_set import AntiresonanceSet
+from .measured.compare import Comparison, compare
+from .measured.merge import merge_setups
 from .measured.modal_set import ModalSet
+from .measured.track import track
+from .measured.tracks import TrackEvent, Tracks
 from .models.chain import MassSpringChain
 from .models.frame import FrameModel
 from .models.frame_parameters import (
@@ -70,6 +74,7 @@ __all__ = [
     "AntiresError",
     "AntiresWarning",
     "AntiresonanceSet",
+    "Comparison",
     "DamagePenalty",
     "DamageResult",
     "DataCheck",
@@ -98,6 +103,8 @@ __all__ = [
     "Rectangle",
     "Section",
     "StabilizationDiagram",
+    "TrackEvent",
+    "Tracks",
     "Tube",
     "UnsuitableDataError",
     "UpdateResult",
@@ -107,6 +114,7 @@ __all__ = [
     "assess_damage",
     "cases",
     "check_data",
+    "compare",
     "density",
     "diameter",
     "fit_rational",
@@ -116,6 +124,7 @@ __all__ = [
     "identify_modes",
     "inertia",
     "mass_factor",
+    "merge_setups",
     "point_mass",
     "read_csv",
     "read_hdf5",
@@ -129,6 +138,7 @@ __all__ = [
     "support_stiffness",
     "thickness",
     "to_sep005",
+    "track",
     "transmissibility",
     "transmissibility_sum",
     "update",

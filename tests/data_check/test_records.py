@@ -233,17 +233,12 @@ def test_the_table_lists_the_worst_first_and_what_was_not_tested():
     result = DataCheck(findings, {"dropouts": "a hit"}, (0, 1), 0, (3.0, 130.0), n_averages=12.34)
     assert str(result).splitlines() == [
         "data check, 3-130 Hz, 12.3 independent averages",
-        "fatal    one_force            dof -",
-        "         Seen.",
-        "         Stop it.",
-        "note     signal_to_noise      dof 3, a",
-        "         Under noise.",
-        "         Wait.",
-        "not tested",
-        "         dropouts: a hit",
+        "fatal    one_force: Seen. Stop it.",
+        "note     signal_to_noise: Under noise. Wait.",
+        "untested dropouts: a hit",
     ]
     assert repr(result) == "DataCheck(1 fatal, 0 warning, 1 note; 1 not tested)"
-    assert result.warnings == ["Seen. Stop it."]
+    assert result.warnings == ["one_force: Seen. Stop it."]
     assert result.fatal
     assert not result.ok
     assert "nothing found" in str(DataCheck((), {}, (0,), None, (3.0, 130.0)))

@@ -46,7 +46,7 @@ def test_dead_coarse_and_incoherent_responses_are_named():
     freq, h = frfs()
     h[2] = 0.0
     h[5] = np.random.default_rng(66).standard_normal((2, freq.size)).T @ [1.0, 1.0j]
-    assert seen(check(FrequencyResponse(freq, h))) == [("dead_channel", (2,)), ("dead_channel", (5,))]
+    assert seen(check(FrequencyResponse(freq, h))) == [("dead_channel", (2, 5))]
     # Lines 4 Hz apart for resonances 0.44 Hz wide; its own noise must not hide what is left.
     assert ("resolution", ()) in seen(check(FrequencyResponse(*frfs(4.0, noise=0.0))))
     freq, h = frfs()

@@ -69,3 +69,13 @@ def test_identification_says_what_its_route_sees():
             record, excitation=0, band_hz=(1.0, 12.0), route=route, dofs=[0, 1], check="off"
         )
         assert (found.sees, found.channels, list(found)) == (route, (0, 1, 2), [0, 1])
+
+
+def test_joined_setups_are_of_one_kind_or_of_none():
+    sets = [some(sees="frf"), some(sees="frf", channels=[0, 1, 4])]
+    merged = ar.merge_setups(sets, check="off")
+    assert (merged.sees, merged.channels) == ("frf", (0, 1, 4))
+    assert ar.merge_setups([sets[0], some(sees="transmissibility")], check="off").sees is None
+    moved = [ar.AntiresonanceSet(k, {"tip": [f]}, sees="frf") for k, f in ((3, 20.1), (4, 25.3))]
+    merged = ar.merge_setups(moved, excitation="tip", check="off")
+    assert (merged.sees, merged.channels) == ("frf", ())

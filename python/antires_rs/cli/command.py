@@ -58,8 +58,9 @@ def _warn(
     file: Any = None,
     line: str | None = None,
 ) -> None:
-    """One line for a warning of ours; others as Python has them."""
+    """One line for each thing that a warning of ours says; others as Python has them."""
     if issubclass(category, AntiresWarning):
-        print(f"antires: warning: {message}", file=sys.stderr)
+        for said in str(message).splitlines():
+            print(f"antires: warning: {said}", file=sys.stderr)
     else:
         print(warnings.formatwarning(message, category, filename, lineno, line), end="", file=sys.stderr)

@@ -135,10 +135,11 @@ def _identify(commands: Any) -> None:
         description="Identify the antiresonances of every response in a file, or of the [data] of a job.",
     )
     found.add_argument(
-        "file",
+        "files",
         metavar="FILE",
+        nargs="+",
         type=Path,
-        help="a measurement (.uff .unv .mat .h5 .csv .tsv .txt .npz) or a job (.toml)",
+        help="a measurement (.uff .unv .mat .h5 .csv .tsv .txt .npz), several of one test, or a job (.toml)",
     )
     found.add_argument(
         "--band",

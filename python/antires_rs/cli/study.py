@@ -45,7 +45,11 @@ def demo(args: argparse.Namespace) -> int:
 
 def identify(args: argparse.Namespace) -> int:
     """Antiresonances of a file, or of the [data] of a job."""
-    existing("FILE", args.file, "Name a measurement, or a job.")
+    for file in args.files:
+        existing("FILE", file, "Name a measurement, or a job.")
+    args.file = args.files[0]
+    if len(args.files) > 1:
+        _of_one_kind(args.files)
     out: Path | None = args.out
     if out is not None and (out.suffix != ".json" or not out.parent.is_dir()):
         reject(
@@ -109,14 +113,18 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
             reject(f"--{name}", "nothing", wanted, _SEE)
     from ..identification.identify import identify_antiresonances
     from ..jobs.reading import read_signal
+    from ..signals.repeats import one_source
 
     options = {name: getattr(args, name) for name in _READING if getattr(args, name) is not None}
     if args.dofs:
         options["dofs"] = dict(args.dofs)
     chosen = {name: getattr(args, name) for name in _CHOICES if getattr(args, name) is not None}
     with arguments(_NAMES):
-        say(f"reading {args.file.name}")
-        signal = read_signal(args.file, kind, options, _as_option)
+        signals = []
+        for file in args.files:
+            say(f"reading {file.name}")
+            signals.append(read_signal(file, kind, options, _as_option))
+        signal = one_source(signals)
         say(f"identifying the antiresonances of {len(signal.dofs)} responses")
         # A channel that is left out still names the place of the force, which need not be recorded.
         named = options.get("dofs", {}).get(args.excitation, False)
@@ -124,6 +132,19 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
         if force not in signal.dofs and args.excitation not in options.get("dofs", {}):
             _warn_unmeasured(force, signal.dofs)
         return identify_antiresonances(signal, excitation=force, band_hz=args.band, **chosen)
+
+
+def _of_one_kind(files: list[Path]) -> None:
+    """Several files are repeats of one test: measurements of one format."""
+    ending = files[0].suffix.lower()
+    for file in files:
+        if file.suffix.lower() in (".toml", ".json") or file.suffix.lower() != ending:
+            reject(
+                "FILE",
+                repr(str(file)) + " among several",
+                "measurements of one format: other impacts or runs of the same test",
+                "Name a job or a file of antiresonances alone.",
+            )
 
 
 def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:

@@ -33,6 +33,7 @@ MEDIAN_SAMPLES = 16384
 # A channel of which others explain less of its power in the band carries no response.
 EXPLAINED = 0.25
 LEAST_AVERAGES = 4.0
+DEAD_ADVICE = "Check sensor, cable and gain; leave the channel out."
 # Share of the band that a channel may spend under its noise without a note.
 BURIED = 0.25
 
@@ -48,7 +49,8 @@ def constant(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], 
             0.0,
             0.0,
             f"Dof {labels[p]!r} gives the constant {data[p, 0]:.3g}: no signal at all.",
-            "Check cable and amplifier; leave the channel out.",
+            DEAD_ADVICE,
+            f"the constant {data[p, 0]:.3g}",
         )
         for p in still
     ], still
@@ -69,7 +71,8 @@ def clipped(data: FloatArray, labels: tuple[Any, ...]) -> Said:
             "Lower the gain or the force and record again; clipping adds harmonics that look like "
             "noise of the channel."
         )
-        found.append(Finding(CLIPPED, "warning", (label,), share, PILE / x.size, text, advice))
+        brief = f"clipped at {where}, {100 * share:.2g} % of the record"
+        found.append(Finding(CLIPPED, "warning", (label,), share, PILE / x.size, text, advice, brief))
     return found
 
 
@@ -110,6 +113,7 @@ def duplicated(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding]
                 SAME,
                 text,
                 "Check the wiring and the channel list; leave one of them out.",
+                f"one signal, up to a factor of {factor:.4g}",
             )
         )
     return found, extra
@@ -134,6 +138,7 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said
                     RUN,
                     text,
                     "Look for a loose contact or lost data; use the part of the record without it.",
+                    f"still for {run[1]} samples at {run[0] / fs_hz:.3g} s",
                 )
             )
         second = np.abs(np.diff(step))
@@ -155,6 +160,7 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said
                     text,
                     "Look for loose contacts, electric switching or blows; use the part of the "
                     "record without them.",
+                    f"{far.size} jumps, the largest at {second.max() / scale:.0f} standard deviations",
                 )
             )
     return found
@@ -215,7 +221,8 @@ def unrelated(seen: Evidence) -> Said:
             limit,
             f"Dof {seen.dofs[p]!r} holds only noise in the band: no other channel explains more than "
             f"{100 * seen.explained[p]:.0f} % of its power (limit {100 * limit:.0f} %).",
-            "Check sensor, cable and gain; leave the channel out.",
+            DEAD_ADVICE,
+            f"only noise in the band, of which no other explains more than {100 * seen.explained[p]:.0f} %",
         )
         for p in lost
     ]
@@ -240,6 +247,7 @@ def buried(seen: Evidence, skip: set[Any]) -> Said:
             BURIED,
             f"Dof {dof!r} lies under its own noise in {100 * part:.0f} % of the band.",
             BURIED_ADVICE,
+            f"under its noise in {100 * part:.0f} % of the band",
         )
         for dof, part in zip(seen.dofs, share, strict=True)
         if part > BURIED and dof not in skip

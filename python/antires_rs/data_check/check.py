@@ -11,11 +11,12 @@ from ..signals.averaging import Averages, Averaging
 from ..signals.band import band_of
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
+from ..signals.repeats import one_source
 from ..support.pickling import frozen
 from ..support.progress import patient
 from ..support.validation import reject
 from . import channels, force_location, one_force, phase, resolution
-from .findings import SEVERITIES, DataCheck, Finding, NotTested
+from .findings import DataCheck, Finding, NotTested, one_of_a_kind
 from .records import of_recording
 from .responses import of_response
 
@@ -39,7 +40,7 @@ TESTS = (
 
 @patient("checking the data")
 def check_data(
-    source: Recording | FrequencyResponse,
+    source: Recording | FrequencyResponse | Sequence[Recording] | Sequence[FrequencyResponse],
     *,
     excitation: Any = None,
     band_hz: Sequence[float],
@@ -53,8 +54,9 @@ def check_data(
 
     Parameters
     ----------
-    source : Recording or FrequencyResponse
-        Time records, or measured responses, for which fewer tests can be made.
+    source : Recording or FrequencyResponse, or a list of either
+        Time records, or measured responses, for which fewer tests can be made. A list holds repeats of one
+        test, whose samples are tested record by record and whose averages together.
     excitation : int or str, optional
         Dof at which the single force is said to act. Without it the location is not tested.
     band_hz : (low, high)
@@ -67,7 +69,8 @@ def check_data(
     Returns
     -------
     DataCheck
-        ``.findings`` with numbers and advice, ``.not_tested`` with reasons, ``.ok``, ``.fatal``; print it for
+        ``.findings`` with numbers and advice, one of a kind over all its channels,
+        ``.not_tested`` with reasons, ``.ok``, ``.fatal``; print it for
         a table, ``.plot()`` it for the eigenvalues.
 
     Raises
@@ -81,9 +84,11 @@ def check_data(
 
     - ``dead_channel`` (fatal): constant, or nothing in common with any other channel in the band;
     - ``clipped_channel``, ``duplicated_channels``, ``dropouts``, ``spikes`` (warnings): in the time records;
-    - ``time_shift``, ``quadrature`` (warnings): a channel late against the others, or of another kind.
-      Polarity cannot be seen in data: a sensor upside down looks like a mode shape with a node more. A
-      strong damper at one place turns phases too and may be taken for a delay;
+    - ``time_shift``, ``quadrature`` (warnings): a channel late against the others, or of another kind, which
+      brings it back into phase at several modes; a phase that is off without such a reason is none, and one
+      or two modes do not prove any. Polarity cannot be seen in data: a sensor upside down looks like a mode
+      shape with a node more, nor can two channels that are exchanged, unless the driving point is one of
+      them (``force_location``);
     - ``signal_to_noise`` (note): a channel under its own noise in much of the band;
     - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;
     - ``one_force``: the second eigenvalue of the spectral matrix against the first, noise and leakage. Two
@@ -92,8 +97,9 @@ def check_data(
       the signs of the driving point's in all modes of the band cannot be told from it;
     - ``single_hit`` (note), ``missed_hit`` (fatal): of hammer records.
 
-    Limits were set on simulated records of an 8-mass chain (0 to 10 % noise, 0.5 to 2 % damping, 60 to 600 s)
-    and stand, with their reasons, in the modules of this package.
+    Limits were set on simulated records of an 8-mass chain (0 to 10 % noise, 0.5 to 2 % damping, 60 to
+    600 s), those of the phase on measured plates too. They stand, with their reasons, in the modules of this
+    package.
 
     Examples
     --------
@@ -116,7 +122,8 @@ def check_data(
             "Name the dof as the source does, or leave it out if it is not known.",
         )
     options = Averaging(nperseg, noverlap, window, method).checked()
-    return judged(source, excitation, band_of(source, band_hz), options)
+    one: Recording | FrequencyResponse = one_source(source)
+    return judged(one, excitation, band_of(one, band_hz), options)
 
 
 def judged(
@@ -132,12 +139,7 @@ def judged(
     else:
         said, seen = of_response(source, excitation, band)
     dofs = source.dofs
-    found = tuple(
-        sorted(
-            (one for one in said if isinstance(one, Finding)),
-            key=lambda finding: SEVERITIES.index(finding.severity),
-        )
-    )
+    found = one_of_a_kind(one for one in said if isinstance(one, Finding))
     # A test that found something was made, even if a part of it could not be.
     named = {finding.name for finding in found}
     why = {one.name: one.why for one in reversed(said) if isinstance(one, NotTested)}

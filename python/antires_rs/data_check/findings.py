@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from ..support.pickling import ReadOnly
@@ -14,6 +14,8 @@ __all__ = ["DataCheck", "Finding"]
 Severity = Literal["fatal", "warning", "note"]
 #: From the one that forbids to the one that informs.
 SEVERITIES: tuple[Severity, ...] = ("fatal", "warning", "note")
+#: Of a finding at many channels so many are described.
+BRIEFS = 4
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,8 @@ class Finding:
         What was seen, with its numbers.
     advice : str
         What can be done about it.
+    brief : str
+        What was seen of these dofs in a few words, for a line about several of them.
 
     Examples
     --------
@@ -51,9 +55,40 @@ class Finding:
     limit: float
     text: str
     advice: str
+    brief: str = ""
 
     def __str__(self) -> str:
         return f"{self.severity}: {self.text} {self.advice}"
+
+
+def one_of_a_kind(found: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Findings worst first, those of one kind over several channels made one."""
+    kinds: dict[tuple[str, str], list[Finding]] = {}
+    for finding in sorted(found, key=lambda each: SEVERITIES.index(each.severity)):
+        alone = () if finding.where else (len(kinds),)  # what concerns all channels stands for itself
+        kinds.setdefault((finding.name, finding.severity, *alone), []).append(finding)
+    return tuple(_as_one(of_kind) for of_kind in kinds.values())
+
+
+def _as_one(findings: list[Finding]) -> Finding:
+    """One finding of several; its value is that farthest beyond the limit."""
+    if len(findings) == 1:
+        return findings[0]
+    worst = max(findings, key=lambda each: abs(each.value - each.limit))
+    dofs = tuple(dict.fromkeys(dof for each in findings for dof in each.where))
+    said = dict.fromkeys(each.brief or each.text.rstrip(".") for each in findings)
+    first = findings[:BRIEFS]
+    if len(said) == 1:
+        what = next(iter(said))
+    else:
+        what = "; ".join(f"{_listed(each.where)} {each.brief or each.text.rstrip('.')}" for each in first)
+        more = len(findings) - len(first)
+        what += f"; and {more} more" if more else ""
+    return replace(worst, where=dofs, text=f"Dofs {_listed(dofs)}: {what}.", brief="")
+
+
+def _listed(dofs: Iterable[Any]) -> str:
+    return ", ".join(str(dof) for dof in dofs)
 
 
 @dataclass(frozen=True)
@@ -135,8 +170,8 @@ class DataCheck(ReadOnly):
 
     @property
     def warnings(self) -> list[str]:
-        """Texts of all findings but notes, worst first."""
-        return [f"{f.text} {f.advice}" for f in self.findings if f.severity != "note"]
+        """One line for each finding but notes, worst first: ``name: what was seen. advice``."""
+        return [f"{f.name}: {f.text} {f.advice}" for f in self.findings if f.severity != "note"]
 
     def named(self, name: str) -> tuple[Finding, ...]:
         """Findings of one test, worst first."""
@@ -160,11 +195,6 @@ class DataCheck(ReadOnly):
         ]
         if not self.findings:
             lines.append("nothing found")
-        for finding in self.findings:
-            where = ", ".join(str(dof) for dof in finding.where) or "-"
-            lines.append(f"{finding.severity:8s} {finding.name:20s} dof {where}")
-            lines += [f"         {line}" for line in (finding.text, finding.advice)]
-        if self.not_tested:
-            lines.append("not tested")
-            lines += [f"         {name}: {why}" for name, why in self.not_tested.items()]
+        lines += [f"{f.severity:8s} {f.name}: {f.text} {f.advice}" for f in self.findings]
+        lines += [f"{'untested':8s} {name}: {why}" for name, why in self.not_tested.items()]
         return "\n".join(lines)

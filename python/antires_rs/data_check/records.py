@@ -9,6 +9,7 @@ import numpy as np
 from ..exceptions import UnsuitableDataError
 from ..signals.averaging import Averages, Averaging, average, holds_hits
 from ..signals.bandwidth import SEGMENTS
+from ..signals.pooled import parts_of
 from ..signals.recording import Recording
 from ..signals.segment_length import LEAST_SAMPLES, longest_segments
 from ..signals.spectra import CrossSpectra
@@ -16,6 +17,7 @@ from ..support.validation import ComplexArray, FloatArray
 from . import channels, force_location, one_force, phase, resolution
 from .evidence import Evidence, of_spectra
 from .findings import Finding, NotTested, Said
+from .repeats import grouped, of_repeats
 
 BY_LINE = (
     channels.DEAD,
@@ -44,7 +46,7 @@ def of_recording(
     ``averages`` of the record, where it was averaged already.
     """
     hits = averages.of_hits if averages is not None else holds_hits(rec, options)
-    said, live = _in_time(rec, hits)
+    said, live = _in_parts(rec, hits)
     if live is None:
         return said + _none_by_line("no channel moves"), None
     if averages is None:
@@ -86,7 +88,7 @@ def of_recording(
         *dead,
         *phase.in_phase(seen),
         *channels.buried(seen, lost),
-        *one_force.one_force(seen),
+        *of_repeats(one_force.one_force(seen), spectra.draws is not None),
         *force_location.force_location(seen, excitation, frfs),
     ], seen
 
@@ -96,6 +98,21 @@ def _averaged(rec: Recording, band: tuple[float, float], options: Averaging, hit
     if not hits and options.nperseg is None and longest_segments(rec, band) < LEAST_SAMPLES:
         return None
     return average(rec, band, options, include_force=rec.force is not None, hits=hits)
+
+
+def _in_parts(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
+    """The tests of the samples in every one of several records; and the channels that are well in all."""
+    parts = parts_of(rec)
+    if len(parts) == 1:
+        return _in_time(rec, hits)
+    each = [_in_time(part, hits) for part in parts]
+    alive = [set(live.dofs) for _, live in each if live is not None]
+    well = set.intersection(*alive) if len(alive) == len(parts) else set()
+    rows = [p for p, dof in enumerate(rec.dofs) if dof in well]
+    said = grouped([one for one, _ in each])
+    if not rows or len(rows) == rec.n_channels:
+        return said, rec if rows else None
+    return said, Recording(rec.responses[rows], rec.fs_hz, [rec.dofs[p] for p in rows], rec.force)
 
 
 def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..signals.bandwidth import SEGMENTS, narrow_width
+from ..signals.bandwidth import NARROWEST, SEGMENTS, narrow_width, standing_peaks
 from ..signals.segment_length import BANDWIDTHS
 from ..support.validation import FloatArray
 from .findings import Finding, NotTested, Said, Severity, rounded
@@ -16,8 +16,8 @@ RESOLUTION, LENGTH, AVERAGES = "resolution", "record_length", "averages"
 ENOUGH, TOO_FEW = 2.0, 1.0
 # Whole impacts and measured responses have no leakage; what is narrower than two lines is poorly sampled.
 ENOUGH_WITHOUT_LEAKAGE = 0.5
-# Width that a pure tone has: through a Hann window, and without leakage.
-TONE, SINGLE_LINE = 0.95, 0.64
+# Width that a pure tone has through a Hann window.
+TONE = 0.95
 # Bandwidth over what the top of a resonance, cut off at a tenth of its height, measures.
 TOP = 1.6
 # Widths are trusted from so many lines on.
@@ -30,10 +30,24 @@ LEAST_LINES = 8
 
 def sharpest_lines(power: FloatArray, leakage: bool = True) -> float | None:
     """Half-power bandwidth of the sharp resonances in lines, or None if nothing stands out."""
-    width = narrow_width(power) if power.size >= LEAST_LINES else None
-    if width is None:
+    if power.size < LEAST_LINES:
         return None
-    return max(TOP * (width - (TONE if leakage else SINGLE_LINE)), 0.0)
+    if not leakage:
+        widths = [_width_at(power, peak) for peak in standing_peaks(power)]
+        return float(np.quantile(widths, NARROWEST)) if widths else None
+    width = narrow_width(power)
+    return None if width is None else max(TOP * (width - TONE), 0.0)
+
+
+def _width_at(power: FloatArray, peak: int) -> float:
+    """Half-power bandwidth in lines from three lines of a resonance, however coarse they are.
+
+    The inverse of the power of one mode is a parabola, a ((f - f0)^2 + (B / 2)^2).
+    """
+    left, middle, right = 1.0 / np.maximum(power[peak - 1 : peak + 2], 1e-300)
+    bend = 0.5 * (left + right) - middle
+    least = middle - (right - left) ** 2 / (16.0 * bend)
+    return float(2.0 * np.sqrt(max(least, 0.0) / bend))
 
 
 def of_segments(

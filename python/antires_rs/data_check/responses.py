@@ -50,7 +50,8 @@ def of_response(
                     0.0,
                     0.0,
                     f"Dof {dof!r} is zero throughout the band.",
-                    "Leave the channel out.",
+                    channels.DEAD_ADVICE,
+                    "zero throughout the band",
                 )
             )
         elif rough[p] > ROUGH and rough.min() < SMOOTH:
@@ -66,7 +67,8 @@ def of_response(
                     float(rough[p]),
                     ROUGH,
                     text,
-                    "Check sensor, cable and gain; leave the channel out.",
+                    channels.DEAD_ADVICE,
+                    f"only noise in the band ({rough[p]:.2f} of its power)",
                 )
             )
         else:
@@ -98,16 +100,20 @@ def of_response(
     )
     twice, _ = channels.duplicated(np.hstack([values[live].real, values[live].imag]), dofs)
     said += [*twice, *phase.in_phase(seen), *_incoherent(seen), *one_force.one_force(seen)]
+    if resp.kind == "transmissibility":
+        why = (
+            "peaks of transmissibilities are antiresonances of the reference, as sharp as noise lets them be"
+        )
+        said.append(NotTested(resolution.RESOLUTION, why))
+        said.append(NotTested(force_location.NAME, "transmissibilities do not show the resonances"))
+        return said, seen
     spacing = float(np.median(np.diff(seen.freq_hz)))
+    power = np.abs(values[live]) ** 2
     lines = resolution.sharpest_lines(
-        np.sum(np.abs(values[live]) ** 2 / np.mean(np.abs(values[live]) ** 2, axis=1, keepdims=True), axis=0),
-        leakage=False,
+        np.sum(power / power.mean(axis=1, keepdims=True), axis=0), leakage=False
     )
     said += resolution.without_leakage(None if lines is None else lines * spacing, spacing, hit=False)
-    if resp.kind == "transmissibility":
-        said.append(NotTested(force_location.NAME, "transmissibilities do not show the resonances"))
-    else:
-        said += force_location.force_location(seen, excitation, values[live])
+    said += force_location.force_location(seen, excitation, values[live])
     return said, seen
 
 
@@ -124,6 +130,7 @@ def _incoherent(seen: Evidence) -> Said:
             channels.BURIED,
             f"Dof {dof!r} has a coherence under {COHERENT:g} in {100 * part:.0f} % of the band.",
             channels.BURIED_ADVICE,
+            f"coherence under {COHERENT:g} in {100 * part:.0f} % of the band",
         )
         for dof, part in zip(seen.dofs, share, strict=True)
         if part > channels.BURIED

@@ -4,8 +4,8 @@ Under one force at k the responses are X_p = N_pk F / D: their numerators N_pk h
 zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Two formulations:
 
 - "numerators": all N_pk at once from the whole spectral matrix of the responses
-  (:mod:`~antires_rs.identification.numerators`). For averaged records, whose segments tell the noise and the
-  errors.
+  (:mod:`~antires_rs.identification.numerators`). For averaged records and repeated impacts, whose segments
+  tell the noise and the errors.
 - "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j. For
   single impacts and given curves, where nothing tells the noise.
 
@@ -23,21 +23,27 @@ import warnings
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import numpy as np
+
 from ..data_check import DataCheck
 from ..data_check.check import judged
 from ..exceptions import AntiresWarning, UnsuitableDataError
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.tables import label
 from ..order_sweep.scores import graded
+from ..order_sweep.table import ResponseTable
 from ..signals.averaging import Averages, Averaging, average
 from ..signals.band import band_of
 from ..signals.frequency_response import FrequencyResponse
-from ..signals.recording import Recording, without_force
+from ..signals.pooled import without_force
+from ..signals.recording import Recording
+from ..signals.repeats import one_source
 from ..support.progress import patient, step
 from ..support.validation import reject
 from .diagrams import diagrams_of
 from .formulations import warn_of_formulation
 from .options import DEFAULT, IdentificationOptions, checked_options
+from .repeat_scatter import independent_averages
 from .response_lines import lines_of
 
 __all__ = ["identify_antiresonances"]
@@ -45,7 +51,7 @@ __all__ = ["identify_antiresonances"]
 
 @patient("identifying antiresonances")
 def identify_antiresonances(
-    source: Recording | FrequencyResponse,
+    source: Recording | FrequencyResponse | Sequence[Recording] | Sequence[FrequencyResponse],
     *,
     excitation: Any,
     band_hz: Sequence[float],
@@ -76,8 +82,9 @@ def identify_antiresonances(
 
     Parameters
     ----------
-    source : Recording or FrequencyResponse
-        Time records, FRFs of one excitation, or transmissibilities to one reference.
+    source : Recording or FrequencyResponse, or a list of either
+        Time records, FRFs of one excitation, or transmissibilities to one reference. A list holds repeats of
+        one test, see Notes.
     excitation : int or str
         The dof of the single force. It need not be among the channels.
     band_hz : (low, high)
@@ -100,7 +107,8 @@ def identify_antiresonances(
         :func:`~antires_rs.frf`.
     formulation : {"auto", "numerators", "joint", "power", "eq10"}, optional
         See the module, and :mod:`~antires_rs.identification.formulations` for the last two. "auto"
-        (default) takes "numerators" for averaged records with ``estimator="rank1"``, else "joint".
+        (default) takes "numerators" for averaged records, and from two impacts on, with
+        ``estimator="rank1"``, else "joint".
     preset : {None, "paper", "strict", "sensitive"}
         A named set of the options formulation, freq_tol to min_dominance and persistent, see
         :mod:`~antires_rs.order_sweep.presets`. What is given beside it wins.
@@ -140,6 +148,14 @@ def identify_antiresonances(
 
     Notes
     -----
+    A list of records of one test (several runs of the shaker, several impacts in a file each) gives one set:
+    their segments, or their impacts, are averaged together, and the standard deviations hold what differs
+    from record to record (:mod:`~antires_rs.identification.repeat_scatter`). So do several impacts in one
+    record, which is cut before each. Records must have the same dofs and sampling rate. A list of FRFs or of
+    transmissibilities is averaged with the scatter between them as its standard deviation
+    (:mod:`~antires_rs.signals.repeats`). Setups with other places of the sensors are identified apart and
+    joined by :func:`~antires_rs.merge_setups`.
+
     Near their noise, responses have antiresonances that are there in most orders but do not stand still;
     they are accepted by a second rule (modules ``persistence``, ``selection``) and marked "persistent" in
     ``.scores[dof]["how"]``. What the fit of the likeliest order shows clearly is accepted without either;
@@ -184,19 +200,20 @@ def identify_antiresonances(
         },
     )
     warn_of_formulation(options.formulation)
-    band = band_of(source, band_hz)
+    one: Recording | FrequencyResponse = one_source(source)
+    band = band_of(one, band_hz)
     excitation = label("excitation", excitation)
-    wanted = _wanted_dofs(dofs, source.dofs)
-    _can_answer(source, options.use_force)
+    wanted = _wanted_dofs(dofs, one.dofs)
+    _can_answer(one, options.use_force)
     step("spectra")
     averages = None
-    if isinstance(source, Recording):
-        averages = average(source, band, options.averaging, include_force=options.use_force)
-    lines_for = lines_of(source, averages, band, use_force=options.use_force, estimator=options.estimator)
+    if isinstance(one, Recording):
+        averages = average(one, band, options.averaging, include_force=options.use_force)
+    lines_for = lines_of(one, averages, band, use_force=options.use_force, estimator=options.estimator)
     step("checking the data")
-    checked = _checked(source, excitation, band, averages, options)
+    checked = _checked(one, excitation, band, averages, options)
     step("fit")
-    found, of_numerators = diagrams_of(source.dofs, lines_for, band, options)
+    found, of_numerators = diagrams_of(one.dofs, lines_for, band, options)
     found = {dof: found[dof] for dof in wanted}
     compared = None
     if options.cross_check is not None:
@@ -205,16 +222,27 @@ def identify_antiresonances(
 
         step("cross-check")
         values = {dof: d.identified for dof, d in found.items()}
-        compared = judge(lines_for, source.dofs, values, band, options.cross_check)
+        compared = judge(lines_for, one.dofs, values, band, options.cross_check)
     return AntiresonanceSet.from_tables(
         excitation,
-        {dof: graded(d.accepted) if of_numerators else d.accepted for dof, d in found.items()},
+        {
+            dof: _with_grades(d.accepted, averages) if of_numerators else d.accepted
+            for dof, d in found.items()
+        },
         diagrams=found,
         data_check=checked,
         cross_check=compared,
         sees="frf" if options.use_force else "transmissibility",
-        channels=source.dofs,
+        channels=one.dofs,
     )
+
+
+def _with_grades(table: ResponseTable, averages: Averages | None) -> ResponseTable:
+    """The table of a fit of all numerators with grades, and with what its standard deviations rest on."""
+    table = graded(table)
+    if averages is None:
+        return table
+    return table.with_scores(averages=np.full(len(table), independent_averages(averages.spectra)))
 
 
 def _checked(
@@ -239,7 +267,8 @@ def _checked(
             " ".join(f.advice for f in fatal),
         )
     if not checked.ok:
-        warnings.warn("data check: " + " ".join(checked.warnings), AntiresWarning, stacklevel=4)
+        said = "\n".join(f"data check: {line}" for line in checked.warnings)
+        warnings.warn(said, AntiresWarning, stacklevel=4)
     return checked
 
 

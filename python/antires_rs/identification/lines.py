@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..support.validation import ComplexArray, FloatArray
 
@@ -29,7 +30,9 @@ class Lines:
     ``segments`` are the scaled spectra that were averaged, (n_freq, n_rows, n_segments), with unit noise in
     every row; None where there are fewer than two. ``independent`` is the number of independent lines over
     the number of lines: the spectra of tapered, overlapping segments are correlated from line to line.
-    ``averages_ratio`` is the number of segments over that of independent averages.
+    ``averages_ratio`` is the number of segments over that of independent averages. ``draws`` are the
+    independent draws (impacts, or records of one test) to which the segments belong, (n_segments,); None for
+    one record.
     """
 
     freq_hz: FloatArray
@@ -39,6 +42,7 @@ class Lines:
     segments: ComplexArray | None = None
     independent: float = 1.0
     averages_ratio: float = 1.0
+    draws: NDArray[np.int64] | None = None
 
     def part(self, first: int, last: int) -> Lines:
         """Some of the lines."""

@@ -20,6 +20,9 @@ from ..signals.spectra import CrossSpectra, lines_in
 from ..support.validation import ComplexArray, FloatArray, reject
 from .lines import FORCE, UNKNOWN_SNR, Lines, unit
 
+# From so many impacts on, their scatter tells the noise; of a single one the roughness of its curves does.
+LEAST_IMPACTS = 2
+
 
 def lines_of(
     source: Recording | FrequencyResponse,
@@ -57,7 +60,8 @@ def lines_of_recording(
             "Leave the dead channel out of the Recording.",
         )
     vectors, snr = response_vectors(spectra.matrix, spectra.noise)
-    if averages.nperseg is None:
+    single = averages.nperseg is None and spectra.n_averages < LEAST_IMPACTS
+    if single:
         power = np.einsum("fii->f", spectra.matrix).real
         noise, snr = _noise_of_curves(_joined(vectors, auto_by_line=power))
         independent = 1.0
@@ -66,12 +70,13 @@ def lines_of_recording(
         if use_force:
             # A force cell is far quieter than the responses: what a line is worth, the responses tell.
             snr = response_vectors(spectra.matrix[:, :FORCE, :FORCE])[1]
-        independent = min(1.0, rec.n_samples / averages.nperseg / spectra.n_effective)
+        length = averages.nperseg
+        independent = 1.0 if length is None else min(1.0, rec.n_samples / length / spectra.n_effective)
     white = vectors / np.sqrt(noise)[:, None]
     scale = 1.0 / np.sqrt(noise)
     if use_force:
         scale[FORCE] *= _middling(white[:FORCE] / white[FORCE])
-    segments = None if averages.nperseg is None else _segments(spectra, scale, use_force)
+    segments = None if single else _segments(spectra, scale, use_force)
 
     def lines(row: int) -> Lines:
         own = (
@@ -87,6 +92,7 @@ def lines_of_recording(
             segments,
             independent,
             spectra.n_averages / spectra.n_effective,
+            spectra.draws,
         )
 
     return lines

@@ -66,6 +66,7 @@ def select(
     # what a zero owns, since a zero beside a resonance owns little of the quotient with the force.
     rows = range(n_responses if n_responses > 1 else lines.vectors.shape[0])
     roots = [best.fit.zeros(best.coefficients, row) for row in rows]
+    influence.pool(roots)
     solutions: dict[int, FloatArray] = {}
     sweeps = [NumeratorSweep(best.fit, row, [k for k in rows if k != row], solutions) for row in rows]
     for sweep in sweeps:

@@ -8,7 +8,8 @@ and a zero s of N_j by its slope ds/dc. Each Welch segment is one independent dr
 what its own x x' would move the zero by is its influence, and the variance of the mean of K influences is
 the variance of the zero (the infinitesimal jackknife). Nothing is assumed of the noise: coloured noise,
 leakage, and what the segments share between neighbouring lines are in the scatter. Where there are no
-segments, blocks of neighbouring lines take their place.
+segments, blocks of neighbouring lines take their place. The scatter between several records of a test, or
+several impacts, is added as module :mod:`~antires_rs.identification.repeat_scatter` says.
 
 References: B. Efron, The Jackknife, the Bootstrap and Other Resampling Plans, SIAM 1982, ch. 6; H. White,
 Econometrica 50 (1982) 1-25.
@@ -16,11 +17,15 @@ Econometrica 50 (1982) 1-25.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from ..order_sweep.limits import WIDEST
 from ..support.validation import ComplexArray, FloatArray
 from .lines import Lines
 from .numerators import NumeratorFit
+from .repeat_scatter import combined, excess, sums_by_draw
 
 # Without segments: so many blocks of neighbouring lines stand for independent draws.
 BLOCKS = 64
@@ -38,6 +43,8 @@ class Influence:
 
     def __init__(self, fit: NumeratorFit, c: FloatArray, misfit: float, lines: Lines) -> None:
         self.fit, self.c = fit, c
+        self._sums: FloatArray | None = None
+        self._excess = 1.0
         values, self._vectors = np.linalg.eigh(fit.form[: c.size, : c.size])
         gap = values - misfit
         # The solution itself, the smallest, is a matter of scale.
@@ -49,12 +56,20 @@ class Influence:
             count = lines.segments.shape[2]
             self._push = self._projected(pushed)
             scale = lines.averages_ratio / count**2
+            if lines.draws is not None:
+                self._sums = sums_by_draw(self._push, lines.draws) / count
+                if self._sums.shape[1] == count:  # of one impact each: inside it, blocks of lines
+                    each = [self._projected(pushed, block) for block in _blocks(len(pushed))]
+                    self._push = np.concatenate(
+                        [one - one.mean(axis=1, keepdims=True) for one in each], axis=1
+                    )
+                    self._scale = 1.0 / (count * (count - 1.0))
+                    return
         else:
             single = (np.sqrt(lines.snr) * lines.vectors).T[:, :, None]
             pushed = self._pushed(single)
-            count, scale = min(BLOCKS, len(pushed)), 1.0
-            ends = np.linspace(0, len(pushed), count + 1).round().astype(int)
-            blocks = [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+            blocks = _blocks(len(pushed))
+            count, scale = len(blocks), 1.0
             self._push = np.concatenate([self._projected(pushed, block) for block in blocks], axis=1)
         self._push -= self._push.mean(axis=1, keepdims=True)
         self._scale = scale * count / (count - 1)
@@ -72,12 +87,38 @@ class Influence:
         flat = self.fit.projected(some.reshape(len(some), -1), self.c.shape[0] - 1, lines)
         return flat.reshape(self.c.size, pushed.shape[2])
 
+    def pool(self, roots: Sequence[ComplexArray]) -> None:
+        """Let the zeros of all rows tell how much repeats of the test scatter beyond what is inside each."""
+        if self._sums is None:
+            return
+        light = [s[(s.imag > 0.0) & (np.abs(s.real) <= WIDEST * np.abs(s))] for s in roots]
+        both = [self._variances(row, s) for row, s in enumerate(light) if s.size]
+        within, between = np.concatenate([np.empty((2, 0)), *map(np.stack, both)], axis=1)
+        self._excess = excess(between, within, self._sums.shape[1])
+
     def standard_deviations(self, row: int, s: ComplexArray) -> FloatArray:
         """Standard deviation in Hz of zeros ``s`` (rad/s) of one row."""
+        within, between = self._variances(row, s)
+        if self._sums is not None:
+            within = combined(between, within, self._sums.shape[1], self._excess)
+        return np.asarray(np.sqrt(within))
+
+    def _variances(self, row: int, s: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """Variances in Hz^2 from the scatter inside the draws, and from that between them (0 for one)."""
         slope = self.fit.slopes(self.c, row, s)
         by_size = (slope * s.conj()[:, None]).real / np.abs(s)[:, None]
         gradient = np.zeros((s.size, *self.c.shape))
         gradient[:, :, row] = by_size
         flat = gradient.reshape(s.size, self.c.size) @ self._vectors
-        moved = ((flat * self._inverse) @ self._vectors.T) @ self._push
-        return np.asarray(np.sqrt(self._scale * np.sum(moved**2, axis=1)) / (2 * np.pi))
+        moves = (flat * self._inverse) @ self._vectors.T / (2 * np.pi)
+        within = self._scale * np.sum((moves @ self._push) ** 2, axis=1)
+        if self._sums is None:
+            return within, np.zeros(s.size)
+        n = self._sums.shape[1]
+        return within, n / (n - 1.0) * np.sum((moves @ self._sums) ** 2, axis=1)
+
+
+def _blocks(n_lines: int) -> list[slice]:
+    """Neighbouring lines that stand for independent draws."""
+    ends = np.linspace(0, n_lines, min(BLOCKS, n_lines) + 1).round().astype(int)
+    return [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]

@@ -103,7 +103,7 @@ def measurement_of(job: Job, measured: list[Measured]) -> list[dict[str, list[st
     """What was measured and how it was identified, in words, for each [data]."""
     facts = []
     for table, each in zip(job.data, measured, strict=True):
-        own = {"File": [each.file.name]}
+        own = {"File": [path.name for path in (each.file, *each.repeats)]}
         if isinstance(table.get("dofs"), dict):
             own["Dofs"] = [
                 f"{name} = {'left out' if dof is False else dof}" for name, dof in table["dofs"].items()

@@ -19,6 +19,13 @@ DATA = Section(
             required=True,
         ),
         Key(
+            "repeats",
+            "texts",
+            "Further files of the same test, other impacts or runs, in the same format; * stands for "
+            "anything. They are averaged with the first.",
+            of=SIGNALS,
+        ),
+        Key(
             "format", "text", "One of uff, mat, hdf5, csv, npz, antiresonances. By default the ending tells."
         ),
         Key(

@@ -10,6 +10,7 @@ from typing import Any
 from ..identification.identify import identify_antiresonances
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import StructuralModel
+from ..signals.repeats import one_source
 from .formats import FORMATS, format_of
 from .job import Job
 from .keys_data import IDENTIFICATION
@@ -36,11 +37,14 @@ class Measured:
         At dofs of the model.
     signal : Recording or FrequencyResponse or None
         What it was identified from; None where the file held antiresonances.
+    repeats : tuple of pathlib.Path
+        Further files of the same test.
     """
 
     file: Path
     found: AntiresonanceSet
     signal: Signal | None = None
+    repeats: tuple[Path, ...] = ()
 
 
 def measured_of(job: Job, model: StructuralModel | None, say: Callable[[str], Any]) -> list[Measured]:
@@ -88,7 +92,8 @@ def _one(
         )
     job.only(place, table, kind)
     file = job.existing((*place, "file"), table["file"])
-    say(f"reading {file.name}")
+    further = _further(job, place, table, file)
+    say(f"reading {file.name}" + (f" and {len(further)} more" if further else ""))
     names = _dofs(table.get("dofs"), place, find)
     if kind == "antiresonances":
         with job.blame(place, {"path": (*place, "file")}):
@@ -98,9 +103,14 @@ def _one(
         if key not in table:
             job.missing(place, key)
     options = table if names is None else {**table, "dofs": names}
-    with job.blame(place, {"path": (*place, "file"), "signal": (*place, "file")}):
-        signal = read_signal(file, kind, options)
-    signal = _at_dofs(job, place, signal, find, model)
+    signals = []
+    places: list[Keys] = [(*place, "file"), *(at for at, _ in further)]
+    for own, each in zip(places, [file, *(path for _, path in further)], strict=True):
+        with job.blame(place, {"path": own, "signal": own}):
+            signal = read_signal(each, kind, options)
+        signals.append(_at_dofs(job, place, signal, find, model))
+    with job.blame(place, {"source": places}):
+        signal = one_source(signals)
     say(f"identifying the antiresonances of {len(signal.dofs)} responses")
     force = table["excitation"]
     if isinstance(names, dict) and force in names:
@@ -118,7 +128,24 @@ def _one(
         chosen["dofs"] = [find(("identification", "dofs"), dof) for dof in chosen["dofs"]]
     with job.blame(place, {"source": (*place, "file"), **_OPTIONS}):
         found = identify_antiresonances(signal, excitation=force, band_hz=table["band_hz"], **chosen)
-    return Measured(file, found, signal)
+    return Measured(file, found, signal, tuple(path for _, path in further))
+
+
+def _further(job: Job, place: Keys, table: dict[str, Any], first: Path) -> list[tuple[Keys, Path]]:
+    """The other files of a test, each with its place in the job; the first is not read twice."""
+    found: list[tuple[Keys, Path]] = []
+    given = table.get("repeats", [])
+    for i, name in enumerate([given] if isinstance(given, str) else given):
+        at: Keys = (*place, "repeats", i)
+        pattern = job.file(name)
+        files = sorted(pattern.parent.glob(pattern.name)) if "*" in pattern.name else [job.existing(at, name)]
+        if not files:
+            job.reject(
+                at, shown(name), "files that exist", "Paths are relative to the folder of the job file."
+            )
+        known = {first.resolve(), *(path.resolve() for _, path in found)}
+        found += [(at, path) for path in files if path.resolve() not in known]
+    return found
 
 
 def _dofs(dofs: Any, place: Keys, find: Finder) -> Any:

@@ -266,7 +266,7 @@ def _inputs(job: Job, measured: list[Measured]) -> list[Path]:
         if key in model
         for file in term_files(job, key, model[key])
     ]
-    return [job.path, *(m.file for m in measured), *named, *terms]
+    return [job.path, *(path for m in measured for path in (m.file, *m.repeats)), *named, *terms]
 
 
 def _named(job: Job, file: Path) -> str:

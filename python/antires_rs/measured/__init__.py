@@ -8,5 +8,7 @@ it knows no record and no structure.
 - ``response_tables``, ``edited_tables``: what it stands on, the mapping with its columns, and edits on record
 - ``tables``, ``edits``, ``set_file``, ``evidence``: what a caller gives, checked; a drop or add; its JSON;
   what a set asks of its data check and cross-check
+- ``compare``, ``track`` with ``tracks``, ``merge`` with ``joined``: several sets; on ``matching``, who is
+  whose partner, ``significance``, is it more than the errors, and ``layout``, tables as text
 - ``modal_set``: resonances, damping ratios, shapes
 """

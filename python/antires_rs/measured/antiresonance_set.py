@@ -18,6 +18,7 @@ from . import set_file
 from .edited_tables import EditedTables
 from .edits import Edit, described, marked
 from .evidence import CrossCheck, DataCheck
+from .printed import rows_printed
 from .sight import Sees, channels_of, checked_sees, moved_channels
 from .tables import label, tables_of
 
@@ -91,10 +92,11 @@ class AntiresonanceSet(EditedTables):
     ([8.7, 23.9], 3, False)
     >>> print(table)
     antiresonances, force at 0
-    dof  count  freq_hz
-      0      2  8.700  23.900
-      1      1  14.400
-      2      0  -
+    dof  freq_hz
+      0    8.700
+          23.900
+      1   14.400
+      2        -
     """
 
     _diagrams: FrozenDict[Any, Any]
@@ -178,8 +180,9 @@ class AntiresonanceSet(EditedTables):
         >>> found = AntiresonanceSet("tip", {"tip": [8.7], "root": 14.4}).add("tip", 9.9)
         >>> print(found.relabelled(0, {"tip": 0}))
         antiresonances, force at 0
-        dof  count  freq_hz
-          0      2  8.700  9.900
+        dof  freq_hz  doubts
+          0    8.700
+               9.900  added by hand
         edited by hand: added 9.90 Hz at dof 0
         """
         kept = [dofs[dof] for dof in self if dof in dofs]
@@ -236,14 +239,10 @@ class AntiresonanceSet(EditedTables):
         return self._cross_check
 
     def __str__(self) -> str:
-        width = max(3, *(len(str(dof)) for dof in self))
         lines = [f"antiresonances, force at {self.excitation}"]
         if self._data_check is not None:
             lines += [f"do not trust: {f.text}" for f in self._data_check.findings if f.severity == "fatal"]
-        lines.append(f"{'dof':>{width}}  count  freq_hz")
-        for dof, freq in self.items():
-            values = "  ".join(f"{f:.3f}" for f in freq) or "-"
-            lines.append(f"{dof!s:>{width}}  {freq.size:5d}  {values}")
+        lines += rows_printed(self.tables, self._cross_check)
         if self.edits:
             lines.append(described(self.edits))
         return "\n".join(lines)

@@ -99,9 +99,10 @@ class EditedTables(ResponseTables):
         >>> more = AntiresonanceSet(0, {0: [8.7], 1: 14.4}).add(0, 12.2, reason="clear in the phase")
         >>> print(more)
         antiresonances, force at 0
-        dof  count  freq_hz
-          0      2  8.700  12.200
-          1      1  14.400
+        dof  freq_hz  doubts
+          0    8.700
+              12.200  added by hand
+          1   14.400
         edited by hand: added 12.20 Hz at dof 0 (clear in the phase)
         """
         dof = self._dof(dof)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 from ..support.validation import reject
 from .tables import label
 
-__all__ = ["Sees", "channels_of", "checked_sees", "moved_channels"]
+__all__ = ["Sees", "channels_of", "checked_sees", "moved_channels", "sight_of_all"]
 
 Sees = Literal["frf", "transmissibility"] | None
 _KINDS = ("frf", "transmissibility", None)
@@ -43,3 +43,11 @@ def channels_of(given: Iterable[Any] | None, dofs: tuple[Any, ...]) -> tuple[Any
 def moved_channels(channels: tuple[Any, ...], names: Mapping[Any, Any]) -> tuple[Any, ...]:
     """The channels under other names; empty if one has none, for what all share cannot be told then."""
     return tuple(names[dof] for dof in channels) if all(dof in names for dof in channels) else ()
+
+
+def sight_of_all(sets: Sequence[Any], force: Any) -> dict[str, Any]:
+    """``sees`` and ``channels`` of setups that are joined: of one kind, all channels if the force stayed."""
+    kinds = {one.sees for one in sets}
+    stayed = all(one.excitation == force and one.channels for one in sets)
+    channels = tuple(dict.fromkeys(dof for one in sets for dof in one.channels)) if stayed else ()
+    return {"sees": kinds.pop() if len(kinds) == 1 else None, "channels": channels}

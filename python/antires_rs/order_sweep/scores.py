@@ -11,6 +11,7 @@ how              "chain": stable in consecutive orders; "persistent": in most or
 residual         relative misfit of the fit around the value, :func:`local_misfit`
 prominence_db    height of its peak in the summed transmissibilities, :func:`prominence_db`
 grade            "sure", "fair" or "weak", :func:`grades`; averaged records only
+averages         independent averages behind its standard deviation, where it is told by segments
 ===============  =====================================================================================
 
 None of them tells true from false alone: a true antiresonance in the noise may have no peak at all, a false

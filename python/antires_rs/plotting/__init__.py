@@ -9,6 +9,7 @@ what a picture needs.
 
 from .canvas import data_of
 from .chain import plot_chain
+from .comparison import plot_comparison
 from .convergence import plot_convergence
 from .damage import plot_damage
 from .damages import plot_damages
@@ -17,12 +18,14 @@ from .differences import plot_differences
 from .frame import plot_frame
 from .spectra import plot_coherence, plot_singular_values
 from .stabilization import plot_stabilization
+from .tracks import plot_tracks
 from .transmissibility import plot_transmissibility
 
 __all__ = [
     "data_of",
     "plot_chain",
     "plot_coherence",
+    "plot_comparison",
     "plot_convergence",
     "plot_damage",
     "plot_damages",
@@ -31,5 +34,6 @@ __all__ = [
     "plot_singular_values",
     "plot_frame",
     "plot_stabilization",
+    "plot_tracks",
     "plot_transmissibility",
 ]

@@ -7,6 +7,7 @@ from typing import Any
 
 from ..support.validation import FloatArray, choice
 from .bandwidth import Autocorrelation
+from .pooled import shortest
 from .recording import Recording
 from .segment_length import choose_nperseg
 from .spectra import CrossSpectra, cross_spectra, window_values
@@ -115,7 +116,7 @@ def average(
         return Averages(options, spectra, None, None, include_force, correlation)
     nperseg = options.nperseg
     if nperseg is None:
-        nperseg = min(longer * choose_nperseg(rec, band_hz, correlation), rec.n_samples)
+        nperseg = min(longer * choose_nperseg(rec, band_hz, correlation), shortest(rec))
     spectra = cross_spectra(
         rec,
         nperseg=nperseg,

@@ -18,9 +18,18 @@ from functools import cached_property
 import numpy as np
 
 from ..support.validation import FloatArray
+from .pooled import parts_of, shortest
 from .recording import Recording
 
-__all__ = ["Autocorrelation", "half_power_widths", "hann_autocorrelation", "narrow_width", "power_of_two"]
+__all__ = [
+    "Autocorrelation",
+    "half_power_widths",
+    "hann_autocorrelation",
+    "longest_power",
+    "narrow_width",
+    "power_of_two",
+    "standing_peaks",
+]
 
 # Segments are not longer than this share of the record, so that their scatter can be told.
 SEGMENTS = 10.0
@@ -39,22 +48,25 @@ class Autocorrelation:
     @property
     def longest(self) -> int:
         """Samples of the longest segments that leave enough averages."""
-        return power_of_two(self.rec.n_samples / SEGMENTS)
+        return longest_power(self.rec)
 
     @cached_property
     def _lags(self) -> FloatArray:
         from scipy.fft import next_fast_len, rfft  # slow to import
 
-        x = self.rec.responses - self.rec.responses.mean(axis=1, keepdims=True)
-        power = np.einsum("ij,ij->i", x, x)
-        x = x[power > 0.0]
-        n = next_fast_len(self.rec.n_samples + self.longest, real=True)
-        total = np.zeros(n // 2 + 1)
-        for one, size in zip(x, power[power > 0.0], strict=True):
-            # Seven digits do: what is looked for are the widths of peaks.
-            spectrum = rfft(one.astype(np.float32), n)
-            total += (spectrum.real**2 + spectrum.imag**2) / size
-        return np.asarray(np.fft.irfft(total, n)[: self.longest], dtype=np.float64)
+        lags = np.zeros(self.longest)
+        for part in parts_of(self.rec):
+            x = part.responses - part.responses.mean(axis=1, keepdims=True)
+            power = np.einsum("ij,ij->i", x, x)
+            x = x[power > 0.0]
+            n = next_fast_len(part.n_samples + self.longest, real=True)
+            total = np.zeros(n // 2 + 1)
+            for one, size in zip(x, power[power > 0.0], strict=True):
+                # Seven digits do: what is looked for are the widths of peaks.
+                spectrum = rfft(one.astype(np.float32), n)
+                total += (spectrum.real**2 + spectrum.imag**2) / size
+            lags += np.fft.irfft(total, n)[: self.longest]
+        return lags
 
     def power(self, n: int, band_hz: tuple[float, float]) -> FloatArray:
         """Power of all channels at equal weight in the band, as Hann segments of ``n`` samples resolve it."""
@@ -75,6 +87,14 @@ def hann_autocorrelation(n: int) -> FloatArray:
     return np.asarray(r / r[0], dtype=np.float64)
 
 
+def longest_power(rec: Recording) -> int:
+    """Samples of the longest segments that leave enough averages and fit every part of the record."""
+    n = power_of_two(rec.n_samples / SEGMENTS)
+    while n > shortest(rec):
+        n //= 2
+    return n
+
+
 def power_of_two(n: float) -> int:
     """The nearest, by ratio."""
     return int(2 ** max(0, round(np.log2(max(n, 1.0)))))
@@ -87,10 +107,24 @@ def narrow_width(power: FloatArray) -> float | None:
 
 
 def half_power_widths(power: FloatArray) -> list[float]:
-    """Widths, in lines, of the peaks that stand out; a peak owns all down to a tenth of its height."""
+    """Widths, in lines, of the peaks that stand out."""
+    # The area over the height is steadier than the two half-power points of a ragged spectrum;
+    # pi/2 half-power widths make the area of a resonance.
+    return [
+        float(power[lo : hi + 1].sum() / power[peak]) * 2 / np.pi for lo, peak, hi in _owned_by_peaks(power)
+    ]
+
+
+def standing_peaks(power: FloatArray) -> list[int]:
+    """Lines of the peaks that stand out."""
+    return [peak for _, peak, _ in _owned_by_peaks(power)]
+
+
+def _owned_by_peaks(power: FloatArray) -> list[tuple[int, int, int]]:
+    """First line, highest line and last line of each peak, which owns all down to a tenth of its height."""
     left = power.copy()
     least = PEAK_RATIO * np.median(power)
-    widths = []
+    owned = []
     while left.max() > least:
         peak = int(np.argmax(left))
         lo = hi = peak
@@ -98,9 +132,7 @@ def half_power_widths(power: FloatArray) -> list[float]:
             lo -= 1
         while hi < power.size - 1 and power[hi + 1] > 0.1 * power[peak]:
             hi += 1
-        # The area over the height is steadier than the two half-power points of a ragged spectrum;
-        # pi/2 half-power widths make the area of a resonance.
         if lo > 0 and hi < power.size - 1 and left[lo : hi + 1].min() > 0:
-            widths.append(float(power[lo : hi + 1].sum() / power[peak]) * 2 / np.pi)
+            owned.append((lo, peak, hi))
         left[lo : hi + 1] = 0.0
-    return widths
+    return owned

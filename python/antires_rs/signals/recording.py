@@ -14,7 +14,7 @@ from typing import Any
 from ..support.pickling import ReadOnly, frozen
 from ..support.validation import FloatArray, dof_labels, finite_scalar, real_array, reject
 
-__all__ = ["Recording", "without_force"]
+__all__ = ["Recording"]
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -143,8 +143,3 @@ class Recording(ReadOnly):
             f"Recording({self.n_channels} channels, {self.duration_s:g} s at {self.fs_hz:g} Hz, "
             f"dofs={self.dofs}, {force})"
         )
-
-
-def without_force(rec: Recording) -> Recording:
-    """The same record as if the force had not been measured."""
-    return rec if rec.force is None else Recording(rec.responses, rec.fs_hz, rec.dofs)

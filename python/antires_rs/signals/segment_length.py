@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..support.validation import reject
-from .bandwidth import SEGMENTS, Autocorrelation, narrow_width, power_of_two
+from .bandwidth import SEGMENTS, Autocorrelation, longest_power, narrow_width, power_of_two
 from .recording import Recording
 
 __all__ = ["choose_nperseg", "longest_segments"]
@@ -50,7 +50,7 @@ def choose_nperseg(
 
 def longest_segments(rec: Recording, band_hz: tuple[float, float]) -> int:
     """Samples of the longest segments that leave enough averages, and not too many lines in the band."""
-    n_long = power_of_two(rec.n_samples / SEGMENTS)
+    n_long = longest_power(rec)
     while n_long * (band_hz[1] - band_hz[0]) / rec.fs_hz > MOST_LINES:
         n_long //= 2
     return n_long

@@ -25,9 +25,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..support.validation import ComplexArray, FloatArray, integer, real_array, reject
 from .noise import noise_power
+from .pooled import parts_of, shortest
 from .recording import Recording
 
 __all__ = [
@@ -61,6 +63,8 @@ class CrossSpectra:
         0 (default) stands for ``n_averages``.
     segments : (n_channels, n_segments, n_freq) complex or None
         What was averaged: ``matrix`` is the mean over segments of conj(A) B.
+    draws : (n_segments,) int or None
+        To which of several independent draws, records or impacts, each segment belongs; None for one record.
     """
 
     freq_hz: FloatArray
@@ -70,6 +74,7 @@ class CrossSpectra:
     added_decay_per_s: float = 0.0
     n_effective: float = 0.0
     segments: ComplexArray | None = None
+    draws: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "n_effective", self.n_effective or float(self.n_averages))
@@ -148,6 +153,7 @@ def cross_spectra(
     Parameters
     ----------
     rec : Recording
+        Of several pooled records no segment crosses a joint.
     nperseg : int
         Samples per segment.
     noverlap : int, optional
@@ -168,7 +174,7 @@ def cross_spectra(
     Raises
     ------
     InvalidInputError
-        Segments that do not fit the record, an unknown window, or a force that was not recorded.
+        Segments that do not fit the shortest record, an unknown window, or a force that was not recorded.
 
     Examples
     --------
@@ -180,24 +186,27 @@ def cross_spectra(
     (257, 2, 2)
     """
     check_recording(rec)
-    n_seg = integer("nperseg", nperseg, low=8, high=rec.n_samples)
+    n_seg = integer("nperseg", nperseg, low=8, high=shortest(rec))
     overlap = n_seg // 2 if noverlap is None else integer("noverlap", noverlap, low=0, high=n_seg - 1)
     taper = window_values(window, n_seg)
-    data = channels_of(rec, include_force)
     freq = np.asarray(np.fft.rfftfreq(n_seg, 1.0 / rec.fs_hz), dtype=np.float64)
     # One-sided: all lines but zero and Nyquist stand for two.
     density = np.full(freq.size, 2.0)
     density[[0] if n_seg % 2 else [0, -1]] = 1.0
     lines = slice(0, freq.size) if band_hz is None else lines_in(freq, band_hz)
     freq = freq[lines]
-    spectra = _transforms(data, taper, n_seg - overlap, lines)
+    step = n_seg - overlap
+    each = [_transforms(channels_of(part, include_force), taper, step, lines) for part in parts_of(rec)]
+    counts = [one.shape[1] for one in each]
+    spectra = np.concatenate(each, axis=1) if len(each) > 1 else each[0]
     spectra *= np.sqrt(density[lines] / (rec.fs_hz * (taper @ taper)))
     return CrossSpectra(
         freq,
         averaged_products(spectra),
         spectra.shape[1],
-        n_effective=effective_averages(taper, n_seg - overlap, spectra.shape[1]),
+        n_effective=sum(effective_averages(taper, step, count) for count in counts),
         segments=spectra,
+        draws=np.repeat(np.arange(len(each)), counts) if len(each) > 1 else None,
     )
 
 

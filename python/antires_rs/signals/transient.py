@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..exceptions import UnsuitableDataError
-from ..support.validation import FloatArray, choice
+from ..support.validation import ComplexArray, FloatArray, choice
+from .pooled import parts_of
 from .recording import Recording
 from .spectra import CrossSpectra, averaged_products, channels_of, lines_in
 
@@ -38,6 +39,8 @@ DEAD_SHARE = 1e-3
 END_AMPLITUDE = 1e-2
 # ... and the amplitude to which the exponential window brings it down.
 WINDOWED_END = 1e-3
+# Quiet samples before an impact that tell offset and noise.
+LEAST_REST = 32
 
 
 @dataclass(frozen=True)
@@ -65,11 +68,17 @@ def is_transient(rec: Recording) -> bool:
     Parameters
     ----------
     rec : Recording
+        Of several pooled records all must be of one kind.
 
     Returns
     -------
     bool
         True if the strongest of 64 blocks has more than 100 times the energy of their lower fifth.
+
+    Raises
+    ------
+    UnsuitableDataError
+        Some of the pooled records decay, others do not.
 
     Examples
     --------
@@ -81,6 +90,20 @@ def is_transient(rec: Recording) -> bool:
     >>> is_transient(Recording([x], 512.0)), is_transient(Recording([x * decay], 512.0))
     (False, True)
     """
+    decaying = [_decays(part) for part in parts_of(rec)]
+    if any(decaying) and not all(decaying):
+        raise UnsuitableDataError(
+            "method",
+            f"'auto' for records of which {sum(decaying)} decay after an impact and "
+            f"{len(decaying) - sum(decaying)} do not (the first of these is record "
+            f"{decaying.index(False) + 1})",
+            "records of one kind of test",
+            "Leave out what does not belong, or say method='transient' or method='welch'.",
+        )
+    return all(decaying)
+
+
+def _decays(rec: Recording) -> bool:
     if rec.n_samples < 2 * COARSE_BLOCKS:
         return False
     # A hundredfold rise is told from any few thousand samples' median.
@@ -169,7 +192,7 @@ def transient_spectra(
     Parameters
     ----------
     rec : Recording
-        Starting before its first impact.
+        Starting before its first impact, as every one of several pooled records.
     window : {"auto", "rectangular", "exponential"}
         "auto" takes the rectangular one if the response dies by 40 dB within the event.
     include_force : bool
@@ -181,7 +204,7 @@ def transient_spectra(
     -------
     CrossSpectra
         ``n_averages`` impacts; ``added_decay_per_s`` of the exponential window; ``noise`` measured before the
-        first impact, where there are at least 32 quiet samples.
+        first impact of each record, where there are at least 32 quiet samples.
 
     Raises
     ------
@@ -199,44 +222,60 @@ def transient_spectra(
     0.0
     """
     choice("window", window, ("auto", "rectangular", "exponential"))
-    events = find_events(rec)
-    data = channels_of(rec, include_force)
+    parts = parts_of(rec)
+    found = [find_events(part) for part in parts]
     # One length for all, so that their lines agree; a shorter event is padded with zeros, being dead by then.
-    length = max(event.stop - event.start for event in events)
-    decay = _window_decay(rec, events, window)
+    length = max(event.stop - event.start for events in found for event in events)
+    decay = max(
+        _window_decay(part, event, window)
+        for part, events in zip(parts, found, strict=True)
+        for event in events
+    )
     freq = np.asarray(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), dtype=np.float64)
     lines = slice(0, freq.size) if band_hz is None else lines_in(freq, band_hz)
     freq = freq[lines]
-    spectra = np.empty((data.shape[0], len(events), freq.size), dtype=np.complex128)
-    quiet = data[:, : max(events[0].hit - 4 * FINE_BLOCK_SAMPLES, 0)]
-    offset = quiet.mean(axis=1, keepdims=True) if quiet.shape[1] >= 32 else 0.0
+    each: list[ComplexArray] = []
+    quiet_power: list[FloatArray] = []
     energy = 0.0
-    for i, event in enumerate(events):
-        piece = data[:, event.start : event.stop] - offset
-        t = (np.arange(piece.shape[1]) - (event.hit - event.start)) / rec.fs_hz
-        # The same exponential before the impact too: the window must be one exponential for its shift to be
-        # exact.
-        taper = np.exp(-decay * t)
-        energy += float(taper @ taper) / len(events)
-        spectra[:, i] = np.fft.rfft(piece * taper, length)[:, lines]
-    noise = quiet.var(axis=1) * energy if quiet.shape[1] >= 32 else None
+    for part, events in zip(parts, found, strict=True):
+        data = channels_of(part, include_force)
+        quiet = data[:, : max(events[0].hit - 4 * FINE_BLOCK_SAMPLES, 0)]
+        rest = quiet.shape[1] >= LEAST_REST
+        offset = quiet.mean(axis=1, keepdims=True) if rest else 0.0
+        if rest:
+            quiet_power.append(quiet.var(axis=1))
+        for event in events:
+            piece = data[:, event.start : event.stop] - offset
+            t = (np.arange(piece.shape[1]) - (event.hit - event.start)) / rec.fs_hz
+            # The same exponential before the impact too: the window must be one exponential for its shift
+            # to be exact.
+            taper = np.exp(-decay * t)
+            energy += float(taper @ taper)
+            each.append(np.fft.rfft(piece * taper, length)[:, lines])
+    spectra = np.stack(each, axis=1)
+    noise = np.mean(quiet_power, axis=0) * energy / len(each) if quiet_power else None
     if noise is not None and noise.min() <= 0.0:
         noise = None
-    return CrossSpectra(freq, averaged_products(spectra), len(events), noise, decay, segments=spectra)
+    return CrossSpectra(
+        freq,
+        averaged_products(spectra),
+        len(each),
+        noise,
+        decay,
+        segments=spectra,
+        draws=np.arange(len(each)),
+    )
 
 
-def _window_decay(rec: Recording, events: tuple[Event, ...], window: str) -> float:
-    """Decay rate (1/s) of the exponential window; zero for the rectangular one."""
+def _window_decay(rec: Recording, event: Event, window: str) -> float:
+    """Decay rate (1/s) of the exponential window that an event needs; zero for the rectangular one."""
     if window == "rectangular":
         return 0.0
-    needed = 0.0
-    for event in events:
-        x = rec.responses[:, event.hit : event.stop]
-        n = x.shape[1]
-        tail = max(n // 20, 1)
-        # Worst channel; median-free, because a decay has no mean.
-        end = float(np.max(x[:, -tail:].std(axis=1) / np.maximum(x[:, :tail].std(axis=1), 1e-300)))
-        if window == "auto" and end <= END_AMPLITUDE:
-            continue
-        needed = max(needed, np.log(max(end / WINDOWED_END, 2.0)) / (n / rec.fs_hz))
-    return needed
+    x = rec.responses[:, event.hit : event.stop]
+    n = x.shape[1]
+    tail = max(n // 20, 1)
+    # Worst channel; median-free, because a decay has no mean.
+    end = float(np.max(x[:, -tail:].std(axis=1) / np.maximum(x[:, :tail].std(axis=1), 1e-300)))
+    if window == "auto" and end <= END_AMPLITUDE:
+        return 0.0
+    return float(max(0.0, np.log(max(end / WINDOWED_END, 2.0)) / (n / rec.fs_hz)))

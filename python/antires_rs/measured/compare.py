@@ -1,0 +1,240 @@
+"""Two sets of antiresonances of one structure: what is different, and is it more than the errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..support.pickling import FrozenDict, ReadOnly, frozen
+from ..support.validation import FloatArray, finite_scalar, reject
+from .antiresonance_set import AntiresonanceSet
+from .layout import aligned, number
+from .matching import MAX_SHIFT, check_set, check_shift, paired, variance_hz
+from .significance import averages_of, holm, of_all, of_each
+
+__all__ = ["Comparison", "compare"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(ReadOnly):
+    """What :func:`compare` found; print it for a table.
+
+    Attributes
+    ----------
+    excitation : int or str
+    dof : (n,)
+        Response of each pair.
+    a_hz, b_hz : (n,)
+        The two values.
+    std_hz : (n,)
+        Standard deviation of the difference; NaN where not known.
+    z, p : (n,)
+        Difference over its standard deviation, and the probability of one as large by chance.
+    changed : (n,) bool
+        Whether this value is different, with a chance of at most ``alpha`` that any is marked wrongly.
+    chi_square, freedom, p_all : float, int, float
+        The test of all, see :mod:`antires_rs.measured.significance`.
+    alpha : float
+        Rate of false alarms of both tests.
+    unmatched_a, unmatched_b : mapping of dof to (m,)
+        Values in Hz that the other set does not have; dofs without any are left out.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> a, b = (ar.AntiresonanceSet(0, {0: f}, std_hz={0: [0.01]}) for f in ([8.70], [8.72]))
+    >>> seen = ar.compare(a, b)
+    >>> seen.different, round(seen.p_all, 2), seen.std_percent.round(2).tolist()
+    (False, 0.18, [0.16])
+    """
+
+    excitation: Any
+    dof: NDArray[Any]
+    a_hz: FloatArray
+    b_hz: FloatArray
+    std_hz: FloatArray
+    z: FloatArray
+    p: FloatArray
+    changed: NDArray[np.bool_]
+    chi_square: float
+    freedom: int
+    p_all: float
+    alpha: float
+    unmatched_a: Mapping[Any, FloatArray] = field(default_factory=dict)
+    unmatched_b: Mapping[Any, FloatArray] = field(default_factory=dict)
+
+    @property
+    def difference_hz(self) -> FloatArray:
+        """b less a, (n,)."""
+        return self.b_hz - self.a_hz
+
+    @property
+    def difference_percent(self) -> FloatArray:
+        """b less a in per cent of a, (n,)."""
+        return 100.0 * self.difference_hz / self.a_hz
+
+    @property
+    def std_percent(self) -> FloatArray:
+        """Standard deviation of the difference in per cent of a, (n,)."""
+        return 100.0 * self.std_hz / self.a_hz
+
+    @property
+    def different(self) -> bool:
+        """Whether the test of all says that the sets differ."""
+        return bool(self.p_all < self.alpha)
+
+    def __len__(self) -> int:
+        return int(self.a_hz.size)
+
+    def __repr__(self) -> str:
+        alone = sum(map(len, self.unmatched_a.values())), sum(map(len, self.unmatched_b.values()))
+        return f"Comparison({len(self)} pairs, {alone[0]} + {alone[1]} without a partner, p {self.p_all:.2g})"
+
+    def __str__(self) -> str:
+        rows = [
+            [str(self.dof[i]), number(self.a_hz[i], 3), number(self.b_hz[i], 3)]
+            + [number(self.difference_percent[i], 3, sign=True), number(self.std_percent[i], 3)]
+            + [number(self.z[i], 1, sign=True), f"{self.p[i]:.2g}" if self.p[i] == self.p[i] else "-"]
+            + ["changed" if self.changed[i] else ""]
+            for i in range(len(self))
+        ]
+        head = ["dof", "a_hz", "b_hz", "diff_%", "std_%", "z", "p", ""]
+        lines = [f"antiresonances compared, force at {self.excitation}", *aligned(head, rows)]
+        for name, alone in (("a", self.unmatched_a), ("b", self.unmatched_b)):
+            lines += [
+                f"only in {name}: dof {dof}, " + ", ".join(f"{f:.3f}" for f in values) + " Hz"
+                for dof, values in alone.items()
+            ]
+        return "\n".join([*lines, self._verdict()])
+
+    def _verdict(self) -> str:
+        if not self.freedom:
+            return "not tested: no standard deviations; give std_between"
+        verdict = "different" if self.different else "no difference"
+        return (
+            f"chi-square {self.chi_square:.1f}, {self.freedom} degrees of freedom, p = {self.p_all:.2g}: "
+            f"{verdict} (false alarms {100 * self.alpha:g} %)"
+        )
+
+    def to_dataframe(self) -> Any:
+        """One row a pair; needs pandas."""
+        from ..io.compared import comparison_frame
+
+        return comparison_frame(self)
+
+    def to_xarray(self) -> Any:
+        """An ``xarray.Dataset`` over the pairs, the test of all in its attributes; needs xarray."""
+        from ..io.compared import comparison_dataset
+
+        return comparison_dataset(self)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the differences with their errors; see :func:`~antires_rs.plotting.plot_comparison`."""
+        from ..plotting.comparison import plot_comparison
+
+        return plot_comparison(self, ax=ax)
+
+
+def compare(
+    a: AntiresonanceSet,
+    b: AntiresonanceSet,
+    *,
+    alpha: float = 0.01,
+    max_shift: float = MAX_SHIFT,
+    std_between: float = 0.0,
+) -> Comparison:
+    """Match two sets of one structure, and test whether they differ.
+
+    Parameters
+    ----------
+    a, b : AntiresonanceSet
+        Of the same excitation; the dofs that both have are compared.
+    alpha : float
+        Rate of false alarms, 0 to 1: of the test of all, and of all single values together.
+    max_shift : float
+        Largest relative difference of two values that are taken for one, up to 0.5, see
+        :mod:`antires_rs.measured.matching`.
+    std_between : float
+        Relative standard deviation of one value from test to test of an unchanged structure (temperature,
+        mounting, sensors), which the standard deviations of a set from a single test do not contain. Repeats
+        tell it: ``track([...]).std_between``. Without it every change counts, that of the weather too.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    InvalidInputError
+        Other excitations, no common dof, or a malformed argument.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> before = ar.AntiresonanceSet(0, {0: [8.70, 23.90], 1: [14.40]}, std_hz={0: [0.01, 0.02], 1: [0.01]})
+    >>> after = ar.AntiresonanceSet(0, {0: [8.71, 23.50, 31.00], 1: []}, std_hz={0: [0.01, 0.02, 0.1]})
+    >>> print(ar.compare(before, after))
+    antiresonances compared, force at 0
+    dof    a_hz    b_hz  diff_%  std_%      z        p
+      0   8.700   8.710  +0.115  0.163   +0.7     0.49
+      0  23.900  23.500  -1.674  0.118  -14.1  4.4e-10  changed
+    only in a: dof 1, 14.400 Hz
+    only in b: dof 0, 31.000 Hz
+    chi-square 39.4, 2 degrees of freedom, p = 2.8e-09: different (false alarms 1 %)
+    """
+    check_set("a", a)
+    check_set("b", b)
+    shift = check_shift(max_shift)
+    rate = finite_scalar("alpha", alpha, low=0.0, high=1.0, low_open=True, high_open=True)
+    between = finite_scalar("std_between", std_between, low=0.0, high=0.5)
+    if a.excitation != b.excitation:
+        reject(
+            "b", f"a set of force at {b.excitation!r}", f"that of a, {a.excitation!r}", "Compare like tests."
+        )
+    common = [dof for dof in a if dof in b]
+    if not common:
+        reject("b", f"dofs {tuple(b)}", f"some of {tuple(a)}", "Compare sets of the same responses.")
+    columns: dict[str, list[Any]] = {name: [] for name in ("dof", "a_hz", "b_hz", "variance", "averages")}
+    alone: tuple[dict[Any, FloatArray], dict[Any, FloatArray]] = ({}, {})
+    for dof in common:
+        one, other = a.tables[dof], b.tables[dof]
+        variance = variance_hz(one, between)[:, None] + variance_hz(other, between)
+        pairs = paired(one.freq_hz, other.freq_hz, shift, variance)
+        for i, k in pairs:
+            columns["dof"].append(dof)
+            columns["a_hz"].append(one.freq_hz[i])
+            columns["b_hz"].append(other.freq_hz[k])
+            columns["variance"].append(variance[i, k])
+            columns["averages"].append(min(averages_of(one)[i], averages_of(other)[k]))
+        for side, table, used in ((0, one, [i for i, _ in pairs]), (1, other, [k for _, k in pairs])):
+            rest = np.delete(table.freq_hz, used)
+            if rest.size:
+                alone[side][dof] = frozen(rest)
+    dofs = np.empty(len(columns["dof"]), dtype=object)
+    dofs[:] = columns.pop("dof")
+    made = {name: np.array(column, dtype=np.float64) for name, column in columns.items()}
+    std, difference = np.sqrt(made["variance"]), made["b_hz"] - made["a_hz"]
+    # A deviation of zero says that the value is exact: as good as not known.
+    std = np.where(std > 0.0, std, np.nan)
+    p = of_each(difference, std, made["averages"])
+    total, freedom, p_all = of_all(p)
+    return Comparison(
+        excitation=a.excitation,
+        dof=frozen(dofs),
+        a_hz=frozen(made["a_hz"]),
+        b_hz=frozen(made["b_hz"]),
+        std_hz=frozen(std),
+        z=frozen(difference / std),
+        p=frozen(p),
+        changed=frozen(holm(p, rate)),
+        chi_square=total,
+        freedom=freedom,
+        p_all=p_all,
+        alpha=rate,
+        unmatched_a=FrozenDict(alone[0]),
+        unmatched_b=FrozenDict(alone[1]),
+    )

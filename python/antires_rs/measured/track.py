@@ -1,0 +1,167 @@
+"""Antiresonances followed over many sets: what moved, came, went, and ran into its neighbour."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..order_sweep.table import ResponseTable
+from ..support.pickling import frozen
+from ..support.validation import FloatArray, finite_scalar, reject
+from .matching import MAX_SHIFT, check_sets, check_shift, paired, variance_hz
+from .tracks import TrackEvent, Tracks
+
+__all__ = ["track"]
+
+
+# Two values nearer than this may become one; farther apart, one of them was lost.
+NEIGHBOUR = 0.02
+
+
+class _Track:
+    """One antiresonance so far: where it was last, and the row of every test that has it."""
+
+    def __init__(self, test: int, table: ResponseTable, row: int) -> None:
+        self.rows = {test: row}
+        self.freq_hz = float(table.freq_hz[row])
+
+    def follow(self, test: int, table: ResponseTable, row: int) -> None:
+        self.rows[test] = row
+        self.freq_hz = float(table.freq_hz[row])
+
+
+def track(
+    sets: Sequence[Any], conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0
+) -> Tracks:
+    """Follow every antiresonance over many tests of one structure.
+
+    Parameters
+    ----------
+    sets : list of AntiresonanceSet
+        In the order of the tests, two or more, of the same excitation.
+    conditions : sequence, (n_tests,), optional
+        What differs from test to test (temperature, damage, date, load): numbers or texts. Default: 0, 1, ...
+    max_shift : float
+        Largest relative difference from one test to the next of two values that are taken for one.
+    std_between : float
+        Relative scatter from test to test, as for :func:`~antires_rs.compare`: it widens what is one.
+
+    Returns
+    -------
+    Tracks
+        A track a value, with NaN where a test does not have it; ``.events`` tell what is new, lost, merged
+        or back. ``.std_between`` is the scatter between the tests, if they are repeats.
+
+    Raises
+    ------
+    InvalidInputError
+        Fewer than two sets, other excitations, no dof in common, or conditions of another length.
+
+    Notes
+    -----
+    From test to test the values of a response are assigned to the tracks, all at once and none twice
+    (:mod:`antires_rs.measured.matching`), each track being where it was seen last. What a track loses has
+    "merged" if a neighbour, nearer than 2 % when both were last seen, is still there: two
+    antiresonances that cannot be told apart any more, or have become a complex pair. Else it is "lost".
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> tests = [{0: [8.7, 23.9]}, {0: [8.6, 23.8, 31.0]}, {0: [8.5]}]
+    >>> sets = [ar.AntiresonanceSet(0, values) for values in tests]
+    >>> print(ar.track(sets, ["new", "1 year", "2 years"]))
+    antiresonances followed over 3 tests, force at 0
+    dof  tests  first_hz  last_hz  change_%
+      0      3     8.700    8.500    -2.299
+      0      2    23.900   23.800    -0.418  lost at 2 years
+      0      1    31.000   31.000    +0.000  new at 1 year, lost at 2 years
+    """
+    given = check_sets("sets", sets, 2)
+    shift = check_shift(max_shift)
+    between = finite_scalar("std_between", std_between, low=0.0, high=0.5)
+    names = _conditions(conditions, len(given))
+    first = given[0]
+    for i, one in enumerate(given):
+        if one.excitation != first.excitation:
+            reject(
+                f"sets[{i}]",
+                f"a set of force at {one.excitation!r}",
+                f"that of the first, {first.excitation!r}",
+                "Follow each excitation by itself.",
+            )
+    dofs = [dof for dof in first if all(dof in one for one in given)]
+    if not dofs:
+        reject("sets", "sets without a common dof", "sets of the same responses", "Leave out the others.")
+    columns: list[tuple[Any, FloatArray, FloatArray]] = []
+    events: list[TrackEvent] = []
+    for dof in dofs:
+        tables = [one.tables[dof] for one in given]
+        tracks, seen = _followed(tables, shift, between)
+        order = sorted(range(len(tracks)), key=lambda i: tracks[i].freq_hz)
+        for i in order:
+            columns.append((dof, *_column(tracks[i], tables)))
+        at = {i: len(columns) - len(order) + rank for rank, i in enumerate(order)}
+        events += [TrackEvent(kind, test, dof, at[i], freq) for kind, test, i, freq in seen]
+    labels = np.empty(len(columns), dtype=object)
+    labels[:] = [dof for dof, _, _ in columns]
+    empty = np.empty((len(given), 0))
+    return Tracks(
+        first.excitation,
+        names,
+        frozen(labels),
+        frozen(np.stack([freq for _, freq, _ in columns], axis=1) if columns else empty),
+        frozen(np.stack([std for _, _, std in columns], axis=1) if columns else empty),
+        tuple(sorted(events, key=lambda event: (event.test, event.track))),
+    )
+
+
+def _followed(
+    tables: list[ResponseTable], shift: float, between: float
+) -> tuple[list[_Track], list[tuple[str, int, int, float]]]:
+    """Tracks of one response, and (kind, test, track, frequency) of what happened to them."""
+    tracks = [_Track(0, tables[0], row) for row in range(len(tables[0]))]
+    events: list[tuple[str, int, int, float]] = []
+    for test, table in enumerate(tables[1:], start=1):
+        where = np.array([one.freq_hz for one in tracks])
+        # Of a track that is new to this test only the test's own deviation is looked at, twice.
+        variance = np.broadcast_to(2.0 * variance_hz(table, between), (where.size, len(table)))
+        pairs = dict(paired(where, table.freq_hz, shift, variance))
+        for i, one in enumerate(tracks):
+            was = test - 1 in one.rows
+            if i in pairs and not was:
+                events.append(("back", test, i, float(table.freq_hz[pairs[i]])))
+            elif was and i not in pairs:
+                near = np.abs(where / where[i] - 1.0) <= NEIGHBOUR
+                merged = any(near[k] and k != i for k in pairs if test - 1 in tracks[k].rows)
+                events.append(("merged" if merged else "lost", test, i, float(where[i])))
+        for i, row in pairs.items():
+            tracks[i].follow(test, table, row)
+        for row in sorted(set(range(len(table))) - set(pairs.values())):
+            events.append(("new", test, len(tracks), float(table.freq_hz[row])))
+            tracks.append(_Track(test, table, row))
+    return tracks, events
+
+
+def _column(one: _Track, tables: list[ResponseTable]) -> tuple[FloatArray, FloatArray]:
+    """Frequency and deviation of a track by test."""
+    freq, std = np.full(len(tables), np.nan), np.full(len(tables), np.nan)
+    for test, row in one.rows.items():
+        freq[test], std[test] = tables[test].freq_hz[row], tables[test].std_hz[row]
+    return freq, std
+
+
+def _conditions(conditions: Any, count: int) -> tuple[Any, ...]:
+    """One for each test, all numbers or all texts."""
+    if conditions is None:
+        return tuple(range(count))
+    wanted = f"{count} numbers or {count} texts, one for each test"
+    if isinstance(conditions, str) or not hasattr(conditions, "__len__"):
+        reject("conditions", conditions, wanted, "Put them in a list.")
+    given = [item.item() if isinstance(item, np.generic) else item for item in conditions]
+    if len(given) != count:
+        reject("conditions", f"{len(given)} of them", wanted, "Give one for each set.")
+    if all(isinstance(item, int | float) and np.isfinite(item) for item in given):
+        return tuple(given)
+    return tuple(map(str, given))

@@ -1,0 +1,130 @@
+"""Several records, or several impacts, of one test: one set of antiresonances with honest errors."""
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
+from reference.matching import match
+from reference.virtual_records import chain8_matrices, hit_record, random_record, true_antiresonances
+from tests.support.campaign import some_of
+
+STIFFNESS, MASS = chain8_matrices()
+TRUTH = [true_antiresonances(STIFFNESS, MASS, dof, 0) for dof in range(8)]
+BAND = (3.0, 130.0)
+FS = 512.0
+
+
+def impact(seed, shift=0.0, **kwargs):
+    options = {"duration_s": 16.0, "noise": 0.01} | kwargs
+    return ar.Recording(hit_record((1 + shift) ** 2 * STIFFNESS, MASS, seed=seed, **options)[0], FS)
+
+
+def shaken(seed, shift=0.0, **kwargs):
+    options = {"duration_s": 40.0, "noise": 0.01} | kwargs
+    return ar.Recording(random_record((1 + shift) ** 2 * STIFFNESS, MASS, seed=seed, **options)[0], FS)
+
+
+def identified(source, **options):
+    return ar.identify_antiresonances(source, excitation=0, band_hz=BAND, **options)
+
+
+def deviations(found):
+    """Error over standard deviation of every value; and how many of the 28 were found, how many false."""
+    scores, matched = [], [match(found[dof], TRUTH[dof]) for dof in range(8)]
+    for dof, each in enumerate(matched):
+        for value, true in each.pairs:
+            scores.append((value - true) / found.std_hz[dof][found[dof].tolist().index(value)])
+    return np.array(scores), sum(len(m.false) for m in matched)
+
+
+@pytest.mark.parametrize("first", some_of([0, 100, 200]))
+def test_impacts_in_files_of_their_own(first):
+    records = [impact(seed) for seed in range(first, first + 10)]
+    scores, false = deviations(identified(records))
+    assert (scores.size, false) == (28, 0)
+    # Over seeds 1000 to 1009 and 2000 to 2009 the scatter of the scores is 0.9 to 1.2.
+    assert 0.6 < np.sqrt(np.mean(scores**2)) < 1.6
+
+
+def test_impacts_in_one_file_are_those_in_several():
+    records = [impact(seed) for seed in range(5)]
+    together = ar.Recording(np.concatenate([rec.responses for rec in records], axis=1), FS)
+    one, several = identified(together), identified(records)
+    for dof in several:
+        assert one[dof].size == several[dof].size
+        # The record is cut shortly before each impact and not where the files end; what is left of the last
+        # impact is in the noise.
+        assert np.all(np.abs(one[dof] - several[dof]) < 3 * several.std_hz[dof])
+        assert np.all(one.std_hz[dof] < 3 * several.std_hz[dof])
+
+
+@pytest.mark.parametrize("make", [impact, shaken])
+def test_what_differs_from_record_to_record_is_in_the_errors(make):
+    rng = np.random.default_rng(3)
+    steady = identified([make(seed) for seed in range(6)])
+    # All frequencies 0.3 % up or down, from record to record: far above the noise of each.
+    shifts = 3e-3 * rng.standard_normal(6)
+    # The check takes it for a second force, and says that it may be this.
+    moving = identified([make(seed, shift) for seed, shift in enumerate(shifts)], check="off")
+    expected = np.std(shifts, ddof=1) / np.sqrt(6)
+    for dof in (2, 3, 4):
+        told = moving.std_hz[dof] / moving[dof]
+        # Five degrees of freedom, and weights that are not those of a plain mean.
+        assert np.all((told > 0.4 * expected) & (told < 2.0 * expected))
+        assert np.all(steady.std_hz[dof] / steady[dof] < 0.3 * expected)
+
+
+def test_runs_of_a_shaker_are_averaged_together():
+    found = identified([shaken(seed) for seed in range(4)])
+    alone = identified(shaken(0))
+    scores, false = deviations(found)
+    assert (scores.size, false) == (28, 0)
+    gain = [
+        np.median(found.std_hz[dof] / alone.std_hz[dof])
+        for dof in range(7)
+        if alone[dof].size == found[dof].size
+    ]
+    assert len(gain) >= 5
+    assert 0.2 < np.median(gain) < 0.8  # 0.5 for four times the data, and longer segments fit
+
+
+def test_one_record_in_a_list_is_that_record():
+    assert identified([shaken(1)]) == identified(shaken(1))
+
+
+def test_channels_may_stand_in_another_order():
+    one, two = shaken(1), shaken(2)
+    turned = ar.Recording(two.responses[::-1], FS, dofs=range(7, -1, -1))
+    assert identified([one, turned]) == identified([one, two])
+
+
+def test_the_data_check_looks_at_every_record_and_at_the_average():
+    records = [impact(seed) for seed in range(10)]
+    checked = ar.check_data(records, excitation=0, band_hz=BAND)
+    assert checked.ok
+    assert checked.n_averages == 10
+    assert not checked.named("single_hit")
+    wrong = ar.check_data(records, excitation=4, band_hz=BAND)
+    assert [f.where for f in wrong.named("force_location")] == [(4,)] or wrong.fatal
+    dead = np.array(records[3].responses)
+    dead[5] = 0.25
+    (finding,) = ar.check_data([*records[:3], ar.Recording(dead, FS)], excitation=0, band_hz=BAND).named(
+        "dead_channel"
+    )
+    assert finding.where == (5,)
+    assert "record 4 of 4" in finding.text
+
+
+def test_records_that_do_not_belong_together_are_named():
+    one = shaken(1)
+    with pytest.raises(InvalidInputError, match=r"^source\[1\]: got a sampling rate of 256"):
+        identified([one, ar.Recording(one.responses, 256.0)])
+    with pytest.raises(InvalidInputError, match=r"^source\[2\]: got a record of dofs.*merge_setups"):
+        identified([one, one, ar.Recording(one.responses[:5], FS)])
+    with pytest.raises(InvalidInputError, match="^source: got an empty list"):
+        identified([])
+    with pytest.raises(InvalidInputError, match=r"^source\[1\]: got FrequencyResponse"):
+        identified([one, ar.transmissibility(one, 0, nperseg=2048)])
+    with pytest.raises(UnsuitableDataError, match=r"2 decay.*record 3\)"):
+        identified([impact(0), impact(1), one])

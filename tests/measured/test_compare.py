@@ -1,0 +1,158 @@
+"""Two sets compared: who is whose partner, and whether they differ."""
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.exceptions import InvalidInputError, MissingDependencyError
+from antires_rs.measured.matching import paired
+
+CASE = ar.cases.chain8()
+
+
+@lru_cache
+def exact_of(model):
+    return model.antiresonances(range(8), 0)
+
+
+def drawn(model, rng, errors=2e-4, std=2e-4):
+    """A set as a test would give it: exact values with relative errors, and their stated size."""
+    exact = exact_of(model)
+    return ar.AntiresonanceSet(
+        0,
+        {dof: f * (1.0 + errors * rng.standard_normal(f.size)) for dof, f in enumerate(exact)},
+        std_hz={dof: std * f for dof, f in enumerate(exact)},
+    )
+
+
+def damaged(loss):
+    springs = np.full(7, 56.7e3)
+    springs[4] *= 1.0 - loss
+    return ar.MassSpringChain([0.5593] + 7 * [0.4194], springs)
+
+
+def test_no_value_serves_twice_and_the_nearest_do_not_steal():
+    # Both of a lie nearest to 10.2: together they are worth most as neighbours in order.
+    a, b = np.array([10.0, 10.3]), np.array([10.2, 10.6])
+    assert paired(a, b, 0.05) == [(0, 0), (1, 1)]
+    assert paired(a, b[:1], 0.05) == [(1, 0)]
+    assert paired(a, np.array([]), 0.05) == []
+    assert paired(np.array([10.0]), np.array([10.6]), 0.05) == []
+    # A deviation as large as that makes them one.
+    assert paired(np.array([10.0]), np.array([10.6]), 0.05, np.array([[0.04]])) == [(0, 0)]
+
+
+def test_pairs_do_not_cross():
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        a, b = (np.sort(rng.uniform(10.0, 20.0, n)) for n in rng.integers(1, 12, 2))
+        pairs = paired(a, b, 0.05)
+        assert [k for _, k in pairs] == sorted({k for _, k in pairs})
+        assert all(abs(b[k] / a[i] - 1.0) < 0.06 for i, k in pairs)
+
+
+def test_false_alarms_come_as_often_as_stated():
+    rng = np.random.default_rng(2)
+    compared = [ar.compare(drawn(CASE.model, rng), drawn(CASE.model, rng), alpha=0.1) for _ in range(100)]
+    assert {len(c) for c in compared} == {28}
+    # Exact deviations of normal errors: the test, made for deviations from 15 averages, is on the safe side.
+    assert sum(c.different for c in compared) <= 15
+    assert sum(c.changed.any() for c in compared) <= 15
+    # Errors twice as large as they are said to be are found out, so that the test can fail.
+    wrong = [ar.compare(drawn(CASE.model, rng), drawn(CASE.model, rng, 4e-4)) for _ in range(20)]
+    assert sum(c.different for c in wrong) > 10
+
+
+def test_damage_is_told_and_where():
+    rng = np.random.default_rng(3)
+    seen = ar.compare(drawn(CASE.model, rng), drawn(damaged(0.02), rng))
+    assert len(seen) == 28
+    assert seen.different
+    truth = np.concatenate(damaged(0.02).antiresonances(range(8), 0)) / np.concatenate(
+        CASE.model.antiresonances(range(8), 0)
+    )
+    moved = np.abs(truth - 1.0) > 2e-3
+    assert seen.changed[moved].all()
+    assert not seen.changed[np.abs(truth - 1.0) < 1e-5].any()
+    assert np.allclose(seen.difference_percent, 100 * (truth - 1.0), atol=0.15)
+    # What varies that much from test to test anyway is no news.
+    assert not ar.compare(drawn(CASE.model, rng), drawn(damaged(0.02), rng), std_between=5e-3).different
+
+
+def test_records_of_an_intact_and_of_a_damaged_chain():
+    sets = [
+        ar.identify_antiresonances(
+            model.simulate(
+                excitation=0, fs_hz=512.0, duration_s=128.0, damping_ratio=0.01, noise=0.01, rng=seed
+            ),
+            excitation=0,
+            band_hz=(3, 130),
+        )
+        for model, seed in ((CASE.model, 1), (CASE.model, 2), (damaged(0.02), 3))
+    ]
+    same, other = ar.compare(sets[0], sets[1]), ar.compare(sets[0], sets[2])
+    assert (len(same), len(other)) == (28, 28)
+    assert same.p_all > 0.001
+    assert other.different
+    assert other.changed.sum() > 15
+    # How well the deviations are known is in the set: 128 s hold some 15 segments of 16 s.
+    assert 10 < sets[0].scores[0]["averages"][0] < 20
+
+
+def test_what_has_no_partner_is_listed():
+    a = ar.AntiresonanceSet(0, {0: [10.0, 20.0], 1: [15.0], 5: [9.0]})
+    b = ar.AntiresonanceSet(0, {0: [10.1], 1: [15.0, 30.0]})
+    seen = ar.compare(a, b)
+    assert seen.dof.tolist() == [0, 1]
+    assert {dof: f.tolist() for dof, f in seen.unmatched_a.items()} == {0: [20.0]}
+    assert {dof: f.tolist() for dof, f in seen.unmatched_b.items()} == {1: [30.0]}
+    # Without any deviation nothing is tested, and nothing claimed.
+    assert (seen.freedom, seen.different) == (0, False)
+    assert "not tested" in str(seen)
+    assert np.isnan(seen.z).all()
+    assert ar.compare(a, b, std_between=1e-3).different
+
+
+def test_tables_of_a_comparison():
+    pytest.importorskip("pandas")
+    rng = np.random.default_rng(4)
+    seen = ar.compare(drawn(CASE.model, rng), drawn(CASE.model, rng))
+    frame = seen.to_dataframe()
+    assert frame.shape == (28, 10)
+    assert np.allclose(frame["difference_hz"] / frame["std_hz"], frame["z"])
+    assert len(str(seen).splitlines()) == 31
+    xr = pytest.importorskip("xarray")
+    data = seen.to_xarray()
+    assert isinstance(data, xr.Dataset)
+    assert data.attrs["freedom"] == 28
+
+
+def test_without_pandas_it_says_what_to_install(monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    one = ar.AntiresonanceSet(0, {0: [1.0]})
+    with pytest.raises(MissingDependencyError, match="pandas"):
+        ar.compare(one, one).to_dataframe()
+
+
+ONE = ar.AntiresonanceSet(0, {0: [8.7], 1: [14.4]})
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "options", "name"),
+    [
+        (ONE, {0: [8.7]}, {}, "b"),
+        ([ONE], ONE, {}, "a"),
+        (ONE, ar.AntiresonanceSet(1, {0: [8.7]}), {}, "b"),
+        (ONE, ar.AntiresonanceSet(0, {5: [8.7]}), {}, "b"),
+        (ONE, ONE, {"alpha": 0.0}, "alpha"),
+        (ONE, ONE, {"max_shift": 0.0}, "max_shift"),
+        (ONE, ONE, {"std_between": -1.0}, "std_between"),
+    ],
+)
+def test_bad_arguments_of_compare_are_named(a, b, options, name):
+    with pytest.raises(InvalidInputError, match=f"^{name}: got "):
+        ar.compare(a, b, **options)
