@@ -115,11 +115,6 @@ def test_halves_of_complex_zeros_are_left_out_and_named():
 
 
 QUICK = ["5 equal masses, force at 0", "1 storeys of 2, corner"]
-    "7 equal masses, force at 0",
-    "8 masses, 2 held",
-    "1 storeys of 2, corner",
-    "3 x 3, 0.8 x 0.8 m, corners held",
-]
 
 
 @pytest.mark.parametrize("name", some_of([case.name for case in cases()], QUICK))
