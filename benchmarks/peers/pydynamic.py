@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .method import HIGH_HZ, LOW_HZ, Method, responses_to_force
+from .method import Method, responses_to_force
 
 
-def lsiir(record, highest, estimator, nperseg=1024, reciprocal=True):
+def lsiir(source, highest, estimator, nperseg=1024, reciprocal=True):
     """Numerator and denominator of equal order, without stabilisation by a delay, which would move the roots.
 
     Fits to the reciprocal (``inv=True``) have no false values at any length; found of 252: segments of 2 s
@@ -15,8 +15,8 @@ def lsiir(record, highest, estimator, nperseg=1024, reciprocal=True):
     """
     from PyDynamic.model_estimation.fit_filter import LSIIR
 
-    freq, frfs = responses_to_force(record, nperseg, low_hz=LOW_HZ)
-    rate_hz = 2.0 * HIGH_HZ
+    freq, frfs = responses_to_force(source, nperseg)
+    rate_hz = 2.0 * source.high_hz
     sweeps = []
     for frf in frfs:
         orders = []

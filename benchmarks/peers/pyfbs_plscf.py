@@ -7,7 +7,7 @@ import os
 from .method import Method, transmissibilities
 
 
-def plscf(record, highest, estimator, nperseg=1024):
+def plscf(source, highest, estimator, nperseg=1024):
     """Its own sweep: every second order, because it stops with an error if the highest is reached.
 
     Found less false of 252: segments of 1 s 231, 2 s 244, 4 s 243, 8 s 239.
@@ -16,7 +16,7 @@ def plscf(record, highest, estimator, nperseg=1024):
     os.environ.setdefault("QT_LOGGING_RULES", "*.warning=false")
     from pyfbs.modal_id import ModalID
 
-    freq, tables = transmissibilities(record, nperseg, estimator)
+    freq, tables = transmissibilities(source, nperseg, estimator)
     sweeps = []
     for values in tables:
         model = ModalID(freq, values.T[:, :, None])

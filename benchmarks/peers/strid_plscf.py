@@ -7,7 +7,7 @@ import numpy as np
 from .method import Method, transmissibilities
 
 
-def plscf(record, highest, estimator, nperseg=1024, sign=-1):
+def plscf(source, highest, estimator, nperseg=1024, sign=-1):
     """A right matrix fraction of 7 outputs and one input; its poles are the roots of one polynomial.
 
     Of the four pairs of sign and constraint that its documentation offers, both with ``constrain_N0=False``
@@ -16,7 +16,7 @@ def plscf(record, highest, estimator, nperseg=1024, sign=-1):
     """
     import strid
 
-    freq, tables = transmissibilities(record, nperseg, estimator)
+    freq, tables = transmissibilities(source, nperseg, estimator)
     rate_hz = 2.0 * freq[-1]
     sweeps = []
     for values in tables:

@@ -86,20 +86,20 @@ class Tracks(ReadOnly):
     def std_between(self) -> float:
         """Relative scatter from test to test beyond the stated deviations, if all tests are repeats.
 
-        The median over the tracks of their variances, corrected for that of a chi-square with as many degrees
-        of freedom, less the median of the stated variances; at least 0, NaN without a track of two tests.
+        The variance of the values about the mean of their track, all tracks together, less the mean of the
+        stated variances; at least 0, NaN without a track of two tests. Some values scatter more than others:
+        this is the root mean square over all, with which a comparison of repeats has the chi-square it
+        should have on average.
         """
-        from scipy.stats import chi2  # slow to import
-
         seen = np.sum(~np.isnan(self.freq_hz), axis=0)
         some = seen >= LEAST
         if not some.any():
             return float("nan")
-        freq, free = self.freq_hz[:, some], seen[some] - 1
+        freq = self.freq_hz[:, some]
         middle = np.nanmean(freq, axis=0)
-        scatter = np.nansum((freq / middle - 1.0) ** 2, axis=0) / chi2.ppf(0.5, free)
+        scatter = np.nansum((freq / middle - 1.0) ** 2) / np.sum(seen[some] - 1)
         stated = np.nan_to_num(self.std_hz[:, some] / middle) ** 2
-        return float(np.sqrt(max(0.0, np.median(scatter) - np.median(stated[~np.isnan(freq)]))))
+        return float(np.sqrt(max(0.0, scatter - np.mean(stated[~np.isnan(freq)]))))
 
     def of(self, dof: Any) -> NDArray[np.int64]:
         """Columns of one response."""

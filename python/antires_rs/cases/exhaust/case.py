@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...measured.antiresonance_set import AntiresonanceSet
-from ...models.frame_parameters import angle, point_mass, thickness, youngs_modulus
+from ...models.frame_parameters import point_mass, thickness, youngs_modulus
+from ...models.geometry_parameters import angle
 from ...models.parameters import Parameter, stiffness_reduction
 from ...models.simulation import simulate
 from ...models.structural_model import StructuralModel
