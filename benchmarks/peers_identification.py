@@ -270,7 +270,8 @@ def choose(options):
                     score = Score((score_run(found, truth),))
                     net[rule] += score.found[0] - score.false[0]
         best = sorted(FAMILY, key=lambda rule: -net[rule])[:3]
-        print(f"{method.name}: common {net[COMMON]}; " + "; ".join(f"{net[rule]}: {rule}" for rule in best))
+        answers = "; ".join(f"{net[rule]}: {rule}" for rule in best)
+        print(f"{method.name}: found less false, common {net[COMMON]}; {answers}", flush=True)
 
 
 def print_versions():

@@ -41,8 +41,7 @@ COMMON = Rule()
 #: What ``--choose`` tries.
 FAMILY = tuple(
     itertools.starmap(
-        Rule,
-        itertools.product((0.001, 0.003, 0.01), (0.02, 0.05, 0.1, 0.3), (3, 6, 10, 15), (0.02, 0.05, 0.10)),
+        Rule, itertools.product((0.003, 0.01), (0.05, 0.1, 0.3), (4, 7, 10, 15), (0.02, 0.05, 0.10))
     )
 )
 

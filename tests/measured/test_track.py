@@ -61,6 +61,30 @@ def test_the_scatter_between_repeats_is_estimated():
     assert ar.track(steady).std_between == 0.0
 
 
+def test_what_moves_all_values_alike_is_told_from_what_moves_each():
+    rng = np.random.default_rng(6)
+    exact = np.linspace(10.0, 120.0, 28)
+    std = np.geomspace(1e-5, 5e-4, 28)
+
+    def test_at(warmth):
+        values = exact * (1.0 + warmth + std * rng.standard_normal(28))
+        return ar.AntiresonanceSet(0, {0: values}, std_hz={0: std * exact})
+
+    # Temperature: 0.1 % up and down, far beyond the errors of the well-known values.
+    tests = [test_at(1e-3 * rng.standard_normal()) for _ in range(40)]
+    followed = ar.track(tests[:20])
+    assert 6e-4 < followed.std_common < 1.5e-3
+    assert followed.std_between < 1e-5
+    pairs = list(zip(tests[20::2], tests[21::2], strict=True))
+    known = {"std_between": followed.std_between, "std_common": followed.std_common}
+    assert sum(ar.compare(a, b).different for a, b in pairs) == 10
+    assert sum(ar.compare(a, b, **known).different for a, b in pairs) <= 1
+    # One value that moves by 0.1 % on its own is found all the same.
+    a, b = pairs[0]
+    moved = {0: b[0] * np.where(np.arange(28) == np.argmin(b.std_hz[0] / b[0]), 1.001, 1.0)}
+    assert ar.compare(a, ar.AntiresonanceSet(0, moved, std_hz=b.std_hz), **known).different
+
+
 def test_tables_of_tracks():
     pytest.importorskip("pandas")
     followed = ar.track(sets_of([10.0, 20.0], [10.1]), conditions=["20 C", "30 C"])

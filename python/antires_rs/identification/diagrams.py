@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,7 +21,16 @@ from .local.sweep import local_diagrams
 from .options import IdentificationOptions
 from .selection import select
 
-__all__ = ["diagrams_of"]
+__all__ = ["Fitted", "diagrams_of"]
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Diagrams by dof; whether a fit of all numerators made them, and what kind of curve they speak of."""
+
+    diagrams: dict[Any, StabilizationDiagram]
+    of_numerators: bool
+    sees: Literal["frf", "transmissibility"]
 
 
 def diagrams_of(
@@ -29,8 +38,8 @@ def diagrams_of(
     lines_for: Callable[[int], Lines],
     band: tuple[float, float],
     options: IdentificationOptions,
-) -> tuple[dict[Any, StabilizationDiagram], bool]:
-    """Diagrams by dof, and whether they are of all numerators, whose values have grades and deviations."""
+) -> Fitted:
+    """One diagram for each of ``dofs``, by the formulation that suits the lines or that was asked for."""
     first = lines_for(FORCE if options.use_force else 0)
     averaged = first.segments is not None
     formulation = options.formulation
@@ -42,8 +51,12 @@ def diagrams_of(
         found = _from_numerators(dofs, first, band, options)
     else:
         found = _one_by_one(dofs, lines_for, band, options, formulation)
-    found = found if options.keep_common else without_common(found)
-    return found, formulation == "numerators"
+    of_responses = options.use_force or (formulation == "windows" and first.size is not None)
+    return Fitted(
+        found if options.keep_common else without_common(found),
+        formulation == "numerators",
+        "frf" if of_responses else "transmissibility",
+    )
 
 
 def _from_numerators(

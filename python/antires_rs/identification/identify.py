@@ -145,7 +145,10 @@ def identify_antiresonances(
     AntiresonanceSet
         Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.std_hz`` with their standard deviations
         (not with "joint", "power" and "eq10"), ``.scores`` with what speaks for each, ``.diagrams`` with the
-        evidence. A dof without any antiresonance in the band has an empty array.
+        evidence. A dof without any antiresonance in the band has an empty array. ``.sees`` is
+        "transmissibility" where the values are what transmissibilities see: a peak also where the sensor
+        sits on a node of a mode, a root that cancels in its FRF. It is "frf" on that route, and for FRFs and
+        single impacts, where such roots are told by the response itself and left out.
 
     Raises
     ------
@@ -230,8 +233,8 @@ def identify_antiresonances(
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")
-    found, of_numerators = diagrams_of(one.dofs, lines_for, band, options)
-    found = {dof: found[dof] for dof in wanted}
+    fitted = diagrams_of(one.dofs, lines_for, band, options)
+    found = {dof: fitted.diagrams[dof] for dof in wanted}
     compared = None
     if options.cross_check is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
@@ -243,12 +246,14 @@ def identify_antiresonances(
     return AntiresonanceSet.from_tables(
         excitation,
         {
-            dof: _with_grades(d.accepted, averages) if of_numerators else d.accepted
+            dof: _with_grades(d.accepted, averages) if fitted.of_numerators else d.accepted
             for dof, d in found.items()
         },
         diagrams=found,
         data_check=checked,
         cross_check=compared,
+        sees=fitted.sees,
+        channels=one.dofs,
     )
 
 

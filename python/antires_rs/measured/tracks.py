@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 from ..support.pickling import ReadOnly
 from ..support.validation import FloatArray
 from .layout import aligned, number
+from .repeatability import scatter
 
 __all__ = ["TrackEvent", "Tracks"]
-
-#: Fewest values of a track that tell of the scatter between tests.
-LEAST = 2
 
 
 @dataclass(frozen=True)
@@ -84,22 +82,20 @@ class Tracks(ReadOnly):
 
     @property
     def std_between(self) -> float:
-        """Relative scatter from test to test beyond the stated deviations, if all tests are repeats.
+        """Relative scatter of one value from test to test beyond its stated deviation, if tests are repeats.
 
-        The variance of the values about the mean of their track, all tracks together, less the mean of the
-        stated variances; at least 0, NaN without a track of two tests. Some values scatter more than others:
-        this is the root mean square over all, with which a comparison of repeats has the chi-square it
-        should have on average.
+        See :mod:`antires_rs.measured.repeatability`; 0 where the stated deviations explain all of it, NaN
+        without an antiresonance that two tests have.
         """
-        seen = np.sum(~np.isnan(self.freq_hz), axis=0)
-        some = seen >= LEAST
-        if not some.any():
-            return float("nan")
-        freq = self.freq_hz[:, some]
-        middle = np.nanmean(freq, axis=0)
-        scatter = np.nansum((freq / middle - 1.0) ** 2) / np.sum(seen[some] - 1)
-        stated = np.nan_to_num(self.std_hz[:, some] / middle) ** 2
-        return float(np.sqrt(max(0.0, scatter - np.mean(stated[~np.isnan(freq)]))))
+        return scatter(self.freq_hz, self.std_hz)[0]
+
+    @property
+    def std_common(self) -> float:
+        """Relative scatter from test to test that moves all values alike, if tests are repeats.
+
+        See :mod:`antires_rs.measured.repeatability`.
+        """
+        return scatter(self.freq_hz, self.std_hz)[1]
 
     def of(self, dof: Any) -> NDArray[np.int64]:
         """Columns of one response."""
