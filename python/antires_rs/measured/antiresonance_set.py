@@ -10,6 +10,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from ..order_sweep.diagram import StabilizationDiagram
 from ..order_sweep.table import ResponseTable
 from ..support.files import write_atomically
 from ..support.pickling import FrozenDict
@@ -226,12 +227,12 @@ class AntiresonanceSet(EditedTables):
     @property
     def left_out(self) -> Mapping[Any, ResponseTable]:
         """By dof, where curves were identified: what fits saw and was not accepted, with the score "why"."""
-        return FrozenDict({dof: diagram.left_out for dof, diagram in self._diagrams.items()})
+        return FrozenDict({dof: one.left_out for dof, one in _drawn(self._diagrams)})
 
     @property
     def unexplained_hz(self) -> Mapping[Any, Any]:
         """By dof of :attr:`diagrams`: peaks of the curve shown there beside which nothing was accepted."""
-        return FrozenDict({dof: diagram.unexplained_hz for dof, diagram in self._diagrams.items()})
+        return FrozenDict({dof: one.unexplained_hz for dof, one in _drawn(self._diagrams)})
 
     @property
     def data_check(self) -> Any | None:
@@ -389,3 +390,8 @@ class AntiresonanceSet(EditedTables):
             )
         except (TypeError, ValueError) as exc:
             raise set_file.damaged(name, exc) from exc
+
+
+def _drawn(diagrams: Mapping[Any, Any]) -> list[tuple[Any, StabilizationDiagram]]:
+    """Stabilization diagrams by dof, those that there are."""
+    return [(dof, one) for dof, one in diagrams.items() if isinstance(one, StabilizationDiagram)]
