@@ -33,6 +33,7 @@ _ANGLES = {
     **dict.fromkeys(("deg", "degree", "degrees", "°"), "deg"),
     **dict.fromkeys(("rad", "radian", "radians"), "rad"),
 }
+_LINEAR = ("lin", "linear", "abs")
 _PER_TURN = {"deg": np.pi / 180.0, "rad": 1.0}
 
 
@@ -94,7 +95,8 @@ def joined(
             made = ""
         if made:
             name = here.base if here is not None and named else ("" if here else names[i])
-            unit = "" if made.startswith("db") or (here and is_part_unit(here.unit)) else unit
+            plain = here is not None and (is_part_unit(here.unit) or here.unit.lower() in _LINEAR)
+            unit = "" if made.startswith("db") or plain else unit
             column, step = _complex(made, columns[i], columns[i + 1]), 2
         for one, value in zip(out, (name, unit, column), strict=True):
             one.append(value)
@@ -108,7 +110,7 @@ def _said(file: Path, names: list[str], level: str, angle: str) -> str:
     unit = parse_unit(level)
     if _is_level(level):
         size = "db"
-    elif level.strip().lower() in ("lin", "linear", "abs") or (unit is not None and unit.quantity):
+    elif level.strip().lower() in _LINEAR or (unit is not None and unit.quantity):
         size = "magnitude"
     else:
         size = ""

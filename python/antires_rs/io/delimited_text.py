@@ -162,7 +162,9 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
 
 
 def _places(number: str, point: str) -> int:
-    mantissa, _, exponent = number.strip().lower().partition("e")
+    """Decimal places of a number; of the real part of a complex one."""
+    match = re.match(r"\(?[-+]?([\d.,]*)(?:[eE]([-+]?\d+))?", number.strip())
+    mantissa, exponent = (match[1], match[2]) if match else ("", None)
     return len(mantissa.partition(point)[2]) - int(exponent or 0)
 
 

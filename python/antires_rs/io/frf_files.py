@@ -53,7 +53,7 @@ def read_frf_files(
     kind : {"frf", "transmissibility"}, optional
         As in :class:`FrequencyResponse`; "frf" by default.
     reference : int or str, optional
-        Dof of the reference of transmissibilities.
+        Dof of the reference of transmissibilities, whose own file holds ones.
     **options
         Of the reader of that format: ``pairs=``, ``df_hz=``, ``unit=``, ``responses=`` and the like.
 
@@ -97,7 +97,9 @@ def read_frf_files(
         format = next(iter(formats)) or ""
     choice("format", format, tuple(READERS))
     if kind is not None:
-        options["kind"] = choice("kind", kind, ("frf", "transmissibility"))
+        choice("kind", kind, ("frf", "transmissibility"))
+        if format == "uff":  # which may hold several
+            options["kind"] = kind
     read = [_one(path, format, options) for path in paths]
     stems = [path.stem for path in paths]
     points = [each.dofs[0] for each in read]
@@ -116,7 +118,7 @@ def read_frf_files(
         chosen[0].freq_hz,
         np.vstack([each.values for each in chosen]),
         [labels[i] for i in rows],
-        chosen[0].kind,
+        chosen[0].kind if kind is None else kind,  # type: ignore[arg-type]
         reference,
         _stacked([each.coherence for each in chosen]),
         averages.pop() if len(averages) == 1 else None,
@@ -143,8 +145,8 @@ def _paths(files: Any, pattern: str, format: str | None) -> list[Path]:
         if not found:
             reject(
                 "files",
-                f"{str(folder)!r}, a folder with {len(there)} files, none of which fits {pattern!r} and has a "
-                "known ending",
+                f"{str(folder)!r}, a folder with {len(there)} files, none of which fits {pattern!r} and has "
+                "a known ending",
                 "files of one FRF each",
                 Wording("Name the file, or choose by {} and {}.", Passed("pattern"), Passed("format")),
             )
