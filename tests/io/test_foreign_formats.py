@@ -256,9 +256,13 @@ def test_what_no_folder_of_frfs_is(tmp_path):
         ar.read_frf_files(tmp_path, pattern="*.uff")
     with pytest.raises(ar.InvalidInputError, match="files: got"):
         ar.read_frf_files([])
-    assert (
-        ar.read_frf_files([tmp_path / "p3.npy"], df_hz=DF, kind="transmissibility").kind == "transmissibility"
-    )
+
+
+def test_files_of_transmissibilities(tmp_path):
+    for i in range(3):
+        np.save(tmp_path / f"T_{i}.npy", H[i] / H[1])
+    read = ar.read_frf_files(tmp_path, df_hz=DF, kind="transmissibility", reference=1)
+    assert (read.kind, read.reference, read.dofs) == ("transmissibility", 1, (0, 1, 2))
 
 
 # ---- universal files --------------------------------------------------------------------------------------

@@ -54,7 +54,7 @@ def read_frf_files(
         As in :class:`FrequencyResponse`; "frf" by default.
     reference : int or str, optional
         Dof of the reference of transmissibilities, whose own file holds ones.
-    **options
+    options : any, optional
         Of the reader of that format: ``pairs=``, ``df_hz=``, ``unit=``, ``responses=`` and the like.
 
     Returns
