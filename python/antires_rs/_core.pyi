@@ -94,7 +94,7 @@ class Objective:
     def antiresonance(
         model: Model,
         parameters: Sequence[_Parameter],
-        targets: Sequence[tuple[int, int, _Floats]],
+        targets: Sequence[tuple[int, int, _Floats, str | None, int]],
         misfit: str,
         penalty: tuple[float, float] | None,
         snap: float,

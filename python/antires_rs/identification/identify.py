@@ -132,9 +132,10 @@ def identify_antiresonances(
     Returns
     -------
     AntiresonanceSet
-        Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.std_hz`` with their standard deviations
-        ("numerators" only), ``.scores`` with what speaks for each, ``.diagrams`` with the evidence. A dof
-        without any antiresonance in the band has an empty array.
+        With ``sees=route``: transmissibilities have a peak also where the sensor sits on a node of a mode, a
+        root that cancels in its FRF. Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.std_hz``
+        with their standard deviations ("numerators" only), ``.scores`` with what speaks for each,
+        ``.diagrams`` with the evidence. A dof without any antiresonance in the band has an empty array.
 
     Raises
     ------
@@ -229,6 +230,8 @@ def identify_antiresonances(
         diagrams=found,
         data_check=checked,
         cross_check=compared,
+        sees="frf" if options.use_force else "transmissibility",
+        channels=one.dofs,
     )
 
 

@@ -151,6 +151,8 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
         "Force": [dof_name(model, force)],
         "Antiresonances": [", ".join(f"{len(found[dof])} at {dof_name(model, dof)}" for dof in found)],
     }
+    if found.sees is not None:
+        facts["Identified from"] = ["FRFs" if found.sees == "frf" else "transmissibilities"]
     how = np.concatenate(
         [np.empty(0, dtype=str), *(np.asarray(s["how"]) for s in found.scores.values() if "how" in s)]
     )

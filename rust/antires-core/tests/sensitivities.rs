@@ -117,6 +117,7 @@ fn objective(misfit: Misfit, penalty: Option<Penalty>) -> AntiresonanceObjective
         dof,
         excitation: 1,
         freq_hz: zeros(&truth, dof).iter().map(hertz).collect(),
+        ..Target::default()
     });
     AntiresonanceObjective::new(
         chain(),

@@ -85,6 +85,7 @@ fn sensitivities_of_frames_are_the_limit_of_differences() {
         dof,
         excitation: 4,
         freq_hz: vec![61.0, 118.0, 203.0, 310.0],
+        ..Target::default()
     });
     let objective = AntiresonanceObjective::new(
         model,
