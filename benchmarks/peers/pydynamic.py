@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from .method import HIGH_HZ, LOW_HZ, Method, responses_to_force
+from .method import Method, responses_to_force
+from .rule import Rule
 
 
-def lsiir(record, highest, estimator, nperseg=1024, reciprocal=True):
+def lsiir(source, highest, estimator, nperseg=1024, reciprocal=True):
     """Numerator and denominator of equal order, without stabilisation by a delay, which would move the roots.
 
     Fits to the reciprocal (``inv=True``) have no false values at any length; found of 252: segments of 2 s
@@ -15,8 +16,8 @@ def lsiir(record, highest, estimator, nperseg=1024, reciprocal=True):
     """
     from PyDynamic.model_estimation.fit_filter import LSIIR
 
-    freq, frfs = responses_to_force(record, nperseg, low_hz=LOW_HZ)
-    rate_hz = 2.0 * HIGH_HZ
+    freq, frfs = responses_to_force(source, nperseg)
+    rate_hz = 2.0 * source.high_hz
     sweeps = []
     for frf in frfs:
         orders = []
@@ -30,8 +31,16 @@ def lsiir(record, highest, estimator, nperseg=1024, reciprocal=True):
     return sweeps
 
 
+#: Found less false of 168: 163, by the common rule 156.
+OWN = Rule(freq_tol=0.003, damping_tol=0.05, more_rows_than=4)
+
 METHODS = (
     Method(
-        "PyDynamic LSIIR", "PyDynamic", "FRF, H1", "of the reciprocal, orders 2-60, segments of 2 s", lsiir
+        "PyDynamic LSIIR",
+        "PyDynamic",
+        "FRF, H1",
+        "of the reciprocal, orders 2-60, segments of 2 s",
+        lsiir,
+        OWN,
     ),
 )

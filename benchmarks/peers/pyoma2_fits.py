@@ -9,7 +9,7 @@ from .method import Method, transmissibilities
 DECIMATION = 2
 
 
-def plscf(record, highest, estimator, nperseg=1024):
+def plscf(source, highest, estimator, nperseg=1024):
     """The spectrum is a matrix of 7 outputs and one input: T_pj.
 
     With the other sign the poles of a transmissibility lie in the half plane that ``pLSCF_poles`` drops.
@@ -17,7 +17,7 @@ def plscf(record, highest, estimator, nperseg=1024):
     """
     from pyoma2.functions import plscf as functions
 
-    freq, tables = transmissibilities(record, nperseg, estimator)
+    freq, tables = transmissibilities(source, nperseg, estimator)
     step_s = 1.0 / (2.0 * freq[-1])
     sweeps = []
     for values in tables:
@@ -27,7 +27,7 @@ def plscf(record, highest, estimator, nperseg=1024):
     return sweeps
 
 
-def ssi_iocov(record, highest, estimator, block_rows=60):
+def ssi_iocov(source, highest, estimator, block_rows=60):
     """Input-output covariance-driven SSI: x_j goes in, the other seven come out.
 
     At 256 Hz. Found less false of 252: 20 block rows clearly fewer than 40, 40 give 199, 60 give 218.
@@ -35,9 +35,9 @@ def ssi_iocov(record, highest, estimator, block_rows=60):
     from pyoma2.functions import ssi
     from scipy.signal import decimate
 
-    x = decimate(record.responses, DECIMATION, ftype="fir", axis=1)
+    x = decimate(source.of.responses, DECIMATION, ftype="fir", axis=1)
     x = x / x.std(axis=1, keepdims=True)
-    step_s = DECIMATION / record.fs_hz
+    step_s = DECIMATION / source.of.fs_hz
     sweeps = []
     for j in range(len(x)):
         y = np.delete(x, j, axis=0)
@@ -56,5 +56,6 @@ METHODS = (
         "responses",
         "orders 2-60, 60 block rows, records decimated to 256 Hz",
         ssi_iocov,
+        needs_record=True,
     ),
 )

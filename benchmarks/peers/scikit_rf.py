@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .method import LOW_HZ, Method, transmissibilities
+from .method import Method, transmissibilities
 
 
-def vector_fitting(record, highest, estimator, nperseg=2048, iterations=5, normed=True):
+def vector_fitting(source, highest, estimator, nperseg=2048, iterations=5, normed=True):
     """All T_pj of one j as entries of a three-port network, the two left over zero.
 
     Scaled to unit rms, because its weights depend on the level: one or two values more. Three relocations
@@ -16,7 +16,7 @@ def vector_fitting(record, highest, estimator, nperseg=2048, iterations=5, norme
     import skrf
     from skrf.vectorFitting import VectorFitting
 
-    freq, tables = transmissibilities(record, nperseg, estimator, low_hz=LOW_HZ)
+    freq, tables = transmissibilities(source, nperseg, estimator, from_zero=False)
     axis = skrf.Frequency.from_f(freq, unit="Hz")
     sweeps = []
     for values in tables:

@@ -54,7 +54,6 @@ _NAMES = {
     "models.chain": ("MassSpringChain",),
     "models.frame": ("FrameModel",),
     "models.frame_parameters": (
-        "angle",
         "density",
         "diameter",
         "inertia",
@@ -64,6 +63,7 @@ _NAMES = {
         "youngs_modulus",
     ),
     "models.frame_parts": ("GroundSpring", "NodeSpring", "PointMass"),
+    "models.geometry_parameters": ("angle", "length", "position"),
     "models.matrix_model": ("MatrixModel",),
     "models.parameters": ("Parameter", "mass_factor", "stiffness_factor", "stiffness_reduction"),
     "models.sections": ("Rectangle", "Section", "Tube"),

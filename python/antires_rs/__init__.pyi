@@ -45,7 +45,6 @@ from .measured.tracks import TrackEvent, Tracks
 from .models.chain import MassSpringChain
 from .models.frame import FrameModel
 from .models.frame_parameters import (
-    angle,
     density,
     diameter,
     inertia,
@@ -55,6 +54,7 @@ from .models.frame_parameters import (
     youngs_modulus,
 )
 from .models.frame_parts import GroundSpring, NodeSpring, PointMass
+from .models.geometry_parameters import angle, length, position
 from .models.matrix_model import MatrixModel
 from .models.parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
 from .models.sections import Rectangle, Section, Tube
@@ -124,9 +124,11 @@ __all__ = [
     "identify_antiresonances",
     "identify_modes",
     "inertia",
+    "length",
     "mass_factor",
     "merge_setups",
     "point_mass",
+    "position",
     "read_csv",
     "read_frf_files",
     "read_hdf5",

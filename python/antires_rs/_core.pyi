@@ -78,6 +78,7 @@ class Frame:
         ground_springs: Sequence[_GroundSpring],
         node_springs: Sequence[_NodeSpring],
         fixed: Sequence[tuple[int, str]],
+        shear: Sequence[list[float] | None] | None = None,
     ) -> Frame: ...
     def nodes_m(self) -> _Floats: ...
     def sections(self) -> list[_Section]: ...
@@ -93,7 +94,7 @@ class Objective:
     def antiresonance(
         model: Model,
         parameters: Sequence[_Parameter],
-        targets: Sequence[tuple[int, int, _Floats]],
+        targets: Sequence[tuple[int, int, _Floats, str | None, int]],
         misfit: str,
         penalty: tuple[float, float] | None,
         snap: float,

@@ -1,12 +1,11 @@
-"""Every formulation finds what it should, and the printed one says what it cannot."""
-
-import warnings
+"""Every formulation finds what it should: those of all transmissibilities, and those of the paper's curve."""
 
 import numpy as np
 import pytest
 
-from antires_rs.exceptions import AntiresWarning, InvalidInputError
-from antires_rs.identification.formulations import check_formulation, sweep_of, warn_of_formulation
+import antires_rs as ar
+from antires_rs.exceptions import InvalidInputError
+from antires_rs.identification.formulations import check_formulation, sweep_of
 from antires_rs.identification.lines import Lines
 from antires_rs.identification.power import PowerFit, PowerSweep, real_basis, real_roots
 from antires_rs.identification.response_lines import lines_of_recording
@@ -15,7 +14,18 @@ from antires_rs.order_sweep.rule import Rule
 from antires_rs.rational.first_guess import guessed_poles, guessed_weights
 from antires_rs.signals.averaging import Averaging, average
 from antires_rs.signals.recording import Recording
-from reference.virtual_records import accelerance, chain8_matrices, random_record, true_antiresonances
+from reference.matching import match
+from reference.structures import structure
+from reference.virtual_records import (
+    CHAIN8_MASSES,
+    CHAIN8_SPRINGS,
+    accelerance,
+    chain8_matrices,
+    chain_matrices,
+    random_record,
+    true_antiresonances,
+)
+from tests.support.campaign import campaign
 
 STIFFNESS, MASS = chain8_matrices()
 TRUTH = [true_antiresonances(STIFFNESS, MASS, dof, 0) for dof in range(8)]
@@ -31,11 +41,16 @@ def lines():
     return Lines(freq, x / size, 1e6 * size**2 / np.median(size**2))
 
 
-def found_by(formulation, lines, row):
-    sweep, orders, background = sweep_of(lines, row, 2, 60, Rule(), formulation)
+#: The paper's: 1 % and 5 % in more than ten orders, and no other test.
+PAPER = Rule(damping_tol=0.05, min_dominance=0.0, persistent=False)
+
+
+def found_by(formulation, lines, row, rule=None):
+    rule = rule or Rule()
+    sweep, orders, background = sweep_of(lines, row, 2, 60, rule, formulation)
     assert background.shape == lines.freq_hz.shape
     assert background.min() >= 0.0
-    return diagram(sweep, orders, BAND, Rule(), lines.freq_hz, background)
+    return diagram(sweep, orders, BAND, rule, lines.freq_hz, background)
 
 
 @pytest.mark.parametrize("formulation", ["joint", "power"])
@@ -60,21 +75,64 @@ def test_all_formulations_agree_in_damping(lines):
     assert np.allclose(zeta["power"], zeta["joint"], rtol=0.01)
 
 
-def test_the_printed_sum_finds_few(lines):
-    hits = 0
-    for row in (0, 2, 4):
-        values = found_by("eq10", lines, row).identified
-        hits += sum(values.size > 0 and np.abs(values / f - 1.0).min() < 1e-3 for f in TRUTH[row])
-    assert hits <= 4  # of 15; the others find all to 1e-3
+def test_the_papers_curve_has_its_peaks_at_the_antiresonances(lines):
+    hits, false = {}, {}
+    for name in ("eq10", "eq10_squared"):
+        hits[name], false[name] = 0, 0
+        for row in (0, 2, 4):
+            values = found_by(name, lines, row, PAPER).identified
+            near = [values.size > 0 and np.abs(values / f - 1.0).min() < 0.01 for f in TRUTH[row]]
+            hits[name] += sum(near)
+            false[name] += values.size - sum(near)
+    # Of 15. On exact curves the kinks are sharp and take most of the orders; and |T| itself has branch points
+    # where its square has poles.
+    assert hits["eq10_squared"] > 2 * hits["eq10"]
+    assert max(false.values()) <= 1
 
 
-def test_only_the_printed_sum_warns():
-    with pytest.warns(AntiresWarning, match="eq10"):
-        warn_of_formulation("eq10")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        for name in ("joint", "power"):
-            warn_of_formulation(name)
+def test_one_transmissibility_alone_is_its_own_power(lines):
+    # With two channels Eq. 10 has one term, no kink in its size, and is what "power" fits.
+    two = Lines(lines.freq_hz, lines.vectors[[2, 5]], lines.snr)
+    for name in ("eq10_squared", "power"):
+        values = found_by(name, two, 0, PAPER).identified
+        inside = TRUTH[2][TRUTH[2] < 110.0]
+        near = [np.abs(values / f - 1.0).min() for f in inside]
+        assert max(near) < 1e-3, name
+
+
+def identified(structure, record, **options):
+    """Found and false values under preset="paper"."""
+    found = ar.identify_antiresonances(
+        record, excitation=0, band_hz=structure.band_hz, preset="paper", check="off", **options
+    )  # says nothing: warnings are errors here
+    matched = [match(found[dof], values) for dof, values in structure.truth().items()]
+    return sum(len(m.pairs) for m in matched), sum(len(m.false) for m in matched)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+def test_the_papers_preset_on_a_record(noise):
+    four = structure(*chain_matrices(CHAIN8_MASSES[:4], CHAIN8_SPRINGS[:3]))
+    found, false = identified(four, four.record(noise=noise, seed=7, duration_s=60.0))
+    assert (found >= 5, false <= 1) == (True, True), (found, false)  # of 6
+
+
+@campaign
+@pytest.mark.parametrize("seed", [7, 8, 9])
+def test_the_papers_preset_on_the_papers_chain(seed):
+    eight = structure(*chain8_matrices())
+    found, false = identified(eight, eight.record(noise=0.0, seed=seed))
+    assert (found >= 26, false <= 1) == (True, True), (found, false)  # of 28
+
+
+def test_the_papers_preset_on_frfs_keeps_its_rule():
+    three = structure(*chain_matrices(CHAIN8_MASSES[:3], CHAIN8_SPRINGS[:2]))
+    record = three.record(noise=0.01, seed=7, duration_s=30.0)
+    options = {"excitation": 0, "band_hz": three.band_hz, "route": "frf", "check": "off"}
+    by_preset = ar.identify_antiresonances(record, **options, preset="paper")
+    by_name = ar.identify_antiresonances(record, **options, preset="paper", formulation="joint")
+    assert by_preset == by_name
+    with pytest.raises(InvalidInputError, match="^formulation: got eq10_squared"):
+        ar.identify_antiresonances(record, **options, formulation="eq10_squared")
 
 
 def test_noise_at_one_percent():

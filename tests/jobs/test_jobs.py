@@ -244,6 +244,17 @@ elements = [3]
 pivot = 3
 bounds = [-5, 5]
 axis = [0, 0, 1]
+[[parameters]]
+kind = "length"
+elements = [2, 3]
+pivot = 2
+bounds = [0.9, 1.1]
+[[parameters]]
+kind = "position"
+nodes = [3, 4]
+direction = [0, 1, 0]
+together = true
+bounds = [-0.05, 0.05]
 """
     )
     job = job_of(tmp_path, text)
@@ -263,6 +274,8 @@ axis = [0, 0, 1]
         *ar.thickness(["thin"], bounds=(0.0015, 0.0025)),
         ar.diameter("thin", bounds=(0.018, 0.022)),
         ar.angle([3], 3, bounds_deg=(-5, 5)),
+        ar.length([2, 3], 2, bounds=(0.9, 1.1)),
+        ar.position([3, 4], "y", bounds_m=(-0.05, 0.05), together=True),
     ]
     assert len(places) == len(parameters)
 

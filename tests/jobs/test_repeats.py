@@ -48,7 +48,9 @@ def test_repeats_of_a_job(tmp_path, impacts):
     job, (one,) = measured(tmp_path, ["hit_*.npz"])
     assert one.found == wanted
     assert [path.name for path in one.repeats] == ["hit_1.npz", "hit_2.npz", "hit_3.npz"]
-    assert measurement_of(job, [one])[0]["File"] == [f"hit_{i}.npz" for i in range(4)]
+    facts = measurement_of(job, [one])[0]
+    assert facts["File"] == [f"hit_{i}.npz" for i in range(4)]
+    assert facts["Record"][0].startswith("4 records of one test, together 64 s at 512 Hz")
     _, (same,) = measured(tmp_path, ["hit_1.npz", "hit_2.npz", "hit_3.npz"])
     assert same.found == wanted
     _, (two,) = measured(tmp_path, "hit_1.npz")

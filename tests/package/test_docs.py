@@ -15,7 +15,17 @@ from tests.support.paths import DOCS
 pytestmark = pytest.mark.usefixtures("quick_pictures")
 
 #: Pages whose code runs from top to bottom; files.md and the recipes speak of files and packages of others.
-PAGES = ("start", "identify", "model", "parameters", "stabilization", "limits", "long_runs", "migration")
+PAGES = (
+    "start",
+    "identify",
+    "repeats",
+    "model",
+    "parameters",
+    "stabilization",
+    "limits",
+    "long_runs",
+    "migration",
+)
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -152,9 +152,8 @@ def test_a_model_without_partners_still_reports(tmp_path):
     # H_21 of this symmetric chain has its only antiresonance at a resonance that it does not see, and H_31
     # has none: nothing to pair with, until the springs differ.
     nominal = ar.MassSpringChain(np.ones(3), [500.0, 500.0])
-    problem = ar.UpdatingProblem(
-        nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), ar.AntiresonanceSet(0, {1: [3.5], 2: [4.0]})
-    )
+    measured = ar.AntiresonanceSet(0, {1: [3.5], 2: [4.0]}, sees="frf")
+    problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
     result = ar.update(problem, rng=0, workers=1, optimizer=ar.IslandGA(max_evaluations=1000))
     assert np.isnan(result.table.largest_before_percent)
     assert np.isnan(result.table.after_hz[1])

@@ -2,59 +2,70 @@ r"""Which function of the transmissibilities is fitted.
 
 For the antiresonances of dof j all T_pj = X_p / X_j have the poles sought. They can be fitted as
 
-========  ============================================================================================
-"joint"   all T_pj, one denominator (complex, in s)
-"power"   all abs(T_pj)^2, one denominator (real, in f^2; no phase), :mod:`~antires_rs.identification.power`
-"eq10"    sum_p abs(Re T_pj) + i abs(Im T_pj), Eq. 10 of the paper as printed
-========  ============================================================================================
+==============  ==========================================================================================
+"joint"         all T_pj, one denominator (complex, in s)
+"power"         all abs(T_pj)^2, one denominator (real, in f^2; no phase),
+                :mod:`~antires_rs.identification.power`
+"eq10"          abs(Y) of Eq. 10, Y = sum_p abs(Re T_pj) + i sum_p abs(Im T_pj) (real, in f^2)
+"eq10_squared"  abs(Y)^2 (real, in f^2); what ``preset="paper"`` takes
+==============  ==========================================================================================
 
 Measured on chain8 (28 antiresonances; 1 % damping, 200 s at 512 Hz, five seeds; found within 1 %, mean of the
-runs / false values a run / largest relative error / median error):
+runs / false values a run / largest relative error / median error), the last two by the paper's rule with
+orders to 70:
 
-===========  ============================  ============================  ============================
-formulation  no noise                      1 % noise                     5 % noise
-===========  ============================  ============================  ============================
-"joint"      28.0 / 0.0 / 4e-05 / 5e-06    28.0 / 0.0 / 1e-03 / 1e-05    27.6 / 0.0 / 5e-03 / 5e-05
-"power"      28.0 / 0.2 / 6e-05 / 7e-06    28.0 / 0.0 / 2e-03 / 2e-05    26.0 / 0.0 / 7e-03 / 9e-05
-"eq10"        5.0 / 3.2 / 1e-02 / 4e-03     5.8 / 9.0 / 9e-03 / 7e-03     4.4 / 4.8 / 1e-02 / 6e-03
-===========  ============================  ============================  ============================
+==============  ==========================  ==========================  ==========================
+formulation     no noise                    1 % noise                   5 % noise
+==============  ==========================  ==========================  ==========================
+"joint"         28.0 / 0.0 / 4e-05 / 5e-06  28.0 / 0.0 / 1e-03 / 1e-05  27.6 / 0.0 / 5e-03 / 5e-05
+"power"         28.0 / 0.2 / 6e-05 / 7e-06  28.0 / 0.0 / 2e-03 / 2e-05  26.0 / 0.0 / 7e-03 / 9e-05
+"eq10"          17.8 / 0.2 / 3e-03 / 1e-03  27.0 / 0.2 / 4e-03 / 7e-04  22.6 / 0.8 / 1e-02 / 1e-03
+"eq10_squared"  27.0 / 0.2 / 1e-03 / 2e-04  27.4 / 0.6 / 4e-03 / 3e-04  24.6 / 1.0 / 6e-03 / 6e-04
+==============  ==========================  ==========================  ==========================
 
-So "joint" is the default of the three. "power" needs no phase; what it gives up is the
-test that spurious poles fail in s, where they go to the right half plane. "eq10" is no rational function:
-the absolute values kink wherever a part changes sign. What is fitted to it sits beside the antiresonance, 0.4
-to 0.7 % at the median where the others are 0.001 to 0.02 % off, or is false. It is there to be looked at and
-to be compared with, and says so by a warning.
+So "joint" is the default of the four. "power" needs no phase; what it gives up is the test that spurious
+poles fail in s, where they go to the right half plane.
 
-Lines are weighted by SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2), over abs(D)^2 of a denominator guessed
-at order 4 (module ``first_guess``): without the guess "joint" finds 26.0 at 5 % noise,
+The last two are what the paper fits: the absolute value of one curve. Near an antiresonance all T_pj are one
+resonance with real factors, so that abs(Y)^2 is there that resonance's power, a rational function of f^2;
+abs(Y) is its root, with branch points where the square has poles. Away from it both have a kink wherever a
+part changes sign, sharp ones on curves without noise, which take orders: these two find less there than the
+joint fit, and their errors are larger.
+
+Lines of "joint" and "power" are weighted by SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2), over abs(D)^2 of
+a denominator guessed at order 4 (module ``first_guess``): without the guess "joint" finds 26.0 at 5 % noise,
 "power" 24.6. Only averaged records get it; the errors of given curves and single impacts are not white, and
-where the response is weak they would be followed.
+where the response is weak they would be followed. Those of Eq. 10 are weighted by (1 + abs(Y)^2)^-1/2 for the
+square, and alike for the root; this and their orders were chosen on random chains and one with a spring
+to ground (reference/structures.py, seeds 100 to 104).
 
 Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820 (Eq. 10 and the sum).
 """
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 
-from ..exceptions import AntiresWarning
 from ..order_sweep.diagram import PoleSweep
 from ..order_sweep.rule import Rule
 from ..rational.first_guess import guessed_weights
 from ..rational.fit import NestedFit
-from ..support.validation import ComplexArray, FloatArray, choice, reject
+from ..support.validation import FloatArray, choice, reject
 from .lines import Lines
 from .power import PowerFit, PowerSweep
 
-__all__ = ["CHOICES", "FORMULATIONS", "check_formulation", "sweep_of", "warn_of_formulation"]
+__all__ = ["CHOICES", "FORMULATIONS", "OF_MAGNITUDES", "check_formulation", "sweep_of"]
 
-FORMULATIONS = ("joint", "power", "eq10")
+FORMULATIONS = ("joint", "power", "eq10", "eq10_squared")
+#: Real functions of f^2; one number a line.
+OF_MAGNITUDES = FORMULATIONS[1:]
 CHOICES = ("auto", "numerators", *FORMULATIONS)
 # Order of the denominator guessed for the weights: the trend over the band, from which every order gains.
 # Higher ones find more near the noise, and false ones with them.
 GUESS_ORDER = 4
+#: Exponents of the absolute value of Eq. 10, and of 1 + its square in the weights: residuals of
+#: either are then weighed alike, since d(y^2) = 2 y dy.
+_EQ10 = {"eq10": (1, 0.5), "eq10_squared": (2, -0.5)}
 
 
 def sweep_of(
@@ -69,11 +80,11 @@ def sweep_of(
     row : int
         Of the dof whose antiresonances are wanted.
     min_order, max_order : int
-        In s. With few lines the highest is lowered to a third of the real numbers in the data: two a line,
-        for "power" one.
+        In s. With few lines the highest is lowered to a third of the real numbers in the data: two a line
+        for "joint", else one.
     rule : Rule
         Only ``min_rows`` is looked at.
-    formulation : {"joint", "power", "eq10"}
+    formulation : {"joint", "power", "eq10", "eq10_squared"}
         See the module.
 
     Returns
@@ -105,9 +116,14 @@ def sweep_of(
     power range(2, 21) [10.0, 10.0]
     """
     choice("formulation", formulation, FORMULATIONS)
-    per_line = 1 if formulation == "power" else 2
+    per_line = 1 if formulation in OF_MAGNITUDES else 2
     orders = rule.orders((min_order, max_order), lines.freq_hz.size, per_line=per_line)
     quotients, power = lines.quotients(row)
+    if formulation in _EQ10:
+        size = np.hypot(np.abs(quotients.real).sum(axis=0), np.abs(quotients.imag).sum(axis=0))
+        exponent, weighted = _EQ10[formulation]
+        fit = PowerFit(lines.freq_hz, size[None, :] ** exponent, (1.0 + size**2) ** weighted, orders[-1])
+        return PowerSweep(fit), orders, size
     weights = lines.capped_snr
     guess = guessed_weights(lines.freq_hz, power, GUESS_ORDER if lines.segments is not None else 0)
     if formulation == "power":
@@ -115,18 +131,8 @@ def sweep_of(
         squares = quotients.real**2 + quotients.imag**2
         fit = PowerFit(lines.freq_hz, squares, weights * guess**2 / (1.0 + power), orders[-1])
         return PowerSweep(fit), orders, power
-    target = _target(quotients, formulation)
-    own = power if formulation == "joint" else np.abs(target[0]) ** 2
-    nested = NestedFit(lines.freq_hz, target, weights * guess / (1.0 + own), orders[-1])
-    return PoleSweep(nested), orders, np.abs(target.sum(axis=0))
-
-
-def _target(quotients: ComplexArray, formulation: str) -> ComplexArray:
-    """The complex curves to be fitted, (n_outputs, n_freq)."""
-    if formulation == "eq10":
-        parts = np.abs(quotients.real).sum(axis=0) + 1j * np.abs(quotients.imag).sum(axis=0)
-        return np.asarray(parts[None, :])
-    return quotients
+    nested = NestedFit(lines.freq_hz, quotients, weights * guess / (1.0 + power), orders[-1])
+    return PoleSweep(nested), orders, np.abs(quotients.sum(axis=0))
 
 
 def check_formulation(formulation: str) -> str:
@@ -140,16 +146,3 @@ def check_formulation(formulation: str) -> str:
             "use formulation='joint'.",
         )
     return choice("formulation", formulation, CHOICES)
-
-
-def warn_of_formulation(formulation: str) -> None:
-    """Say of "eq10" that its values are for comparison only."""
-    if formulation == "eq10":
-        warnings.warn(
-            "formulation 'eq10': the sum of abs(Re T) + i abs(Im T) kinks at every change of sign and is no "
-            "rational function; on the eight-mass chain 4 to 6 of 28 values come out, 0.4 to 0.7 % off, and "
-            "three to nine false ones with them. Look at its peaks, and take the values from "
-            "formulation='joint'.",
-            AntiresWarning,
-            stacklevel=4,
-        )

@@ -41,7 +41,6 @@ from ..signals.repeats import one_source
 from ..support.progress import patient, step
 from ..support.validation import reject
 from .diagrams import diagrams_of
-from .formulations import warn_of_formulation
 from .options import DEFAULT, IdentificationOptions, checked_options
 from .repeat_scatter import independent_averages
 from .response_lines import lines_of
@@ -64,7 +63,7 @@ def identify_antiresonances(
     estimator: str = DEFAULT.estimator,
     preset: str | None = None,
     formulation: str | None = None,
-    max_order: int = DEFAULT.max_order,
+    max_order: int | None = None,
     min_order: int = DEFAULT.min_order,
     freq_tol: float | None = None,
     damping_tol: float | None = None,
@@ -105,16 +104,16 @@ def identify_antiresonances(
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
         :func:`~antires_rs.transmissibility` and
         :func:`~antires_rs.frf`.
-    formulation : {"auto", "numerators", "joint", "power", "eq10"}, optional
-        See the module, and :mod:`~antires_rs.identification.formulations` for the last two. "auto"
+    formulation : {"auto", "numerators", "joint", "power", "eq10", "eq10_squared"}, optional
+        See the module, and :mod:`~antires_rs.identification.formulations` for the last three. "auto"
         (default) takes "numerators" for averaged records, and from two impacts on, with
         ``estimator="rank1"``, else "joint".
     preset : {None, "paper", "strict", "sensitive"}
-        A named set of the options formulation, freq_tol to min_dominance and persistent, see
+        A named set of the options formulation, max_order, freq_tol to min_dominance and persistent, see
         :mod:`~antires_rs.order_sweep.presets`. What is given beside it wins.
     max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
-        As for :func:`~antires_rs.stabilization`. With few lines in the band the highest order
-        is lowered to two thirds of their number.
+        As for :func:`~antires_rs.stabilization`, or as the preset says. With few lines in the band the
+        highest order is lowered to two thirds of their number.
     persistent : bool, optional
         Accept also what is there in most orders without standing still. Default: True, or as the preset says.
     cross_check : {None, "aaa", "vector_fitting"}
@@ -133,9 +132,10 @@ def identify_antiresonances(
     Returns
     -------
     AntiresonanceSet
-        Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.std_hz`` with their standard deviations
-        ("numerators" only), ``.scores`` with what speaks for each, ``.diagrams`` with the evidence. A dof
-        without any antiresonance in the band has an empty array.
+        With ``sees=route``: transmissibilities have a peak also where the sensor sits on a node of a mode, a
+        root that cancels in its FRF. Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.std_hz``
+        with their standard deviations ("numerators" only), ``.scores`` with what speaks for each,
+        ``.diagrams`` with the evidence. A dof without any antiresonance in the band has an empty array.
 
     Raises
     ------
@@ -198,7 +198,6 @@ def identify_antiresonances(
             "persistent": persistent,
         },
     )
-    warn_of_formulation(options.formulation)
     one: Recording | FrequencyResponse = one_source(source)
     band = band_of(one, band_hz)
     excitation = label("excitation", excitation)
@@ -231,6 +230,8 @@ def identify_antiresonances(
         diagrams=found,
         data_check=checked,
         cross_check=compared,
+        sees="frf" if options.use_force else "transmissibility",
+        channels=one.dofs,
     )
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..order_sweep.presets import rule_options
+from ..order_sweep.presets import DEFAULTS, rule_options
 from ..order_sweep.rule import Rule
 from ..signals.averaging import Averaging
 from ..support.validation import choice, integer, reject
-from .formulations import check_formulation
+from .formulations import OF_MAGNITUDES, check_formulation
 
 __all__ = ["DEFAULT", "IdentificationOptions", "checked_options"]
 
@@ -33,7 +33,7 @@ class IdentificationOptions:
         From the responses alone, or from FRFs.
     estimator : {"rank1", "h1", "h2", "hv"}
         Of the response vectors.
-    formulation : {"auto", "numerators", "joint", "power", "eq10"}
+    formulation : {"auto", "numerators", "joint", "power", "eq10", "eq10_squared"}
         See :mod:`~antires_rs.identification.formulations`.
     min_order, max_order : int
         Orders of the sweep.
@@ -52,7 +52,7 @@ class IdentificationOptions:
     estimator: str = "rank1"
     formulation: str = "auto"
     min_order: int = 2
-    max_order: int = 60
+    max_order: int = DEFAULTS["max_order"]
     rule: Rule = field(default_factory=Rule)
     keep_common: bool = False
     cross_check: str | None = None
@@ -84,7 +84,7 @@ class IdentificationOptions:
                 "'rank1' with formulation='numerators'",
                 "That fit uses the whole spectral matrix; formulation='joint' takes any estimator.",
             )
-        if self.use_force and self.formulation in ("power", "eq10"):
+        if self.use_force and self.formulation in OF_MAGNITUDES:
             reject(
                 "formulation",
                 self.formulation,
@@ -108,7 +108,7 @@ def checked_options(
     *,
     formulation: str | None,
     min_order: int,
-    max_order: int,
+    max_order: int | None,
     cross_check: str | None,
     second_opinion: str | None,
     rule: dict[str, Any],
@@ -116,7 +116,10 @@ def checked_options(
 ) -> IdentificationOptions:
     """The options of a call: what is given beside a preset wins; None in ``rule`` stands for not given."""
     choice("persistent", rule["persistent"], (None, True, False))
-    chosen = rule_options(preset, formulation=formulation, **rule)
+    chosen = rule_options(preset, formulation=formulation, max_order=max_order, **rule)
+    if formulation is None and others.get("route") == "frf" and chosen["formulation"] in OF_MAGNITUDES:
+        # FRFs keep the preset's rule; sums and magnitudes are those of transmissibilities.
+        chosen["formulation"] = "joint"
     if second_opinion is not None:
         choice("second_opinion", second_opinion, CROSS_CHECKS)
         if cross_check not in (None, second_opinion):
@@ -131,7 +134,7 @@ def checked_options(
         averaging,
         formulation=chosen.pop("formulation"),
         min_order=min_order,
-        max_order=max_order,
+        max_order=chosen.pop("max_order"),
         rule=Rule(**chosen),
         cross_check=cross_check,
         **others,

@@ -123,7 +123,12 @@ IDENTIFICATION = Section(
             '"transmissibility" reads responses only, "frf" uses a measured force.',
             '"transmissibility"',
         ),
-        Key("formulation", "text", '"auto", "numerators", "joint", "power" or "eq10".', '"auto"'),
+        Key(
+            "formulation",
+            "text",
+            '"auto", "numerators", "joint", "power", "eq10" or "eq10_squared".',
+            '"auto"',
+        ),
         Key("estimator", "text", '"rank1", "h1", "h2" or "hv".', '"rank1"'),
         Key("method", "text", '"auto", "welch" for random records, "transient" for impacts.', '"auto"'),
         Key("nperseg", "whole", "Samples in a segment; by default chosen from the data."),

@@ -58,7 +58,8 @@ MODEL = Section(
             "sections",
             "table",
             'Name = { shape = "tube", outer_diameter_m, thickness_m, youngs_modulus_pa, '
-            'density_kg_per_m3 }, "rectangle" with width_m, height_m, or "general" with area_m2, inertia_m4.',
+            'density_kg_per_m3 }, "rectangle" with width_m, height_m, or "general" with area_m2, inertia_m4; '
+            'shear_coefficient = "cowper" or a number makes Timoshenko beams.',
             of=(FRAME,),
         ),
         Key("point_masses", "list", "[node, kg] or [node, kg, inertia in kg m2] of each.", of=(FRAME,)),
@@ -102,7 +103,7 @@ MODEL = Section(
     ),
 )
 
-ELEMENTS = ("stiffness_factor", "stiffness_reduction", "angle")
+ELEMENTS = ("stiffness_factor", "stiffness_reduction", "angle", "length")
 SECTIONED = ("youngs_modulus", "density", "thickness", "diameter")
 LUMPED, SUPPORT = ("point_mass", "inertia"), ("support_stiffness",)
 
@@ -115,13 +116,14 @@ PARAMETERS = Section(
             "text",
             "stiffness_factor, stiffness_reduction (of elements), mass_factor (of terms); for "
             "frames also youngs_modulus, density, thickness, diameter (of sections), point_mass, inertia (of "
-            "masses), support_stiffness (of springs), angle (of elements about a pivot).",
+            "masses), support_stiffness (of springs), angle (of elements about a pivot), length (of elements "
+            "from a pivot), position (of nodes along a direction).",
             required=True,
         ),
         Key(
             "bounds",
             "pair",
-            "Lower and upper bound: a factor, or a value in SI (degrees for an angle).",
+            "Lower and upper bound: a factor, or a value in SI (degrees for an angle, m for a position).",
             required=True,
         ),
         Key("elements", "terms", '"all" or a list such as [0, 1, 2].', of=ELEMENTS),
@@ -139,7 +141,7 @@ PARAMETERS = Section(
             "switch",
             "Whether one parameter acts on all of them.",
             "false",
-            of=(*ELEMENTS[:2], "mass_factor", *SECTIONED, *LUMPED, *SUPPORT),
+            of=(*ELEMENTS[:2], "mass_factor", *SECTIONED, *LUMPED, *SUPPORT, "position"),
         ),
         Key(
             "relative",
@@ -148,7 +150,11 @@ PARAMETERS = Section(
             "false",
             of=(*SECTIONED, *LUMPED, *SUPPORT),
         ),
-        Key("pivot", "whole", "The node about which the elements turn.", of=("angle",)),
+        Key("nodes", "terms", "A list of nodes.", of=("position",)),
+        Key("direction", "numbers", "The direction in which the nodes move, (x, y, z).", of=("position",)),
+        Key(
+            "pivot", "whole", "The node about which the elements turn, or that stays.", of=("angle", "length")
+        ),
         Key("axis", "numbers", "The axis, in space.", "[0, 0, 1]", of=("angle",)),
     ),
     "must",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..models import frame_parameters as frames
+from ..models import geometry_parameters as geometry
 from ..models import parameters as terms
 from ..models.frame import FrameModel
 from ..models.parameters import Parameter
@@ -25,8 +26,13 @@ _KINDS: dict[str, tuple[Any, str]] = {
     **{kind: (getattr(frames, kind), "sections") for kind in SECTIONED},
     **{kind: (getattr(frames, kind), "masses") for kind in LUMPED},
     **{kind: (getattr(frames, kind), "springs") for kind in SUPPORT},
-    "angle": (frames.angle, "elements"),
+    "angle": (geometry.angle, "elements"),
+    "length": (geometry.length, "elements"),
+    "position": (geometry.position, "nodes"),
 }
+#: Names of bounds that have a unit, and what some kinds cannot do without.
+_BOUNDS = {"angle": "bounds_deg", "position": "bounds_m"}
+_NEEDED = {"angle": "pivot", "length": "pivot", "position": "direction"}
 #: Keys of [search] that are not options of the optimizer.
 _OURS = {"seed", "workers", "max_seconds", "checkpoint"}
 
@@ -52,11 +58,11 @@ def parameters_of(job: Job, model: StructuralModel) -> tuple[list[Parameter], li
         options: dict[str, Any] = {
             key: table[key] for key in ("together", "relative", "axis") if key in table
         }
-        options["bounds_deg" if kind == "angle" else "bounds"] = table["bounds"]
-        if kind == "angle":
-            if "pivot" not in table:
-                job.missing(place, "pivot")
-            options["pivot"] = table["pivot"]
+        options[_BOUNDS.get(kind, "bounds")] = table["bounds"]
+        if (needed := _NEEDED.get(kind)) is not None:
+            if needed not in table:
+                job.missing(place, needed)
+            options[needed] = table[needed]
         chosen = _everything(model, on) if table[on] == "all" else table[on]
         if chosen == []:
             job.reject(
@@ -95,6 +101,8 @@ def _everything(model: StructuralModel, on: str) -> list[Any]:
         return list(range(model._core.n_mass_terms))
     if not isinstance(model, FrameModel):
         return []
+    if on == "nodes":
+        return list(range(len(model.nodes_m)))
     return list(
         model.sections
         if on == "sections"

@@ -9,6 +9,7 @@ it knows no record and no structure.
 - ``tables``, ``edits``, ``set_file``, ``evidence``: what a caller gives, checked; a drop or add; its JSON;
   what a set asks of its data check and cross-check
 - ``compare``, ``track`` with ``tracks``, ``merge`` with ``joined``: several sets; on ``matching``, who is
-  whose partner, ``significance``, is it more than the errors, and ``layout``, tables as text
+  whose partner, ``significance``, is it more than the errors, ``repeatability``, the scatter of repeats, and
+  ``layout``, tables as text
 - ``modal_set``: resonances, damping ratios, shapes
 """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Self
@@ -19,6 +19,7 @@ from .edited_tables import EditedTables
 from .edits import Edit, described, marked
 from .evidence import CrossCheck, DataCheck
 from .printed import rows_printed
+from .sight import Sees, channels_of, checked_sees, moved_channels
 from .tables import label, tables_of
 
 __all__ = ["AntiresonanceSet", "Edit"]
@@ -37,12 +38,20 @@ class AntiresonanceSet(EditedTables):
     damping_ratio, std_hz : mapping of dof to array_like, optional
         Damping ratio and standard deviation of each, in the order of ``freq_hz``; NaN where not known.
         Dofs may be missing.
+    sees : {"frf", "transmissibility", None}
+        What the antiresonances were identified from, see Notes.
+    channels : iterable of dof, optional
+        All responses that were measured together, with or without antiresonances here. Default: those of
+        ``freq_hz``.
     scores, diagrams, data_check, cross_check : optional
         See Attributes.
 
     Attributes
     ----------
     excitation : int or str
+    sees : str or None
+    channels : tuple of dof
+        Empty where some of them have no name here, see :meth:`relabelled`.
     tables : dict
         By dof: one :class:`~antires_rs.order_sweep.table.ResponseTable`, from which the next three are taken.
     damping_ratio, std_hz : dict
@@ -65,6 +74,16 @@ class AntiresonanceSet(EditedTables):
     InvalidInputError
         Frequencies that are not positive and finite, or companions of another length or dof.
 
+    Notes
+    -----
+    Where a sensor sits on a node of a mode, the root of its numerator on that resonance cancels in its FRF.
+    In transmissibilities to it the other responses still resonate: they have a peak there. They lose only
+    roots that all ``channels`` share. So a model is compared with its antiresonances less the cancelled ones
+    for ``sees="frf"``, and for ``sees="transmissibility"`` with the cancelled ones that not all channels
+    share. With None, for sets made by hand and from older files, a cancelled root may be the partner of a
+    measured value, and nothing is missed where none is. :func:`~antires_rs.identify_antiresonances` sets it
+    by its route.
+
     Examples
     --------
     >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
@@ -83,6 +102,8 @@ class AntiresonanceSet(EditedTables):
     _diagrams: FrozenDict[Any, Any]
     _data_check: DataCheck | None
     _cross_check: CrossCheck | None
+    _sees: Sees
+    _channels: tuple[Any, ...]
 
     def __init__(
         self,
@@ -91,13 +112,21 @@ class AntiresonanceSet(EditedTables):
         damping_ratio: Mapping[Any, Any] | None = None,
         std_hz: Mapping[Any, Any] | None = None,
         *,
+        sees: Sees = None,
+        channels: Iterable[Any] | None = None,
         scores: Mapping[Any, Mapping[str, Any]] | None = None,
         diagrams: Mapping[Any, Any] | None = None,
         data_check: DataCheck | None = None,
         cross_check: CrossCheck | None = None,
     ) -> None:
         super().__init__(label("excitation", excitation), tables_of(freq_hz, damping_ratio, std_hz, scores))
-        self._fill(_diagrams=FrozenDict(diagrams or {}), _data_check=data_check, _cross_check=cross_check)
+        self._fill(
+            _diagrams=FrozenDict(diagrams or {}),
+            _data_check=data_check,
+            _cross_check=cross_check,
+            _sees=checked_sees(sees),
+            _channels=channels_of(channels, tuple(self)),
+        )
 
     @classmethod
     def from_tables(
@@ -118,10 +147,11 @@ class AntiresonanceSet(EditedTables):
         edits, before : optional
             What was edited by hand in these tables, and the tables before it.
         **evidence
-            ``diagrams``, ``data_check``, ``cross_check`` as for the constructor.
+            ``sees``, ``channels``, ``diagrams``, ``data_check``, ``cross_check`` as for the constructor.
         """
         new = cls(excitation, {dof: table.freq_hz for dof, table in tables.items()}, **evidence)
-        original = cls.from_tables(excitation, before) if edits and before is not None else None
+        sight: dict[str, Any] = {name: evidence.get(name) for name in ("sees", "channels")}
+        original = cls.from_tables(excitation, before, **sight) if edits and before is not None else None
         return new._with(
             _tables=FrozenDict(zip(new, tables.values(), strict=True)),
             _edits=tuple(edits),
@@ -136,7 +166,8 @@ class AntiresonanceSet(EditedTables):
         excitation : int or str
             The dof of the force.
         dofs : mapping of dof to int or str
-            The new name of each; dofs that it lacks are left out.
+            The new name of each; dofs that it lacks are left out. If ``channels`` are among these, what all
+            of them share cannot be told any more, and ``channels`` is empty.
 
         Raises
         ------
@@ -169,8 +200,23 @@ class AntiresonanceSet(EditedTables):
 
         edits = [replace(edit, dof=dofs[edit.dof]) for edit in self.edits if edit.dof in dofs]
         return self.from_tables(
-            excitation, moved(self.tables), edits=edits, before=moved(self.original().tables)
+            excitation,
+            moved(self.tables),
+            edits=edits,
+            before=moved(self.original().tables),
+            sees=self.sees,
+            channels=moved_channels(self.channels, dofs),
         )
+
+    @property
+    def sees(self) -> Sees:
+        """What it was identified from: "frf", "transmissibility", or None where that is not known."""
+        return self._sees
+
+    @property
+    def channels(self) -> tuple[Any, ...]:
+        """All responses that were measured together; empty where some of them have no name here."""
+        return self._channels
 
     @property
     def diagrams(self) -> Mapping[Any, Any]:
@@ -285,7 +331,11 @@ class AntiresonanceSet(EditedTables):
     def to_json(self) -> str:
         """The text that :meth:`save` writes."""
         return set_file.to_json(
-            self.excitation, self.tables, self.edits, self.original().tables if self.edits else None
+            self.excitation,
+            self.tables,
+            self.edits,
+            self.original().tables if self.edits else None,
+            (self.sees, self.channels),
         )
 
     @classmethod
@@ -320,6 +370,8 @@ class AntiresonanceSet(EditedTables):
                 {dof: marked(table, dof, edits) for dof, table in tables_of(**data["now"]).items()},
                 edits=edits,
                 before=None if before is None else tables_of(**before),
+                sees=data["sees"],
+                channels=data["channels"],
             )
         except (TypeError, ValueError) as exc:
             raise set_file.damaged(name, exc) from exc

@@ -14,7 +14,7 @@ from ..support.validation import FloatArray, finite_scalar, reject
 from .antiresonance_set import AntiresonanceSet
 from .layout import aligned, number
 from .matching import MAX_SHIFT, check_set, check_shift, paired, variance_hz
-from .significance import averages_of, holm, of_all, of_each
+from .significance import averages_of, common_part, holm, of_all, of_each
 
 __all__ = ["Comparison", "compare"]
 
@@ -146,6 +146,7 @@ def compare(
     alpha: float = 0.01,
     max_shift: float = MAX_SHIFT,
     std_between: float = 0.0,
+    std_common: float = 0.0,
 ) -> Comparison:
     """Match two sets of one structure, and test whether they differ.
 
@@ -159,9 +160,11 @@ def compare(
         Largest relative difference of two values that are taken for one, up to 0.5, see
         :mod:`antires_rs.measured.matching`.
     std_between : float
-        Relative standard deviation of one value from test to test of an unchanged structure (temperature,
-        mounting, sensors), which the standard deviations of a set from a single test do not contain. Repeats
-        tell it: ``track([...]).std_between``. Without it every change counts, that of the weather too.
+        Relative standard deviation of one value from test to test of an unchanged structure (mounting,
+        sensors), each by itself, which the standard deviations of a set from a single test do not contain.
+    std_common : float
+        The same of what moves all values alike (temperature). Repeats tell both: ``track([...]).std_between``
+        and ``.std_common``. Without them every change counts, that of the weather too.
 
     Returns
     -------
@@ -191,6 +194,7 @@ def compare(
     shift = check_shift(max_shift)
     rate = finite_scalar("alpha", alpha, low=0.0, high=1.0, low_open=True, high_open=True)
     between = finite_scalar("std_between", std_between, low=0.0, high=0.5)
+    common_std = finite_scalar("std_common", std_common, low=0.0, high=0.5)
     if a.excitation != b.excitation:
         reject(
             "b", f"a set of force at {b.excitation!r}", f"that of a, {a.excitation!r}", "Compare like tests."
@@ -198,17 +202,18 @@ def compare(
     common = [dof for dof in a if dof in b]
     if not common:
         reject("b", f"dofs {tuple(b)}", f"some of {tuple(a)}", "Compare sets of the same responses.")
-    columns: dict[str, list[Any]] = {name: [] for name in ("dof", "a_hz", "b_hz", "variance", "averages")}
+    columns: dict[str, list[Any]] = {name: [] for name in ("dof", "a_hz", "b_hz", "own", "averages")}
     alone: tuple[dict[Any, FloatArray], dict[Any, FloatArray]] = ({}, {})
     for dof in common:
         one, other = a.tables[dof], b.tables[dof]
         variance = variance_hz(one, between)[:, None] + variance_hz(other, between)
-        pairs = paired(one.freq_hz, other.freq_hz, shift, variance)
+        alike = 2.0 * (common_std * one.freq_hz[:, None]) ** 2
+        pairs = paired(one.freq_hz, other.freq_hz, shift, variance + alike)
         for i, k in pairs:
             columns["dof"].append(dof)
             columns["a_hz"].append(one.freq_hz[i])
             columns["b_hz"].append(other.freq_hz[k])
-            columns["variance"].append(variance[i, k])
+            columns["own"].append(variance[i, k])
             columns["averages"].append(min(averages_of(one)[i], averages_of(other)[k]))
         for side, table, used in ((0, one, [i for i, _ in pairs]), (1, other, [k for _, k in pairs])):
             rest = np.delete(table.freq_hz, used)
@@ -217,11 +222,13 @@ def compare(
     dofs = np.empty(len(columns["dof"]), dtype=object)
     dofs[:] = columns.pop("dof")
     made = {name: np.array(column, dtype=np.float64) for name, column in columns.items()}
-    std, difference = np.sqrt(made["variance"]), made["b_hz"] - made["a_hz"]
     # A deviation of zero says that the value is exact: as good as not known.
-    std = np.where(std > 0.0, std, np.nan)
+    own, difference = np.sqrt(np.where(made["own"] > 0.0, made["own"], np.nan)), made["b_hz"] - made["a_hz"]
+    alike = np.sqrt(2.0) * common_std * made["a_hz"]
+    std = np.hypot(own, alike)
     p = of_each(difference, std, made["averages"])
-    total, freedom, p_all = of_all(p)
+    shared = common_part(difference / own, alike / own)
+    total, freedom, p_all = of_all(of_each(difference - alike * shared, own, made["averages"]), shared)
     return Comparison(
         excitation=a.excitation,
         dof=frozen(dofs),

@@ -12,6 +12,7 @@ from ..support.validation import choice, finite_scalar, reject
 from .antiresonance_set import AntiresonanceSet
 from .joined import disagreements, joined
 from .matching import MAX_SHIFT, check_sets, check_shift
+from .sight import sight_of_all
 from .tables import label
 
 __all__ = ["merge_setups"]
@@ -104,6 +105,7 @@ def merge_setups(
             else next(iter(tables.values()))
             for dof, tables in shared.items()
         },
+        **sight_of_all(given, force),
     )
 
 

@@ -1,7 +1,9 @@
 """An AntiresonanceSet as JSON.
 
 Version 1 holds excitation and, by dof, freq_hz, damping_ratio and std_hz. Version 2 adds the scores, the
-edits made by hand, and the values as they were before the first of them. What is not known is null.
+edits made by hand, and the values as they were before the first of them. "sees" (what it was identified from)
+and "channels" (all dofs measured together) may follow; older versions of the package read such files too.
+What is not known is null.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from ..exceptions import InvalidInputError
 from ..order_sweep.table import ResponseTable
 from ..support.validation import reject
 from .edits import Edit
+from .sight import Sees
 
 FORMAT = "antires_rs.AntiresonanceSet"
 VERSION = 2
@@ -30,14 +33,16 @@ def to_json(
     tables: Mapping[Any, ResponseTable],
     edits: tuple[Edit, ...],
     before: Mapping[Any, ResponseTable] | None,
+    sight: tuple[Sees, tuple[Any, ...]],
 ) -> str:
-    """The file's text; ``before`` holds the tables before the first edit."""
-    data: dict[str, Any] = {
-        "format": FORMAT,
-        "version": VERSION,
-        "excitation": excitation,
-        "dofs": _rows(tables),
-    }
+    """The file's text; ``before`` holds the tables before the first edit, ``sight`` sees and channels."""
+    data: dict[str, Any] = {"format": FORMAT, "version": VERSION, "excitation": excitation}
+    sees, channels = sight
+    if sees is not None:
+        data["sees"] = sees
+    if channels != tuple(tables):
+        data["channels"] = list(channels)
+    data["dofs"] = _rows(tables)
     if edits and before is not None:
         data["edits"] = [asdict(edit) for edit in edits]
         data["before_edits"] = _rows(before)
@@ -45,7 +50,7 @@ def to_json(
 
 
 def from_json(text: str, path: str) -> dict[str, Any]:
-    """excitation, columns and scores, edits, and columns and scores before them (None without edits)."""
+    """excitation, sees, channels, columns and scores, edits, and columns and scores before them (or None)."""
     wanted = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
     try:
         data = json.loads(text)
@@ -59,6 +64,8 @@ def from_json(text: str, path: str) -> dict[str, Any]:
         edits = tuple(_edit(row) for row in data.get("edits", ()))
         return {
             "excitation": data["excitation"],
+            "sees": data.get("sees"),
+            "channels": data.get("channels"),
             "now": _read(data["dofs"]),
             "edits": edits,
             "before": _read(data["before_edits"]) if edits else None,

@@ -9,6 +9,13 @@ sets (Welch's conservative choice). With p_i of each, the test of all is
 with as many degrees of freedom as values. It takes the values of different responses for independent; on the
 eight-mass chain their correlations are below 0.5, and 0.08 at the root mean square.
 
+What moves all values alike from test to test (temperature, mostly), with a relative standard deviation c, is
+no difference. With l_i = sqrt(2) c f_i / std_i its likeliest size and what it leaves are
+
+    g = sum_i l_i d_i / (1 + sum_i l_i^2),      d_i - l_i g      (d_i: the difference over its own deviation),
+
+and chi^2 is that of the rests plus g^2: the quadratic form of d in the inverse of its covariance 1 + l l'.
+
 Which single values have changed is told at the same rate of false alarms for all of them together (Holm).
 
 References: B. L. Welch, Biometrika 34 (1947) 28-35; R. A. Fisher, Statistical Methods for Research Workers,
@@ -23,7 +30,7 @@ from numpy.typing import NDArray
 from ..order_sweep.table import ResponseTable
 from ..support.validation import FloatArray
 
-__all__ = ["AVERAGES", "averages_of", "holm", "of_all", "of_each"]
+__all__ = ["AVERAGES", "averages_of", "common_part", "holm", "of_all", "of_each"]
 
 #: Independent averages behind a standard deviation where a set does not tell.
 AVERAGES = 15.0
@@ -44,8 +51,10 @@ def of_each(difference: FloatArray, std: FloatArray, averages: FloatArray) -> Fl
         return np.asarray(2.0 * t.sf(np.abs(difference) / std, averages))
 
 
-def of_all(p: FloatArray) -> tuple[float, int, float]:
+def of_all(p: FloatArray, common: float = 0.0) -> tuple[float, int, float]:
     """Chi-square, its degrees of freedom, and the probability of one as large by chance.
+
+    ``common`` is g of the module, whose square is added.
 
     Examples
     --------
@@ -59,8 +68,15 @@ def of_all(p: FloatArray) -> tuple[float, int, float]:
 
     known = p[~np.isnan(p)]
     # Of one degree of freedom: the square of the normal deviate. A p of 0 is one that underflowed.
-    total = float(chi2.isf(np.maximum(known, 1e-300), 1).sum())
+    total = float(chi2.isf(np.maximum(known, 1e-300), 1).sum()) + common**2
     return total, known.size, float(chi2.sf(total, known.size)) if known.size else float("nan")
+
+
+def common_part(scaled: FloatArray, load: FloatArray) -> float:
+    """g of the module, from the differences over their own deviations and l, (n,) each; NaN are left out."""
+    there = ~np.isnan(scaled)
+    d, share = scaled[there], load[there]
+    return float(share @ d / (1.0 + share @ share))
 
 
 def holm(p: FloatArray, alpha: float) -> NDArray[np.bool_]:

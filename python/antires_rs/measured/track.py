@@ -16,6 +16,10 @@ from .tracks import TrackEvent, Tracks
 __all__ = ["track"]
 
 
+# Two values nearer than this may become one; farther apart, one of them was lost.
+NEIGHBOUR = 0.02
+
+
 class _Track:
     """One antiresonance so far: where it was last, and the row of every test that has it."""
 
@@ -59,7 +63,7 @@ def track(
     -----
     From test to test the values of a response are assigned to the tracks, all at once and none twice
     (:mod:`antires_rs.measured.matching`), each track being where it was seen last. What a track loses has
-    "merged" if its neighbour, nearer than ``max_shift`` when both were last seen, is still there: two
+    "merged" if a neighbour, nearer than 2 % when both were last seen, is still there: two
     antiresonances that cannot be told apart any more, or have become a complex pair. Else it is "lost".
 
     Examples
@@ -129,7 +133,7 @@ def _followed(
             if i in pairs and not was:
                 events.append(("back", test, i, float(table.freq_hz[pairs[i]])))
             elif was and i not in pairs:
-                near = np.abs(where / where[i] - 1.0) <= shift
+                near = np.abs(where / where[i] - 1.0) <= NEIGHBOUR
                 merged = any(near[k] and k != i for k in pairs if test - 1 in tracks[k].rows)
                 events.append(("merged" if merged else "lost", test, i, float(where[i])))
         for i, row in pairs.items():

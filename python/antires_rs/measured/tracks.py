@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 from ..support.pickling import ReadOnly
 from ..support.validation import FloatArray
 from .layout import aligned, number
+from .repeatability import scatter
 
 __all__ = ["TrackEvent", "Tracks"]
-
-#: Fewest values of a track that tell of the scatter between tests.
-LEAST = 2
 
 
 @dataclass(frozen=True)
@@ -84,22 +82,20 @@ class Tracks(ReadOnly):
 
     @property
     def std_between(self) -> float:
-        """Relative scatter from test to test beyond the stated deviations, if all tests are repeats.
+        """Relative scatter of one value from test to test beyond its stated deviation, if tests are repeats.
 
-        The median over the tracks of their variances, corrected for that of a chi-square with as many degrees
-        of freedom, less the median of the stated variances; at least 0, NaN without a track of two tests.
+        See :mod:`antires_rs.measured.repeatability`; 0 where the stated deviations explain all of it, NaN
+        without an antiresonance that two tests have.
         """
-        from scipy.stats import chi2  # slow to import
+        return scatter(self.freq_hz, self.std_hz)[0]
 
-        seen = np.sum(~np.isnan(self.freq_hz), axis=0)
-        some = seen >= LEAST
-        if not some.any():
-            return float("nan")
-        freq, free = self.freq_hz[:, some], seen[some] - 1
-        middle = np.nanmean(freq, axis=0)
-        scatter = np.nansum((freq / middle - 1.0) ** 2, axis=0) / chi2.ppf(0.5, free)
-        stated = np.nan_to_num(self.std_hz[:, some] / middle) ** 2
-        return float(np.sqrt(max(0.0, np.median(scatter) - np.median(stated[~np.isnan(freq)]))))
+    @property
+    def std_common(self) -> float:
+        """Relative scatter from test to test that moves all values alike, if tests are repeats.
+
+        See :mod:`antires_rs.measured.repeatability`.
+        """
+        return scatter(self.freq_hz, self.std_hz)[1]
 
     def of(self, dof: Any) -> NDArray[np.int64]:
         """Columns of one response."""

@@ -26,7 +26,9 @@ __all__ = ["FrameModel"]
 
 
 class FrameModel(StructuralModel):
-    """Euler-Bernoulli beams with consistent mass, in the plane (u, v, theta) or in space (six dofs a node).
+    """Beams with consistent mass, in the plane (u, v, theta) or in space (six dofs a node).
+
+    Euler-Bernoulli beams, or Timoshenko beams where a section has a shear coefficient.
 
     Parameters
     ----------
@@ -129,7 +131,9 @@ class FrameModel(StructuralModel):
     @property
     def sections(self) -> dict[str | int, AnySection]:
         """Sections by name, or by index where they have none, with the values of this state."""
-        return dict(zip(self._recipe.section_names, map(section_of, self._frame.sections()), strict=True))
+        recipe = self._recipe
+        now = map(section_of, self._frame.sections(), recipe.sections)
+        return dict(zip(recipe.section_names, now, strict=True))
 
     @property
     def element_sections(self) -> list[str | int]:

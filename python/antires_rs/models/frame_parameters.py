@@ -1,4 +1,4 @@
-"""Updating parameters of a :class:`~antires_rs.FrameModel`: sections, masses, supports and angles.
+"""Updating parameters of a :class:`~antires_rs.FrameModel`: sections, masses and supports.
 
 Values have units, and replace those of the model; with ``relative=True`` they are factors on them, which also
 lets one parameter act on carriers of different values. Sections are named, or counted from zero.
@@ -8,21 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
+from .parameter import build
 
-from ..support.validation import finite_scalar, integer, real_array, reject, shape_of
-from .parameter import Parameter, build
-
-__all__ = [
-    "angle",
-    "density",
-    "diameter",
-    "inertia",
-    "point_mass",
-    "support_stiffness",
-    "thickness",
-    "youngs_modulus",
-]
+__all__ = ["density", "diameter", "inertia", "point_mass", "support_stiffness", "thickness", "youngs_modulus"]
 
 
 def youngs_modulus(
@@ -243,53 +231,3 @@ def support_stiffness(
     (0, 1)
     """
     return build("support_stiffness", springs, bounds, together, name="springs", relative=relative)
-
-
-def angle(
-    elements: Any, pivot: int, *, bounds_deg: tuple[float, float], axis: Any = (0.0, 0.0, 1.0)
-) -> Parameter:
-    """Angle in degrees by which a group of elements, and all downstream of it, turns about a node.
-
-    The nodes of the group and all that are reached from them without passing the pivot are rotated, and the
-    elements formed again from the new coordinates: a free structure stays free at any angle. Supports and
-    sensors keep their directions. Several angles act in their order, each about its pivot where it then is.
-
-    Parameters
-    ----------
-    elements : int or sequence of int
-        Zero-based elements of the group; one of them ends at the pivot.
-    pivot : int
-        Zero-based node that stays.
-    bounds_deg : (float, float)
-        Degrees, positive from x to y; 0 is the model as it was given.
-    axis : (float, float, float)
-        Axis of the rotation, for frames in space.
-
-    Returns
-    -------
-    Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order, an element listed twice, a zero axis. (That the group lies in a loop, or away
-        from the pivot, is found when the parameter meets its model.)
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> ar.angle([4, 5], pivot=5, bounds_deg=(-5.0, 5.0)).bounds
-    (-5.0, 5.0)
-    """
-    group = build(
-        "angle",
-        [elements] if shape_of(elements) == () else elements,
-        bounds_deg,
-        together=True,
-        pivot=integer("pivot", pivot, low=0),
-    )
-    direction = real_array("axis", axis, ndim=1, wanted="a direction (x, y, z)")
-    if direction.shape != (3,) or not np.any(direction):
-        reject("axis", axis, "a direction (x, y, z) that is not zero", "Leave it out for (0, 0, 1).")
-    x, y, z = (finite_scalar("axis", value) for value in direction)
-    return Parameter("angle", group.terms, group.bounds, pivot=group.pivot, axis=(x, y, z))

@@ -32,6 +32,8 @@ Quantity = Literal[
     "inertia",
     "support_stiffness",
     "angle",
+    "length",
+    "position",
 ]
 
 #: What each quantity is called, its unit, and the least value it may have (and whether that is excluded).
@@ -47,13 +49,18 @@ QUANTITIES: dict[Quantity, tuple[str, str, float, bool]] = {
     "inertia": ("inertia", "kg m2", 0.0, False),
     "support_stiffness": ("stiffness", "N/m", 0.0, False),
     "angle": ("angle", "deg", -np.inf, False),
+    "length": ("length", "", 0.0, True),
+    "position": ("position", "m", -np.inf, False),
 }
 #: Their terms are sections, which may have names.
 OF_SECTIONS = ("youngs_modulus", "density", "thickness", "diameter")
 #: Values of these quantities have units and need a model to have a nominal value.
 _PROPERTIES = (*OF_SECTIONS, "point_mass", "inertia", "support_stiffness")
 
-#: (quantity, terms, relative, (pivot, axis)) as the core takes it.
+#: They move nodes; of these, those that have a pivot.
+_MOVES, _ABOUT_A_NODE = ("angle", "length", "position"), ("angle", "length")
+
+#: (quantity, terms, relative, (pivot or 0, axis or zeros)) as the core takes it; None for what moves no node.
 CoreParameter = tuple[str, list[int], bool, tuple[int, tuple[float, float, float]] | None]
 
 
@@ -66,16 +73,18 @@ class Parameter:
     quantity : str
         ``'stiffness_reduction'`` (K_i scaled by 1 - beta), ``'stiffness_factor'``, ``'mass_factor'``; of
         frames ``'youngs_modulus'`` (Pa), ``'density'`` (kg/m3), ``'thickness'`` and ``'diameter'`` (m),
-        ``'point_mass'`` (kg), ``'inertia'`` (kg m2), ``'support_stiffness'`` (N/m), ``'angle'`` (degrees).
+        ``'point_mass'`` (kg), ``'inertia'`` (kg m2), ``'support_stiffness'`` (N/m), ``'angle'`` (degrees),
+        ``'length'`` (a factor), ``'position'`` (m).
     terms : tuple of int or str
         Zero-based: stiffness or mass terms of the model; sections (or their names), point masses or springs
-        to ground; the elements of an angle's group.
+        to ground; the elements of an angle's or length's group; the nodes of a position.
     bounds : (float, float)
         Lower and upper bound of the value, in the unit above.
     relative : bool
         The value of a frame's property is a factor on the nominal one.
     pivot, axis
-        Of an angle: the node about which, and the axis around which the group turns.
+        Of an angle: the node about which, and the axis around which the group turns. Of a length: the node
+        that stays. Of a position: the direction, as a unit vector.
 
     Examples
     --------
@@ -104,12 +113,12 @@ class Parameter:
         for i, term in enumerate(self.terms):
             if not (isinstance(term, str) and self.quantity in OF_SECTIONS):
                 integer(part("terms", i), term, low=0)
-        if (self.pivot is None) == (self.quantity == "angle"):
+        if (self.pivot is None) == (self.quantity in _ABOUT_A_NODE):
             reject(
                 "pivot",
                 self.pivot,
-                "a node for an angle, and None for anything else",
-                "Make parameters of angles by antires_rs.angle.",
+                "a node for an angle or a length, and None for anything else",
+                "Make such parameters by antires_rs.angle and antires_rs.length.",
             )
         if self.relative and self.quantity not in _PROPERTIES:
             reject(
@@ -122,11 +131,11 @@ class Parameter:
 
     @property
     def nominal(self) -> float | None:
-        """Value at which the model is as it was given: 0 for a reduction or angle, 1 for a factor.
+        """Value at which the model is as it was given: 0 for a reduction, angle or position, 1 for a factor.
 
         None for a property with a unit, whose nominal value is the model's; see ``UpdatingProblem.nominal``.
         """
-        if self.quantity in ("stiffness_reduction", "angle"):
+        if self.quantity in ("stiffness_reduction", "angle", "position"):
             return 0.0
         return None if self.quantity in _PROPERTIES and not self.relative else 1.0
 
@@ -137,7 +146,8 @@ class Parameter:
         """
         if self.quantity == "stiffness_reduction":
             return value - 1.0
-        return 0.0 if self.quantity in ("thickness", "diameter", "angle") else value
+        geometry = ("thickness", "diameter", "angle", "length", "position")
+        return 0.0 if self.quantity in geometry else value
 
 
 def parameter_tuple(parameters: Any) -> tuple[Parameter, ...]:
@@ -161,13 +171,14 @@ def core_parameters(
     """Parameters as the core takes them, the names of sections resolved, none listed twice."""
     parts: list[CoreParameter] = []
     for p in parameters:
-        turn = None if p.pivot is None else (p.pivot, p.axis)
+        moves = (p.pivot or 0, p.axis) if p.quantity in _MOVES else None
         indices = [term if isinstance(term, int) else section_index(term) for term in p.terms]
-        parts.append((p.quantity, indices, p.relative, turn))
+        parts.append((p.quantity, indices, p.relative, moves))
+    # Several angles, lengths and positions may move one node.
     acting = [
-        (quantity, turn, tuple(terms)) if turn else (quantity, term)
-        for quantity, terms, _, turn in parts
-        for term in (terms[:1] if turn else terms)
+        (quantity, moves, tuple(terms)) if moves else (quantity, term)
+        for quantity, terms, _, moves in parts
+        for term in (terms[:1] if moves else terms)
     ]
     twice = {pair for pair in acting if acting.count(pair) > 1}
     if twice:
@@ -189,6 +200,7 @@ def build(
     name: str = "elements",
     relative: bool = False,
     pivot: int | None = None,
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0),
 ) -> Any:
     """One parameter of a single term, or one each of a sequence, or one of all together."""
     limits = _bounds(bounds, quantity, relative)
@@ -199,7 +211,7 @@ def build(
         return integer(where, term, low=0)
 
     if shape_of(terms) == ():
-        return Parameter(quantity, (checked(name, terms),), limits, relative, pivot)
+        return Parameter(quantity, (checked(name, terms),), limits, relative, pivot, axis)
     indices = [checked(part(name, i), t) for i, t in enumerate(terms)]
     if not indices:
         reject(
@@ -217,7 +229,7 @@ def build(
             "Remove the repeated ones.",
         )
     groups: Iterable[tuple[int | str, ...]] = [tuple(indices)] if together else [(t,) for t in indices]
-    built = [Parameter(quantity, group, limits, relative, pivot) for group in groups]
+    built = [Parameter(quantity, group, limits, relative, pivot, axis) for group in groups]
     return built[0] if together else built
 
 

@@ -37,6 +37,9 @@ def parameter_name(model: _Labelled, parameter: Parameter) -> str:
     if parameter.relative:
         what, unit = f"{what} factor", ""
     terms = parameter.terms
+    about = {"angle": f" about node {parameter.pivot}", "length": f" from node {parameter.pivot}"}.get(
+        quantity, ""
+    )
     if quantity in OF_SECTIONS:
         frame = cast(_LabelledFrame, model)
         labels = [frame.section_label(frame.section_index(term)) for term in terms]
@@ -44,11 +47,14 @@ def parameter_name(model: _Labelled, parameter: Parameter) -> str:
         # Point masses are the mass terms after those of the beams.
         first = 0 if quantity == "mass_factor" else len(model.default_elements)
         labels = [model.mass_label(first + term) for term in terms]
+    elif quantity == "position":
+        axis = ", ".join(f"{x:g}" for x in parameter.axis)
+        labels = [f"node {term}" for term in terms]
+        about = f" along ({axis})"
     else:
         # Springs to ground are the stiffness terms after the beams.
         first = len(model.default_elements) if quantity == "support_stiffness" else 0
         labels = [model.element_label(first + term) for term in terms]
-    about = f" about node {parameter.pivot}" if quantity == "angle" else ""
     name = f"{what} of {', '.join(labels)}{about}".replace("mass of mass", "mass")
     return f"{name} ({unit})" if unit else name
 

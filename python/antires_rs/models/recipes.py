@@ -12,7 +12,7 @@ from .. import _core
 from ..support.validation import FloatArray, integer, part, reject
 from ..support.values import Value
 from .frame_parts import GroundSpring, NodeSpring, PointMass, three_inertias
-from .sections import AnySection
+from .sections import AnySection, shear_of
 
 if TYPE_CHECKING:
     from .._core import Model as CoreModel
@@ -154,10 +154,12 @@ class FrameRecipe(_Recipe):
 
     def core(self) -> CoreModel:
         """The frame, assembled anew."""
-        sections = [
-            section._parts(section_argument(name), self.in_space)
+        named = [
+            (section, section_argument(name))
             for name, section in zip(self.section_names, self.sections, strict=True)
         ]
+        sections = [section._parts(name, self.in_space) for section, name in named]
+        shear = [shear_of(section, name) for section, name in named]
         frame = _core.Frame(
             self.nodes_m,
             list(self.beams),
@@ -167,6 +169,7 @@ class FrameRecipe(_Recipe):
             [(s.node, s.direction, s.stiffness_n_per_m) for s in self.ground_springs],
             [(s.node, s.other, s.direction, s.stiffness_n_per_m) for s in self.node_springs],
             list(self.fixed),
+            *([] if all(one is None for one in shear) else [shear]),
         )
         return _core.Model.from_frame(frame)
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..exceptions import AntiresWarning, Argument
 from ..support.validation import finite_scalar, reject
 
-__all__ = ["AnySection", "Rectangle", "Section", "Tube", "section_of", "warn_soft"]
+__all__ = ["AnySection", "Rectangle", "Section", "Tube", "section_of", "shear_of", "warn_soft"]
 
 #: (shape, dimensions, E, density, Poisson's ratio), as the core takes it.
 SectionParts = tuple[str, list[float], float, float, float]
@@ -29,7 +29,10 @@ class Tube:
     youngs_modulus_pa, density_kg_per_m3 : float
         Material.
     poisson : float
-        Poisson's ratio, for torsion.
+        Poisson's ratio, for torsion and shear.
+    shear_coefficient : float, "cowper" or None
+        Shear area over area, for Timoshenko beams, which have the rotary inertia of the section too; "cowper"
+        takes it from shape and Poisson's ratio. Default: none, that is, Euler-Bernoulli beams.
 
     Examples
     --------
@@ -43,6 +46,7 @@ class Tube:
     youngs_modulus_pa: float
     density_kg_per_m3: float
     poisson: float = 0.3
+    shear_coefficient: float | str | None = field(default=None, kw_only=True)
 
     def _parts(self, name: str, in_space: bool) -> SectionParts:
         return _parts(self, name, "tube", ["outer_diameter_m", "thickness_m"])
@@ -59,7 +63,10 @@ class Rectangle:
     youngs_modulus_pa, density_kg_per_m3 : float
         Material.
     poisson : float
-        Poisson's ratio, for torsion.
+        Poisson's ratio, for torsion and shear.
+    shear_coefficient : float, "cowper" or None
+        Shear area over area, for Timoshenko beams, which have the rotary inertia of the section too; "cowper"
+        takes it from shape and Poisson's ratio. Default: none, that is, Euler-Bernoulli beams.
 
     Examples
     --------
@@ -73,6 +80,7 @@ class Rectangle:
     youngs_modulus_pa: float
     density_kg_per_m3: float
     poisson: float = 0.3
+    shear_coefficient: float | str | None = field(default=None, kw_only=True)
 
     def _parts(self, name: str, in_space: bool) -> SectionParts:
         return _parts(self, name, "rectangle", ["width_m", "height_m"])
@@ -95,7 +103,11 @@ class Section:
         Second moment for bending across that plane (default: the same), and St. Venant torsion constant;
         used in space only, where ``torsion_m4`` must be given.
     poisson : float
-        Poisson's ratio, for torsion.
+        Poisson's ratio, for torsion and shear.
+    shear_coefficient, shear_coefficient_y : float, optional
+        Shear area over area for forces in the plane of ``inertia_m4``, and, in space, for those in the other
+        plane (default: the same); for Timoshenko beams, which have the rotary inertia of the section too.
+        Default: none, that is, Euler-Bernoulli beams.
 
     Examples
     --------
@@ -111,6 +123,8 @@ class Section:
     inertia_y_m4: float | None = field(default=None, kw_only=True)
     torsion_m4: float | None = field(default=None, kw_only=True)
     poisson: float = field(default=0.3, kw_only=True)
+    shear_coefficient: float | None = field(default=None, kw_only=True)
+    shear_coefficient_y: float | None = field(default=None, kw_only=True)
 
     def _parts(self, name: str, in_space: bool) -> SectionParts:
         if in_space and self.torsion_m4 is None:
@@ -165,15 +179,37 @@ def _parts(section: Any, name: str, kind: str, sizes: list[str]) -> SectionParts
     )
 
 
-def section_of(parts: SectionParts) -> Tube | Rectangle | Section:
-    """The section that the core describes."""
+def shear_of(section: AnySection, name: str) -> list[float] | None:
+    """As the core takes it: coefficients along y and z, an empty list for Cowper's, None for rigid."""
+    given = section.shear_coefficient
+    across = getattr(section, "shear_coefficient_y", None)
+    if given is None and across is None:
+        return None
+    if given == "cowper":
+        return []
+    argument = Argument(name).attribute("shear_coefficient")
+    if given is None or isinstance(given, str):
+        allowed = "a number" if isinstance(section, Section) else "a number, 'cowper' or None"
+        reject(argument, given, allowed, "It is the shear area over the area, 5/6 for a rectangle.")
+    own = finite_scalar(argument, given)
+    if across is None:
+        return [own, own]
+    return [own, finite_scalar(Argument(name).attribute("shear_coefficient_y"), across)]
+
+
+def section_of(parts: SectionParts, given: AnySection) -> AnySection:
+    """The section that the core describes; ``given`` is the one it was made from, whose shear it keeps."""
     kind, size, *material = parts
-    if kind == "tube":
-        return Tube(*size, *material)
-    if kind == "rectangle":
-        return Rectangle(*size, *material)
+    if not isinstance(given, Section):
+        made = Tube if kind == "tube" else Rectangle
+        return made(*size, *material, shear_coefficient=given.shear_coefficient)
     area, inertia_y, inertia_z, torsion = size
-    youngs, density, poisson = material
-    return Section(
-        area, inertia_z, youngs, density, inertia_y_m4=inertia_y, torsion_m4=torsion, poisson=poisson
+    return replace(
+        given,
+        area_m2=area,
+        inertia_m4=inertia_z,
+        youngs_modulus_pa=material[0],
+        density_kg_per_m3=material[1],
+        inertia_y_m4=inertia_y,
+        torsion_m4=torsion,
     )

@@ -18,8 +18,8 @@ KINDS = ("change", "frequency")
 MARKS = ("o", "s", "^", "D", "v", "P", "X")
 #: Sign of each kind of event, and what the legend calls it.
 SIGNS = {
-    "new": (r"$\ast$", "new"),
-    "back": (r"$\ast$", "new"),
+    "new": ("o", "new"),
+    "back": ("s", "back"),
     "lost": ("x", "lost"),
     "merged": ("1", "merged with its neighbour"),
 }
@@ -78,8 +78,8 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
     y, std = (change, tracks.std_hz * scale) if kind == "change" else (tracks.freq_hz, tracks.std_hz)
     rank = np.argsort(x, kind="stable")
     colours = list(COLOURS.values())
+    names = [f"{tracks.freq_hz[~np.isnan(tracks.freq_hz[:, i]), i][0]:.2f} Hz" for i in some]
     for n, i in enumerate(some):
-        first = tracks.freq_hz[~np.isnan(tracks.freq_hz[:, i]), i][0]
         ax.errorbar(
             x[rank],
             y[rank, i],
@@ -90,7 +90,7 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
             ms=4.5,
             lw=1.3,
             elinewidth=0.8,
-            label=f"{first:.2f} Hz",
+            label=names[n],
         )
     _draw_events(ax, tracks, set(some.tolist()), x, y)
     if not numeric:
@@ -101,7 +101,7 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
     ax.set_title(f"Response at dof {dof}, force at {tracks.excitation}", fontsize="medium")
     ax.grid(alpha=0.25)
     ax.margins(x=0.04, y=0.08)
-    below(ax, drop_pt=62.0 if not numeric and turned else 36.0)
+    below(ax, drop_pt=62.0 if not numeric and turned else 36.0, first=names)
     long = np.repeat(np.arange(x.size), some.size)
     offer(
         ax,
@@ -133,7 +133,8 @@ def _draw_events(ax: Any, tracks: Tracks, some: set[int], x: Any, y: Any) -> Non
             ls="none",
             marker=sign,
             ms=12.0,
-            mew=1.6 if sign in "x1" else 0.6,
+            mew=1.4,
+            mfc="none",
             color="black",
             zorder=5,
             label=None if name in named else name,

@@ -15,6 +15,7 @@ from ..models.frame import FrameModel
 from ..models.structural_model import StructuralModel
 from ..order_sweep.presets import rule_options
 from ..signals.frequency_response import FrequencyResponse
+from ..signals.pooled import parts_of
 from ..signals.recording import Recording
 
 if TYPE_CHECKING:
@@ -61,8 +62,11 @@ def of_signal(signal: Recording | FrequencyResponse) -> Facts:
     count = len(signal.dofs)
     facts = {"Channels": [f"{count} responses: {_names(signal.dofs)}"]}
     if isinstance(signal, Recording):
+        parts = len(parts_of(signal))
+        several = f"{parts} records of one test, together " if parts > 1 else ""
         facts["Record"] = [
-            f"{signal.duration_s:g} s at {signal.fs_hz:g} Hz, {signal.n_samples:,} samples a channel",
+            f"{several}{signal.duration_s:g} s at {signal.fs_hz:g} Hz, "
+            f"{signal.n_samples:,} samples a channel",
             "force recorded" if signal.force is not None else "force not recorded",
         ]
         return facts
@@ -92,6 +96,7 @@ def of_identification(
             name: used[name]
             for name in (
                 "formulation",
+                "max_order",
                 "freq_tol",
                 "damping_tol",
                 "min_rows",
@@ -101,7 +106,7 @@ def of_identification(
             )
         },
     )
-    formulation = rule.pop("formulation")
+    formulation, max_order = rule.pop("formulation"), rule.pop("max_order")
     if formulation == "auto":
         # Only the fit of all numerators is graded, see order_sweep.scores.
         graded = any("grade" in scores for scores in found.scores.values())
@@ -115,7 +120,7 @@ def of_identification(
     }
     if isinstance(signal, Recording):
         facts["Spectra"] = [_spectra(signal, found, used)]
-    facts["Orders"] = [f"{used['min_order']} to {used['max_order']}"]
+    facts["Orders"] = [f"{used['min_order']} to {max_order}"]
     facts["Thresholds"] = [", ".join([*preset, *thresholds, f"keep_common {used['keep_common']}"])]
     return facts
 
@@ -146,6 +151,8 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
         "Force": [dof_name(model, force)],
         "Antiresonances": [", ".join(f"{len(found[dof])} at {dof_name(model, dof)}" for dof in found)],
     }
+    if found.sees is not None:
+        facts["Identified from"] = ["FRFs" if found.sees == "frf" else "transmissibilities"]
     how = np.concatenate(
         [np.empty(0, dtype=str), *(np.asarray(s["how"]) for s in found.scores.values() if "how" in s)]
     )

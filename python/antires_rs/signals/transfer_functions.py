@@ -155,7 +155,7 @@ def transmissibility(
 
 
 def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
-    """Sum over p of ``abs(Re T_pj) + i abs(Im T_pj)``, the paper's equation 10 as printed, for the eye.
+    """Sum over p of ``abs(Re T_pj) + i abs(Im T_pj)``, the paper's equation 10.
 
     Parameters
     ----------
@@ -165,8 +165,7 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
     Returns
     -------
     (n_freq,) complex
-        Peaks at the antiresonances of the reference. The absolute values kink at every sign change, so it
-        cannot be fitted by a rational function; identification uses the joint fit instead.
+        Its absolute value, which the paper fits, has its peaks at the antiresonances of the reference.
 
     Raises
     ------
@@ -175,7 +174,8 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
 
     Notes
     -----
-    V. Meruane, J. Sound Vib. 332 (2013) 807-820, Eq. 10.
+    V. Meruane, J. Sound Vib. 332 (2013) 807-820, Eq. 10. ``preset="paper"`` of the identification fits
+    the square of its absolute value, see :mod:`~antires_rs.identification.formulations`.
 
     Examples
     --------

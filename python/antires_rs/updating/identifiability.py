@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..support.validation import FloatArray
 from ..support.values import Value
+from .steady_roots import STEP
 
 if TYPE_CHECKING:
     from .problem import UpdatingProblem
@@ -168,20 +169,23 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
     """Smallest value of each stiffness reduction that the objective prefers to no damage.
 
     The structure is taken to be the nominal model with that one reduction, measured exactly at the
-    same dofs and in the same band. Infinity where no value up to the bound is preferred.
+    same dofs and in the same band; how far each antiresonance counts is told by
+    :mod:`~antires_rs.updating.steady_roots`. Infinity where no value up to the bound is preferred.
     """
     penalty = problem.penalty
     nominal_hz = problem.paired_hz(problem.nominal)
+    moved = [problem.model_at(STEP * unit) for unit in np.eye(len(problem.parameters))]
 
     def gain(index: int, beta: float) -> float:
         """What the damage explains, less what it costs."""
         x = np.zeros(len(problem.parameters))
         x[index] = beta
         damaged = problem.model_at(x)
-        exact = problem._targets.exact(damaged, problem.model, nominal_hz)
+        exact = problem._targets.exact(damaged, problem.model, nominal_hz, moved)
         if exact is None:
             return -1.0
-        plain = type(problem)(problem.model, problem.parameters, exact, misfit=problem.misfit)
+        sets, weights = exact
+        plain = type(problem)(problem.model, problem.parameters, sets, misfit=problem.misfit, weights=weights)
         undamaged = plain.cost(np.zeros_like(x))
         return undamaged - (penalty.gamma1 * beta + penalty.gamma2 if penalty else 0.0)
 

@@ -79,9 +79,10 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         frames :func:`thickness`, :func:`youngs_modulus`, :func:`angle` and the others; all mix.
     measured : AntiresonanceSet, ModalSet, or several of one kind
         Measured antiresonances, one set for each position of the force; each value is paired, at every
-        evaluation, with the model's nearest of the same response and force. Or modes, one set for all
-        sensors that measured together, real or complex, at as many or few dofs as there were; rigid-body
-        modes, at 0 Hz, are left out. For their pairing see Notes.
+        evaluation, with the model's nearest of the same response and force that the set can show, see
+        ``AntiresonanceSet.sees``; halves of complex zeros are left out (``left_out``). Or modes, one set for
+        all sensors that measured together, real or complex, at as many or few dofs as there were;
+        rigid-body modes, at 0 Hz, are left out. For their pairing see Notes.
     objective : {'antiresonance', 'modal'}, optional
         What is compared with the measurement. Default: what was measured.
     misfit : {'absolute', 'squared', 'largest'}
@@ -106,6 +107,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     noun : {'antiresonance', 'mode'}
         What was measured.
     weights : ndarray, (m,), or None
+    left_out : tuple of str
+        A sentence on each measured value that is not compared, and why.
 
     Raises
     ------
@@ -153,6 +156,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     measured_dofs: NDArray[np.intp] | None
     measured_excitations: NDArray[np.intp] | None
     weights: FloatArray | None
+    left_out: tuple[str, ...]
     _targets: Targets
     _nominal: FloatArray
     _names: tuple[str, ...]
@@ -199,6 +203,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
             measured_dofs=frozen_or_none(by_force and by_force.dofs),
             measured_excitations=frozen_or_none(by_force and by_force.excitations),
             weights=frozen_or_none(targets.weights(weights)),
+            left_out=targets.left_out,
             _targets=targets,
             _nominal=frozen(nominal),
             _names=names,

@@ -123,6 +123,7 @@ class UpdateResult(ReadOnly):
     def notes(self) -> list[str]:
         """What a reader should know before trusting the numbers."""
         notes = [] if self.success else [f"The search did not finish: {self.message}"]
+        notes += self.problem.left_out
         alone = int(np.isnan(self.table.after_hz).sum())
         if alone:
             notes.append(

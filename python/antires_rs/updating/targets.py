@@ -14,8 +14,10 @@ import numpy as np
 from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..support.validation import ComplexArray, FloatArray, integer, reject
-from .tables import FrequencyTable, ModalTable
+from ..support.validation import ComplexArray, FloatArray, reject
+from .antiresonance_targets import AntiresonanceTargets
+from .model_dofs import model_dof
+from .tables import ModalTable
 from .weights import residual_weights
 
 if TYPE_CHECKING:
@@ -34,6 +36,7 @@ class Targets(Protocol):
     objective: str
     sets: tuple[Any, ...]
     hz: FloatArray
+    left_out: tuple[str, ...]
 
     def weights(self, given: Any) -> FloatArray | None:
         """Factors on the residuals, one a measured value."""
@@ -50,86 +53,30 @@ class Targets(Protocol):
     def change(self, core: _core.Objective, behind: FloatArray, ahead: FloatArray) -> FloatArray:
         """How what was measured differs between two parameter vectors; NaN without a partner."""
 
-    def exact(self, model: StructuralModel, nominal: StructuralModel, nominal_hz: FloatArray) -> Any:
-        """What a model would have given if measured exactly at the same dofs, None if nothing."""
-
-
-class AntiresonanceTargets:
-    """Antiresonances of one or several positions of the force."""
-
-    noun, objective = "antiresonance", "antiresonance"
-
-    def __init__(self, model: StructuralModel, sets: tuple[AntiresonanceSet, ...]) -> None:
-        self.sets = sets
-        self._parts = [
-            (
-                _model_dof(model, "measured dof", dof),
-                _model_dof(model, "excitation", s.excitation),
-                np.array(freq),
-            )
-            for s in sets
-            for dof, freq in s.items()
-        ]
-        counts = [len(freq) for _, _, freq in self._parts]
-        self.hz = np.concatenate([np.empty(0), *(freq for _, _, freq in self._parts)])
-        self.dofs = np.repeat([dof for dof, _, _ in self._parts], counts)
-        self.excitations = np.repeat([force for _, force, _ in self._parts], counts)
-        #: What the tables call the dofs: "mass 4", "3 v"; none where they are numbers only.
-        labels = {dof: model.dof_label(dof) for part in self._parts for dof in part[:2]}
-        self.names = {
-            dof: label.removeprefix("node ") for dof, label in labels.items() if label != f"dof {dof}"
-        }
-
-    def weights(self, given: Any) -> FloatArray | None:
-        """Factors on the residuals, one a measured antiresonance or mode."""
-        return residual_weights(given, self.sets, self.hz)
-
-    def core(self, *parts: Any) -> _core.Objective:
-        """The core's objective."""
-        model, parameters, *rest = parts
-        return _core.Objective.antiresonance(model, parameters, self._parts, *rest)
-
-    def residuals(self, core: _core.Objective, x: FloatArray) -> FloatArray:
-        """Signed residuals e at ``x``; 1 without a partner."""
-        found = core.residuals(x)
-        assert found is not None  # an objective of antiresonances has them
-        return found
-
-    def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> FrequencyTable:
-        """Measured, before and after."""
-        return FrequencyTable(
-            self.dofs, self.excitations, self.hz, core.pairs(before)[0], core.pairs(after)[0], self.names
-        )
-
-    def change(self, core: _core.Objective, behind: FloatArray, ahead: FloatArray) -> FloatArray:
-        """How what was measured differs between two parameter vectors."""
-        return np.asarray((core.pairs(ahead)[0] ** 2 - core.pairs(behind)[0] ** 2) / self.hz**2)
-
     def exact(
-        self, model: StructuralModel, nominal: StructuralModel, nominal_hz: FloatArray
-    ) -> list[AntiresonanceSet] | None:
-        """Antiresonances up to the highest measured one."""
-        band_hz = float(self.hz.max())
-        found = [
-            AntiresonanceSet(
-                s.excitation,
-                dict(zip(s, model.antiresonances(list(s), s.excitation, f_max_hz=band_hz), strict=True)),
-            )
-            for s in self.sets
-        ]
-        return found if any(len(freq) for s in found for freq in s.values()) else None
+        self,
+        model: StructuralModel,
+        nominal: StructuralModel,
+        nominal_hz: FloatArray,
+        moved: Sequence[StructuralModel],
+    ) -> Any:
+        """What a model would have given if measured exactly at the same dofs, with weights; None if nothing.
+
+        ``nominal`` is the intact one with its partners, ``moved`` are others hardly different from it.
+        """
 
 
 class ModalTargets:
     """Resonances and shapes, of one or several sets of sensors. Rigid-body modes, at 0 Hz, are left out."""
 
     noun, objective = "mode", "modal"
+    left_out: tuple[str, ...] = ()
 
     def __init__(self, model: StructuralModel, sets: tuple[ModalSet, ...]) -> None:
         self.sets = sets
         self._parts: list[tuple[FloatArray, list[int], ComplexArray]] = []
         for each in sets:
-            dofs = [_model_dof(model, "measured dof", dof) for dof in each.dofs]
+            dofs = [model_dof(model, "measured dof", dof) for dof in each.dofs]
             flexible = each.freq_hz != 0.0
             self._parts.append(
                 (
@@ -192,8 +139,12 @@ class ModalTargets:
         return np.concatenate(changes)
 
     def exact(
-        self, model: StructuralModel, nominal: StructuralModel, nominal_hz: FloatArray
-    ) -> list[ModalSet] | None:
+        self,
+        model: StructuralModel,
+        nominal: StructuralModel,
+        nominal_hz: FloatArray,
+        moved: Sequence[StructuralModel],
+    ) -> tuple[list[ModalSet], None] | None:
         """The modes whose numbers are those of the nominal model's partners."""
         modes, intact = model.modes(), nominal.modes()
         found, first = [], 0
@@ -206,7 +157,7 @@ class ModalTargets:
             at = shapes[:, dofs]
             moving = np.linalg.norm(at, axis=1) > _AT_REST * np.abs(shapes).max(axis=1, initial=0.0)
             found.append(ModalSet(modes.freq_hz[numbers][moving], at[moving], dofs))
-        return found if any(np.any(s.freq_hz > 0.0) for s in found) else None
+        return (found, None) if any(np.any(s.freq_hz > 0.0) for s in found) else None
 
 
 def targets_of(model: StructuralModel, measured: Any, objective: str | None) -> Targets:
@@ -240,17 +191,6 @@ def targets_of(model: StructuralModel, measured: Any, objective: str | None) -> 
         )
     made: Targets = kind(model, tuple(sets))
     return made
-
-
-def _model_dof(model: StructuralModel, name: str, label: Any) -> int:
-    if isinstance(label, str):
-        reject(
-            name,
-            repr(label),
-            f"a zero-based dof of the model, 0..{model.n_dof - 1}",
-            "Name the channels by the model's dofs: Recording(..., dofs=[0, 1, ...]).",
-        )
-    return integer(name, label, low=0, high=model.n_dof - 1)
 
 
 def _unit(shapes: FloatArray) -> FloatArray:

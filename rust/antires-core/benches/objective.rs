@@ -35,6 +35,7 @@ fn damage_objective(
         dof,
         excitation,
         freq_hz: found.freq_hz,
+        ..Target::default()
     });
     let penalty = Penalty {
         gamma1: 0.1,

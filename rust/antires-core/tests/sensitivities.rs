@@ -94,8 +94,8 @@ fn one_mass_between_two_springs_moves_as_the_textbook_says() {
     let model = mass_spring_chain(&[1.0, 2.0], &[500.0], 0.0, 0.0).unwrap();
     let parameters =
         [Quantity::StiffnessReduction, Quantity::MassFactor].map(|quantity| Parameter {
-            quantity,
             terms: vec![usize::from(quantity == Quantity::MassFactor)],
+            quantity,
         });
     let slopes = Slopes::new(&model, &parameters, &[0.0, 1.0]);
     let mut zero = ZeroSensitivity::default();
@@ -117,6 +117,7 @@ fn objective(misfit: Misfit, penalty: Option<Penalty>) -> AntiresonanceObjective
         dof,
         excitation: 1,
         freq_hz: zeros(&truth, dof).iter().map(hertz).collect(),
+        ..Target::default()
     });
     AntiresonanceObjective::new(
         chain(),

@@ -4,9 +4,12 @@ use antires_core::antiresonances::{Query, Route, antiresonances};
 use antires_core::fem::chain::mass_spring_chain;
 use antires_core::fem::model::Model;
 use antires_core::fem::parameters::{Parameter, Quantity};
-use antires_core::optimize::{Bounds, Hooks, IslandOptions, Objective, minimize_objective};
+use antires_core::optimize::{
+    Bounds, Hooks, IslandOptions, Linearization, Objective, minimize_objective,
+};
 use antires_core::update::misfit::Misfit;
 use antires_core::update::objective::{AntiresonanceObjective, Target};
+use antires_core::update::sight::Sees;
 
 mod common;
 
@@ -40,6 +43,7 @@ fn targets(model: &Model, error: f64) -> Vec<Target> {
                 dof,
                 excitation: 0,
                 freq_hz,
+                ..Target::default()
             }
         })
         .collect()
@@ -127,6 +131,7 @@ fn wrong_problems_are_refused_by_name() {
             dof,
             excitation,
             freq_hz: vec![freq],
+            ..Target::default()
         }]
     };
     let ground = Parameter {
@@ -209,5 +214,108 @@ fn the_flat_valley_of_updating_is_walked_to_its_bottom() {
             outcome.fun,
             outcome.nfev
         );
+    }
+}
+
+/// A free chain of seven equal masses: dof 3 lies on a node of every other mode.
+fn symmetric() -> Model {
+    mass_spring_chain(&[1.0; 7], &[5e4; 6], 0.0, 0.0).unwrap()
+}
+
+fn seen_by(sees: Sees, excitation: usize, dof: usize, freq_hz: Vec<f64>) -> AntiresonanceObjective {
+    let targets = (0..7).map(|d| Target {
+        dof: d,
+        excitation,
+        freq_hz: if d == dof { freq_hz.clone() } else { vec![] },
+        sees,
+        together: 0,
+    });
+    let unknowns = each(Quantity::StiffnessReduction, 6);
+    let targets = targets.collect();
+    AntiresonanceObjective::new(symmetric(), unknowns, targets, Misfit::Absolute, None, 0.0)
+        .unwrap()
+}
+
+#[test]
+fn what_transmissibilities_see_on_a_node_frfs_do_not() {
+    let measured = vec![15.84, 44.38, 64.13];
+    let at = |sees, excitation| {
+        let objective = seen_by(sees, excitation, 3, measured.clone());
+        let pairs = objective.pairs(&[0.0; 6], &mut objective.workspace());
+        let rounded = |hz: f64| (100.0 * hz).round() / 100.0;
+        pairs
+            .unwrap()
+            .iter()
+            .map(|p| p.partner_hz.map(rounded))
+            .collect::<Vec<_>>()
+    };
+    let all: Vec<_> = measured.iter().copied().map(Some).collect();
+    assert_eq!(at(Sees::Transmissibility, 0), all);
+    assert_eq!(at(Sees::Unknown, 0), all);
+    assert_eq!(at(Sees::Frf, 0), [None; 3]);
+}
+
+#[test]
+fn what_all_responses_share_no_transmissibility_sees() {
+    // The force on the node: no response has the odd modes, and their roots are in all numerators.
+    let at = |sees| {
+        let objective = seen_by(sees, 3, 2, vec![15.84]);
+        objective
+            .pairs(&[0.0; 6], &mut objective.workspace())
+            .unwrap()[0]
+            .partner_hz
+            .unwrap()
+    };
+    assert!((at(Sees::Unknown) - 15.838).abs() < 1e-3);
+    assert!((at(Sees::Transmissibility) - 21.995).abs() < 1e-3);
+    assert!((at(Sees::Frf) - 21.995).abs() < 1e-3);
+}
+
+#[test]
+fn nothing_jumps_where_a_symmetry_breaks() {
+    for (excitation, dof) in [(0, 3), (3, 2)] {
+        let objective = seen_by(
+            Sees::Transmissibility,
+            excitation,
+            dof,
+            vec![15.9, 44.1, 64.4],
+        );
+        let ws = &mut objective.workspace();
+        let mut cost = |beta: f64| objective.cost(&[0.0, beta, 0.0, 0.0, 0.0, 0.0], ws);
+        let mut last = cost(0.0);
+        // From rounding on, and then by steps in which a root that all share comes in.
+        let small = (0..60).map(|i| 1e-16 * 10_f64.powf(f64::from(i) / 5.0));
+        let more = (1..2_000).map(|i| 1e-4 + 2e-5 * f64::from(i));
+        for beta in small.chain(more) {
+            let here = cost(beta);
+            assert!(
+                (here - last).abs() < 0.03,
+                "{excitation}: {last} to {here} at {beta:e}"
+            );
+            last = here;
+        }
+    }
+}
+
+#[test]
+fn roots_on_a_pole_move_as_differences_say() {
+    for (dof, freq_hz) in [(3, vec![15.9, 44.1, 64.4]), (1, vec![11.0, 29.0])] {
+        let objective = seen_by(Sees::Transmissibility, 0, dof, freq_hz);
+        let ws = &mut objective.workspace();
+        let Linearization { jacobian, .. } = objective.linearize(&[0.0; 6], ws).unwrap();
+        for (index, row) in jacobian.iter().enumerate() {
+            let (value, parameter) = (index / 6, index % 6);
+            let mut at = |beta: f64| {
+                let mut x = [0.0; 6];
+                x[parameter] = beta;
+                objective.pairs(&x, ws).unwrap()[value].residual
+            };
+            let h = 1e-4;
+            let difference = (8.0 * (at(h) - at(-h)) - at(2.0 * h) + at(-2.0 * h)) / (12.0 * h);
+            assert!(
+                (row - difference).abs() < 1e-7,
+                "{dof}, {index}: {row} and {difference}"
+            );
+        }
     }
 }

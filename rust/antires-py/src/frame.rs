@@ -6,7 +6,7 @@ use antires_core::fem::frame::description::{
     Beam, FrameDescription, GroundSpring, NodeSpring, PointMass,
 };
 use antires_core::fem::frame::dofs::Dimension;
-use antires_core::fem::section::{Section, Shape};
+use antires_core::fem::section::{Section, Shape, Shear};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -15,6 +15,8 @@ use crate::doorway::to_python;
 
 /// (shape's name, its dimensions, E, density, Poisson's ratio).
 type SectionParts = (String, Vec<f64>, f64, f64, f64);
+/// Shear coefficients along y and z; none: rigid in shear; an empty list: Cowper's.
+type ShearParts = Option<Vec<f64>>;
 /// (node, mass, inertia about x, y, z).
 type PointMassParts = (usize, f64, [f64; 3]);
 /// (node, direction, stiffness).
@@ -30,8 +32,10 @@ pub struct Frame {
 
 #[pymethods]
 impl Frame {
-    /// Nodes (n, 2 or 3); elements (node, node, section); references (n_elements, 3) or none.
+    /// Nodes (n, 2 or 3); elements (node, node, section); references (n_elements, 3) or none; the shear of
+    /// each section, or none where all are rigid.
     #[new]
+    #[pyo3(signature = (nodes_m, elements, references, sections, point_masses, ground_springs, node_springs, fixed, shear=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         nodes_m: PyReadonlyArray2<'_, f64>,
@@ -42,6 +46,7 @@ impl Frame {
         ground_springs: Vec<GroundSpringParts>,
         node_springs: Vec<NodeSpringParts>,
         fixed: Vec<(usize, String)>,
+        shear: Option<Vec<ShearParts>>,
     ) -> PyResult<Self> {
         let nodes = nodes_m.as_array();
         let columns = nodes.ncols();
@@ -74,7 +79,14 @@ impl Frame {
                 .map(|row| std::array::from_fn(|axis| if axis < columns { row[axis] } else { 0.0 }))
                 .collect(),
             beams: beams.collect(),
-            sections: sections.into_iter().map(section).collect(),
+            sections: sections
+                .into_iter()
+                .enumerate()
+                .map(|(i, parts)| {
+                    let given = shear.as_ref().and_then(|all| all.get(i).cloned().flatten());
+                    section(parts, shear_of(given))
+                })
+                .collect(),
             point_masses: point_masses
                 .into_iter()
                 .map(|(node, mass_kg, inertia_kg_m2)| PointMass {
@@ -166,7 +178,18 @@ impl Frame {
     }
 }
 
-fn section(parts: SectionParts) -> Section {
+fn shear_of(parts: ShearParts) -> Shear {
+    match parts.as_deref() {
+        None => Shear::Rigid,
+        Some([]) => Shear::Cowper,
+        Some(given) => Shear::Coefficients {
+            y: given[0],
+            z: given.get(1).copied().unwrap_or(f64::NAN),
+        },
+    }
+}
+
+fn section(parts: SectionParts, shear: Shear) -> Section {
     let (shape, size, youngs_modulus_pa, density_kg_per_m3, poisson) = parts;
     // A size that is missing is NaN, which the core refuses by name.
     let at = |i: usize| size.get(i).copied().unwrap_or(f64::NAN);
@@ -191,6 +214,7 @@ fn section(parts: SectionParts) -> Section {
         youngs_modulus_pa,
         density_kg_per_m3,
         poisson,
+        shear,
     }
 }
 

@@ -11,6 +11,7 @@ use antires_core::update::modal_objective::{MeasuredMode, ModalObjective};
 use antires_core::update::objective::{AntiresonanceObjective, Target};
 use antires_core::update::pairing::Partner;
 use antires_core::update::penalties::Penalty;
+use antires_core::update::sight::Sees;
 use numpy::ndarray::Array2;
 use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -27,6 +28,15 @@ type ModeParts<'py> = (
     PyReadonlyArray1<'py, f64>,
     Vec<usize>,
     PyReadonlyArray2<'py, Complex64>,
+);
+
+/// Dof, excitation, frequencies (m,), "frf", "transmissibility" or none, and the number of those measured together.
+type TargetParts<'py> = (
+    usize,
+    usize,
+    PyReadonlyArray1<'py, f64>,
+    Option<String>,
+    usize,
 );
 
 /// Partners' frequencies (m,), and MAC (m,) and shapes (m, n_dof) of modes.
@@ -58,28 +68,24 @@ pub struct Objective {
 
 #[pymethods]
 impl Objective {
-    /// Parameters as in `parameters.rs`, targets (dof, excitation, frequencies), the penalty (gamma1, gamma2),
-    /// weights one for each measured value.
+    /// Parameters as in `parameters.rs`, targets (dof, excitation, frequencies, what they see, the number of those
+    /// measured together), the penalty (gamma1, gamma2), weights one for each measured value.
     #[staticmethod]
     #[allow(clippy::too_many_arguments)]
     fn antiresonance(
         model: &Model,
         parameters: Vec<ParameterParts>,
-        targets: Vec<(usize, usize, PyReadonlyArray1<'_, f64>)>,
+        targets: Vec<TargetParts<'_>>,
         misfit: &str,
         penalty: Option<(f64, f64)>,
         snap: f64,
         weights: Option<PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<Self> {
-        let targets = targets
-            .into_iter()
-            .map(|(dof, excitation, freq)| Target {
-                dof,
-                excitation,
-                freq_hz: freq.as_array().to_vec(),
-            })
-            .collect();
         let made = (|| {
+            let targets = targets
+                .into_iter()
+                .map(target_of)
+                .collect::<Result<_, _>>()?;
             let parameters = core_parameters(&model.core, parameters)?;
             let (misfit, penalty) = (misfit_of(misfit)?, penalty_of(penalty));
             let model = model.core.clone();
@@ -241,6 +247,27 @@ impl Objective {
         })?;
         outcome_to_python(py, &outcome)
     }
+}
+
+fn target_of(parts: TargetParts<'_>) -> Result<Target, Error> {
+    let (dof, excitation, freq, sees, together) = parts;
+    let sees = match sees.as_deref() {
+        None => Sees::Unknown,
+        Some("frf") => Sees::Frf,
+        Some("transmissibility") => Sees::Transmissibility,
+        Some(name) => {
+            let wanted = "'frf', 'transmissibility' or None";
+            return Err(Error::input("sees", format!("{name:?}"), wanted)
+                .remedy("Leave it out where it is not known."));
+        }
+    };
+    Ok(Target {
+        dof,
+        excitation,
+        freq_hz: freq.as_array().to_vec(),
+        sees,
+        together,
+    })
 }
 
 fn misfit_of(name: &str) -> Result<Misfit, Error> {

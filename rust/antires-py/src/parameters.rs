@@ -2,7 +2,7 @@
 
 use antires_core::error::{Argument, Error, Result};
 use antires_core::fem::bounds::check_bounds as check_core_bounds;
-use antires_core::fem::frame::{Angle, Property, Scale};
+use antires_core::fem::frame::{Angle, Frame as CoreFrame, Property, Scale};
 use antires_core::fem::model::Model as CoreModel;
 use antires_core::fem::parameters::{Parameter, Quantity};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
@@ -11,7 +11,8 @@ use pyo3::prelude::*;
 use crate::doorway::{run, to_python};
 use crate::model::Model;
 
-/// (quantity, terms, relative, (pivot, axis) of an angle).
+/// (quantity, terms, relative, node and vector of what moves nodes). That is pivot and axis of an angle; the
+/// pivot of a length, and no vector; no node (0), and the direction of a position.
 pub type ParameterParts = (String, Vec<usize>, bool, Option<(usize, [f64; 3])>);
 
 /// Core parameters, checked against the model.
@@ -29,13 +30,13 @@ pub fn core_parameters(model: &CoreModel, parts: Vec<ParameterParts>) -> Result<
 }
 
 fn parameter(name: &Argument, model: &CoreModel, parts: ParameterParts) -> Result<Parameter> {
-    let (quantity, terms, relative, turn) = parts;
+    let (quantity, terms, relative, moves) = parts;
     let scale = if relative {
         Scale::Factor
     } else {
         Scale::Value
     };
-    let quantity = match (quantity.as_str(), turn) {
+    let quantity = match (quantity.as_str(), moves) {
         ("stiffness_reduction", None) => Quantity::StiffnessReduction,
         ("stiffness_factor", None) => Quantity::StiffnessFactor,
         ("mass_factor", None) => Quantity::MassFactor,
@@ -47,16 +48,19 @@ fn parameter(name: &Argument, model: &CoreModel, parts: ParameterParts) -> Resul
         ("inertia", None) => Quantity::Property(Property::Inertia, scale),
         ("support_stiffness", None) => Quantity::Property(Property::SupportStiffness, scale),
         ("angle", Some((pivot, axis))) => {
-            let Some(frame) = model.frame() else {
-                let got = "an angle for a model that is no frame";
-                return Err(Error::input(name, got, "a FrameModel")
-                    .remedy("Only the elements of a FrameModel have angles."));
-            };
             return Ok(Parameter {
                 quantity: Quantity::Angle(Angle { pivot, axis }),
-                terms: frame.downstream(&terms, pivot)?,
+                terms: frame_of(name, model)?.downstream(&terms, pivot)?,
             });
         }
+        ("length", Some((pivot, _))) => {
+            let way = frame_of(name, model)?.reach(&terms, pivot)?;
+            return Ok(Parameter {
+                terms: way.iter().map(|step| step.node).collect(),
+                quantity: Quantity::Length(way),
+            });
+        }
+        ("position", Some((_, direction))) => Quantity::Position(direction),
         (quantity, _) => {
             let got = format!("{quantity:?}");
             return Err(Error::input("quantity", got, "a known parameter quantity")
@@ -64,6 +68,14 @@ fn parameter(name: &Argument, model: &CoreModel, parts: ParameterParts) -> Resul
         }
     };
     Ok(Parameter { quantity, terms })
+}
+
+fn frame_of<'a>(name: &Argument, model: &'a CoreModel) -> Result<&'a CoreFrame> {
+    model.frame().ok_or_else(|| {
+        let got = "an angle or a length for a model that is no frame";
+        Error::input(name, got, "a FrameModel")
+            .remedy("Only the elements of a FrameModel have angles and lengths.")
+    })
 }
 
 /// Nominal value of each parameter (n,), NaN where one value stands for different ones.

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...measured.antiresonance_set import AntiresonanceSet
-from ...models.frame_parameters import angle, point_mass, thickness, youngs_modulus
+from ...models.frame_parameters import point_mass, thickness, youngs_modulus
+from ...models.geometry_parameters import angle
 from ...models.parameters import Parameter, stiffness_reduction
 from ...models.simulation import simulate
 from ...models.structural_model import StructuralModel
@@ -220,7 +221,8 @@ class Exhaust:
         def of(table: Mapping[Any, FloatArray]) -> dict[Any, FloatArray]:
             return {dof: table[dof][keep] for dof, keep in inside.items() if dof in table}
 
-        return AntiresonanceSet(values.excitation, of(values), of(values.damping_ratio), of(values.std_hz))
+        columns = (of(values), of(values.damping_ratio), of(values.std_hz))
+        return AntiresonanceSet(values.excitation, *columns, sees=values.sees, channels=values.channels)
 
     def __repr__(self) -> str:
         return f"Exhaust({self.model!r}, force at {self.model.dof_name(self.excitation)})"

@@ -7,7 +7,7 @@ use antires_core::fem::frame::description::{Beam, FrameDescription, GroundSpring
 use antires_core::fem::frame::dofs::Dimension;
 use antires_core::fem::model::Model;
 use antires_core::fem::parameters::{Parameter, Quantity};
-use antires_core::fem::section::{Section, Shape};
+use antires_core::fem::section::{Section, Shape, Shear};
 
 /// The eight masses of the paper.
 pub fn chain8() -> Model {
@@ -40,6 +40,7 @@ pub fn exhaust_like() -> Model {
         youngs_modulus_pa: 2.07e11,
         density_kg_per_m3: 7850.0,
         poisson: 0.3,
+        shear: Shear::Rigid,
     };
     // A curved pipe of 43 beams, and a branch of 4.
     let pipe = |i: usize| {

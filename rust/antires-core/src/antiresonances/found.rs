@@ -115,8 +115,7 @@ impl Found {
     /// Whether a root placed on the matrices is one of those proven or cancelled.
     pub fn has(&self, Placed { x, ulp }: Placed) -> bool {
         let known = |y: &f64| (x - y).abs() <= (ONE_ROOT * y).max(SAME_ULPS * ulp);
-        let mut cancelled = self.cancelled.iter().map(|(y, _)| y);
-        self.proven.iter().any(known) || cancelled.any(known)
+        self.proven.iter().any(known) || self.cancelled().any(|y| known(&y))
     }
 
     /// Takes the open roots for proven ones.
@@ -126,8 +125,12 @@ impl Found {
 
     /// Takes the cancelled roots for proven ones.
     pub fn include_cancelled(&mut self) {
-        let cancelled = self.cancelled.iter().map(|(x, _)| x);
-        self.proven.extend(cancelled);
+        self.proven.extend(self.cancelled.iter().map(|&(x, _)| x));
+    }
+
+    /// Where roots lie that cancel.
+    pub fn cancelled(&self) -> impl Iterator<Item = f64> {
+        self.cancelled.iter().map(|&(x, _)| x)
     }
 
     /// The proven roots, ascending.

@@ -10,7 +10,7 @@
 //!
 //! h_k without its entry i (which is H_ik = 0) and h_i without its entry k are the right and left null
 //! vectors of the deleted pencil, so this is the sensitivity of its eigenvalue: one formula, two
-//! readings. A factor on either column cancels.
+//! readings. A factor on either column cancels. On a pole, where K − xM is singular, the second reading holds.
 //!
 //! Source: J. He & Y. Q. Li, Relocation of anti-resonances of a vibratory system by local structural
 //! changes, Int. J. Anal. Exp. Modal Anal. 10 (1995) 224-235; J. E. Mottershead, On the zeros of structural
@@ -38,6 +38,21 @@ impl ZeroSensitivity {
     pub fn set(&mut self, prepared: &mut Prepared<'_>, ends: (usize, usize), x: f64) -> Result<()> {
         self.x = x;
         self.slope = prepared.columns(ends, x, &mut self.left, &mut self.right)?;
+        Ok(())
+    }
+
+    /// Takes up a root `x` that cancels against a pole, see [`crate::modal::on_pole`].
+    ///
+    /// # Errors
+    /// Those of [`Prepared::vectors_on_pole`].
+    pub fn set_cancelled(
+        &mut self,
+        prepared: &mut Prepared<'_>,
+        ends: (usize, usize),
+        x: f64,
+    ) -> Result<()> {
+        self.x = x;
+        self.slope = prepared.vectors_on_pole(ends, x, &mut self.left, &mut self.right)?;
         Ok(())
     }
 

@@ -18,6 +18,7 @@ use crate::error::Result;
 use crate::fem::model::{Model, connected};
 use crate::modal::columns::modal_columns;
 use crate::modal::modes::{eigenvalue, hertz};
+use crate::modal::on_pole::on_pole;
 use crate::modal::solved::{Solutions, Solved};
 use crate::modal::structure::Structure;
 
@@ -94,6 +95,26 @@ impl Prepared<'_> {
         }
         freq_hz.extend(found.sorted().iter().map(|&x| hertz(x)));
         Ok(Transfer::Present)
+    }
+
+    /// Those of the response last found that cancel against a pole (Hz), appended to `freq_hz`.
+    pub fn cancelled(&mut self, freq_hz: &mut Vec<f64>) {
+        freq_hz.extend(self.memory.found().cancelled().map(hertz));
+    }
+
+    /// Null vectors of the deleted pencil at a root `x` that cancels against a pole, into `left` and `right`;
+    /// returns leftᵀ M right.
+    ///
+    /// # Errors
+    /// Those of [`Solved::dense`].
+    pub fn vectors_on_pole(
+        &mut self,
+        ends: (usize, usize),
+        x: f64,
+        left: &mut Vec<f64>,
+        right: &mut Vec<f64>,
+    ) -> Result<f64> {
+        Ok(on_pole(self.solved.dense()?, ends, x, left, right))
     }
 
     /// Columns i and k of (K − xM)⁻¹, each up to a factor, into `left` and `right`; returns leftᵀ M right.

@@ -14,7 +14,7 @@ impl Parameter {
     /// [`Error::InvalidInput`] for a term outside the model, a parameter that changes nothing, or a
     /// frame's parameter on a model that is not one.
     pub fn check(&self, name: &Argument, model: &Model) -> Result<()> {
-        let (terms, kind) = match self.quantity {
+        let (terms, kind) = match &self.quantity {
             Quantity::MassFactor => (model.mass_terms(), "mass"),
             Quantity::StiffnessReduction | Quantity::StiffnessFactor => {
                 (model.stiffness_terms(), "stiffness")
@@ -22,8 +22,8 @@ impl Parameter {
             Quantity::Property(property, scale) => {
                 return needs_frame(name, model)?.check_property(
                     name,
-                    property,
-                    scale,
+                    *property,
+                    *scale,
                     &self.terms,
                 );
             }
@@ -35,13 +35,20 @@ impl Parameter {
                     return Err(Error::input(name, got, wanted)
                         .remedy("Leave the axis out for a plane frame."));
                 }
-                let nodes = parts.nodes_m.len();
-                if let Some(node) = self.terms.iter().find(|&&node| node >= nodes) {
-                    let wanted = format!("nodes below {nodes}");
-                    return Err(Error::input(name, format!("node {node}"), wanted)
-                        .remedy("Nodes are counted from 0, in the order of nodes_m."));
+                return self.check_nodes(name, parts.nodes_m.len());
+            }
+            Quantity::Position(direction) => {
+                let parts = needs_frame(name, model)?.description();
+                if parts.dimension == Dimension::Plane && direction[2] != 0.0 {
+                    let got = format!("a shift along {direction:?}");
+                    return Err(Error::input(name, got, "a direction in the plane x-y")
+                        .remedy("The nodes of a plane frame stay in its plane."));
                 }
-                return Ok(());
+                return self.check_nodes(name, parts.nodes_m.len());
+            }
+            Quantity::Length(_) => {
+                let parts = needs_frame(name, model)?.description();
+                return self.check_nodes(name, parts.nodes_m.len());
             }
         };
         for &term in &self.terms {
@@ -68,13 +75,23 @@ impl Parameter {
         Ok(())
     }
 
+    fn check_nodes(&self, name: &Argument, n_nodes: usize) -> Result<()> {
+        let Some(node) = self.terms.iter().find(|&&node| node >= n_nodes) else {
+            return Ok(());
+        };
+        let wanted = format!("nodes below {n_nodes}");
+        Err(Error::input(name, format!("node {node}"), wanted)
+            .remedy("Nodes are counted from 0, in the order of nodes_m."))
+    }
+
     /// Value at which the model is as it was given; none where one value stands for different ones.
     #[must_use]
     pub fn nominal(&self, model: &Model) -> Option<f64> {
         match self.quantity {
-            Quantity::StiffnessReduction | Quantity::Angle(_) => Some(0.0),
+            Quantity::StiffnessReduction | Quantity::Angle(_) | Quantity::Position(_) => Some(0.0),
             Quantity::StiffnessFactor
             | Quantity::MassFactor
+            | Quantity::Length(_)
             | Quantity::Property(_, Scale::Factor) => Some(1.0),
             Quantity::Property(property, Scale::Value) => {
                 model.frame()?.nominal(property, &self.terms)
@@ -90,6 +107,6 @@ fn needs_frame<'a>(name: &Argument, model: &'a Model) -> Result<&'a Frame> {
             "a parameter of a frame for a model that is none",
             "stiffness reductions, stiffness factors or mass factors",
         )
-        .remedy("Build a FrameModel to change sections, masses, supports or angles.")
+        .remedy("Build a FrameModel to change sections, masses, supports, angles, positions or lengths.")
     })
 }

@@ -47,11 +47,11 @@ impl Assembly {
         self.stiffness_factors.fill(1.0);
         self.mass_factors.fill(1.0);
         for (parameter, &value) in parameters.iter().zip(x) {
-            let (factors, factor) = match parameter.quantity {
+            let (factors, factor) = match &parameter.quantity {
                 Quantity::StiffnessReduction => (&mut self.stiffness_factors, 1.0 - value),
                 Quantity::StiffnessFactor => (&mut self.stiffness_factors, value),
                 Quantity::MassFactor => (&mut self.mass_factors, value),
-                Quantity::Property(..) | Quantity::Angle(_) => continue,
+                _ => continue,
             };
             for &term in &parameter.terms {
                 factors[term] *= factor;

@@ -13,7 +13,8 @@ use crate::linalg::definite::is_semidefinite;
 /// Checks `lower` and `upper` of `parameters`.
 ///
 /// # Errors
-/// [`Error::InvalidInput`] when the wall of a tube can become thicker than its radius, or when K or M
+/// [`Error::InvalidInput`] when the wall of a tube can become thicker than its radius, when a
+/// node can come onto its neighbour, or when K or M
 /// becomes indefinite inside the bounds.
 pub fn check_bounds(
     model: &Model,
@@ -30,15 +31,24 @@ pub fn check_bounds(
     };
     let softest = corner(&|parameter, low, high| match parameter.quantity {
         Quantity::StiffnessReduction => high,
-        Quantity::Angle(_) => 0.0_f64.clamp(low, high),
+        Quantity::Angle(_) | Quantity::Position(_) => 0.0_f64.clamp(low, high),
+        Quantity::Length(_) => 1.0_f64.clamp(low, high),
         _ => low,
     });
     // The thickest wall in the narrowest tube.
     let thickest = corner(&|parameter, low, high| match parameter.quantity {
         Quantity::StiffnessReduction | Quantity::Property(Property::Diameter, _) => low,
+        Quantity::Position(_) => 0.0_f64.clamp(low, high),
         _ => high,
     });
     model.at(parameters, &thickest).map_err(in_bounds)?;
+    for (i, parameter) in parameters.iter().enumerate() {
+        if let (Quantity::Position(direction), Some(frame)) = (&parameter.quantity, model.frame()) {
+            frame
+                .check_way(*direction, &parameter.terms, lower[i], upper[i])
+                .map_err(in_bounds)?;
+        }
+    }
     let soft = model.at(parameters, &softest).map_err(in_bounds)?;
     for (matrix, whole, name) in [
         (soft.stiffness(), model.stiffness(), "stiffness"),

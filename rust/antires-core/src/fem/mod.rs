@@ -15,7 +15,7 @@
 //!
 //! | module | what it knows |
 //! |---|---|
-//! | [`term`], [`elements`], [`section`] | one contribution to K or M, and the formulas behind it |
+//! | [`term`], [`elements`], [`shape`], [`shear`], [`section`] | one contribution to K or M, and the formulas behind it |
 //! | [`model`], [`chain`], [`frame`] | K, M and their terms; from masses in a row, from beams |
 //! | [`parameters`], [`applicability`], [`bounds`] | what may change, whether it does, and how far |
 //! | [`assembly`], [`slopes`] | K(p), M(p); dK/dp, dM/dp |
@@ -31,5 +31,7 @@ pub mod frame;
 pub mod model;
 pub mod parameters;
 pub mod section;
+pub mod shape;
+pub mod shear;
 pub mod slopes;
 pub mod term;

@@ -57,7 +57,7 @@ impl<'a> Slopes<'a> {
     pub fn along(&self, index: usize) -> MatrixSlopes {
         let mut slopes = MatrixSlopes::default();
         match (
-            factor(self.parameters[index].quantity, self.x[index]),
+            factor(&self.parameters[index].quantity, self.x[index]),
             self.model.frame(),
         ) {
             (Some((Side::Stiffness, _, own)), _) => {
@@ -91,10 +91,11 @@ impl<'a> Slopes<'a> {
         }
     }
 
-    /// Slope of the terms themselves along a property or an angle.
+    /// Slope of the terms themselves along a property, an angle, a position or a length.
     fn formed_anew(&self, frame: &Frame, index: usize, slopes: &mut MatrixSlopes) {
         let step = match self.parameters[index].quantity {
             Quantity::Angle(_) => STEP_DEG,
+            Quantity::Position(_) => STEP * frame.shortest_m(),
             _ if self.x[index] == 0.0 => STEP,
             _ => STEP * self.x[index].abs(),
         };
@@ -124,7 +125,7 @@ impl<'a> Slopes<'a> {
     fn factor_on(&self, t: usize, side: Side, without: Option<usize>) -> f64 {
         let mut product = 1.0;
         for (i, (parameter, &value)) in self.parameters.iter().zip(self.x).enumerate() {
-            if let Some((s, factor, _)) = factor(parameter.quantity, value)
+            if let Some((s, factor, _)) = factor(&parameter.quantity, value)
                 && s == side
                 && without != Some(i)
             {
@@ -138,11 +139,11 @@ impl<'a> Slopes<'a> {
 
 /// Which matrix a parameter scales, its factor there and the slope of that factor; none where the terms
 /// themselves change.
-fn factor(quantity: Quantity, value: f64) -> Option<(Side, f64, f64)> {
+fn factor(quantity: &Quantity, value: f64) -> Option<(Side, f64, f64)> {
     match quantity {
         Quantity::StiffnessReduction => Some((Side::Stiffness, 1.0 - value, -1.0)),
         Quantity::StiffnessFactor => Some((Side::Stiffness, value, 1.0)),
         Quantity::MassFactor => Some((Side::Mass, value, 1.0)),
-        Quantity::Property(..) | Quantity::Angle(_) => None,
+        _ => None,
     }
 }

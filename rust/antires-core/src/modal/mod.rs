@@ -16,7 +16,7 @@
 //! | [`poles`](reduced), [`reduced`] | the poles of one load up to a limit, and the proof that none is missing |
 //! | [`solved`] | K and M of one evaluation with the solutions made of them |
 //! | [`receptance`] | H_ik as partial fractions |
-//! | [`columns`] | columns of (K − xM)⁻¹ |
+//! | [`columns`], [`on_pole`] | columns of (K − xM)⁻¹, and what stands for them on a pole |
 //! | [`modes`], [`low_modes`] | all modes, or those up to a limit |
 //! | [`frf`] | frequency responses |
 //! | [`mac`], [`nelson`], [`mode_sensitivities`] | comparison with a measured shape, and its derivatives |
@@ -32,6 +32,7 @@ pub mod mac;
 pub mod mode_sensitivities;
 pub mod modes;
 pub mod nelson;
+pub mod on_pole;
 mod poles;
 pub mod receptance;
 pub mod reduced;

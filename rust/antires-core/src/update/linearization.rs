@@ -48,10 +48,14 @@ impl Objective for AntiresonanceObjective {
             found.residuals.push(e);
             let first = found.jacobian.len();
             found.jacobian.extend(std::iter::repeat_n(0.0, n));
+            let cancelled_hz = &formed.roots[target].cancelled_hz;
             for (analytic_hz, along) in pairing.moves_with.into_iter().flatten() {
-                let ends = (target.dof, target.excitation);
-                zero.set(&mut formed.prepared, ends, eigenvalue(analytic_hz))
-                    .ok()?;
+                let (ends, x) = (self.ends(target), eigenvalue(analytic_hz));
+                if cancelled_hz.contains(&analytic_hz) {
+                    zero.set_cancelled(&mut formed.prepared, ends, x).ok()?;
+                } else {
+                    zero.set(&mut formed.prepared, ends, x).ok()?;
+                }
                 for (entry, slopes) in found.jacobian[first..].iter_mut().zip(&slopes) {
                     let slope = weight * zero.along(slopes) / eigenvalue(measured_hz);
                     // A double zero has no derivative; the descent must not follow one.

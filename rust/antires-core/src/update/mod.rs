@@ -7,7 +7,7 @@
 //! ```
 //!
 //! ω are antiresonances in the first J ([`objective`]), resonances in the second ([`modal_objective`]).
-//! A analytic, E experimental; the penalties apply to stiffness reductions only. This is the one
+//! A analytic, of those that the measurement can show ([`sight`]), E experimental; the penalties apply to stiffness reductions only. This is the one
 //! place where the models meet the optimizer.
 //!
 //! May use: `error`, `fem`, `modal`, `antiresonances`, `optimize`.
@@ -21,4 +21,5 @@ pub mod modal_objective;
 pub mod objective;
 pub mod pairing;
 pub mod penalties;
+pub mod sight;
 pub mod unknowns;

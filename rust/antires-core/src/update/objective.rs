@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::antiresonances::{AntiresonanceSolver, Prepared, Query, Route};
+use crate::antiresonances::{AntiresonanceSolver, Prepared, Query, Route, Transfer};
 use crate::error::{Error, Result};
 use crate::fem::assembly::Assembly;
 use crate::fem::model::{Model, connected};
@@ -12,6 +12,7 @@ use crate::modal::structure::Structure;
 use super::misfit::Misfit;
 use super::pairing::{Pairing, UNPAIRED};
 use super::penalties::Penalty;
+use super::sight::{Sees, shown};
 use super::unknowns::{Unknowns, checked_weights};
 
 /// The model's antiresonances are computed to this multiple of the highest measured frequency, so
@@ -19,14 +20,18 @@ use super::unknowns::{Unknowns, checked_weights};
 pub const BAND_MARGIN: f64 = 1.5;
 
 /// Measured antiresonances of one response to one force.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Target {
     /// Response dof.
     pub dof: usize,
     /// Dof of the force.
     pub excitation: usize,
-    /// Antiresonant frequencies (Hz).
+    /// Antiresonant frequencies (Hz); none where the response only was measured with others.
     pub freq_hz: Vec<f64>,
+    /// What they were identified from.
+    pub sees: Sees,
+    /// Targets of one number were measured together: transmissibilities lose what all of these share.
+    pub together: usize,
 }
 
 /// J(x) for one model, one parameter set and one measurement.
@@ -34,9 +39,11 @@ pub struct AntiresonanceObjective {
     unknowns: Unknowns,
     targets: Vec<Target>,
     misfit: Misfit,
-    query: Query,
+    limit_hz: f64,
     structure: Arc<Structure>,
     connected: Vec<bool>,
+    /// For each target those measured with it, where transmissibilities lose what all of them share.
+    others: Vec<Vec<usize>>,
     weights: Vec<f64>,
 }
 
@@ -44,13 +51,25 @@ pub struct AntiresonanceObjective {
 pub struct Workspace {
     assembly: Assembly,
     solver: AntiresonanceSolver,
-    analytic_hz: Vec<f64>,
+    roots: Vec<Roots>,
+}
+
+/// The roots of one response.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Roots {
+    /// Those that may be partners (Hz), ascending.
+    hz: Vec<f64>,
+    /// Those among them that lie on a pole and cancel.
+    pub cancelled_hz: Vec<f64>,
+    /// Whether the response is there at all.
+    present: bool,
 }
 
 /// The model at one x, ready to be solved.
 pub(super) struct Formed<'a> {
     pub prepared: Prepared<'a>,
-    analytic_hz: &'a mut Vec<f64>,
+    /// Target by target, once [`AntiresonanceObjective::pairs_of`] has found them.
+    pub roots: &'a mut Vec<Roots>,
 }
 
 impl AntiresonanceObjective {
@@ -100,18 +119,18 @@ impl AntiresonanceObjective {
             .map(|t| connected(model.stiffness(), model.mass(), t.dof, t.excitation))
             .collect();
         let weights = vec![1.0; targets.iter().map(|t| t.freq_hz.len()).sum()];
+        let others = (0..targets.len())
+            .map(|nth| measured_with(&targets, nth))
+            .collect();
         let structure = Arc::new(Structure::of(model));
         Ok(Self {
             structure,
             unknowns,
             targets,
             misfit,
-            query: Query {
-                route: Route::Modal,
-                f_max_hz: BAND_MARGIN * highest,
-                include_cancelled: false,
-            },
+            limit_hz: BAND_MARGIN * highest,
             connected,
+            others,
             weights,
         })
     }
@@ -145,7 +164,7 @@ impl AntiresonanceObjective {
         Workspace {
             assembly: Assembly::new(&self.unknowns.model),
             solver: AntiresonanceSolver::new(&self.structure),
-            analytic_hz: Vec::with_capacity(self.unknowns.model.n_dof()),
+            roots: vec![Roots::default(); self.targets.len()],
         }
     }
 
@@ -154,12 +173,12 @@ impl AntiresonanceObjective {
         let Workspace {
             assembly,
             solver,
-            analytic_hz,
+            roots,
         } = ws;
         assembly.form(&self.unknowns.model, &self.unknowns.parameters, x);
         Formed {
             prepared: solver.prepare(assembly.stiffness.as_ref(), assembly.mass.as_ref()),
-            analytic_hz,
+            roots,
         }
     }
 
@@ -171,15 +190,46 @@ impl AntiresonanceObjective {
     }
 
     fn each_pair(&self, formed: &mut Formed<'_>, mut visit: impl FnMut(Pairing)) -> Result<()> {
-        let analytic_hz = &mut *formed.analytic_hz;
-        for (target, &connected) in self.targets.iter().zip(&self.connected) {
-            analytic_hz.clear();
-            if connected && !target.freq_hz.is_empty() {
-                let (i, k) = (target.dof, target.excitation);
-                formed.prepared.find(i, k, &self.query, analytic_hz)?;
-            }
+        self.find_roots(formed)?;
+        let roots = &*formed.roots;
+        for (nth, target) in self.targets.iter().enumerate() {
+            let own = &roots[nth].hz;
+            let others = || {
+                let there = self.others[nth].iter().filter(|&&o| roots[o].present);
+                there.map(|&o| roots[o].hz.as_slice())
+            };
             for &measured in &target.freq_hz {
-                visit(Pairing::of(analytic_hz, measured, self.query.f_max_hz));
+                let shown = |root| shown(own, root, others());
+                visit(Pairing::of(own, shown, measured, self.limit_hz));
+            }
+        }
+        Ok(())
+    }
+
+    /// The roots of each target; of one without values only if others are compared with it.
+    fn find_roots(&self, formed: &mut Formed<'_>) -> Result<()> {
+        for (nth, target) in self.targets.iter().enumerate() {
+            let Roots {
+                hz,
+                cancelled_hz,
+                present,
+            } = &mut formed.roots[nth];
+            hz.clear();
+            cancelled_hz.clear();
+            *present = false;
+            if !self.connected[nth] || target.freq_hz.is_empty() && self.others[nth].is_empty() {
+                continue;
+            }
+            let query = Query {
+                route: Route::Modal,
+                f_max_hz: self.limit_hz,
+                include_cancelled: target.sees != Sees::Frf,
+            };
+            let ends = (target.dof, target.excitation);
+            let found = formed.prepared.find(ends.0, ends.1, &query, hz)?;
+            *present = found == Transfer::Present;
+            if query.include_cancelled && *present {
+                formed.prepared.cancelled(cancelled_hz);
             }
         }
         Ok(())
@@ -209,12 +259,26 @@ impl AntiresonanceObjective {
         self.misfit
     }
 
-    /// Each measured value with its target and its weight.
-    pub(super) fn measured(&self) -> impl Iterator<Item = (&Target, f64, f64)> {
-        let values = self
-            .targets
-            .iter()
-            .flat_map(|target| target.freq_hz.iter().map(move |&freq| (target, freq)));
+    /// Each measured value with the number of its target and its weight.
+    pub(super) fn measured(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+        let targets = self.targets.iter().enumerate();
+        let values = targets.flat_map(|(nth, t)| t.freq_hz.iter().map(move |&freq| (nth, freq)));
         values.zip(&self.weights).map(|((t, f), &w)| (t, f, w))
     }
+
+    /// Response and force of a target.
+    pub(super) fn ends(&self, target: usize) -> (usize, usize) {
+        let target = &self.targets[target];
+        (target.dof, target.excitation)
+    }
+}
+
+/// The targets with which transmissibilities were formed of target `nth`.
+fn measured_with(targets: &[Target], nth: usize) -> Vec<usize> {
+    let Target { sees, together, .. } = targets[nth];
+    if sees != Sees::Transmissibility {
+        return vec![];
+    }
+    let with = |other: &usize| *other != nth && targets[*other].together == together;
+    (0..targets.len()).filter(with).collect()
 }

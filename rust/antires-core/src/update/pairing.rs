@@ -1,8 +1,8 @@
 //! Pairing: which analytic value stands for a measured one, anew at every evaluation. One analytic value may
 //! serve several measured ones.
 //!
-//! An antiresonance takes the nearest in Hz, ties to the lower, and fades out at the edge of the band in which the
-//! model is asked for antiresonances. A mode takes the one least apart,
+//! An antiresonance takes the nearest in Hz of those that the measurement can show ([`super::sight`]), ties to the
+//! lower, and fades out at the edge of the band in which the model is asked for antiresonances. A mode takes the one least apart,
 //!
 //! ```text
 //! |ln(ω_A² / ω_E²)| + (1 − MAC)²,        ties to the lower
@@ -22,6 +22,9 @@ pub const UNPAIRED: f64 = 1.0;
 /// highest measured frequency, so that all but this hundredth is e as defined. No partner there explains anything.
 const FADING: f64 = 0.01 / 1.5;
 
+/// So many roots may stand in for one that is not shown in full.
+const STAND_INS: usize = 3;
+
 /// A measured antiresonance and what the model has for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pairing {
@@ -30,60 +33,113 @@ pub struct Pairing {
     /// The residual e; [`UNPAIRED`] without a partner.
     pub residual: f64,
     /// The antiresonances (Hz) that e moves with, and ∂e/∂x_A times x_E for each, x = ω².
-    pub moves_with: [Option<(f64, f64)>; 2],
+    pub moves_with: [Option<(f64, f64)>; STAND_INS],
+}
+
+/// One that may be the partner: e with it, how much of it is shown, and how that share moves with x_A / x_E.
+#[derive(Clone, Copy, Default)]
+struct Candidate {
+    hz: f64,
+    e: f64,
+    share: f64,
+    slope: f64,
 }
 
 impl Pairing {
-    /// Pairs `measured_hz` with the nearest of ascending `analytic_hz`, which are all up to `limit_hz`, or none.
+    /// Pairs `measured_hz` with the nearest of ascending `analytic_hz`, which are all up to `limit_hz`, or none;
+    /// `shown` tells how much the measurement shows of each, 0 to 1.
     ///
-    /// What e would be without a partner near the limit, `e'`, comes in by degrees, so that J does not jump where
-    /// an antiresonance leaves the band:
+    /// What e would be without a partner that is not shown in full, `e'`, comes in by degrees, so that J does not
+    /// jump where an antiresonance leaves the band, or where all responses come to share it:
     ///
     /// ```text
-    /// e = (1 − t) (f_A² / f_E² − 1) + t |e'|,   t = (f_A − f_0) / (f_limit − f_0) from f_0 = 1.49/1.5 f_limit on
+    /// e = (1 − t) (f_A² / f_E² − 1) + t |e'|,   1 − t = shown · min(1, (f_limit − f_A) / (f_limit − f_0))
     /// ```
+    ///
+    /// with f_0 = 1.49/1.5 f_limit. Where `shown` is below one it counts as fixed in the derivatives.
     #[must_use]
-    pub fn of(analytic_hz: &[f64], measured_hz: f64, limit_hz: f64) -> Self {
-        let Some(nth) = nearest(analytic_hz, measured_hz) else {
-            return Self {
-                partner_hz: None,
-                residual: UNPAIRED,
-                moves_with: [None; 2],
-            };
-        };
-        let hz = analytic_hz[nth];
-        let e = residual(Some(hz), measured_hz);
+    pub fn of(
+        analytic_hz: &[f64],
+        shown: impl Fn(usize) -> f64,
+        measured_hz: f64,
+        limit_hz: f64,
+    ) -> Self {
         let width = FADING * limit_hz;
-        let share = (hz - (limit_hz - width)) / width;
-        if share <= 0.0 {
-            return Self {
-                partner_hz: Some(hz),
-                residual: e,
-                moves_with: [Some((hz, 1.0)), None],
+        let mut partner_hz = None;
+        let mut chosen = [Candidate::default(); STAND_INS];
+        let mut n = 0;
+        for nth in outward(analytic_hz, measured_hz) {
+            let seen = shown(nth);
+            if seen <= 0.0 {
+                continue;
+            }
+            let hz = analytic_hz[nth];
+            if seen >= 0.5 && partner_hz.is_none() {
+                partner_hz = Some(hz);
+            }
+            let faded = (hz - (limit_hz - width)) / width;
+            let (share, slope) = if faded <= 0.0 {
+                (seen, 0.0)
+            } else {
+                let slope = -seen * measured_hz.powi(2) / (2.0 * hz * width);
+                (seen * (1.0 - faded), slope)
             };
+            let e = residual(Some(hz), measured_hz);
+            chosen[n] = Candidate {
+                hz,
+                e,
+                share,
+                slope,
+            };
+            n += 1;
+            if share >= 1.0 || n == STAND_INS {
+                break;
+            }
         }
-        // All others in the band lie below the measured value, or they would be nearer.
-        let below = nth.checked_sub(1).map(|i| analytic_hz[i]);
-        let without = residual(below, measured_hz).abs();
-        let along = 1.0 - share + (without - e) * measured_hz.powi(2) / (2.0 * hz * width);
+        Self::composed(partner_hz, &chosen[..n])
+    }
+
+    /// e of the nearest, with the others standing in for what is not shown of it.
+    fn composed(partner_hz: Option<f64>, chosen: &[Candidate]) -> Self {
+        // From the last to the first: e, and its derivatives by each.
+        let (mut e, mut moves_with) = (UNPAIRED, [None; STAND_INS]);
+        for (nth, one) in chosen.iter().enumerate().rev() {
+            let without = e.abs();
+            let rest = 1.0 - one.share;
+            for (_, along) in moves_with.iter_mut().flatten() {
+                *along *= rest * e.signum();
+            }
+            let along = one.share + one.slope * (one.e - without);
+            moves_with[nth] = Some((one.hz, along));
+            e = one.share * one.e + rest * without;
+        }
         Self {
-            partner_hz: Some(hz),
-            residual: (1.0 - share) * e + share * without,
-            moves_with: [Some((hz, along)), below.map(|low| (low, -share))],
+            partner_hz,
+            residual: e,
+            moves_with,
         }
     }
 }
 
-/// Index of the value of ascending `analytic_hz` nearest to `measured_hz`, or none when it is empty.
-#[must_use]
-pub fn nearest(analytic_hz: &[f64], measured_hz: f64) -> Option<usize> {
-    let above = analytic_hz.partition_point(|&a| a < measured_hz);
-    let low = above.checked_sub(1);
-    match (low, analytic_hz.get(above)) {
-        (Some(i), Some(&high)) if high - measured_hz >= measured_hz - analytic_hz[i] => Some(i),
-        (_, Some(_)) => Some(above),
-        (low, None) => low,
-    }
+/// Indices of ascending `analytic_hz` from the nearest to `measured_hz` outward, ties to the lower.
+fn outward(analytic_hz: &[f64], measured_hz: f64) -> impl Iterator<Item = usize> {
+    let mut above = analytic_hz.partition_point(|&a| a < measured_hz);
+    let mut below = above;
+    std::iter::from_fn(move || {
+        let low = below.checked_sub(1);
+        let lower_first = match (low, analytic_hz.get(above)) {
+            (None, None) => return None,
+            (Some(i), Some(&high)) => high - measured_hz >= measured_hz - analytic_hz[i],
+            (low, None) => low.is_some(),
+            (None, Some(_)) => false,
+        };
+        if lower_first {
+            below -= 1;
+            return Some(below);
+        }
+        above += 1;
+        Some(above - 1)
+    })
 }
 
 /// A mode of the model that stands for a measured one.
@@ -133,14 +189,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nearest_takes_the_closer_neighbour_and_the_lower_on_a_tie() {
+    fn the_closer_neighbour_comes_first_and_the_lower_on_a_tie() {
         let analytic = [1.0, 2.0, 4.0];
-        assert_eq!(nearest(&analytic, 0.1), Some(0));
-        assert_eq!(nearest(&analytic, 1.4), Some(0));
-        assert_eq!(nearest(&analytic, 3.0), Some(1));
-        assert_eq!(nearest(&analytic, 3.1), Some(2));
-        assert_eq!(nearest(&analytic, 9.0), Some(2));
-        assert_eq!(nearest(&[], 9.0), None);
+        let order = |measured| outward(&analytic, measured).collect::<Vec<_>>();
+        assert_eq!(order(0.1), [0, 1, 2]);
+        assert_eq!(order(1.4), [0, 1, 2]);
+        assert_eq!(order(3.0), [1, 2, 0]);
+        assert_eq!(order(3.1), [2, 1, 0]);
+        assert_eq!(order(9.0), [2, 1, 0]);
+        assert_eq!(outward(&[], 9.0).next(), None);
     }
 
     /// e of 1 Hz (the highest measured, so that the limit is 1.5 Hz) when one antiresonance is at `hz` and the
@@ -148,7 +205,7 @@ mod tests {
     fn leaving(hz: f64, low: &[f64], measured_hz: f64) -> Pairing {
         let mut analytic = low.to_vec();
         analytic.extend((hz <= 1.5).then_some(hz));
-        Pairing::of(&analytic, measured_hz, 1.5)
+        Pairing::of(&analytic, |_| 1.0, measured_hz, 1.5)
     }
 
     #[test]
@@ -178,8 +235,8 @@ mod tests {
     #[test]
     fn a_fading_residual_moves_with_both_antiresonances() {
         let (h, e) = (1e-7, 0.9);
-        let at = |hz: f64, low: f64| Pairing::of(&[low, hz], e, 1.5).residual;
-        let moves = Pairing::of(&[0.2, 1.496], e, 1.5).moves_with;
+        let at = |hz: f64, low: f64| Pairing::of(&[low, hz], |_| 1.0, e, 1.5).residual;
+        let moves = Pairing::of(&[0.2, 1.496], |_| 1.0, e, 1.5).moves_with;
         for (moved, numeric) in [
             (
                 moves[0],
@@ -195,9 +252,29 @@ mod tests {
             assert!((along * 2.0 * hz / e.powi(2) - numeric).abs() < 1e-6 * numeric.abs());
         }
         assert_eq!(
-            Pairing::of(&[0.95], e, 1.5).moves_with,
-            [Some((0.95, 1.0)), None]
+            Pairing::of(&[0.95], |_| 1.0, e, 1.5).moves_with,
+            [Some((0.95, 1.0)), None, None]
         );
+    }
+
+    #[test]
+    fn what_is_not_shown_is_no_partner_and_comes_in_by_degrees() {
+        let roots = [0.8, 0.98, 1.1];
+        let at =
+            |share: f64| Pairing::of(&roots, |nth| if nth == 1 { share } else { 1.0 }, 1.0, 1.5);
+        assert_eq!(at(0.0), Pairing::of(&[0.8, 1.1], |_| 1.0, 1.0, 1.5));
+        assert_eq!(at(1.0), Pairing::of(&roots, |_| 1.0, 1.0, 1.5));
+        assert_eq!(
+            (at(0.4).partner_hz, at(0.6).partner_hz),
+            (Some(1.1), Some(0.98))
+        );
+        let (with, without) = (residual(Some(0.98), 1.0), residual(Some(1.1), 1.0));
+        assert!((at(0.3).residual - (0.3 * with + 0.7 * without)).abs() < 1e-15);
+        assert_eq!(
+            at(0.3).moves_with,
+            [Some((0.98, 0.3)), Some((1.1, 0.7)), None]
+        );
+        assert_eq!(Pairing::of(&roots, |_| 0.0, 1.0, 1.5).residual, UNPAIRED);
     }
 
     #[test]

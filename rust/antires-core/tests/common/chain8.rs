@@ -32,7 +32,7 @@ pub fn chain8(springs: [f64; 7]) -> Model {
 pub fn each(quantity: Quantity, count: usize) -> Vec<Parameter> {
     (0..count)
         .map(|term| Parameter {
-            quantity,
+            quantity: quantity.clone(),
             terms: vec![term],
         })
         .collect()

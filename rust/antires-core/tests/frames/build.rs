@@ -6,7 +6,7 @@ use antires_core::fem::frame::description::{
 };
 use antires_core::fem::frame::dofs::Dimension;
 use antires_core::fem::model::Model;
-use antires_core::fem::section::{Section, Shape};
+use antires_core::fem::section::{Section, Shape, Shear};
 
 pub fn steel(shape: Shape) -> Section {
     Section {
@@ -14,6 +14,7 @@ pub fn steel(shape: Shape) -> Section {
         youngs_modulus_pa: 2.1e11,
         density_kg_per_m3: 7850.0,
         poisson: 0.3,
+        shear: Shear::Rigid,
     }
 }
 

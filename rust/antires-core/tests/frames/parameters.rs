@@ -57,6 +57,7 @@ fn all_kinds(model: &Model) -> (Vec<Parameter>, Vec<f64>) {
         (angle(model, &[2], 2), 6.0),
         (angle(model, &[3], 3), -11.0),
         (angle(model, &[4, 5], 2), 3.5),
+        (term(Quantity::Position([0.6, 0.8, 0.0]), &[1, 3]), 0.013),
     ]
     .into_iter()
     .unzip()

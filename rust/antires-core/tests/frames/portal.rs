@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 use antires_core::fem::frame::description::PointMass;
 use antires_core::fem::frame::dofs::Dimension;
-use antires_core::fem::section::{Section, Shape};
+use antires_core::fem::section::{Section, Shape, Shear};
 use antires_core::modal::modes::modes;
 use nalgebra::{Rotation3, Vector3};
 
@@ -37,6 +37,7 @@ fn massless(inertia: f64) -> Section {
         youngs_modulus_pa: 2.1e11,
         density_kg_per_m3: 0.0,
         poisson: 0.3,
+        shear: Shear::Rigid,
     }
 }
 

@@ -46,6 +46,8 @@ fn parameters(model: &Model) -> (Vec<Parameter>, Vec<f64>) {
         pivot: 10,
         axis: [0.0, 0.0, 1.0],
     };
+    let longer = model.frame().unwrap().reach(&[14, 15], 14).unwrap();
+    let along: Vec<usize> = longer.iter().map(|step| step.node).collect();
     let property = |p, scale| Quantity::Property(p, scale);
     [
         (Quantity::StiffnessReduction, vec![3], 0.3),
@@ -67,6 +69,8 @@ fn parameters(model: &Model) -> (Vec<Parameter>, Vec<f64>) {
             1.3,
         ),
         (Quantity::Angle(angle), turned, 12.0),
+        (Quantity::Position([0.6, 0.8, 0.0]), vec![6, 7], 0.02),
+        (Quantity::Length(longer), along, 1.04),
     ]
     .map(|(quantity, terms, at)| (Parameter { quantity, terms }, at))
     .into_iter()
@@ -81,6 +85,7 @@ fn sensitivities_of_frames_are_the_limit_of_differences() {
         dof,
         excitation: 4,
         freq_hz: vec![61.0, 118.0, 203.0, 310.0],
+        ..Target::default()
     });
     let objective = AntiresonanceObjective::new(
         model,

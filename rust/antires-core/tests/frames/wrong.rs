@@ -208,7 +208,7 @@ fn bounds_that_allow_what_cannot_be() {
         (Quantity::MassFactor, "mass"),
     ] {
         let parameter = [Parameter {
-            quantity,
+            quantity: quantity.clone(),
             terms: vec![0],
         }];
         let (within, beyond) = match quantity {

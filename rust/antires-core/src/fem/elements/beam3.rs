@@ -1,5 +1,5 @@
-//! Space beam: u, v, w, θx, θy, θz at either end; Euler-Bernoulli bending in two planes, St. Venant
-//! torsion, axial.
+//! Space beam: u, v, w, θx, θy, θz at either end; bending in two planes, Euler-Bernoulli or with shear and
+//! rotary inertia (Timoshenko), St. Venant torsion, axial.
 //!
 //! Local axes: x from the first node to the second; y the part of the reference direction across x;
 //! z = x × y. Bending in the plane x-y (v, θz) is that of the plane beam with E I_z; in the plane x-z
@@ -14,7 +14,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::to_global;
+use super::{bending, set, to_global};
 use crate::fem::section::Rigidity;
 
 /// A matrix over both ends.
@@ -36,27 +36,11 @@ pub fn stiffness(a: [f64; 3], b: [f64; 3], up: [f64; 3], section: &Rigidity) -> 
     ] {
         set(&mut local, dofs, [[c, -c], [-c, c]]);
     }
-    for ((dofs, sign), ei) in [
-        (PLANE_XY, section.bending_z_nm2),
-        (PLANE_XZ, section.bending_y_nm2),
+    for ((dofs, sign), plane) in [
+        (PLANE_XY, &section.bending_z),
+        (PLANE_XZ, &section.bending_y),
     ] {
-        let k = ei / (l * l * l);
-        let (k12, k6, k4, k2) = (
-            12.0 * k,
-            sign * 6.0 * k * l,
-            4.0 * k * l * l,
-            2.0 * k * l * l,
-        );
-        set(
-            &mut local,
-            dofs,
-            [
-                [k12, k6, -k12, k6],
-                [k6, k4, -k6, k2],
-                [-k12, -k6, k12, -k6],
-                [k6, k2, -k6, k4],
-            ],
-        );
+        set(&mut local, dofs, bending::stiffness(l, plane, sign));
     }
     to_global(&local, &axes)
 }
@@ -72,30 +56,14 @@ pub fn mass(a: [f64; 3], b: [f64; 3], up: [f64; 3], section: &Rigidity) -> Matri
     ] {
         set(&mut local, dofs, [[m / 3.0, m / 6.0], [m / 6.0, m / 3.0]]);
     }
-    let m = section.mass_kg_per_m * l / 420.0;
-    for (dofs, sign) in [PLANE_XY, PLANE_XZ] {
-        let (own, turn, tip) = (156.0 * m, sign * 22.0 * m * l, 4.0 * m * l * l);
-        let (far, cross, both) = (54.0 * m, sign * 13.0 * m * l, 3.0 * m * l * l);
-        set(
-            &mut local,
-            dofs,
-            [
-                [own, turn, far, -cross],
-                [turn, tip, cross, -both],
-                [far, cross, own, -turn],
-                [-cross, -both, -turn, tip],
-            ],
-        );
+    for ((dofs, sign), plane) in [
+        (PLANE_XY, &section.bending_z),
+        (PLANE_XZ, &section.bending_y),
+    ] {
+        let matrix = bending::mass(l, section.mass_kg_per_m, plane, sign);
+        set(&mut local, dofs, matrix);
     }
     to_global(&local, &axes)
-}
-
-fn set<const N: usize>(target: &mut Matrix12, dofs: [usize; N], values: [[f64; N]; N]) {
-    for (&i, row) in dofs.iter().zip(values) {
-        for (&j, value) in dofs.iter().zip(row) {
-            target[(i, j)] = value;
-        }
-    }
 }
 
 /// Length, and the rotation from global to local axes.

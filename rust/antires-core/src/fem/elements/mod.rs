@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, SMatrix};
 
 pub mod beam2;
 pub mod beam3;
+pub mod bending;
 pub mod lumped;
 pub mod spring;
 
@@ -33,4 +34,17 @@ fn to_global<const N: usize>(
 /// A · B written out: several times faster at this size than the general product.
 fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| a[(i, 0)] * b[(0, j)] + a[(i, 1)] * b[(1, j)] + a[(i, 2)] * b[(2, j)])
+}
+
+/// Writes the matrix of one motion to its local dofs.
+fn set<const N: usize, const D: usize>(
+    target: &mut SMatrix<f64, N, N>,
+    dofs: [usize; D],
+    values: [[f64; D]; D],
+) {
+    for (&i, row) in dofs.iter().zip(values) {
+        for (&j, value) in dofs.iter().zip(row) {
+            target[(i, j)] = value;
+        }
+    }
 }

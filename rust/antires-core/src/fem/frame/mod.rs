@@ -17,6 +17,7 @@ pub mod description;
 pub mod dofs;
 mod parameters;
 pub mod property;
+mod reach;
 pub mod reform;
 mod terms;
 mod topology;
@@ -26,7 +27,7 @@ use crate::fem::term::Term;
 use description::FrameDescription;
 use dofs::DofMap;
 
-pub use property::{Angle, Property, Scale};
+pub use property::{Angle, Property, Reach, Scale};
 
 /// A checked frame with its dof numbering.
 #[derive(Debug, Clone)]

@@ -1,4 +1,4 @@
-//! What parameters do to a frame: properties of sections, masses and supports, and angles.
+//! What parameters do to a frame: properties of sections, masses and supports, angles, positions and lengths.
 //!
 //! ```text
 //! property   Young's modulus (Pa), density (kg/m³), tube thickness and outer diameter (m) of sections;
@@ -8,6 +8,9 @@
 //!            axis through c: x ← c + R(p) (x − c). The beams are formed again from the coordinates,
 //!            so that rigid motions stay free. Angles act in the order of the parameters, each about its
 //!            pivot where it then is. Supports and sensors keep their global directions.
+//! position   nodes move by p metres along a unit vector n: x ← x + p n.
+//! length     beams get longer by the factor p and keep their directions: the far end b of each, seen from
+//!            the pivot, moves as its near end a does and by (p − 1) (b − a) more; all downstream moves along.
 //! ```
 
 use nalgebra::{Rotation3, Unit, Vector3};
@@ -54,8 +57,8 @@ impl Frame {
     /// Sets what the frame's own parameters govern; factors on terms are left to the caller.
     pub(super) fn apply(&mut self, parameters: &[Parameter], x: &[f64]) {
         for (parameter, &value) in parameters.iter().zip(x) {
-            match parameter.quantity {
-                Quantity::Property(property, scale) => {
+            match &parameter.quantity {
+                &Quantity::Property(property, scale) => {
                     for &index in &parameter.terms {
                         for slot in self.slots(property, index).into_iter().flatten() {
                             *slot = match scale {
@@ -66,8 +69,10 @@ impl Frame {
                     }
                 }
                 Quantity::Angle(angle) if value != 0.0 => {
-                    self.turn(&angle, value.to_radians(), &parameter.terms);
+                    self.turn(angle, value.to_radians(), &parameter.terms);
                 }
+                Quantity::Position(direction) => self.shift(direction, value, &parameter.terms),
+                Quantity::Length(way) if value != 1.0 => self.stretch(way, value),
                 _ => {}
             }
         }
@@ -98,11 +103,11 @@ impl Frame {
         frame.apply(parameters, x);
         for (parameter, &value) in parameters.iter().zip(x) {
             for &term in &parameter.terms {
-                match parameter.quantity {
+                match &parameter.quantity {
                     Quantity::StiffnessReduction => frame.scale_stiffness(term, 1.0 - value),
                     Quantity::StiffnessFactor => frame.scale_stiffness(term, value),
                     Quantity::MassFactor => frame.scale_mass(term, value),
-                    Quantity::Property(..) | Quantity::Angle(_) => {}
+                    _ => {}
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! What a parameter of a frame can set: a property of sections, masses and supports, or an angle.
+//! What a parameter of a frame can set: a property of sections, masses and supports, an angle, a length.
 
 /// A property that a parameter can set; its terms are indices of sections, lumped masses or springs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,6 +35,17 @@ pub struct Angle {
     pub pivot: usize,
     /// Axis of the turn; z in the plane.
     pub axis: [f64; 3],
+}
+
+/// One node that moves when beams get longer, in the order in which they are reached from the pivot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reach {
+    /// The node.
+    pub node: usize,
+    /// The node it is reached from, whose shift it shares.
+    pub from: usize,
+    /// Whether a beam that gets longer lies between the two.
+    pub stretched: bool,
 }
 
 impl Property {

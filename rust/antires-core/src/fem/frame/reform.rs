@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::Frame;
-use crate::fem::parameters::{Parameter, Quantity};
+use crate::fem::parameters::Parameter;
 use crate::fem::term::Term;
 
 /// A frame at a parameter vector, with its terms; the memory is reused from one vector to the next.
@@ -51,10 +51,7 @@ impl Reform {
         stiffness: (&[Term], &[f64], &mut Mat<f64>),
         mass: (&[Term], &[f64], &mut Mat<f64>),
     ) {
-        if parameters
-            .iter()
-            .any(|p| matches!(p.quantity, Quantity::Property(..) | Quantity::Angle(_)))
-        {
+        if parameters.iter().any(|p| p.quantity.forms_anew()) {
             self.working.reset_to(nominal);
             self.working.apply(parameters, x);
             let working = &self.working;

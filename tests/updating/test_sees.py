@@ -1,0 +1,130 @@
+"""The model answers in kind: with roots that cancel in an FRF where transmissibilities were measured.
+
+Records of the symmetric structures are simulated from K and M as matrices.
+"""
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from reference.symmetric_structures import cases
+from tests.support.campaign import some_of
+
+CHAIN = ar.MassSpringChain(np.ones(7), np.full(6, 5e4))
+SPRINGS = ar.stiffness_reduction(range(6))
+#: Free, seven equal masses, k/m = 5e4 1/s^2, force at 0: on the nodes of all odd modes.
+ON_NODES = [15.84, 44.38, 64.13]
+
+
+def zeros_of(model, force):
+    return dict(enumerate(model.antiresonances(range(model.n_dof), force, include_cancelled=True)))
+
+
+def paired(freq_hz, sees, force=0, channels=range(7)):
+    measured = ar.AntiresonanceSet(force, freq_hz, sees=sees, channels=channels)
+    return ar.UpdatingProblem(CHAIN, SPRINGS, measured).paired_hz(np.zeros(6))
+
+
+def test_a_transmissibility_sees_what_a_node_hides_from_an_frf():
+    for sees in ("transmissibility", None):
+        assert paired({3: ON_NODES}, sees) == pytest.approx(ON_NODES, abs=0.005)
+    assert np.isnan(paired({3: ON_NODES}, "frf")).all()
+
+
+def test_what_all_channels_share_no_transmissibility_sees():
+    # Force on the node of the odd modes, whose roots are in every numerator.
+    given = {2: [15.84, 44.38]}
+    assert paired(given, None, force=3) == pytest.approx([15.84, 44.38], abs=0.005)
+    shown = CHAIN.antiresonances(2, 3)
+    for sees in ("transmissibility", "frf"):
+        assert set(paired(given, sees, force=3)) <= set(shown)
+    # A single channel, or one that the model does not have: nothing is known to be shared.
+    assert paired(given, "transmissibility", 3, channels=[2]) == pytest.approx([15.84, 44.38], abs=0.005)
+    assert paired(given, "transmissibility", 3, channels=[2, 99]) == pytest.approx([15.84, 44.38], abs=0.005)
+
+
+def test_sensors_on_one_side_of_the_force_share_the_zeros_of_the_other():
+    # N_p = (masses before p) (masses behind the force): the last factor is common to p = 0, 1, 2.
+    behind = ar.MassSpringChain(np.ones(4), np.full(3, 5e4), ground_first_n_per_m=5e4).modes().freq_hz
+    for channels, seen in (([0, 1, 2], False), (range(7), True)):
+        at = paired({1: behind}, "transmissibility", force=2, channels=channels)
+        assert np.allclose(at, behind, rtol=1e-9) == seen
+
+
+def test_an_intact_symmetric_chain_is_found_undamaged_in_each_kind():
+    both = CHAIN.antiresonances(range(7), 0)
+    for sees, zeros in (
+        ("transmissibility", zeros_of(CHAIN, 0)),
+        ("frf", dict(enumerate(both))),
+        (None, zeros_of(CHAIN, 0)),
+        (None, dict(enumerate(both))),
+    ):
+        result = ar.assess_damage(CHAIN, ar.AntiresonanceSet(0, zeros, sees=sees), rng=0)
+        assert (result.damaged, result.table.largest_before_percent) == ([], 0.0)
+        assert min(result.detectable.values()) > 0.015
+
+
+def test_damage_that_keeps_and_damage_that_breaks_the_symmetry_is_found():
+    for element in (0, 2):
+        true = CHAIN.with_parameters(ar.stiffness_reduction([element]), [0.2])
+        measured = ar.AntiresonanceSet(0, zeros_of(true, 0), sees="transmissibility")
+        result = ar.assess_damage(CHAIN, measured, rng=0)
+        assert result.damaged == [element]
+        assert result.severity[element] == pytest.approx(0.2, abs=0.02)
+
+
+def test_the_objective_does_not_jump_where_the_symmetry_breaks():
+    for force, given in ((0, {3: ON_NODES}), (3, {2: [15.9, 22.1]})):
+        measured = ar.AntiresonanceSet(force, given, sees="transmissibility", channels=range(7))
+        problem = ar.UpdatingProblem(CHAIN, SPRINGS, measured)
+        at_rest = problem.cost(np.zeros(6))
+        for element in range(6):
+            small = np.zeros(6)
+            for beta in 10.0 ** np.arange(-15.0, -5.0):
+                small[element] = beta
+                assert problem.cost(small) == pytest.approx(at_rest, abs=3e-5)
+
+
+def test_halves_of_complex_zeros_are_left_out_and_named():
+    case = next(c for c in cases() if c.name == "10 masses, 2 held")
+    model = case.build(0.003)
+    # At sensor 2 of this ring two antiresonances have met.
+    from antires_rs.updating.complex_zeros import complex_zeros
+
+    dof, freq, part = next(
+        (d, f[0], p[0])
+        for d in case.sensors
+        for f, p in [complex_zeros(model, d, case.excitation, 78.0)]
+        if f.size
+    )
+    zeros = dict(zip(case.sensors, model.antiresonances(case.sensors, case.excitation), strict=True))
+    damping = {d: np.full(f.size, 0.01) for d, f in zeros.items()}
+    zeros[dof] = np.append(zeros[dof], freq)
+    damping[dof] = np.append(damping[dof], 0.01 + part)
+    measured = ar.AntiresonanceSet(case.excitation, zeros, damping, sees="transmissibility")
+    parameters = ar.stiffness_reduction(model.default_elements)
+    problem = ar.UpdatingProblem(model, parameters, measured, weights=np.ones(sum(map(len, zeros.values()))))
+    (note,) = problem.left_out
+    assert note.startswith(f"Left out: {freq:.2f} Hz at dof {dof}, damped by {100 * (0.01 + part):.1f} %")
+    assert "half of a complex zero" in note
+    assert problem.measured_hz.size == problem.weights.size == sum(map(len, zeros.values())) - 1
+    assert np.abs(problem.residuals(problem.nominal)).max() < 1e-9
+    # Without damping ratios nothing is told.
+    plain = ar.AntiresonanceSet(case.excitation, zeros, sees="transmissibility")
+    assert ar.UpdatingProblem(model, parameters, plain).left_out == ()
+
+
+QUICK = ["5 equal masses, force at 0", "1 storeys of 2, corner"]
+
+
+@pytest.mark.parametrize("name", some_of([case.name for case in cases()], QUICK))
+def test_intact_symmetric_structures_are_undamaged_and_their_damage_is_as_visible_as_a_twins(name):
+    case = next(c for c in cases() if c.name == name)
+    model, twin = case.build(0.0), case.build(1e-3)
+    noisy = ar.assess_damage(model, case.identified(model, noise=0.01, seed=1), rng=0)
+    assert noisy.damaged == []
+    result, other = (ar.assess_damage(m, case.identified(m), rng=0) for m in (model, twin))
+    assert result.damaged == other.damaged == []
+    for element, least in result.detectable.items():
+        low, high = sorted([least, other.detectable[element]])
+        assert low > 0.3 or high < 1.2 * low
