@@ -5,7 +5,8 @@ import pytest
 
 from antires_rs import AntiresonanceSet, FrequencyResponse, identify_antiresonances
 from antires_rs.identification.local.grid import MARGIN, local_windows
-from antires_rs.order_sweep.dips import dips, unexplained
+from antires_rs.order_sweep.dips import dips
+from antires_rs.order_sweep.peaks import unexplained
 from reference.measured import DATA, REFERENCE, STATES, as_transmissibilities, counted, plate, structures
 from tests.support.campaign import some_of
 

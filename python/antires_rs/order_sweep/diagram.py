@@ -22,8 +22,8 @@ from ..rational.dominance import dominance
 from ..rational.fit import NestedFit, prepare
 from ..support.pickling import ReadOnly, frozen
 from ..support.validation import ComplexArray, FloatArray, integer
-from .dips import unexplained
 from .limits import SMALL_DAMPING
+from .peaks import unexplained
 from .rule import Rule
 from .table import ResponseTable
 

@@ -97,14 +97,9 @@ def _chosen(found: list[tuple[float, ...]], rule: Rule) -> tuple[ResponseTable, 
             out.append((one, ONLY_TRANSMISSIBILITY))
         else:
             kept.append(one)
-    return _table(kept), _table([row for row, _ in out]).with_scores(
-        why=_by_frequency([row for row, _ in out], [why for _, why in out])
-    )
-
-
-def _by_frequency(rows: list[tuple[float, ...]], words: list[str]) -> NDArray[np.str_]:
-    rank = sorted(range(len(rows)), key=lambda i: rows[i][0])
-    return np.array([words[i] for i in rank], dtype=np.str_)
+    out.sort(key=lambda left: left[0][0])
+    whys = np.array([why for _, why in out], dtype=np.str_)
+    return _table(kept), _table([row for row, _ in out]).with_scores(why=whys)
 
 
 def _table(rows: list[tuple[float, ...]]) -> ResponseTable:
