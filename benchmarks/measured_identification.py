@@ -41,13 +41,13 @@ from reference.measured import (
 RECURS = 0.015
 
 
-def identified(source, measured, band_hz=None):
+def identified(source, measured, band_hz=None, **options):
     """Values with the defaults, and CPU seconds."""
     start = time.process_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ar.exceptions.AntiresWarning)
         found = ar.identify_antiresonances(
-            source, excitation=measured.excitation, band_hz=band_hz or measured.band_hz
+            source, excitation=measured.excitation, band_hz=band_hz or measured.band_hz, **options
         )
     return found, time.process_time() - start
 
@@ -78,6 +78,25 @@ def plates():
             f"so marked with FRFs {len(unmarked)}; lost {len(lost)}; {seconds:.1f}, {more:.1f} s"
         )
     print(f"all: {total[0]}; {total[1]}")
+
+
+def presets():
+    """Item 7: what presets and grades mean on the plates."""
+    print("plates by preset: found of clear dips, values without a dip; by grade: values, without a dip")
+    for preset in (None, "strict", "sensitive"):
+        total, by_grade = Counted(), {name: [0, 0] for name in ("sure", "fair", "weak")}
+        for state in STATES:
+            measured = plate(state)
+            found = identified(measured.frfs, measured, preset=preset)[0]
+            total += counted(measured, found)
+            for name, pair in by_grade.items():
+                chosen = {
+                    dof: table.freq_hz[table.scores["grade"] == name] for dof, table in found.tables.items()
+                }
+                one = counted(measured, chosen)
+                pair[0] += one.values
+                pair[1] += one.false
+        print(f"{preset or 'default'}: {total}; {by_grade}")
 
 
 def pair():
@@ -182,13 +201,13 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--only", choices=("plates", "pair", "repeats", "frames", "edges"))
+    parser.add_argument("--only", choices=("plates", "presets", "pair", "repeats", "frames", "edges"))
     parser.add_argument("--bands", type=int, default=20)
     args = parser.parse_args()
     if not DATA.is_dir():
         print(f"no measured structures in {DATA.name}: set ANTIRES_DATA")
         return
-    parts = {"plates": plates, "pair": pair, "repeats": repeats, "frames": frames}
+    parts = {"plates": plates, "presets": presets, "pair": pair, "repeats": repeats, "frames": frames}
     parts["edges"] = lambda: edges(args.bands)
     for name, part in parts.items():
         if args.only in (None, name):

@@ -90,18 +90,23 @@ class Structure:
     def record(self, *, noise=0.0, seed=0, duration_s=200.0, sensors="white"):
         """Recording under a white force up to 0.45 of the sampling rate; ``noise`` as in ``sensor_noise``."""
         if self.by_model:
-            if sensors != "white":
+            if sensors not in ("white", "floor"):
                 raise ValueError("MatrixModel.simulate offers white noise only")
-            return ar.MatrixModel(self.stiffness, self.mass).simulate(
+            clean = ar.MatrixModel(self.stiffness, self.mass).simulate(
                 excitation=self.excitation,
                 fs_hz=FS_HZ,
                 duration_s=duration_s,
                 damping_ratio=DAMPING_RATIO,
                 band_hz=(0.0, 0.45 * FS_HZ),
-                noise=noise,
+                noise=0.0 if sensors == "floor" else noise,
                 responses=list(self.responses),
                 rng=seed,
             )
+            if sensors == "white":
+                return clean
+            x = clean.responses
+            rough = sensor_noise(x.std(axis=1), x.shape[1], noise, sensors, np.random.default_rng([seed, 1]))
+            return ar.Recording(x + rough, FS_HZ, dofs=clean.dofs, force=clean.force)
         rng = np.random.default_rng(seed)
         n = round(duration_s * FS_HZ)
         freq = np.fft.rfftfreq(2 * n, 1 / FS_HZ)
@@ -120,10 +125,13 @@ def sensor_noise(rms, n, noise, sensors, rng):
     """Noise of every channel, (n_channels, n), of standard deviation ``noise * rms``.
 
     ``sensors`` is "white"; "pink" (power as 1/f from 0.1 Hz); "drift" (white, and ten times as much
-    below 1 Hz with power as 1/f^2); or "unequal" (white, levels of the channels spread from 1 to 10 about
-    their geometric mean ``noise``).
+    below 1 Hz with power as 1/f^2); "unequal" (white, levels of the channels spread from 1 to 10 about
+    their geometric mean ``noise``); or "floor" (white, the same absolute level in all channels, ``noise``
+    times their mean rms).
     """
     white = rng.standard_normal((rms.size, n))
+    if sensors == "floor":
+        return noise * rms.mean() * white
     level = noise * rms[:, None]
     if sensors == "white":
         return level * white
