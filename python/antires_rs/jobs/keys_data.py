@@ -148,6 +148,8 @@ IDENTIFICATION = Section(
         ),
         Key("max_damping", "number", "Largest damping ratio of an antiresonance.", "0.1"),
         Key("min_dominance", "number", "How much of the curve a value must own.", "0.05"),
+        Key("min_share", "number", "Share of the fits over windows that must see a value.", "0.5"),
+        Key("min_depth_db", "number", "Depth of the dip that a value of a curve must make.", "3.0"),
         Key(
             "persistent",
             "switch",
