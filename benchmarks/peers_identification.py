@@ -7,7 +7,7 @@ antires_rs too, and by the best rule of its own (``peers/rule.py``; antires_rs: 
 transmissibilities are estimated twice: as H1, which any user has, and as antires_rs' own rank-one estimate,
 so that no peer is starved. Settings and rules were chosen on seeds 100-102 for the most found minus false;
 each is explained where it is set, in ``peers/``. The chain first, simulated; then measured structures
-(``measured_structures.py``), whose FRFs everyone is given, with the same settings and rules.
+(``reference/measured.py``), whose FRFs everyone is given, with the same settings and rules.
 
     pip install sdypy-EMA pyoma-2 strid pyfbs scikit-rf PyDynamic       # those you want; the others are named
     python -m benchmarks.peers_identification                           # half an hour
@@ -40,10 +40,10 @@ import scipy
 
 import antires_rs as ar
 from benchmarks import peers
-from benchmarks.measured_structures import Counted, counted, structures
 from benchmarks.peers.method import MAX_ORDER, Method, Source
 from benchmarks.peers.rule import COMMON, FAMILY, select
 from benchmarks.study_tools import Score, add_options, print_table, score_run
+from reference.measured import Counted, counted, structures
 
 BAND_HZ = (3.0, 130.0)
 DAMPING = 0.01

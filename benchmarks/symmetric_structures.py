@@ -86,7 +86,7 @@ def one_run(task):
         "left out": len(problem.left_out),
         "damaged": result.damaged,
         "largest %": result.table.largest_before_percent,
-        "least detectable": min(result.detectable.values()),
+        "least detectable": min(result.detectable.values()) if twins else float("nan"),
         "ratio": ratio,
         "wrong kind": wrong_kinds(case, model, problem),
         "seconds": time.perf_counter() - start,

@@ -31,6 +31,7 @@ _NAMES = {
     "io": (
         "from_sep005",
         "read_csv",
+        "read_frf_files",
         "read_hdf5",
         "read_mat",
         "read_matrices",

@@ -22,6 +22,7 @@ from .identification.modes import identify_modes
 from .io import (
     from_sep005,
     read_csv,
+    read_frf_files,
     read_hdf5,
     read_mat,
     read_matrices,
@@ -129,6 +130,7 @@ __all__ = [
     "point_mass",
     "position",
     "read_csv",
+    "read_frf_files",
     "read_hdf5",
     "read_mat",
     "read_matrices",

@@ -70,7 +70,7 @@ def test_exact_data_give_the_exact_zeros(kind):
     c = fit.low(6) if kind == "low" else fit.likeliest(6)[0]
     assert [exact_zeros(row).size for row in range(4)] == [3, 2, 1, 0]
     for row in range(3):
-        assert nearest(fit.zeros(c, row), exact_zeros(row)).max() < 1e-7
+        assert nearest(fit.zeros(c[:, row]), exact_zeros(row)).max() < 1e-7
 
 
 def test_force_and_resonances_cancel():
@@ -79,13 +79,13 @@ def test_force_and_resonances_cancel():
     factor = np.exp(2j * np.pi * rng.random(FREQ.size)) * rng.uniform(0.5, 2.0, FREQ.size)
     for x in (vectors(), vectors() * factor[:, None]):
         fit = fit_of(covariance_of(x), 6)
-        assert nearest(fit.zeros(fit.likeliest(6)[0], 0), exact_zeros(0)).max() < 1e-7
+        assert nearest(fit.zeros(fit.likeliest(6)[0][:, 0]), exact_zeros(0)).max() < 1e-7
 
 
 def test_superfluous_roots_are_shared_and_own_nothing():
     fit = fit_of(covariance_of(vectors()), 20)
     c = fit.low(20)
-    roots = [fit.zeros(c, row) for row in range(4)]
+    roots = [fit.zeros(c[:, row]) for row in range(4)]
     for row in range(3):
         true = np.array([roots[row][np.argmin(np.abs(roots[row] - s))] for s in exact_zeros(row)])
         others = [k for k in range(4) if k != row]
@@ -138,7 +138,7 @@ def test_predicted_scatter_is_the_observed_one():
         influence = Influence(best.fit, best.coefficients, best.misfit, lines)
         for row in range(3):
             true = exact_zeros(row)
-            roots = best.fit.zeros(best.coefficients, row)
+            roots = best.fit.zeros(best.coefficients[:, row])
             near = np.array([roots[np.argmin(np.abs(roots - s))] for s in true])
             std = influence.standard_deviations(row, near)
             scores.append((np.abs(near) - np.abs(true)) / (2 * np.pi) / std)

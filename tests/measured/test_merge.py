@@ -116,3 +116,4 @@ def test_identified_setups_keep_their_scores():
     merged = ar.merge_setups(sets, check="off")
     assert list(merged) == [0, 1, 2, 3, 4, 5, 6]
     assert set(merged.scores[0]) == set(sets[0].scores[0])
+    assert (merged.sees, merged.channels) == ("transmissibility", (0, 1, 2, 3, 4, 5, 6))

@@ -20,6 +20,7 @@ def _needs(folder):
 
 
 needs_southampton, needs_brake_reuss = _needs(SOUTHAMPTON), _needs(BRAKE_REUSS)
+needs_plates = _needs(DATA / "iqs_plates")
 
 
 def southampton(name):

@@ -139,7 +139,8 @@ def _identify(commands: Any) -> None:
         metavar="FILE",
         nargs="+",
         type=Path,
-        help="a measurement (.uff .unv .mat .h5 .csv .tsv .txt .npz), several of one test, or a job (.toml)",
+        help="a measurement (.uff .unv .mat .h5 .csv .tsv .txt .npz .npy, or a folder of files of one FRF "
+        "each), several of one test, or a job (.toml)",
     )
     found.add_argument(
         "--band",
@@ -182,6 +183,26 @@ def _identify(commands: Any) -> None:
         "--unit", help="unit of the responses, such as g or m/s2, where the file does not tell"
     )
     found.add_argument("--first", **one_of("time", "freq", "channel"), help="first column of a CSV file")
+    found.add_argument(
+        "--pairs",
+        **one_of("real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad"),
+        help="what two neighbouring columns of a CSV file are, where their names do not tell",
+    )
+    found.add_argument(
+        "--df",
+        type=number(float, 0.0),
+        metavar="HZ",
+        dest="df_hz",
+        help="spacing of FRFs from 0 Hz on, where the file has no axis",
+    )
+    found.add_argument(
+        "--run",
+        type=number(int, 1),
+        metavar="N",
+        dest="of_run",
+        help="which run of a universal file with several",
+    )
+    found.add_argument("--pattern", metavar="GLOB", help="which files of a folder (default: *)")
     found.add_argument(
         "--preset", **one_of("paper", "strict", "sensitive"), help="options of the identification"
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..exceptions import AntiresWarning
-from ..jobs.formats import FORMATS, format_of
+from ..jobs.formats import FOLDER, FORMATS, format_of
 from ..jobs.keys_data import DATA
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import reject
@@ -20,16 +20,22 @@ __all__ = ["demo", "identify", "report"]
 #: Options of ``identify`` by the arguments of the functions behind it.
 _NAMES = {
     "path": "FILE",
+    "files": "FILE",
+    "format": "--format",
     "signal": "FILE",
     "source": "FILE",
     "band_hz": "--band",
     "dofs": "--dof",
     "fs_hz": "--fs",
+    "df_hz": "--df",
+    "pairs": "--pairs",
+    "run": "--run",
+    "pattern": "--pattern",
     "cross_check": "--cross-check",
     "max_order": "--max-order",
     **{name: f"--{name}" for name in ("excitation", "unit", "force", "kind", "first", "reference", "preset")},
 }
-_READING = ("kind", "reference", "force", "fs_hz", "unit", "first")
+_READING = ("kind", "reference", "force", "fs_hz", "unit", "first", "df_hz", "pairs", "of_run", "pattern")
 _CHOICES = ("preset", "max_order", "cross_check")
 _SEE = "See 'antires identify --help'."
 
@@ -46,7 +52,8 @@ def demo(args: argparse.Namespace) -> int:
 def identify(args: argparse.Namespace) -> int:
     """Antiresonances of a file, or of the [data] of a job."""
     for file in args.files:
-        existing("FILE", file, "Name a measurement, or a job.")
+        if not file.is_dir():
+            existing("FILE", file, "Name a measurement, or a job.")
     args.file = args.files[0]
     if len(args.files) > 1:
         _of_one_kind(args.files)
@@ -81,7 +88,9 @@ def _of_job(args: argparse.Namespace) -> list[AntiresonanceSet]:
 
     for name in ("band", "excitation", "format", "dofs", *_READING, *_CHOICES):
         if getattr(args, name) is not None:
-            option = {"dofs": "--dof", "fs_hz": "--fs"}.get(name, "--" + name.replace("_", "-"))
+            option = {"dofs": "--dof", "fs_hz": "--fs", "df_hz": "--df", "of_run": "--run"}.get(
+                name, "--" + name.replace("_", "-")
+            )
             reject(
                 option,
                 "it beside a job",
@@ -93,7 +102,7 @@ def _of_job(args: argparse.Namespace) -> list[AntiresonanceSet]:
 
 
 def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
-    kind = format_of(args.file.name, args.format)
+    kind = FOLDER if args.file.is_dir() else format_of(args.file.name, args.format)
     if kind is None:
         reject(
             "FILE",
@@ -115,7 +124,11 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
     from ..jobs.reading import read_signal
     from ..signals.repeats import one_source
 
-    options = {name: getattr(args, name) for name in _READING if getattr(args, name) is not None}
+    options = {
+        name.removeprefix("of_"): getattr(args, name) for name in _READING if getattr(args, name) is not None
+    }
+    if kind == FOLDER and args.format is not None:
+        options["format"] = args.format
     if args.dofs:
         options["dofs"] = dict(args.dofs)
     chosen = {name: getattr(args, name) for name in _CHOICES if getattr(args, name) is not None}

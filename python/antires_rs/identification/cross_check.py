@@ -289,9 +289,7 @@ def _poles(lines: Lines, row: int, window: Window, method: str, n_poles: int) ->
     strong = (dominance >= CANDIDATE_DOMINANCE) & (decay > 0.0)
     # A peak narrower than the distance of two lines is the noise of one of them.
     strong &= -s.real / np.pi >= float(np.median(np.diff(lines.freq_hz)))
-    if lines.snr_known:
-        snr = lines.channel_snr(row)
-        strong &= flanked(lines.freq_hz, snr, freq, CANDIDATE_SNR)
+    strong &= flanked(lines.freq_hz, lines.channel_snr(row), freq, CANDIDATE_SNR)
     return freq[keep], strong[keep]
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -17,10 +17,20 @@ from ..support.progress import step
 from ..support.validation import FloatArray
 from .formulations import sweep_of
 from .lines import FORCE, Lines
+from .local.sweep import local_diagrams
 from .options import IdentificationOptions
 from .selection import select
 
-__all__ = ["diagrams_of"]
+__all__ = ["Fitted", "diagrams_of"]
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Diagrams by dof; whether a fit of all numerators made them, and what kind of curve they speak of."""
+
+    diagrams: dict[Any, StabilizationDiagram]
+    of_numerators: bool
+    sees: Literal["frf", "transmissibility"]
 
 
 def diagrams_of(
@@ -28,17 +38,25 @@ def diagrams_of(
     lines_for: Callable[[int], Lines],
     band: tuple[float, float],
     options: IdentificationOptions,
-) -> tuple[dict[Any, StabilizationDiagram], bool]:
-    """Diagrams by dof, and whether they are of all numerators, whose values have grades and deviations."""
+) -> Fitted:
+    """One diagram for each of ``dofs``, by the formulation that suits the lines or that was asked for."""
     first = lines_for(FORCE if options.use_force else 0)
-    numerators = options.formulation == "numerators" or (
-        options.formulation == "auto" and first.segments is not None and options.estimator == "rank1"
-    )
-    if numerators:
+    averaged = first.segments is not None
+    formulation = options.formulation
+    if formulation == "auto":
+        formulation = "windows" if not averaged else "numerators" if options.estimator == "rank1" else "joint"
+    if formulation == "windows":
+        found = dict(zip(dofs, local_diagrams(first, len(dofs), band, options), strict=True))
+    elif formulation == "numerators":
         found = _from_numerators(dofs, first, band, options)
     else:
-        found = _one_by_one(dofs, lines_for, band, options)
-    return found if options.keep_common else without_common(found), numerators
+        found = _one_by_one(dofs, lines_for, band, options, formulation)
+    of_responses = options.use_force or (formulation == "windows" and first.size is not None)
+    return Fitted(
+        found if options.keep_common else without_common(found),
+        formulation == "numerators",
+        "frf" if of_responses else "transmissibility",
+    )
 
 
 def _from_numerators(
@@ -58,10 +76,10 @@ def _one_by_one(
     lines_for: Callable[[int], Lines],
     band: tuple[float, float],
     options: IdentificationOptions,
+    formulation: str,
 ) -> dict[Any, StabilizationDiagram]:
     """Every dof from its own joint fit of all T_pj; with a force, from one joint fit of all H_jk."""
     rule, use_force = options.rule, options.use_force
-    formulation = "joint" if options.formulation == "auto" else options.formulation
     found: dict[Any, StabilizationDiagram] = {}
     shared: dict[int, tuple[PoleSweep, range, FloatArray]] = {}
     # Dofs not asked for are looked at too: what all channels share is told only from all.
@@ -83,7 +101,7 @@ def _one_by_one(
             one = diagram(
                 sweep, swept, window.report_hz, rule, part.freq_hz, background, part.added_decay_per_s
             )
-            if part.snr_known and rule.persistent:
+            if rule.persistent:
                 one = add_persistent(one, sweep, rule, part.channel_snr(row), part.added_decay_per_s)
             curves = sweep.curves(swept[len(swept) // 2])
             parts.append(replace(one, accepted=scored(one.accepted, part.freq_hz, background, *curves)))

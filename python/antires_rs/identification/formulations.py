@@ -59,7 +59,7 @@ __all__ = ["CHOICES", "FORMULATIONS", "OF_MAGNITUDES", "check_formulation", "swe
 FORMULATIONS = ("joint", "power", "eq10", "eq10_squared")
 #: Real functions of f^2; one number a line.
 OF_MAGNITUDES = FORMULATIONS[1:]
-CHOICES = ("auto", "numerators", *FORMULATIONS)
+CHOICES = ("auto", "windows", "numerators", *FORMULATIONS)
 # Order of the denominator guessed for the weights: the trend over the band, from which every order gains.
 # Higher ones find more near the noise, and false ones with them.
 GUESS_ORDER = 4

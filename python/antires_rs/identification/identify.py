@@ -1,17 +1,20 @@
 r"""From what was measured to antiresonances.
 
 Under one force at k the responses are X_p = N_pk F / D: their numerators N_pk have the antiresonances for
-zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Two formulations:
+zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Three ways:
 
 - "numerators": all N_pk at once from the whole spectral matrix of the responses
   (:mod:`~antires_rs.identification.numerators`). For averaged records and repeated impacts, whose segments
   tell the noise and the errors.
+- "windows": the same over many overlapping windows, and what most of them agree on
+  (:mod:`~antires_rs.identification.local`). For single impacts and given curves, which are no rational
+  functions with white noise.
 - "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j. For
-  single impacts and given curves, where nothing tells the noise.
+  averages by other estimators.
 
-Either way the order is swept and what stays is kept. Everything starts from one complex vector of
-responses a line, known up to a factor that cancels: so transmissibilities to any one reference serve all
-dofs (T_pq = T_pj / T_qj). On the "joint" way lines are weighted by
+With the first and the last the order is swept and what stays is kept. Everything starts from one complex
+vector of responses a line, known up to a factor that cancels: so transmissibilities to any one reference
+serve all dofs (T_pq = T_pj / T_qj). On the "joint" way lines are weighted by
 SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2): by what they are worth, but never so much that leakage rules.
 
 Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820.
@@ -71,6 +74,8 @@ def identify_antiresonances(
     max_damping: float | None = None,
     min_dominance: float | None = None,
     persistent: bool | None = None,
+    min_share: float | None = None,
+    min_depth_db: float | None = None,
     keep_common: bool = DEFAULT.keep_common,
     cross_check: str | None = DEFAULT.cross_check,
     second_opinion: str | None = None,
@@ -121,6 +126,12 @@ def identify_antiresonances(
         :func:`~antires_rs.identification.cross_check.cross_check`. It changes no value.
     second_opinion
         The older name of ``cross_check``.
+    min_share : float
+        Of fits over windows: accepted is what this share of those that could see it does see, 0 to 1.
+    min_depth_db : float
+        Of fits over windows: depth in dB of the dip that an antiresonance makes, in the direction of the
+        responses and, where its size is known, in the response itself. Curves that are better than measured
+        ones need less, see Notes.
     keep_common : bool
         Keep values that all of three or more channels share, see Notes.
     check : {"warn", "raise", "off"}
@@ -132,10 +143,12 @@ def identify_antiresonances(
     Returns
     -------
     AntiresonanceSet
-        With ``sees=route``: transmissibilities have a peak also where the sensor sits on a node of a mode, a
-        root that cancels in its FRF. Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.std_hz``
-        with their standard deviations ("numerators" only), ``.scores`` with what speaks for each,
-        ``.diagrams`` with the evidence. A dof without any antiresonance in the band has an empty array.
+        Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.std_hz`` with their standard deviations
+        (not with "joint", "power" and "eq10"), ``.scores`` with what speaks for each, ``.diagrams`` with the
+        evidence. A dof without any antiresonance in the band has an empty array. ``.sees`` is
+        "transmissibility" where the values are what transmissibilities see: a peak also where the sensor
+        sits on a node of a mode, a root that cancels in its FRF. It is "frf" on that route, and for FRFs and
+        single impacts, where such roots are told by the response itself and left out.
 
     Raises
     ------
@@ -159,6 +172,13 @@ def identify_antiresonances(
     they are accepted by a second rule (modules ``persistence``, ``selection``) and marked "persistent" in
     ``.scores[dof]["how"]``. What the fit of the likeliest order shows clearly is accepted without either;
     it is marked "likeliest order".
+    Fits over windows accept a zero that makes a visible dip, see ``min_depth_db``; of curves whose noise is
+    so low that 35 standard deviations make less, a dip of that depth is enough, but never less than 0.5 dB.
+    What they see and do not accept is ``.left_out`` of the set with the reason; peaks of the curve behind a
+    diagram that nothing explains are ``.unexplained_hz``.
+    Deviations of a single test do not contain the scatter between tests: a clamp that is set again or a
+    temperature moves antiresonances by more. Several records of one test tell it (``source`` as a list), and
+    :func:`~antires_rs.track` over repeats.
     An antiresonance that *all* channels share, when there are three or more, is not one of the responses: it
     is the zero beside the pole of a mode that the force hardly excites (a force near a node, a local or
     sideways mode). A model without that mode does not have it, and one with it has it cancelled; so it is
@@ -196,6 +216,8 @@ def identify_antiresonances(
             "max_damping": max_damping,
             "min_dominance": min_dominance,
             "persistent": persistent,
+            "min_share": min_share,
+            "min_depth_db": min_depth_db,
         },
     )
     one: Recording | FrequencyResponse = one_source(source)
@@ -211,8 +233,8 @@ def identify_antiresonances(
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")
-    found, of_numerators = diagrams_of(one.dofs, lines_for, band, options)
-    found = {dof: found[dof] for dof in wanted}
+    fitted = diagrams_of(one.dofs, lines_for, band, options)
+    found = {dof: fitted.diagrams[dof] for dof in wanted}
     compared = None
     if options.cross_check is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
@@ -224,13 +246,13 @@ def identify_antiresonances(
     return AntiresonanceSet.from_tables(
         excitation,
         {
-            dof: _with_grades(d.accepted, averages) if of_numerators else d.accepted
+            dof: _with_grades(d.accepted, averages) if fitted.of_numerators else d.accepted
             for dof, d in found.items()
         },
         diagrams=found,
         data_check=checked,
         cross_check=compared,
-        sees="frf" if options.use_force else "transmissibility",
+        sees=fitted.sees,
         channels=one.dofs,
     )
 

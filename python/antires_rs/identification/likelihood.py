@@ -32,6 +32,8 @@ SETTLED = 1e-8
 KNEE = 2.0
 # The first iteration looks at every second order, the next ones this far from the knee.
 BELOW, ABOVE = 4, 16
+# The last fit has so many orders above the likeliest: what is there stays over them, what is noise does not.
+HIGHER = 25
 # So many lines tell the weights and the order as well as all of them.
 ENOUGH_LINES = 1200
 # A line at which all numerators nearly vanish must not get all the weight there is.
@@ -54,12 +56,20 @@ class Likeliest:
 
 
 def likeliest(
-    freq_hz: FloatArray, covariance: ComplexArray, cap: float, independent: float, max_order: int
+    freq_hz: FloatArray,
+    covariance: ComplexArray,
+    cap: float,
+    independent: float,
+    max_order: int,
+    *,
+    iterations: int = ITERATIONS,
+    start: tuple[int, FloatArray] | None = None,
 ) -> Likeliest:
-    """Iterate weights and order until they stand.
+    """Iterate weights and order until they stand, or so many times.
 
     ``cap`` bounds the signal-to-noise power a line may count with; ``independent`` is the number of
-    independent lines over the number of lines.
+    independent lines over the number of lines. ``start`` is the order of an earlier fit and the squared norm
+    of its numerators at the lines.
     """
     n = covariance.shape[1]
     largest = dominant(covariance, np.ones(n))[0]
@@ -70,10 +80,13 @@ def likeliest(
     data = 2.0 * (n - 1) * len(freq_hz[some]) * min(1.0, independent * step)
     orders = np.arange(LEAST_ORDER, max_order + 1, 2)
     size = np.ones(freq_hz.size)
+    if start is not None:
+        orders = np.arange(max(start[0] - BELOW, LEAST_ORDER), min(start[0] + ABOVE, max_order) + 1)
+        size = np.maximum(start[1], LEAST_SIZE * start[1].max())
     best: tuple[float, int, FloatArray] = (np.inf, 0, size)
     last = (-1, -1)
     before = np.inf
-    for _ in range(ITERATIONS):
+    for _ in range(iterations):
         weights = (capped / size)[some]
         fit = NumeratorFit(freq_hz[some], covariance[some], largest[some], weights, int(orders[-1]))
         solutions = [fit.likeliest(int(m))[0] for m in orders]
@@ -98,7 +111,7 @@ def likeliest(
         size = np.maximum(size, LEAST_SIZE * size.max())
         orders = np.arange(max(middle - BELOW, LEAST_ORDER), min(middle + ABOVE, max_order) + 1)
     _, order, size = best
-    fit = NumeratorFit(freq_hz, covariance, largest, capped / size, max_order)
+    fit = NumeratorFit(freq_hz, covariance, largest, capped / size, min(max_order, order + HIGHER))
     return Likeliest(fit, order, *fit.likeliest(order))
 
 

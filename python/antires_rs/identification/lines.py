@@ -13,14 +13,12 @@ from numpy.typing import NDArray
 
 from ..support.validation import ComplexArray, FloatArray
 
-__all__ = ["FORCE", "SNR_CAP", "UNKNOWN_SNR", "Lines", "unit"]
+__all__ = ["FORCE", "SNR_CAP", "Lines", "unit"]
 
 # Row index of the force in ``Lines.vectors``: the last.
 FORCE = -1
 # Signal-to-noise power beyond which a line gains no more weight: what is left there is leakage.
 SNR_CAP = 1e4
-# The SNR given to lines of data whose noise cannot be known; above the cap of the weights.
-UNKNOWN_SNR = 1e12
 
 
 @dataclass(frozen=True)
@@ -32,7 +30,9 @@ class Lines:
     the number of lines: the spectra of tapered, overlapping segments are correlated from line to line.
     ``averages_ratio`` is the number of segments over that of independent averages. ``draws`` are the
     independent draws (impacts, or records of one test) to which the segments belong, (n_segments,); None for
-    one record.
+    one record. ``size`` is what the vectors were divided by, where that is a property of the structure: the
+    norm of measured FRFs or of the responses to one impact, (n_freq,); None for transmissibilities and for
+    responses to a force of unknown spectrum.
     """
 
     freq_hz: FloatArray
@@ -43,6 +43,7 @@ class Lines:
     independent: float = 1.0
     averages_ratio: float = 1.0
     draws: NDArray[np.int64] | None = None
+    size: FloatArray | None = None
 
     def part(self, first: int, last: int) -> Lines:
         """Some of the lines."""
@@ -53,7 +54,15 @@ class Lines:
             vectors=self.vectors[:, first:last],
             snr=self.snr[first:last],
             segments=some,
+            size=None if self.size is None else self.size[first:last],
         )
+
+    def projected(self, directions: FloatArray) -> Lines:
+        """The same lines in an orthonormal basis, (n_rows, n_directions), that holds their signal."""
+        inside = directions.T @ self.vectors
+        share = np.sum(np.abs(inside) ** 2, axis=0)
+        segments = None if self.segments is None else directions.T @ self.segments
+        return replace(self, vectors=unit(inside), snr=self.snr * share, segments=segments, size=None)
 
     def covariance(self) -> ComplexArray:
         """Covariance of the rows at every line, (n_freq, n_rows, n_rows), in units of the noise."""
@@ -69,11 +78,6 @@ class Lines:
     def capped_snr(self) -> FloatArray:
         """What the lines are worth as weights: never so much that leakage rules."""
         return np.asarray(self.snr / (1.0 + self.snr / SNR_CAP))
-
-    @property
-    def snr_known(self) -> bool:
-        """False for transmissibilities, whose magnitude says nothing about noise."""
-        return bool(self.snr[0] < UNKNOWN_SNR)
 
     def channel_snr(self, row: int) -> FloatArray:
         """Signal-to-noise power of one row."""

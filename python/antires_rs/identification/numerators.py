@@ -32,13 +32,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..exceptions import NumericalError
 from ..order_sweep.shared import shared
 from ..rational.dominance import dominance
 from ..rational.forsythe import Basis, forsythe_basis, roots
 from ..support.validation import ComplexArray, FloatArray
 
-# Relative to the mean diagonal: exact data make A singular, and rounding must not make it indefinite.
-RIDGE = 1e-13
+# Relative to the mean diagonal: exact data make A singular, and rounding must not make it indefinite. The
+# first that serves is taken.
+RIDGES = (1e-13, 1e-11, 1e-9)
 # Inverse iterations; eigenvalues 2 and 1 lie far apart at the true order, and beyond it any will do.
 ITERATIONS = 4
 
@@ -70,9 +72,7 @@ class NumeratorFit:
         self._signs = np.array([1.0, 1.0, -1.0, -1.0])[np.arange(terms) % 4]
         self.form = self._form(whole, covariance, largest)
         size = self.form.shape[0]
-        ridge = RIDGE * float(np.trace(self.form)) / size
-        # A direction without any misfit at all is left to the ridge.
-        self._root = np.linalg.cholesky(self.form + max(ridge, 1e-300) * np.eye(size))
+        self._root = _root(self.form)
         from scipy.linalg import solve_triangular  # slow to import
 
         self._first = solve_triangular(self._root, np.eye(size)[:, : self.n], lower=True)
@@ -152,24 +152,41 @@ class NumeratorFit:
         out[1::2] = self._odd[lines, : count[1]].T @ weighted.imag
         return np.asarray(out * self._signs[: order + 1, None])
 
-    def zeros(self, c: FloatArray, row: int, near: ComplexArray | None = None) -> ComplexArray:
-        """Roots of one numerator in rad/s; ``near`` are those of the order before, if they are known."""
-        unit = 2 * np.pi * self.scale_hz
-        own = np.ascontiguousarray(c[:, row])
-        return roots(own, self.basis.b[: c.shape[0]], None if near is None else near / unit) * unit
+    def zeros(self, own: FloatArray, near: ComplexArray | None = None) -> ComplexArray:
+        """Roots in rad/s of a numerator with coefficients ``own``, (order + 1,).
 
-    def slopes(self, c: FloatArray, row: int, s: ComplexArray) -> ComplexArray:
-        """Derivatives of simple roots (rad/s) of one numerator by its coefficients, (n_roots, order + 1)."""
-        order = c.shape[0] - 1
+        ``near`` are those of the order before, if they are known.
+        """
+        unit = 2 * np.pi * self.scale_hz
+        own = np.ascontiguousarray(own)
+        return roots(own, self.basis.b[: own.size], None if near is None else near / unit) * unit
+
+    def slopes(self, own: FloatArray, s: ComplexArray) -> ComplexArray:
+        """Derivatives of simple roots (rad/s) of a numerator by its coefficients, (n_roots, order + 1)."""
+        order = own.size - 1
         u = s / (2 * np.pi * self.scale_hz)
         step = 1e-6 * np.abs(u)  # central difference: an error of 1e-12 of what needs three digits
-        change = (self.basis.at(u + step, order) - self.basis.at(u - step, order)) @ c[:, row] / (2 * step)
+        change = (self.basis.at(u + step, order) - self.basis.at(u - step, order)) @ own / (2 * step)
         return np.asarray(-self.basis.at(u, order) / change[:, None] * (2 * np.pi * self.scale_hz))
 
     def dominances(self, c: FloatArray, row: int, s: ComplexArray, others: Sequence[int]) -> FloatArray:
         """Share of each root's own peak in the quotients of ``others`` over ``row`` at its frequency."""
         above = np.ascontiguousarray(c[:, list(others)].T)
         return dominance((self.basis, above), (self.basis, c[:, row]), s / (2 * np.pi * self.scale_hz))
+
+
+def _root(form: FloatArray) -> FloatArray:
+    """Cholesky factor; a direction without any misfit at all is left to the ridge."""
+    ridge = max(float(np.trace(form)) / form.shape[0], 1e-300)
+    for share in RIDGES:
+        try:
+            return np.linalg.cholesky(form + share * ridge * np.eye(form.shape[0]))
+        except np.linalg.LinAlgError:
+            continue
+    raise NumericalError(
+        "the numerators of all responses",
+        "the spectra leave them undefined; check for channels that are copies or hold no signal",
+    )
 
 
 def _solved(root: FloatArray, right: FloatArray, *, transposed: bool = False) -> FloatArray:
@@ -201,7 +218,8 @@ class NumeratorSweep:
     def roots(self, order: int, norm: bool = False) -> ComplexArray:
         """All roots in rad/s. There is one solution an order; ``norm`` asks for the same."""
         if order not in self._roots:
-            self._roots[order] = self.fit.zeros(self._solution(order), self.row, self._roots.get(order - 1))
+            own = self._solution(order)[:, self.row]
+            self._roots[order] = self.fit.zeros(own, self._roots.get(order - 1))
         return self._roots[order]
 
     def dominances(self, order: int, s: ComplexArray) -> FloatArray:

@@ -14,11 +14,11 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.noise import channel_noise, floors
 from ..signals.rankone import response_vectors
 from ..signals.recording import Recording
-from ..signals.roughness import local_noise
 from ..signals.segment_length import LEAST_LINES
 from ..signals.spectra import CrossSpectra, lines_in
 from ..support.validation import ComplexArray, FloatArray, reject
-from .lines import FORCE, UNKNOWN_SNR, Lines, unit
+from .curve_lines import curve_lines
+from .lines import FORCE, Lines, unit
 
 # From so many impacts on, their scatter tells the noise; of a single one the roughness of its curves does.
 LEAST_IMPACTS = 2
@@ -60,23 +60,29 @@ def lines_of_recording(
             "Leave the dead channel out of the Recording.",
         )
     vectors, snr = response_vectors(spectra.matrix, spectra.noise)
-    single = averages.nperseg is None and spectra.n_averages < LEAST_IMPACTS
-    if single:
-        power = np.einsum("fii->f", spectra.matrix).real
-        noise, snr = _noise_of_curves(_joined(vectors, auto_by_line=power))
-        independent = 1.0
-    else:
-        noise = channel_noise(spectra.matrix, spectra.noise_power)
-        if use_force:
-            # A force cell is far quieter than the responses: what a line is worth, the responses tell.
-            snr = response_vectors(spectra.matrix[:, :FORCE, :FORCE])[1]
-        length = averages.nperseg
-        independent = 1.0 if length is None else min(1.0, rec.n_samples / length / spectra.n_effective)
+    if averages.nperseg is None and spectra.n_averages < LEAST_IMPACTS:
+        size = np.sqrt(np.einsum("fii->f", spectra.matrix).real)
+        values = unit(vectors) * size
+        force = values[FORCE] if use_force else None
+        one = curve_lines(
+            spectra.freq_hz,
+            values[:FORCE] if use_force else values,
+            force,
+            size_known=not use_force,
+            added_decay_per_s=spectra.added_decay_per_s,
+        )
+        return lambda row: one
+    noise = channel_noise(spectra.matrix, spectra.noise_power)
+    if use_force:
+        # A force cell is far quieter than the responses: what a line is worth, the responses tell.
+        snr = response_vectors(spectra.matrix[:, :FORCE, :FORCE])[1]
+    length = averages.nperseg
+    independent = 1.0 if length is None else min(1.0, rec.n_samples / length / spectra.n_effective)
     white = vectors / np.sqrt(noise)[:, None]
     scale = 1.0 / np.sqrt(noise)
     if use_force:
         scale[FORCE] *= _middling(white[:FORCE] / white[FORCE])
-    segments = None if single else _segments(spectra, scale, use_force)
+    segments = _segments(spectra, scale, use_force)
 
     def lines(row: int) -> Lines:
         own = (
@@ -126,47 +132,25 @@ def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, 
             "a live channel",
             "Leave the dead channel out of the FrequencyResponse.",
         )
-    if resp.kind == "transmissibility":
-        if use_force:
-            reject(
-                "route",
-                "'frf' with a source of transmissibilities",
-                "'transmissibility'",
-                "Transmissibilities do not hold the FRFs.",
-            )
-        # A transmissibility's own magnitude says nothing about its signal-to-noise ratio.
-        return Lines(freq, unit(values), np.full(freq.size, UNKNOWN_SNR))
-    noise, snr = _noise_of_curves(values)
-    scaled = values / np.sqrt(noise)[:, None]
-    if use_force:
-        scaled = np.vstack([scaled, np.full((1, freq.size), _middling(scaled))])
-    return Lines(freq, unit(scaled), snr)
+    if resp.kind == "transmissibility" and use_force:
+        reject(
+            "route",
+            "'frf' with a source of transmissibilities",
+            "'transmissibility'",
+            "Transmissibilities do not hold the FRFs.",
+        )
+    return curve_lines(
+        freq,
+        values,
+        np.ones(freq.size, dtype=np.complex128) if use_force else None,
+        std=None if resp.std is None else resp.std[:, inside],
+        size_known=resp.kind == "frf",
+    )
 
 
 def _middling(frfs: ComplexArray) -> float:
     """A force of this size weighs as much as all responses together at the median line."""
     return float(np.median(np.linalg.norm(frfs, axis=0)))
-
-
-def _joined(vectors: ComplexArray, auto_by_line: FloatArray) -> ComplexArray:
-    """Vectors with their magnitude restored, each line's free phase turned to its neighbour's."""
-    steady = unit(vectors)
-    step = np.angle(np.sum(steady[:, :-1].conj() * steady[:, 1:], axis=0))
-    turn = np.concatenate([[0.0], np.cumsum(step)])
-    return np.asarray(steady * np.sqrt(auto_by_line) * np.exp(-1j * turn))
-
-
-def _noise_of_curves(values: ComplexArray) -> tuple[FloatArray, FloatArray]:
-    """Typical noise power of every curve, and the signal-to-noise power of every line, from roughness alone.
-
-    A single impact, or a given FRF, has no averages to tell its noise. What is rough from line to line is
-    noise, or an error of another kind that the fit should not follow either (a joint that slips, a mode that
-    drifts).
-    """
-    local = local_noise(values)
-    noise = np.median(local, axis=1)
-    snr = np.sum(np.abs(values) ** 2 / noise[:, None], axis=0) / np.sum(local / noise[:, None], axis=0)
-    return noise, snr
 
 
 def _require_lines(count: int, band_hz: tuple[float, float]) -> None:

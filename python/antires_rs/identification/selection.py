@@ -61,11 +61,12 @@ def select(
     rule, keep_common = replace(options.rule, both_sides=True), options.keep_common
     orders = rule.orders(options.orders, lines.freq_hz.size)
     best = likeliest(lines.freq_hz, lines.covariance(), SNR_CAP, lines.independent, orders[-1])
+    orders = range(orders[0], best.fit.max_order + 1)
     influence = Influence(best.fit, best.coefficients, best.misfit, lines)
     # The force, if it is there, has the poles for zeros: only where there is no second response may it say
     # what a zero owns, since a zero beside a resonance owns little of the quotient with the force.
     rows = range(n_responses if n_responses > 1 else lines.vectors.shape[0])
-    roots = [best.fit.zeros(best.coefficients, row) for row in rows]
+    roots = [best.fit.zeros(best.coefficients[:, row]) for row in rows]
     influence.pool(roots)
     solutions: dict[int, FloatArray] = {}
     sweeps = [NumeratorSweep(best.fit, row, [k for k in rows if k != row], solutions) for row in rows]

@@ -96,19 +96,19 @@ class Influence:
         within, between = np.concatenate([np.empty((2, 0)), *map(np.stack, both)], axis=1)
         self._excess = excess(between, within, self._sums.shape[1])
 
-    def standard_deviations(self, row: int, s: ComplexArray) -> FloatArray:
-        """Standard deviation in Hz of zeros ``s`` (rad/s) of one row."""
+    def standard_deviations(self, row: int | FloatArray, s: ComplexArray) -> FloatArray:
+        """Standard deviation in Hz of zeros ``s`` (rad/s) of one row, or of a weighted sum of all rows."""
         within, between = self._variances(row, s)
         if self._sums is not None:
             within = combined(between, within, self._sums.shape[1], self._excess)
         return np.asarray(np.sqrt(within))
 
-    def _variances(self, row: int, s: ComplexArray) -> tuple[FloatArray, FloatArray]:
+    def _variances(self, row: int | FloatArray, s: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """Variances in Hz^2 from the scatter inside the draws, and from that between them (0 for one)."""
-        slope = self.fit.slopes(self.c, row, s)
+        weights = np.eye(self.c.shape[1])[row] if isinstance(row, int) else row
+        slope = self.fit.slopes(self.c @ weights, s)
         by_size = (slope * s.conj()[:, None]).real / np.abs(s)[:, None]
-        gradient = np.zeros((s.size, *self.c.shape))
-        gradient[:, :, row] = by_size
+        gradient = by_size[:, :, None] * weights
         flat = gradient.reshape(s.size, self.c.size) @ self._vectors
         moves = (flat * self._inverse) @ self._vectors.T / (2 * np.pi)
         within = self._scale * np.sum((moves @ self._push) ** 2, axis=1)

@@ -7,6 +7,7 @@ packages (h5py, pyuff, pandas, xarray) and ``scipy.io`` are imported where they 
 
 from .delimited import read_csv
 from .delimited_write import write_csv
+from .frf_files import read_frf_files
 from .hdf5 import read_hdf5, write_hdf5
 from .mat import mat_arrays, read_mat, write_mat
 from .matrices import read_dof_map, read_matrices, write_matrices
@@ -21,6 +22,7 @@ __all__ = [
     "mat_arrays",
     "read_csv",
     "read_dof_map",
+    "read_frf_files",
     "read_hdf5",
     "read_mat",
     "read_matrices",

@@ -14,6 +14,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice, finite_scalar, reject, shape_of
 from ..support.wording import Passed, Wording
 from ._common import Signal, rate_of, unsuitable, warn
+from .axis import GivenAxis, given_axis
 from .channels import Channel, Dofs, in_si, kept, recording_of, renamed
 from .units import named_unit
 
@@ -42,6 +43,8 @@ def signal_of_arrays(
     unit: str | None = None,
     kind: str = "frf",
     reference: Any = None,
+    freq_hz: Any = None,
+    df_hz: float | None = None,
 ) -> Signal:
     """A Recording, or a FrequencyResponse where the arrays lie over a frequency.
 
@@ -62,6 +65,13 @@ def signal_of_arrays(
             "arrays of numbers",
             "Export the signals as arrays of numbers, one row or column a channel.",
         )
+    axis = given_axis(freq_hz, df_hz)
+    if axis is not None:
+        if freq is not None:
+            reject("freq", repr(freq), "no name beside freq_hz or df_hz", "Leave one of them out.")
+        if axis.size is not None:
+            numeric = {name: _along(values, axis.size) for name, values in numeric.items()}
+        return _response(path, numeric, axis, None, responses, dofs, unit, kind, reference)
     freq = _role(path, "freq", freq, numeric, _FREQ)
     time = _role(path, "time", time, numeric, _TIME)
     taken = {name for name in (freq, time) if name}
@@ -78,7 +88,8 @@ def signal_of_arrays(
             ),
         )
     if freq is not None:
-        return _response(path, numeric, freq, responses, dofs, unit, kind, reference)
+        lines = GivenAxis(numeric[freq][0].real)
+        return _response(path, numeric, lines, freq, responses, dofs, unit, kind, reference)
     rate = _rate(path, numeric, time, fs_hz)
     taken |= {name for name in numeric if _last(name) in _RATE}
     pushed = force if isinstance(force, str) and force in numeric else None
@@ -112,20 +123,21 @@ def signal_of_arrays(
 def _response(
     path: Path,
     numeric: dict[str, NDArray[Any]],
-    freq: str,
+    axis: GivenAxis,
+    freq: str | None,
     responses: Any,
     dofs: Dofs,
     unit: str | None,
     kind: str,
     reference: Any,
 ) -> FrequencyResponse:
-    """FRFs or transmissibilities over ``freq``."""
+    """FRFs or transmissibilities over the array ``freq``, or over a given axis."""
     choice("kind", kind, ("frf", "transmissibility"))
-    lines = numeric[freq][0].real
     seen = [n for n in numeric if _last(n) in _COHERENCE]
+    axes = {freq} if freq is not None else {n for n in numeric if _last(n) in _FREQ | _TIME}
     complex_ones = {name: values for name, values in numeric.items() if np.iscomplexobj(values)}
     rows = _chosen(
-        path, complex_ones if responses is None and complex_ones else numeric, responses, {freq, *seen}
+        path, complex_ones if responses is None and complex_ones else numeric, responses, {*axes, *seen}
     )
     real = next((name for name, values in rows if not np.iscomplexobj(values)), None)
     if real is not None:
@@ -135,6 +147,8 @@ def _response(
             "complex FRFs or transmissibilities",
             "Magnitudes alone have lost the phase; combine magnitude and phase first.",
         )
+    count = rows[0][1].size
+    lines = axis.lines(path, count) if freq is None else axis.lines(path, axis.size or count)
     for name, values in rows:
         if values.size != lines.size:
             unsuitable(
@@ -184,10 +198,12 @@ def _rate(path: Path, numeric: dict[str, NDArray[Any]], time: str | None, fs_hz:
             f"without a sampling rate or a time ({_listed(numeric)})",
             "one of them",
             Wording(
-                "Name {} or give {}; for responses over frequency name {}.",
+                "Name {} or give {}; for responses over frequency name {}, or give {} or {}.",
                 Passed("time"),
                 Passed("fs_hz"),
                 Passed("freq"),
+                Passed("freq_hz"),
+                Passed("df_hz"),
             ),
         )
     return finite_scalar(rates[0], float(numeric[rates[0]][0, 0].real), low=0.0, low_open=True, unit="Hz")
@@ -284,6 +300,11 @@ def _vectors(value: NDArray[Any]) -> NDArray[Any]:
     """Channels first: the longer axis is time or frequency."""
     rows = np.atleast_2d(value.astype(np.complex128 if value.dtype.kind == "c" else np.float64))
     return rows.T if rows.shape[0] > rows.shape[1] else rows
+
+
+def _along(rows: NDArray[Any], size: int) -> NDArray[Any]:
+    """Rows of ``size`` values, where the shorter axis has that many."""
+    return rows.T if rows.shape[1] != size and rows.shape[0] == size else rows
 
 
 def _last(name: str) -> str:

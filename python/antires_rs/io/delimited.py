@@ -18,14 +18,17 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice, finite_scalar
 from ..support.wording import Passed, Wording
 from ._common import Signal, existing_file, missing_part, rate_of, unsuitable, warn
-from .channels import Channel, Dofs, in_si, kept, recording_of, renamed, unit_or_warning
+from .axis import given_axis
+from .channels import Channel, Dofs, in_si, recording_of
+from .column_pairs import joined
+from .delimited_response import response_of, response_without_axis, says_frequency
 from .delimited_text import Table, table_of
 from .own import own_signal
-from .units import abscissa_factor, is_frequency, named_unit
+from .units import abscissa_factor, named_unit
 
 __all__ = ["read_csv"]
 
-_TIME, _FREQ = ("time", "t", "s", "time_s", "seconds"), ("freq", "f", "hz", "frequency", "freq_hz")
+_TIME = ("time", "t", "s", "time_s", "seconds")
 # Instants with few digits may differ so much from the rate that they were sampled at.
 _SAME_RATE = 1e-3
 
@@ -42,6 +45,9 @@ def read_csv(
     reference: Any = None,
     delimiter: str | None = None,
     decimal: str | None = None,
+    pairs: str | None = None,
+    freq_hz: Any = None,
+    df_hz: float | None = None,
     partial: bool = False,
 ) -> Signal:
     """Read columns of text: one of our files as it was, any other by the names of its columns.
@@ -54,7 +60,8 @@ def read_csv(
         Separated by commas, semicolons, tabs or spaces; lines beginning with # or % are comments. The last of
         a few lines of text before the numbers names the columns, ``tip [g]``; a line of units may follow it.
         Time may be in ms, us or min too, frequency in kHz. Complex columns are ``1.5-0.2j`` (or i), or pairs
-        ``re(tip)``, ``im(tip)``.
+        ``re(tip)``, ``im(tip)``; ``Real``, ``Imaginary``; or, over frequency, ``Magnitude [g/N]`` (``[dB]``),
+        ``Phase [deg]`` (``[rad]``).
     first : {"time", "freq", "channel"}, optional
         What the first column is. By default its name tells, and complex columns lie over frequency.
     fs_hz : float, optional
@@ -70,6 +77,12 @@ def read_csv(
         Of complex columns: as in :class:`FrequencyResponse`; "frf" by default.
     delimiter, decimal : str, optional
         Between columns, and the decimal sign ("." or ","). By default what the numbers show.
+    pairs : {"real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad"}, optional
+        What two neighbouring columns after the first are, where their names do not tell.
+    freq_hz : (n_freq,), optional
+        Frequencies of the rows, where no column holds them.
+    df_hz : float, optional
+        Their spacing from 0 Hz on, in place of ``freq_hz``.
     partial : bool
         Read the whole rows of a file that was cut, with a warning that counts what is missing.
 
@@ -148,8 +161,15 @@ def read_csv(
             unit=unit,
             kind=kind,
             reference=reference,
+            pairs=pairs,
+            df_hz=df_hz,
+            freq_hz=None if freq_hz is None else "an axis",
         )
-    return _foreign(file, table, first, fs_hz, dofs, force, unit, "frf" if kind is None else kind, reference)
+    axis = given_axis(freq_hz, df_hz)
+    kind = "frf" if kind is None else kind
+    if axis is not None:
+        return response_without_axis(file, table, axis, first, pairs, dofs, unit, kind, reference)
+    return _foreign(file, table, first, pairs, fs_hz, dofs, force, unit, kind, reference)
 
 
 def _own(file: Path, table: Table) -> Signal:
@@ -193,6 +213,7 @@ def _foreign(
     file: Path,
     table: Table,
     first: str | None,
+    pairs: str | None,
     fs_hz: float | None,
     dofs: Dofs,
     force: Any,
@@ -200,18 +221,16 @@ def _foreign(
     kind: str,
     reference: Any,
 ) -> Signal:
-    names, units, columns = table.complex_columns()
+    names, units, columns = table.columns()
+    hertz = first == "freq" or pairs is not None or says_frequency(table, names[0], units[0])
+    names, units, columns = joined(file, names, units, columns, pairs, hertz)
     if first is None:
-        said = names[0].lower() if table.names else ""
-        hertz = is_frequency(units[0])
         seconds = not hertz and (units[0].lower() == "s" or abscissa_factor(units[0]) != 1.0)
         first = (
             "time"
-            if said in _TIME or seconds
+            if (bool(table.names) and names[0].lower() in _TIME) or seconds
             else "freq"
-            if said in _FREQ or hertz
-            else "freq"
-            if any(np.iscomplexobj(c) for c in columns)
+            if hertz or any(np.iscomplexobj(c) for c in columns)
             else "channel"
             if table.names and fs_hz is not None
             else None
@@ -237,9 +256,10 @@ def _foreign(
             "at least one beside the first",
             "Export the channels beside the first column.",
         )
-    labels = names if table.names else [i - skip for i in range(len(names))]
+    labels = [name if table.names and name else i - skip for i, name in enumerate(names)]
     if first == "freq":
-        return _response(file, columns, labels, units, dofs, unit, kind, reference)
+        lines = columns[0].real * abscissa_factor(units[0])
+        return response_of(file, lines, columns[1:], labels[1:], units[1:], dofs, unit, kind, reference)
     if any(np.iscomplexobj(c) for c in columns):
         unsuitable(
             file, "with complex columns over time", "real ones", Wording("Pass {}.", Passed("first", "freq"))
@@ -267,37 +287,3 @@ def _warn_other_rate(file: Path, times: Any, rate: float, digits: float) -> None
                 f"path: {str(file)!r} has instants at {own:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
                 "Leave fs_hz= out if the file is right."
             )
-
-
-def _response(
-    file: Path,
-    columns: list[Any],
-    labels: list[Any],
-    units: list[str],
-    dofs: Dofs,
-    unit: str | None,
-    kind: str,
-    reference: Any,
-) -> FrequencyResponse:
-    choice("kind", kind, ("frf", "transmissibility"))
-    if not all(np.iscomplexobj(c) for c in columns[1:]):
-        unsuitable(
-            file,
-            "with real columns over frequency",
-            "complex ones, or pairs re(x), im(x)",
-            "Magnitudes alone have lost the phase.",
-        )
-    lines = columns[0].real * abscissa_factor(units[0])
-    named = renamed("dofs", labels[1:], dofs)
-    chosen = kept(named)
-    rows = []
-    for i in chosen:
-        own = named_unit("unit", unit) if unit is not None else unit_or_warning(file, units[i + 1])
-        rows.append(in_si(columns[i + 1], own))
-    return FrequencyResponse(
-        lines,
-        np.stack(rows),
-        [named[i] for i in chosen],
-        "frf" if kind == "frf" else "transmissibility",
-        reference,
-    )

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..support.wording import Passed, Wording
 from ._common import unsuitable, warn
+from .column_pairs import is_part_unit, part_of
 from .units import abscissa_factor, parse_unit
 
 __all__ = ["MARK", "Table", "table_of"]
@@ -21,7 +22,6 @@ __all__ = ["MARK", "Table", "table_of"]
 #: First line of our files.
 MARK, VERSION = "# antires_rs csv", 1
 _COMMENT = ("#", "%", "//")
-_PAIR = re.compile(r"^(?:(re|im|real|imag)[ _(]+(.+?)\)?|(.+?)[ _]+(re|im|real|imag))$", re.IGNORECASE)
 _UNIT = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]$")
 
 
@@ -50,34 +50,14 @@ class Table:
     problem: str = ""
     digits: float = 1e-9
 
-    def complex_columns(self) -> tuple[list[str], list[str], list[Any]]:
-        """Names, units and values, with pairs ``re(x)``, ``im(x)`` made one column."""
+    def columns(self) -> tuple[list[str], list[str], list[Any]]:
+        """Names, units and values of the columns as they stand."""
         n = self.values.shape[1]
-        names = self.names or [f"column {i + 1}" for i in range(n)]
-        units = self.units or [""] * n
         columns = [c if np.any(c.imag) else c.real for c in self.values.T]
         if np.iscomplexobj(self.values):
             # A column of complex text is complex even where its imaginary part vanishes; the first is not.
             columns = [columns[0], *self.values.T[1:]]
-        out: tuple[list[str], list[str], list[Any]] = ([], [], [])
-        i = 0
-        while i < n:
-            here, after = (_PAIR.match(names[j]) if j < n else None for j in (i, i + 1))
-            name, unit, column, step = names[i], units[i], columns[i], 1
-            if here and after and (_part(here), _part(after)) == ("re", "im") and _base(here) == _base(after):
-                name, column, step = _base(here), columns[i] + 1j * columns[i + 1], 2
-            for one, value in zip(out, (name, unit, column), strict=True):
-                one.append(value)
-            i += step
-        return out
-
-
-def _part(match: re.Match[str]) -> str:
-    return (match[1] or match[4])[:2].lower()
-
-
-def _base(match: re.Match[str]) -> str:
-    return str(match[2] or match[3]).strip()
+        return self.names or [f"column {i + 1}" for i in range(n)], self.units or [""] * n, columns
 
 
 def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
@@ -182,7 +162,9 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
 
 
 def _places(number: str, point: str) -> int:
-    mantissa, _, exponent = number.strip().lower().partition("e")
+    """Decimal places of a number; of the real part of a complex one."""
+    match = re.match(r"\(?[-+]?([\d.,]*)(?:[eE]([-+]?\d+))?", number.strip())
+    mantissa, exponent = (match[1], match[2]) if match else ("", None)
     return len(mantissa.partition(point)[2]) - int(exponent or 0)
 
 
@@ -244,6 +226,8 @@ def _numeric(line: str, between: str | None, point: str) -> bool:
 
 def _names(table: Table, head: list[str], between: str | None) -> None:
     """Names and units of the lines of text above the numbers."""
+    if between is None:  # "Frequency [Hz]" is one name
+        head = [re.sub(r"(?<=\w)\s+([\[(])", r"\1", line) for line in head]
     rows = [[part.strip().strip('"') for part in _split(line, between)] for line in head]
     if not rows:
         return
@@ -261,13 +245,20 @@ def _names(table: Table, head: list[str], between: str | None) -> None:
     ):
         table.names, table.units = second, [_bare(part) for part in names]
         return
-    table.names = [
-        m[1] if m and m[1] and not _PAIR.match(part) else part
+    # "re(tip)" is a part of tip; "Phase (deg)" and "Real [g/N]" have a unit.
+    has_unit = [
+        bool(m and m[1]) and (part_of(part) is None or "[" in part or _is_unit(m[2] if m else ""))
         for m, part in zip(bracketed, names, strict=True)
     ]
-    table.units = [
-        m[2] if m and m[1] and not _PAIR.match(part) else "" for m, part in zip(bracketed, names, strict=True)
+    table.names = [
+        m[1] if m and has else part for m, has, part in zip(bracketed, has_unit, names, strict=True)
     ]
+    table.units = [m[2] if m and has else "" for m, has in zip(bracketed, has_unit, strict=True)]
+
+
+def _is_unit(text: str) -> bool:
+    known = parse_unit(text)
+    return is_part_unit(text) or (known is not None and bool(known.quantity))
 
 
 def _commented_names(lines: list[str], between: str | None, width: int) -> list[str]:

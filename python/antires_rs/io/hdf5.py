@@ -37,13 +37,15 @@ def read_hdf5(
     unit: str | None = None,
     kind: str | None = None,
     reference: Any = None,
+    freq_hz: Any = None,
+    df_hz: float | None = None,
 ) -> Signal:
     """Read an HDF5 file: one of ours as it was, any other by the names of its datasets.
 
     Parameters
     ----------
     path : path-like
-    responses, time, freq, force, fs_hz, dofs, unit, kind, reference
+    responses, time, freq, force, fs_hz, dofs, unit, kind, reference, freq_hz, df_hz
         As in :func:`read_npz`; datasets in groups are named ``group/name``.
 
     Returns
@@ -83,6 +85,8 @@ def read_hdf5(
             unit=unit,
             kind=kind,
             reference=reference,
+            freq_hz=None if freq_hz is None else "an axis",
+            df_hz=df_hz,
         )
     return signal_of_arrays(
         file,
@@ -96,6 +100,8 @@ def read_hdf5(
         unit=unit,
         kind="frf" if kind is None else kind,
         reference=reference,
+        freq_hz=freq_hz,
+        df_hz=df_hz,
     )
 
 

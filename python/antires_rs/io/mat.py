@@ -41,6 +41,8 @@ def read_mat(
     unit: str | None = None,
     kind: str | None = None,
     reference: Any = None,
+    freq_hz: Any = None,
+    df_hz: float | None = None,
     time_limit_s: float = 60.0,
     memory_limit_gb: float = 8.0,
 ) -> Signal:
@@ -50,7 +52,7 @@ def read_mat(
     ----------
     path : path-like
         Version 5 (7 and 6 of MATLAB's ``save``) or 7.3, which needs h5py.
-    responses, time, freq, force, fs_hz, dofs, unit, kind, reference
+    responses, time, freq, force, fs_hz, dofs, unit, kind, reference, freq_hz, df_hz
         As in :func:`read_npz`; fields of structs are named ``struct.field``, and
         ``struct[0].field`` where there are several. See :func:`antires_rs.io.mat_arrays` for what a file
         holds.
@@ -95,6 +97,8 @@ def read_mat(
             unit=unit,
             kind=kind,
             reference=reference,
+            freq_hz=None if freq_hz is None else "an axis",
+            df_hz=df_hz,
         )
     return signal_of_arrays(
         file,
@@ -108,6 +112,8 @@ def read_mat(
         unit=unit,
         kind="frf" if kind is None else kind,
         reference=reference,
+        freq_hz=freq_hz,
+        df_hz=df_hz,
     )
 
 

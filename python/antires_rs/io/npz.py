@@ -37,8 +37,10 @@ def read_npz(
     unit: str | None = None,
     kind: str | None = None,
     reference: Any = None,
+    freq_hz: Any = None,
+    df_hz: float | None = None,
 ) -> Signal:
-    """Read a NumPy archive: one of ours as it was, any other by the names of its arrays.
+    """Read a NumPy archive (.npz) or array (.npy): ours as it was, any other by the names of its arrays.
 
     A file of ours states everything itself: ``dofs=`` renames its channels or leaves some out, ``force=None``
     drops its force, and any other option that does not agree with it is refused.
@@ -63,6 +65,11 @@ def read_npz(
         default.
     kind, reference
         Of responses over frequency: as in :class:`FrequencyResponse`; "frf" by default.
+    freq_hz : (n_freq,), optional
+        Frequencies of the responses, where the file does not hold them. Of a matrix the axis of that length
+        is frequency.
+    df_hz : float, optional
+        Their spacing from 0 Hz on, in place of ``freq_hz``.
 
     Returns
     -------
@@ -87,7 +94,9 @@ def read_npz(
     Recording(1 channels, 2 s at 50 Hz, dofs=('tip',), no force)
     """
     file = existing_file(path)
-    arrays = read_archive(file)
+    with file.open("rb") as opened:
+        alone = opened.read(len(_NPY)) == _NPY
+    arrays = _array(file) if alone else read_archive(file)
     if TEXT in arrays:
         signal = unpack(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays)
         return own_signal(
@@ -102,6 +111,8 @@ def read_npz(
             unit=unit,
             kind=kind,
             reference=reference,
+            freq_hz=None if freq_hz is None else "an axis",
+            df_hz=df_hz,
         )
     return signal_of_arrays(
         file,
@@ -115,6 +126,8 @@ def read_npz(
         unit=unit,
         kind="frf" if kind is None else kind,
         reference=reference,
+        freq_hz=freq_hz,
+        df_hz=df_hz,
     )
 
 
@@ -159,7 +172,7 @@ def write_archive(path: str | os.PathLike[str], text: str, arrays: dict[str, NDA
 def read_archive(
     file: Path,
     wanted: str = "a whole NumPy archive (.npz) of plain arrays",
-    remedy: str = "It was cut, or is a single array: use numpy.load.",
+    remedy: str = "It was cut, or is another file.",
 ) -> dict[str, NDArray[Any]]:
     """Every array of an archive; the checksums of zip are compared.
 
@@ -200,6 +213,19 @@ def read_archive(
         )
 
 
+def _array(file: Path) -> dict[str, NDArray[Any]]:
+    """The array of a .npy file, under the name of the file."""
+    try:
+        return {file.stem: np.load(file, allow_pickle=False)}
+    except (ValueError, OSError, EOFError, MemoryError) as exc:
+        unsuitable(
+            file,
+            f"which cannot be read ({str(exc) or type(exc).__name__})",
+            "a whole array of numbers (.npy)",
+            "It was cut, or holds objects, which only pickle reads: save numbers alone.",
+        )
+
+
 def _holds_objects(file: Path) -> bool:
     """Whether an array of the archive is one of Python objects, by the headers of its members."""
     import zipfile
@@ -212,5 +238,7 @@ def _holds_objects(file: Path) -> bool:
     return False
 
 
+#: The first bytes of a .npy file.
+_NPY = b"\x93NUMPY"
 #: The dtype stands at the beginning of a .npy file.
 _HEADER_BYTES = 512

@@ -18,6 +18,7 @@ from ._common import Signal, existing_file, rate_of, simplest_rate, unsuitable
 from .channels import Channel, recording_of
 from .uff_names import Point, as_point, dof_of, label_of
 from .uff_response import half_digit, response_of
+from .uff_runs import listed, one_run
 from .uff_sets import Function, functions_of
 
 __all__ = ["list_uff", "read_uff"]
@@ -34,6 +35,7 @@ def read_uff(
     reference: Any = None,
     force: Any = "auto",
     unit: str | None = None,
+    run: int | None = None,
     partial: bool = False,
 ) -> Signal:
     """Read dataset 58 of a universal file, in text or binary form.
@@ -58,6 +60,9 @@ def read_uff(
     unit : str, optional
         Unit of the responses, in place of the file's labels: ``'g'``, ``'m/s2'``, ``'g/N'`` and the like.
         Without labels the units of dataset 164 hold, where there is one, and SI otherwise.
+    run : int, optional
+        Which run to read, where points were recorded several times: 1 is the first of each point. Read each,
+        and identify from all of them: ``identify_antiresonances([run 1, run 2], ...)``.
     partial : bool
         Read the whole sets of a file that was cut, with a warning that counts what is missing.
 
@@ -121,6 +126,8 @@ def read_uff(
             Wording("{}", Passed("kind", kind)),
             "Pass the kind that the file holds, or leave it out.",
         )
+    wanted = [f for f in functions if _KIND_OF.get(f.what, f.what) in (kind, "coherence")]
+    functions = one_run(file, wanted, run)
     own = {f.response: f.own["dof"] for f in functions if f.own.get("dof") is not None}
     named = dof_of(dofs, own)
     if kind == "time":
@@ -129,7 +136,7 @@ def read_uff(
 
 
 def list_uff(path: str | os.PathLike[str], *, partial: bool = False) -> list[str]:
-    """One line for each function of a universal file: what it is, where, how long, in which unit.
+    """One line for each function of a universal file: what it is, where, how long, in which unit, which run.
 
     Parameters
     ----------
@@ -156,7 +163,7 @@ def list_uff(path: str | os.PathLike[str], *, partial: bool = False) -> list[str
     ...     print(*ar.io.list_uff(file))
     time             12+Z, 3 points, m/s2
     """
-    return [str(f) for f in functions_of(existing_file(path), partial, "list_uff")]
+    return listed(functions_of(existing_file(path), partial, "list_uff"))
 
 
 def _recording(file: Path, functions: list[Function], named: Any, force: Any, unit: str | None) -> Recording:
@@ -168,16 +175,6 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
             f"with records of rates {sorted(rates)} Hz that begin at {sorted(starts)} s",
             "channels recorded together",
             "Read them one by one.",
-        )
-    # Force and acceleration of the driving point share their node and direction.
-    twice = [(f.response, f.role) for f in functions]
-    if len(set(twice)) != len(twice):
-        again = next(p for p in twice if twice.count(p) > 1)[0]
-        unsuitable(
-            file,
-            f"with several records of {label_of(again)}",
-            "one for each point",
-            "Split the file by runs.",
         )
     channels, signs = [], {}
     for f in functions:

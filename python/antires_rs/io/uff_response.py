@@ -36,15 +36,6 @@ def response_of(
     else:
         wanted = [f for f in wanted if f.reference == point]
     beside = _beside(file, functions, point, {f.response for f in wanted})
-    twice = [f.response for f in wanted]
-    if len(set(twice)) != len(twice):
-        again = next(p for p in twice if twice.count(p) > 1)
-        unsuitable(
-            file,
-            f"with several functions of {label_of(again)} / {label_of(point)}",
-            "one for each",
-            "Split the file by runs.",
-        )
     lines = frequencies(wanted[0])
     for f in (*wanted, *beside):
         if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from pathlib import PurePath
 
-__all__ = ["ARRAYS", "FORMATS", "SIGNALS", "format_of"]
+from ..io.readers import ENDINGS
+
+__all__ = ["ARRAYS", "FOLDER", "FORMATS", "SIGNALS", "format_of"]
 
 #: Endings of files by format.
-FORMATS = {
-    "uff": (".uff", ".unv", ".uf", ".u58"),
-    "mat": (".mat",),
-    "hdf5": (".h5", ".hdf5", ".hdf"),
-    "csv": (".csv", ".tsv", ".txt"),
-    "npz": (".npz",),
-    "antiresonances": (".json",),
-}
+FORMATS = {**ENDINGS, "antiresonances": (".json",)}
+#: What has no ending: a folder of files of one response each.
+FOLDER = "folder"
 
-ARRAYS, SIGNALS = ("mat", "hdf5", "npz"), ("uff", "mat", "hdf5", "csv", "npz")
+ARRAYS, SIGNALS = ("mat", "hdf5", "npz"), (*ENDINGS, FOLDER)
 
 
 def format_of(name: str, given: str | None = None) -> str | None:

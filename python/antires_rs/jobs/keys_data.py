@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .formats import ARRAYS, SIGNALS
+from .formats import ARRAYS, FOLDER, SIGNALS
 from .key import Key, Section
 
 __all__ = ["DATA", "IDENTIFICATION"]
@@ -14,8 +14,8 @@ DATA = Section(
         Key(
             "file",
             "text",
-            "The measurement: a file .uff, .unv, .mat, .h5, .csv, .tsv, .txt or .npz, or the "
-            ".json of 'antires identify'. Relative to this job file.",
+            "The measurement: a file .uff, .unv, .mat, .h5, .csv, .tsv, .txt, .npz or .npy, a folder of "
+            "files of one FRF each, or the .json of 'antires identify'. Relative to this job file.",
             required=True,
         ),
         Key(
@@ -74,18 +74,38 @@ DATA = Section(
             of=SIGNALS,
         ),
         Key("reference", "dof", "Reference of transmissibilities.", of=SIGNALS),
-        Key("responses", "texts", "Arrays of the responses; * stands for anything.", of=ARRAYS),
+        Key("responses", "texts", "Arrays of the responses; * stands for anything.", of=(*ARRAYS, FOLDER)),
         Key("time", "text", "Array of time in s.", of=ARRAYS),
-        Key("freq", "text", "Array of frequencies in Hz.", of=ARRAYS),
-        Key("first", "text", 'What the first column is: "time", "freq" or "channel".', of=("csv",)),
-        Key("delimiter", "text", "What stands between columns.", of=("csv",)),
-        Key("decimal", "text", "Decimal sign.", of=("csv",)),
+        Key("freq", "text", "Array of frequencies in Hz.", of=(*ARRAYS, FOLDER)),
+        Key(
+            "df_hz",
+            "number",
+            "Spacing in Hz of FRFs from 0 Hz on, where the file has no axis.",
+            of=(*ARRAYS, "csv", FOLDER),
+        ),
+        Key(
+            "freq_hz", "numbers", "Frequencies in Hz of FRFs, in place of df_hz.", of=(*ARRAYS, "csv", FOLDER)
+        ),
+        Key("pattern", "text", 'Which files of the folder, as "*.csv".', '"*"', of=(FOLDER,)),
+        Key(
+            "run", "whole", "Which run, from 1, where points were recorded several times.", of=("uff", FOLDER)
+        ),
+        Key(
+            "pairs",
+            "text",
+            '"real_imag", "magnitude_deg", "magnitude_rad", "db_deg" or "db_rad": what two neighbouring '
+            "columns are, where their names do not tell.",
+            of=("csv", FOLDER),
+        ),
+        Key("first", "text", 'What the first column is: "time", "freq" or "channel".', of=("csv", FOLDER)),
+        Key("delimiter", "text", "What stands between columns.", of=("csv", FOLDER)),
+        Key("decimal", "text", "Decimal sign.", of=("csv", FOLDER)),
         Key(
             "partial",
             "switch",
             "Whether to read what is whole of a file that was cut.",
             "false",
-            of=("uff", "csv"),
+            of=("uff", "csv", FOLDER),
         ),
     ),
     "may",
@@ -128,6 +148,8 @@ IDENTIFICATION = Section(
         ),
         Key("max_damping", "number", "Largest damping ratio of an antiresonance.", "0.1"),
         Key("min_dominance", "number", "How much of the curve a value must own.", "0.05"),
+        Key("min_share", "number", "Share of the fits over windows that must see a value.", "0.5"),
+        Key("min_depth_db", "number", "Depth of the dip that a value of a curve must make.", "3.0"),
         Key(
             "persistent",
             "switch",

@@ -11,7 +11,7 @@ from ..identification.identify import identify_antiresonances
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import StructuralModel
 from ..signals.repeats import one_source
-from .formats import FORMATS, format_of
+from .formats import FOLDER, FORMATS, format_of
 from .job import Job
 from .keys_data import IDENTIFICATION
 from .lines import Path as Keys
@@ -81,7 +81,8 @@ def _one(
     find: Finder,
     say: Callable[[str], Any],
 ) -> Measured:
-    kind = format_of(table["file"], table.get("format"))
+    folder = job.file(table["file"]).is_dir()
+    kind = FOLDER if folder else format_of(table["file"], table.get("format"))
     if kind is None:
         at = "format" if "format" in table else "file"
         job.reject(
@@ -91,7 +92,7 @@ def _one(
             'Say which by format = "uff" or another, where the ending does not tell.',
         )
     job.only(place, table, kind)
-    file = job.existing((*place, "file"), table["file"])
+    file = job.file(table["file"]) if folder else job.existing((*place, "file"), table["file"])
     further = _further(job, place, table, file)
     say(f"reading {file.name}" + (f" and {len(further)} more" if further else ""))
     names = _dofs(table.get("dofs"), place, find)
@@ -106,7 +107,7 @@ def _one(
     signals = []
     places: list[Keys] = [(*place, "file"), *(at for at, _ in further)]
     for own, each in zip(places, [file, *(path for _, path in further)], strict=True):
-        with job.blame(place, {"path": own, "signal": own}):
+        with job.blame(place, {"path": own, "files": own, "signal": own}):
             signal = read_signal(each, kind, options)
         signals.append(_at_dofs(job, place, signal, find, model))
     with job.blame(place, {"source": places}):

@@ -11,21 +11,17 @@ from ..exceptions import InvalidInputError
 from ..io._common import Signal
 from ..io.channels import kept, renamed
 from ..io.own import relabelled
+from ..io.readers import READERS
 from ..io.uff_names import as_point
 from ..support.validation import reject
 from ..support.wording import LeftOut, Part, spelled
+from .formats import FOLDER
 from .keys_data import DATA
 from .values import shown
 
 __all__ = ["Signal", "read_signal", "relabelled"]
 
-_READERS: dict[str, Callable[..., Signal]] = {
-    "uff": io.read_uff,
-    "mat": io.read_mat,
-    "hdf5": io.read_hdf5,
-    "csv": io.read_csv,
-    "npz": io.read_npz,
-}
+_READERS: dict[str, Callable[..., Signal]] = {**READERS, FOLDER: io.read_frf_files}
 #: How this is done in a job and on the command line.
 LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the command line"
 #: Keys of [data] that are not a reader's.
@@ -55,6 +51,8 @@ def read_signal(
         key = DATA.key(name)
         if key and key.of and kind not in key.of:
             reject(name, f"it for a {kind} file", f"{name} with {' or '.join(key.of)} alone", "Leave it out.")
+    if kind == FOLDER and "format" in options:
+        chosen["format"] = options["format"]
     if chosen.get("force") is False:
         chosen["force"] = None
     dofs = (
@@ -67,7 +65,7 @@ def read_signal(
     left_out = {name for name, dof in dofs.items() if dof is None} if isinstance(dofs, dict) else set()
     if by_point:
         chosen["dofs"] = dofs
-    elif left_out:  # before the reader finds that they do not fit the rest
+    elif left_out and kind != FOLDER:  # before the reader finds that they do not fit the rest
         chosen["dofs"] = lambda name: None if str(name) in left_out else name
     try:
         signal = _READERS[kind](file, **chosen)

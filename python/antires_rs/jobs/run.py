@@ -266,7 +266,11 @@ def _inputs(job: Job, measured: list[Measured]) -> list[Path]:
         if key in model
         for file in term_files(job, key, model[key])
     ]
-    return [job.path, *(path for m in measured for path in (m.file, *m.repeats)), *named, *terms]
+    read = [path for m in measured for path in (m.file, *m.repeats)]
+    signals = [
+        p for path in read for p in ([path] if path.is_file() else sorted(path.iterdir())) if p.is_file()
+    ]
+    return [job.path, *signals, *named, *terms]
 
 
 def _named(job: Job, file: Path) -> str:

@@ -10,6 +10,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from ..order_sweep.diagram import StabilizationDiagram
 from ..order_sweep.table import ResponseTable
 from ..support.files import write_atomically
 from ..support.pickling import FrozenDict
@@ -224,6 +225,16 @@ class AntiresonanceSet(EditedTables):
         return self._diagrams
 
     @property
+    def left_out(self) -> Mapping[Any, ResponseTable]:
+        """By dof, where curves were identified: what fits saw and was not accepted, with the score "why"."""
+        return FrozenDict({dof: one.left_out for dof, one in _drawn(self._diagrams)})
+
+    @property
+    def unexplained_hz(self) -> Mapping[Any, Any]:
+        """By dof of :attr:`diagrams`: peaks of the curve shown there beside which nothing was accepted."""
+        return FrozenDict({dof: one.unexplained_hz for dof, one in _drawn(self._diagrams)})
+
+    @property
     def data_check(self) -> Any | None:
         """Whether the data were fit for identification, where they were checked."""
         return self._data_check
@@ -243,6 +254,10 @@ class AntiresonanceSet(EditedTables):
         if self._data_check is not None:
             lines += [f"do not trust: {f.text}" for f in self._data_check.findings if f.severity == "fatal"]
         lines += rows_printed(self.tables, self._cross_check)
+        for name, found in (("left_out", self.left_out), ("unexplained_hz", self.unexplained_hz)):
+            count = sum(len(one) for one in found.values())
+            if count:
+                lines.append(f"{name.removesuffix('_hz').replace('_', ' ')}: {count}, see .{name}")
         if self.edits:
             lines.append(described(self.edits))
         return "\n".join(lines)
@@ -375,3 +390,8 @@ class AntiresonanceSet(EditedTables):
             )
         except (TypeError, ValueError) as exc:
             raise set_file.damaged(name, exc) from exc
+
+
+def _drawn(diagrams: Mapping[Any, Any]) -> list[tuple[Any, StabilizationDiagram]]:
+    """Stabilization diagrams by dof, those that there are."""
+    return [(dof, one) for dof, one in diagrams.items() if isinstance(one, StabilizationDiagram)]

@@ -13,7 +13,7 @@ more at 5 % noise than the customary 5 % does, and costs no false one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -23,6 +23,7 @@ from ..rational.fit import NestedFit, prepare
 from ..support.pickling import ReadOnly, frozen
 from ..support.validation import ComplexArray, FloatArray, integer
 from .limits import SMALL_DAMPING
+from .peaks import unexplained
 from .rule import Rule
 from .table import ResponseTable
 
@@ -43,6 +44,8 @@ class StabilizationDiagram(ReadOnly):
     background_freq_hz, background : (n_freq,)
         ``abs(sum over outputs)`` of the data, for drawing behind the poles.
     band_hz : (low, high)
+    left_out : ResponseTable
+        What fits over windows see and was not accepted, with the score "why".
 
     Examples
     --------
@@ -62,6 +65,7 @@ class StabilizationDiagram(ReadOnly):
     background_freq_hz: FloatArray
     background: FloatArray
     band_hz: tuple[float, float]
+    left_out: ResponseTable = field(default_factory=lambda: ResponseTable([]))
 
     @property
     def identified(self) -> FloatArray:
@@ -72,6 +76,11 @@ class StabilizationDiagram(ReadOnly):
     def identified_damping(self) -> FloatArray:
         """Damping ratios of the accepted values."""
         return self.accepted.damping_ratio
+
+    @property
+    def unexplained_hz(self) -> FloatArray:
+        """Peaks of the curve behind the poles beside which nothing was accepted, in Hz."""
+        return unexplained(self.background_freq_hz, self.background, self.identified)
 
     def plot(self, ax: Any | None = None) -> Any:
         """Draw order against frequency with matplotlib; returns the axes."""

@@ -62,3 +62,25 @@ MORE_POLES, LEAST_POLES = 8, 12
 #: A pole that owns less of the curve confirms nothing, one that owns less than the second is no candidate.
 CONFIRMING_DOMINANCE, CANDIDATE_DOMINANCE = 0.3, 0.7
 CROSS_CHECK_DAMPING = 0.10
+
+# --- dips and peaks of a curve
+#: On either side a dip is followed this far, as a share of its frequency; never less than the second number
+#: of lines. A zero of 4 % damping makes a dip of 3 dB.
+DIP_REACH, DIP_LINES = 0.04, 4
+#: How far the root that a dip belongs to may lie from it, as a share of its frequency.
+OWNER_WITHIN = 0.01
+#: A dip of the response's own curve that belongs to one of its direction lies this near.
+OWN_DIP_WITHIN = 0.02
+#: A dip must be so many standard deviations of the noise beside it deep, where that is less than the rule
+#: asks for: what is shallow is believed only of curves that are as good as exact. Shallower ones never count.
+DIP_OVER_NOISE, LEAST_DIP_DB = 35.0, 0.5
+
+# --- fits over windows
+#: Zeros of several fits are one antiresonance within this share of the frequency tolerance; two that are
+#: accepted lie at least ONE_DIP apart.
+CLUSTER, ONE_DIP = 0.7, 0.01
+
+# --- peaks that nothing explains
+#: A peak of the curve behind a diagram this high, after averaging the power over so many lines, is named
+#: where no accepted antiresonance lies within this share of its frequency.
+PEAK_DB, PEAK_LINES, EXPLAINED_WITHIN = 10.0, 5, 0.02

@@ -11,6 +11,8 @@ min_rows        10             10              10           5
 max_damping     0.10           0.10            0.05         0.20
 min_dominance   0.05           0               0.90         0.02
 persistent      True           False           False        True
+min_share       0.5            0.5             0.8          0.3
+min_depth_db    3.0            3.0             6.0          2.0
 ==============  =============  ==============  ===========  ===========
 
 "paper" is the identification of V. Meruane, J. Sound Vib. 332 (2013) 807-820: the absolute value of Eq. 10,
@@ -18,7 +20,8 @@ here its square, fitted by rational functions of f^2 (:mod:`~antires_rs.identifi
 values that are stable within 1 % and 5 % in more than 10 consecutive orders, with no other test; the kinks of
 that curve take more orders. With ``route="frf"`` its rule is applied to the joint fit. "strict" wants poles
 that own their curve and stand still: for values that must be right. "sensitive" is for values that someone
-will look at afterwards.
+will look at afterwards. The last two options are of the fits over windows (single curves), those before of
+the sweep over orders.
 
 What that means in found and false antiresonances is the output of ``benchmarks/preset_tables.py``: the
 default is already careful; "strict" buys fewer false ones where modes are many, and pays with what lies near
@@ -56,10 +59,24 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
             }
         ),
         "strict": MappingProxyType(
-            {"damping_tol": 0.05, "max_damping": 0.05, "min_dominance": 0.90, "persistent": False}
+            {
+                "damping_tol": 0.05,
+                "max_damping": 0.05,
+                "min_dominance": 0.90,
+                "persistent": False,
+                "min_share": 0.8,
+                "min_depth_db": 6.0,
+            }
         ),
         "sensitive": MappingProxyType(
-            {"damping_tol": 0.30, "min_rows": 5, "max_damping": 0.20, "min_dominance": 0.02}
+            {
+                "damping_tol": 0.30,
+                "min_rows": 5,
+                "max_damping": 0.20,
+                "min_dominance": 0.02,
+                "min_share": 0.3,
+                "min_depth_db": 2.0,
+            }
         ),
     }
 )

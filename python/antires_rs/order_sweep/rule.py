@@ -23,6 +23,9 @@ class Rule:
     both_sides: bool = False
     # Accept what is there in most orders without standing still.
     persistent: bool = True
+    # Of the fits over windows: this share of them must have it, as a dip of so many dB.
+    min_share: float = 0.5
+    min_depth_db: float = 3.0
 
     def checked(self) -> Rule:
         """Same rule, or an error that names the bad option."""
@@ -31,6 +34,8 @@ class Rule:
         integer("min_rows", self.min_rows, low=1)
         finite_scalar("max_damping", self.max_damping, low=0.0, high=1.0, low_open=True)
         finite_scalar("min_dominance", self.min_dominance, low=0.0)
+        finite_scalar("min_share", self.min_share, low=0.0, high=1.0, low_open=True)
+        finite_scalar("min_depth_db", self.min_depth_db, low=0.0, low_open=True)
         return self
 
     def check_span(self, min_order: int, max_order: int) -> None:

@@ -7,7 +7,8 @@ rows             model orders of its chain (or those in which a persistent one w
 spread           relative standard deviation of its frequency over these orders
 dominance        share of the curve that the pole owns at its frequency; 1 is all of it
 how              "chain": stable in consecutive orders; "persistent": in most orders, without standing still;
-                 "likeliest order": accepted at once from the fit of the order that the data support
+                 "likeliest order": accepted at once from the fit of the order that the data support;
+                 "windows": seen by most of the fits over windows
 residual         relative misfit of the fit around the value, :func:`local_misfit`
 prominence_db    height of its peak in the summed transmissibilities, :func:`prominence_db`
 grade            "sure", "fair" or "weak", :func:`grades`; averaged records only
@@ -27,10 +28,14 @@ import numpy as np
 from ..support.validation import ComplexArray, FloatArray
 from .table import ResponseTable
 
-__all__ = ["graded", "grades", "local_misfit", "prominence_db", "scored"]
+__all__ = ["graded", "grades", "local_misfit", "prominence_db", "scored", "window_grades"]
 
 # The five tests of a grade.
 MORE_ROWS, MOST_SPREAD, LEAST_DOMINANCE, MOST_RESIDUAL, LEAST_PROMINENCE_DB = 20, 1e-3, 0.9, 0.1, 6.0
+
+# Of fits over windows.
+SURE_SHARE, SURE_SPREAD, SURE_DEPTH_DB = 0.9, 3e-3, 6.0
+WEAK_SHARE, WEAK_DEPTH_DB = 0.7, 4.0
 
 # A value's surroundings, in half-power bandwidths 2 zeta f; never fewer lines than the last number.
 NEAR_WIDTHS, LEAST_LINES = 3.0, 4
@@ -185,10 +190,8 @@ def grades(
     weak   51      10 %   0.1 %          0.4 %
     =====  ======  =====  =============  ================
 
-    Even "weak" is true nine times of ten: it asks for a look. All this holds for averaged records. For FRFs
-    that come as such and for single impacts, whose values move more from order to order, the words mean
-    nothing (8 of 10 antiresonances of a measured three-storey frame come out "weak", all of them true), and
-    none is given.
+    Even "weak" is true nine times of ten: it asks for a look. All this holds for averaged records; for given
+    curves and single impacts see :func:`window_grades`.
 
     Examples
     --------
@@ -207,3 +210,32 @@ def grades(
     ]
     passed = np.sum([np.asarray(test, dtype=int) for test in tests], axis=0)
     return np.where(passed >= 4, "sure", np.where(passed == 3, "fair", "weak"))
+
+
+def window_grades(share: FloatArray, spread: FloatArray, depth_db: FloatArray) -> Any:
+    """One word for each antiresonance of fits over windows.
+
+    "sure": nine of ten fits see it, within 0.3 %, as a dip of 6 dB at least. "weak": fewer than seven of ten
+    fits do, or the dip has less than 4 dB. "fair": all others.
+
+    Parameters
+    ----------
+    share, spread : (n,)
+        Scores, see the module.
+    depth_db : (n,)
+        The shallower of the two depths, where both are known.
+
+    Returns
+    -------
+    (n,) str
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.order_sweep.scores import window_grades
+    >>> window_grades(np.array([1.0, 0.6]), np.array([1e-4, 1e-4]), np.array([20.0, 20.0])).tolist()
+    ['sure', 'weak']
+    """
+    sure = (share >= SURE_SHARE) & (spread <= SURE_SPREAD) & (depth_db >= SURE_DEPTH_DB)
+    weak = (share < WEAK_SHARE) | (depth_db < WEAK_DEPTH_DB)
+    return np.where(sure, "sure", np.where(weak, "weak", "fair"))

@@ -53,7 +53,8 @@ class ResponseTable(ReadOnly):
         Share of the curve that the pole owns at its frequency.
     how : (n,) str
         "chain": stable over consecutive orders; "persistent": in most orders, though it does not stand still;
-        "likeliest order": accepted at once from the fit of the order that the data support.
+        "likeliest order": accepted at once from the fit of the order that the data support; "windows": seen
+        by most of the fits over windows.
     residual, prominence_db : (n,)
         Misfit around it and height of its peak; NaN where not known.
 
@@ -74,7 +75,7 @@ class ResponseTable(ReadOnly):
     rows = orders = _score("rows", "Model orders that have it.")
     spread = _score("spread", "Relative standard deviation of its frequency over the orders.")
     dominance = _score("dominance", "Share of the curve at its frequency.")
-    how = _score("how", "Why it was accepted: chain, persistent or likeliest order.")
+    how = _score("how", "Why it was accepted: chain, persistent, likeliest order or windows.")
     residual = _score("residual", "Relative misfit of the fit around it.")
     prominence_db = _score("prominence_db", "Height of its peak.")
 

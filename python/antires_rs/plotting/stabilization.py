@@ -155,7 +155,7 @@ def mark_values(
     stable, unsteady, by_hand, out = LOOKS
     gone = np.asarray(dropped, dtype=np.float64)
     marks = [
-        (float(f), out if f in gone else stable if how == "chain" else unsteady)
+        (float(f), out if f in gone else stable if how in ("chain", "windows") else unsteady)
         for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)
     ]
     marks = sorted(marks + [(float(f), by_hand) for f in added])

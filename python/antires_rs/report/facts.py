@@ -102,15 +102,18 @@ def of_identification(
                 "min_rows",
                 "max_damping",
                 "min_dominance",
+                "min_share",
+                "min_depth_db",
                 "persistent",
             )
         },
     )
     formulation, max_order = rule.pop("formulation"), rule.pop("max_order")
     if formulation == "auto":
-        # Only the fit of all numerators is graded, see order_sweep.scores.
-        graded = any("grade" in scores for scores in found.scores.values())
-        formulation = f"auto, here {'numerators' if graded else 'joint'}"
+        # Only two fits are graded, see order_sweep.scores; those over windows know shares.
+        every = set().union(*(scores for scores in found.scores.values()))
+        chosen = "windows" if "share" in every else "numerators" if "grade" in every else "joint"
+        formulation = f"auto, here {chosen}"
     thresholds = [f"{name} {value}" for name, value in rule.items()]
     preset = [] if used["preset"] is None else [f"preset {used['preset']}"]
     low, high = band_hz
@@ -158,13 +161,32 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     )
     if how.size:
         facts["Accepted"] = [
-            f"{np.sum(how == 'chain')} stable over consecutive orders, "
+            f"{np.sum(how == 'windows')} seen by most fits over windows"
+            if (how == "windows").any()
+            else f"{np.sum(how == 'chain')} stable over consecutive orders, "
             f"{np.sum(how == 'persistent')} in most orders without standing still, "
             f"{np.sum(how == 'likeliest order')} from the likeliest order alone"
         ]
     if found.edits:
         facts["Edited by hand"] = [str(edit) for edit in found.edits]
     return facts | of_evidence(found)
+
+
+def _not_accepted(found: AntiresonanceSet) -> Facts:
+    """What was seen and left out, and peaks that nothing explains."""
+    facts: Facts = {}
+    for name, values in (
+        ("Left out", {dof: table.freq_hz for dof, table in found.left_out.items()}),
+        ("Unexplained peaks", found.unexplained_hz),
+    ):
+        said = [
+            f"dof {dof}: " + ", ".join(f"{f:.2f}" for f in freq) + " Hz"
+            for dof, freq in values.items()
+            if len(freq)
+        ]
+        if said:
+            facts[name] = said
+    return facts
 
 
 def of_evidence(found: AntiresonanceSet) -> Facts:
@@ -176,6 +198,7 @@ def of_evidence(found: AntiresonanceSet) -> Facts:
             f"orders {some.orders[0]:.0f} to {some.orders[-1]:.0f}, {some.band_hz[0]:g} to "
             f"{some.band_hz[1]:g} Hz"
         ]
+        facts |= _not_accepted(found)
     if found.data_check is not None:
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
     if found.cross_check is not None:

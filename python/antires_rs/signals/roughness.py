@@ -10,6 +10,8 @@ __all__ = ["local_noise", "roughness", "second_differences", "typical_noise"]
 
 # Lines over which the noise of measured curves is taken to be constant.
 NOISE_LINES = 31
+# With fewer lines nothing tells noise from curve.
+LEAST_LINES = 12
 # No curve is taken to have less noise than this share of its power.
 LEAST_NOISE = 1e-12
 # Second differences of white noise over the noise itself, in power.
@@ -38,7 +40,7 @@ def local_noise(values: ComplexArray) -> FloatArray:
     from scipy.ndimage import median_filter  # slow to import
 
     power = np.mean(np.abs(values) ** 2, axis=1)[:, None]
-    if values.shape[1] < NOISE_LINES:
+    if values.shape[1] < LEAST_LINES:
         return np.repeat(power, values.shape[1], axis=1)
     second = second_differences(values)
     second = np.concatenate([second[:, :1], second, second[:, -1:]], axis=1)

@@ -114,3 +114,28 @@ def counted(measured, values):
             sum(not faint.size or np.abs(faint / f - 1.0).min() > NEAR for f in own),
         )
     return total
+
+
+#: Columns 9 row + col of the plates' grid that are read well, and their reference for transmissibilities.
+COLUMNS = tuple(9 * row + col for row in (0, 2, 4, 6) for col in (0, 2, 4, 6, 8))
+REFERENCE = 40
+STATES = ("00A_Ref_1", "00A_Ref_2", "00A_Ref_3", "27A_C60", "29A_C140", "36A_S3")
+
+
+def plate(state, columns=COLUMNS):
+    """FRFs of some columns of one state of the plates."""
+    from scipy.io import loadmat
+
+    table = loadmat(DATA / "iqs_plates" / f"{state}.MAT")["MEscope1"]
+    keep = slice(1, 1600)
+    values = np.asarray(table[keep, list(columns)].T, dtype=complex)
+    frfs = ar.FrequencyResponse(0.5 * np.arange(len(table))[keep], values, dofs=list(columns))
+    return Measured(state, frfs, "shaker", (100.0, 480.0))
+
+
+def as_transmissibilities(frfs, reference):
+    """The same numbers over those of one row."""
+    values = frfs.values / frfs.values[frfs.dofs.index(reference)]
+    return ar.FrequencyResponse(
+        frfs.freq_hz, values, dofs=frfs.dofs, kind="transmissibility", reference=reference
+    )

@@ -1,0 +1,117 @@
+"""What most of the fits that could see it do see.
+
+Sightings of one response that lie within a tolerance are one antiresonance, the most frequent first. Its
+share is the number of fits that have it over the number of fits of windows in whose interior it lies. Its
+frequency is the median; its error has two parts: the noise, as the fits tell it, and how far the fits
+disagree, which holds leakage, the choice of the order and what is not rational in the curves.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...order_sweep.limits import CLUSTER, ONE_DIP
+from ...order_sweep.rule import Rule
+from ...order_sweep.scores import window_grades
+from ...order_sweep.table import ResponseTable
+from ...support.validation import FloatArray
+from .sightings import Sightings
+
+ONLY_TRANSMISSIBILITY = "seen by transmissibilities only"
+TOO_FEW = "in too few fits"
+#: What is in fewer fits is not worth mentioning.
+WORTH_MENTIONING = 0.25
+
+
+def agreed(
+    seen: Sightings, inside: NDArray[np.bool_], covers: NDArray[np.bool_], rule: Rule
+) -> tuple[ResponseTable, ResponseTable]:
+    """The antiresonances of one response, and what was left out with the score "why".
+
+    Parameters
+    ----------
+    seen : Sightings
+        Of one response, those with a dip, (n,).
+    inside, covers : (n, n_fits) bool
+        Whether the frequency of each lies in the interior of the window of each fit, or in it at all.
+    rule : Rule
+    """
+    left = np.argsort(seen.freq_hz, kind="stable")
+    groups: list[tuple[NDArray[np.intp], float]] = []
+    while left.size:
+        freq = seen.freq_hz[left]
+        tol = CLUSTER * rule.freq_tol
+        near = np.abs(freq[:, None] / freq - 1.0) <= tol
+        counts = np.array([np.unique(seen.fit[left[own]]).size for own in near])
+        best = int(np.argmax(counts))
+        group = left[near[best]]
+        groups.append(_share(seen, group, inside, covers))
+        left = left[~near[best]]
+    found = [_row(seen, group, share) for group, share in groups if share >= WORTH_MENTIONING]
+    return _chosen(found, rule)
+
+
+def _share(
+    seen: Sightings, group: NDArray[np.intp], inside: NDArray[np.bool_], covers: NDArray[np.bool_]
+) -> tuple[NDArray[np.intp], float]:
+    """The sightings of a group that count, and the share of the fits that have it."""
+    middle = group[np.argsort(seen.freq_hz[group], kind="stable")[group.size // 2]]
+    asked = inside[middle] if inside[middle].any() else covers[middle]
+    counted = group[asked[seen.fit[group]]]
+    if not counted.size:
+        return group, 0.0
+    return counted, np.unique(seen.fit[counted]).size / max(int(asked.sum()), 1)
+
+
+def _row(seen: Sightings, group: NDArray[np.intp], share: float) -> tuple[float, ...]:
+    """Frequency, damping, std, fits, spread, depth, depth of the own curve, share."""
+    freq = seen.freq_hz[group]
+    value = float(np.median(freq))
+    spread = float(np.std(freq))
+    noise = seen.std_hz[group]
+    noise = noise[np.isfinite(noise)]
+    own = seen.own_depth_db[group]
+    return (
+        value,
+        float(np.median(seen.damping_ratio[group])),
+        float(np.sqrt(np.median(noise) ** 2 + spread**2)) if noise.size else np.nan,
+        np.unique(seen.fit[group]).size,
+        spread / value,
+        float(np.median(seen.depth_db[group])),
+        float(np.median(own)) if np.isfinite(own).all() else np.nan,
+        share,
+    )
+
+
+def _chosen(found: list[tuple[float, ...]], rule: Rule) -> tuple[ResponseTable, ResponseTable]:
+    """Accepted and left out, the most agreed first where two are one dip."""
+    kept: list[tuple[float, ...]] = []
+    out: list[tuple[tuple[float, ...], str]] = []
+    for one in sorted(found, key=lambda row: -row[7]):
+        if any(abs(one[0] / other[0] - 1.0) <= ONE_DIP for other in kept):
+            continue
+        if one[7] < rule.min_share:
+            out.append((one, TOO_FEW))
+        elif one[6] <= 0.0:
+            out.append((one, ONLY_TRANSMISSIBILITY))
+        else:
+            kept.append(one)
+    out.sort(key=lambda left: left[0][0])
+    whys = np.array([why for _, why in out], dtype=np.str_)
+    return _table(kept), _table([row for row, _ in out]).with_scores(why=whys)
+
+
+def _table(rows: list[tuple[float, ...]]) -> ResponseTable:
+    columns: FloatArray = np.array(rows, dtype=np.float64).reshape(-1, 8).T
+    freq, damping, std, fits, spread, depth, own, share = columns
+    table = ResponseTable.of_sweep(
+        freq, damping, std, rows=fits, spread=spread, dominance=np.full(len(rows), np.nan), how="windows"
+    )
+    rank = np.argsort(freq, kind="stable")
+    return table.with_scores(
+        share=share[rank],
+        depth_db=depth[rank],
+        own_depth_db=own[rank],
+        grade=window_grades(share, spread, np.fmin(depth, own))[rank],
+    )

@@ -1,0 +1,31 @@
+"""Peaks of the curve behind a diagram that no accepted antiresonance explains."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..support.validation import FloatArray
+from .dips import dips
+from .limits import EXPLAINED_WITHIN, PEAK_DB, PEAK_LINES
+
+__all__ = ["unexplained"]
+
+
+def unexplained(freq_hz: FloatArray, background: FloatArray, accepted_hz: FloatArray) -> FloatArray:
+    """Frequencies in Hz of high peaks of a curve beside which no antiresonance was accepted.
+
+    Parameters
+    ----------
+    freq_hz, background : (n_freq,)
+        The magnitude that a diagram shows behind its poles.
+    accepted_hz : (n,)
+    """
+    if freq_hz.size < 2 * PEAK_LINES:
+        return np.empty(0)
+    power = np.convolve(np.abs(background) ** 2, np.full(PEAK_LINES, 1.0 / PEAK_LINES), mode="same")
+    at, _ = dips(freq_hz, -10.0 * np.log10(np.maximum(power, 1e-300)), PEAK_DB)
+    peaks = freq_hz[at]
+    if not accepted_hz.size:
+        return np.asarray(peaks)
+    off = np.abs(peaks[:, None] / accepted_hz - 1.0).min(axis=1, initial=np.inf)
+    return np.asarray(peaks[off > EXPLAINED_WITHIN])

@@ -1,0 +1,173 @@
+"""Fits over windows: curves without averages, measured and made from matrices that no model of ours holds."""
+
+import numpy as np
+import pytest
+
+from antires_rs import AntiresonanceSet, FrequencyResponse, identify_antiresonances
+from antires_rs.identification.local.grid import MARGIN, local_windows
+from antires_rs.order_sweep.dips import dips
+from antires_rs.order_sweep.peaks import unexplained
+from reference.measured import DATA, REFERENCE, STATES, as_transmissibilities, counted, plate, structures
+from tests.support.campaign import some_of
+
+BAND = (8.0, 60.0)
+
+
+def free_chain(n=7, k_over_m=5e4, damping=0.01, sensors=range(7), force=0, noise=0.0, seed=0):
+    """Receptances of equal masses and springs by inverting K + i eta K - w^2 M at every line."""
+    stiffness = k_over_m * (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
+    stiffness[0, 0] = stiffness[-1, -1] = k_over_m
+    freq = np.arange(5.0, 75.0, 0.05)
+    w = 2 * np.pi * freq
+    dynamic = stiffness[None] * (1.0 + 2j * damping) - (w**2)[:, None, None] * np.eye(n)
+    column = np.linalg.inv(dynamic)[:, :, force].T[list(sensors)]
+    rng = np.random.default_rng(seed)
+    rough = rng.standard_normal(column.shape) + 1j * rng.standard_normal(column.shape)
+    column = column + noise * np.sqrt(np.mean(np.abs(column) ** 2, axis=1, keepdims=True) / 2) * rough
+    return FrequencyResponse(freq, column, dofs=list(sensors))
+
+
+def test_windows_do_not_depend_on_the_band():
+    freq = np.arange(40.0, 200.0, 0.25)
+    some = freq[(freq > 43.0) & (freq < 188.0)]
+    edges = [{(f[w.first], f[w.last - 1]) for w in local_windows(f)} for f in (freq, some)]
+    assert len(edges[0] & edges[1]) > 0.6 * len(edges[1])
+    at = np.linspace(60.0, 150.0, 50)
+    counts = sum(w.inside(freq, at).astype(int) for w in local_windows(freq))
+    assert counts.min() >= 4
+    assert 0.0 < MARGIN < 0.25
+
+
+def test_few_lines_are_one_window():
+    assert [(w.first, w.last) for w in local_windows(np.linspace(5.0, 50.0, 20))] == [(0, 20)]
+
+
+def test_a_dip_is_as_deep_as_its_lower_side():
+    freq = np.arange(80.0, 120.0, 0.1)
+    level = -30.0 * np.exp(-((freq - 100.0) ** 2)) + np.where(freq > 100.0, -22.0, 0.0)
+    at, depth = dips(freq, level, 3.0)
+    # The step of 22 dB right of the notch leaves that side the lower one.
+    assert freq[at].round(1).tolist() == [100.1]
+    assert depth[0] == pytest.approx(level[freq > 100.5].max() - level[at[0]], abs=1e-4)
+    assert dips(freq, level, 30.0)[0].size == 0
+    assert dips(freq, level, 3.0, around_hz=(101.0, 110.0))[0].size == 0
+
+
+def test_peaks_without_an_antiresonance_are_named():
+    freq = np.arange(10.0, 40.0, 0.05)
+    curve = sum(1.0 / np.abs(f**2 - freq**2 + 0.02j * f * freq) for f in (15.0, 25.0))
+    assert unexplained(freq, curve, np.array([15.0])) == pytest.approx([25.0], abs=0.1)
+    assert unexplained(freq, curve, np.array([15.0, 25.1])).size == 0
+
+
+@pytest.mark.parametrize("noise", [1e-4, 0.01])
+def test_frfs_and_transmissibilities_agree_but_for_nodes(noise):
+    # Of the middle mass, on a node of every second mode, transmissibilities see three more.
+    frfs = free_chain(noise=noise)
+    by_frfs = identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off")
+    by_quotients = identify_antiresonances(
+        as_transmissibilities(frfs, 4), excitation=0, band_hz=BAND, check="off"
+    )
+    for dof in frfs.dofs:
+        extra = [f for f in by_quotients[dof] if not np.any(np.abs(by_frfs[dof] / f - 1.0) < 1e-3)]
+        assert by_quotients[dof].size == by_frfs[dof].size + len(extra)
+        marked = by_frfs.left_out[dof]
+        for f in extra:
+            near = int(np.argmin(np.abs(marked.freq_hz - f)))
+            assert marked.freq_hz[near] == pytest.approx(f, rel=1e-3)
+            assert marked.scores["why"][near] == "seen by transmissibilities only"
+    at_middle = by_frfs.left_out[3].freq_hz
+    for f in (15.84, 44.38):
+        assert np.abs(at_middle - f).min() < 0.1, f
+
+
+def test_the_same_values_for_other_edges():
+    frfs = free_chain(noise=0.005, seed=3, sensors=(0, 1, 4))
+    whole = identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off")
+    rng = np.random.default_rng(5)
+    for _ in range(4):
+        low, high = np.array(BAND) * (1.0 + 0.1 * rng.uniform(-1.0, 1.0, 2))
+        other = identify_antiresonances(frfs, excitation=0, band_hz=(low, high), check="off")
+        for dof in frfs.dofs:
+            inside = whole[dof][(whole[dof] > 1.05 * low) & (whole[dof] < 0.95 * high)]
+            for f in inside:
+                assert np.abs(other[dof] / f - 1.0).min(initial=1.0) < 2e-3
+
+
+def damped_zeros(dof, force=0, n=7, k_over_m=5e4, damping=0.01):
+    """abs(s) of the zeros of the receptance, from the reduced matrix with the same hysteretic damping."""
+    stiffness = k_over_m * (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
+    stiffness[0, 0] = stiffness[-1, -1] = k_over_m
+    assert dof == force
+    keep = np.delete(np.arange(n), dof)
+    values = np.linalg.eigvalsh(stiffness[np.ix_(keep, keep)])
+    return np.sqrt(values * np.abs(1.0 + 2j * damping)) / (2 * np.pi)
+
+
+def test_stated_deviations_cover_white_noise():
+    # 90 % intervals of the driving point's zeros, over seeds that nothing was set on.
+    truth = damped_zeros(0)
+    truth = truth[(truth > BAND[0]) & (truth < BAND[1])]
+    inside = asked = 0
+    for seed in range(40, 46):
+        found = identify_antiresonances(
+            free_chain(noise=0.02, seed=seed, sensors=(0, 2, 5)), excitation=0, band_hz=BAND, check="off"
+        )
+        table = found.tables[0]
+        for f in truth:
+            near = np.abs(table.freq_hz / f - 1.0) < 0.01
+            assert near.sum() == 1, f
+            asked += 1
+            inside += abs(table.freq_hz[near][0] - f) <= 1.645 * table.std_hz[near][0]
+    assert inside >= 0.75 * asked, (inside, asked)
+
+
+def test_noise_that_is_given_replaces_the_estimate():
+    frfs = free_chain(noise=0.01, seed=2, sensors=(0, 3, 6))
+    std = np.full(frfs.values.shape, 1e-2 * np.sqrt(np.mean(np.abs(frfs.values) ** 2) / 2))
+    with_std = FrequencyResponse(frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=std)
+    plain = identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off")
+    given = identify_antiresonances(with_std, excitation=0, band_hz=BAND, check="off")
+    assert given != plain
+    for f in plain[0]:
+        assert np.abs(given[0] / f - 1.0).min() < 5e-3
+
+
+def test_options_of_the_consensus():
+    frfs = free_chain(noise=0.02, seed=1, sensors=(0, 3, 6))
+    counts = {}
+    for name, options in {
+        "strict": {"preset": "strict"},
+        "default": {},
+        "lax": {"preset": "sensitive"},
+    }.items():
+        found = identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off", **options)
+        counts[name] = sum(found[dof].size for dof in found)
+    assert counts["strict"] <= counts["default"] <= counts["lax"]
+    assert isinstance(found, AntiresonanceSet)
+
+
+@pytest.mark.skipif(not (DATA / "iqs_3storey").is_dir(), reason="iqs_3storey absent; set ANTIRES_DATA")
+@pytest.mark.parametrize("kind", ["frf", "transmissibility"])
+def test_three_storey_replica(kind):
+    frfs = next(m.frfs for m in structures() if m.name == "three-storey replica")
+    source = frfs if kind == "frf" else as_transmissibilities(frfs, 0)
+    found = identify_antiresonances(source, excitation=0, band_hz=(10.0, 95.0), check="off")
+    read = {0: [44.2, 66.9], 1: [76.4], 2: [27.3], 3: [17.4, 58.9]}
+    for dof, values in read.items():
+        assert found[dof] == pytest.approx(values, rel=5e-3)
+    assert {str(g) for g in found.scores[0]["grade"]} <= {"sure", "fair", "weak"}
+
+
+@pytest.mark.skipif(not (DATA / "iqs_plates").is_dir(), reason="iqs_plates absent; set ANTIRES_DATA")
+@pytest.mark.parametrize("state", some_of(STATES))
+def test_plates(state):
+    measured = plate(state)
+    found = identify_antiresonances(measured.frfs, excitation="x", band_hz=measured.band_hz, check="off")
+    count = counted(measured, found)
+    assert count.found >= 0.97 * count.clear
+    assert count.false <= 0.15 * count.values
+    quotients = as_transmissibilities(measured.frfs, REFERENCE)
+    other = identify_antiresonances(quotients, excitation="x", band_hz=measured.band_hz, check="off")
+    lost = [f for dof in found for f in found[dof] if not np.any(np.abs(other[dof] / f - 1.0) < 2e-3)]
+    assert len(lost) <= 1

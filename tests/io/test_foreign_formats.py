@@ -1,0 +1,319 @@
+"""Files made by other programs' libraries: the table of docs/files.md, row by row."""
+
+import csv
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+import antires_rs as ar
+from reference.io_signals import response
+
+LINES, DF = 64, 0.5
+FREQ = DF * np.arange(LINES)
+RNG = np.random.default_rng(12)
+H = RNG.standard_normal((3, LINES)) + 1j * RNG.standard_normal((3, LINES))
+DOFS = (0, 4, "tip")
+
+
+def same(read, tolerance=1e-12):
+    assert read.kind == "frf"
+    assert read.dofs == DOFS
+    np.testing.assert_allclose(read.freq_hz, FREQ, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(read.values, H, rtol=0, atol=tolerance * np.abs(H).max())
+
+
+# ---- arrays -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("version", ["4", "5"])
+@pytest.mark.parametrize(("dtype", "tolerance"), [(np.complex128, 1e-15), (np.complex64, 1e-6)])
+@pytest.mark.parametrize("lines_first", [True, False])
+def test_scipy_savemat_without_an_axis(tmp_path, version, dtype, tolerance, lines_first):
+    table = (H.T if lines_first else H).astype(dtype)
+    savemat(tmp_path / "a.MAT", {"MEscope1": table}, format=version)
+    for options in ({"df_hz": DF}, {"freq_hz": FREQ}):
+        same(ar.read_mat(tmp_path / "a.MAT", dofs=DOFS, **options), tolerance)
+
+
+def test_scipy_savemat_of_a_struct(tmp_path):
+    held = {"H": H.T, "f": FREQ[:, None], "coherence": np.ones((3, LINES)), "name": "plate"}
+    savemat(tmp_path / "a.mat", {"test": held})
+    read = ar.read_mat(tmp_path / "a.mat", dofs=DOFS)
+    same(read)
+    assert read.coherence.shape == (3, LINES)
+
+
+def test_h5py_with_complex_pairs_as_matlab_writes_them(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    pair = np.empty((3, LINES), dtype=[("real", "f8"), ("imag", "f8")])
+    pair["real"], pair["imag"] = H.real, H.imag
+    with h5py.File(tmp_path / "a.mat", "w", userblock_size=512) as file:
+        made = file.create_dataset("H", data=pair)
+        made.attrs["MATLAB_class"] = np.bytes_("double")
+    same(ar.read_mat(tmp_path / "a.mat", dofs=DOFS, df_hz=DF))
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        file["run1/frf"] = H
+    same(ar.read_hdf5(tmp_path / "b.h5", dofs=DOFS, df_hz=DF))
+
+
+def test_numpy_savez_and_save(tmp_path):
+    np.savez(tmp_path / "a.npz", data=H.T)
+    np.savez_compressed(tmp_path / "b.npz", frf=H, frequency=FREQ)
+    np.save(tmp_path / "c.npy", H.T)
+    same(ar.read_npz(tmp_path / "a.npz", dofs=DOFS, df_hz=DF))
+    same(ar.read_npz(tmp_path / "b.npz", dofs=DOFS))
+    same(ar.read_npz(tmp_path / "c.npy", dofs=DOFS, freq_hz=FREQ))
+
+
+def test_the_axis_that_is_given_names_the_axis_of_a_matrix(tmp_path):
+    few = H[:, :2].T  # more channels than lines
+    np.save(tmp_path / "a.npy", few)
+    assert ar.read_npz(tmp_path / "a.npy", freq_hz=[1.0, 2.0]).values.shape == (3, 2)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({}, "freq_hz= or df_hz="),
+        ({"df_hz": DF, "freq_hz": FREQ}, "df_hz: got it beside freq_hz"),
+        ({"freq_hz": FREQ[:-1]}, "64 values of each response; wanted 63"),
+        ({"df_hz": -1.0}, "df_hz: got -1"),
+        ({"freq_hz": "all"}, "freq_hz: got "),
+        ({"freq_hz": [np.nan] * LINES}, "freq_hz: got "),
+    ],
+)
+def test_an_axis_that_does_not_fit_is_named(tmp_path, options, said):
+    np.save(tmp_path / "a.npy", H)
+    with pytest.raises(ar.AntiresError) as caught:
+        ar.read_npz(tmp_path / "a.npy", **options)
+    assert said in str(caught.value)
+
+
+def test_files_of_ours_refuse_an_axis(tmp_path):
+    signal = response()
+    for write, read, name in ((ar.write_npz, ar.read_npz, "a.npz"), (ar.write_csv, ar.read_csv, "a.csv")):
+        file = write(tmp_path / name, signal)
+        for option in ({"df_hz": 1.0}, {"freq_hz": signal.freq_hz}):
+            with pytest.raises(ar.InvalidInputError, match="This file states it itself"):
+                read(file, **option)
+
+
+# ---- columns ----------------------------------------------------------------------------------------------
+
+
+def columns(header, parts, path, *, delimiter=",", decimal="."):
+    """A file as the csv module writes it."""
+    with path.open("w", newline="", encoding="utf-8") as opened:
+        out = csv.writer(opened, delimiter=delimiter)
+        if header:
+            out.writerow(header)
+        for row in zip(*parts, strict=True):
+            out.writerow([repr(float(x)).replace(".", decimal) for x in row])
+    return path
+
+
+REAL_IMAG = (H[0].real, H[0].imag)
+LEVEL = 20 * np.log10(np.abs(H[0]))
+SIZE, RAD, DEG = np.abs(H[0]), np.angle(H[0]), np.degrees(np.angle(H[0]))
+
+
+@pytest.mark.parametrize(
+    ("header", "parts", "dof"),
+    [
+        (["Frequency", "Real", "Imaginary"], REAL_IMAG, 0),
+        (["Frequency (Hz)", "Real (m/s2/N)", "Imag (m/s2/N)"], REAL_IMAG, 0),
+        (["Freq [Hz]", "Real part tip", "Imag part tip"], REAL_IMAG, "tip"),
+        (["f", "tip_re", "tip_im"], REAL_IMAG, "tip"),
+        (["Frequency", "Magnitude [m/s2/N]", "Phase [deg]"], (SIZE, DEG), 0),
+        (["Frequency", "Magnitude (dB)", "Phase (deg)"], (LEVEL, DEG), 0),
+        (["Frequency", "Mag dB", "Phase rad"], (LEVEL, RAD), 0),
+        (["Frequency", "Amplitude [lin]", "Angle [rad]"], (SIZE, RAD), 0),
+    ],
+)
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+def test_columns_whose_header_tells(tmp_path, header, parts, dof, delimiter):
+    decimal = "," if delimiter == ";" else "."
+    file = columns(header, (FREQ, *parts), tmp_path / "a.csv", delimiter=delimiter, decimal=decimal)
+    read = ar.read_csv(file)
+    assert read.dofs == (dof,)
+    np.testing.assert_allclose(read.values[0], H[0], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("header", "parts", "lacks"),
+    [
+        (["Frequency", "Magnitude", "Phase [deg]"], (SIZE, DEG), "'Magnitude' is in dB"),
+        (["Frequency", "Magnitude [dB]", "Phase"], (LEVEL, DEG), "unit of 'Phase'"),
+        (
+            ["Frequency", "Magnitude", "Phase"],
+            (SIZE, RAD),
+            "unit of 'Phase' nor whether 'Magnitude' is in dB",
+        ),
+    ],
+)
+def test_columns_whose_header_does_not_tell_are_not_guessed(tmp_path, header, parts, lacks):
+    file = columns(header, (FREQ, *parts), tmp_path / "a.csv")
+    with pytest.raises(ar.UnsuitableDataError, match="does not tell") as caught:
+        ar.read_csv(file)
+    assert lacks in str(caught.value)
+    assert "pairs='db_deg'" in str(caught.value)
+
+
+@pytest.mark.parametrize("header", [None, ["x", "a", "b"], ["Frequency", "Magnitude", "Phase"]])
+@pytest.mark.parametrize(
+    ("pairs", "parts"),
+    [
+        ("real_imag", REAL_IMAG),
+        ("magnitude_deg", (SIZE, DEG)),
+        ("magnitude_rad", (SIZE, RAD)),
+        ("db_deg", (LEVEL, DEG)),
+        ("db_rad", (LEVEL, RAD)),
+    ],
+)
+def test_what_an_option_says_of_columns(tmp_path, header, pairs, parts):
+    file = columns(header, (FREQ, *parts), tmp_path / "a.csv")
+    np.testing.assert_allclose(ar.read_csv(file, pairs=pairs).values[0], H[0], rtol=1e-12)
+    with pytest.raises(ar.AntiresError):
+        ar.read_csv(file)
+    if header is None:
+        two = columns(None, parts, tmp_path / "b.csv")
+        np.testing.assert_allclose(ar.read_csv(two, pairs=pairs, df_hz=DF).values[0], H[0], rtol=1e-12)
+
+
+def test_pandas_to_csv(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame({"Frequency": FREQ, "re(a)": H[0].real, "im(a)": H[0].imag})
+    frame.to_csv(tmp_path / "a.csv", index=False)
+    np.testing.assert_array_equal(ar.read_csv(tmp_path / "a.csv").values[0], H[0])
+    frame.to_csv(tmp_path / "b.csv", index=False, sep=";", decimal=",")
+    np.testing.assert_array_equal(ar.read_csv(tmp_path / "b.csv").values[0], H[0])
+    pandas.DataFrame(H.T, columns=["a", "b", "tip"]).to_csv(tmp_path / "c.csv", index=False)
+    same(ar.read_csv(tmp_path / "c.csv", df_hz=DF, dofs=DOFS))
+
+
+def test_numpy_savetxt_of_complex_columns_without_an_axis(tmp_path):
+    for delimiter in (";", " ", ","):
+        np.savetxt(tmp_path / "a.txt", H.T, delimiter=delimiter)
+        same(ar.read_csv(tmp_path / "a.txt", df_hz=DF, dofs=DOFS))
+    with pytest.raises(ar.InvalidInputError, match="freq_hz: got it for a file with the column"):
+        ar.read_csv(
+            columns(["Frequency", "re(a)", "im(a)"], (FREQ, *REAL_IMAG), tmp_path / "b.csv"), freq_hz=FREQ
+        )
+
+
+# ---- one FRF a file ---------------------------------------------------------------------------------------
+
+
+def folder_of(path, names, lines=None):
+    for i, name in enumerate(names):
+        n = LINES if lines is None else lines[i]
+        header = ["Frequency [Hz]", "Real", "Imag"]
+        columns(header, (FREQ[:n], H[i, :n].real, H[i, :n].imag), path / name)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("names", "dofs"),
+    [
+        (["FRF_2.csv", "FRF_10.csv", "FRF_11.csv"], (2, 10, 11)),
+        (["H_1_1.csv", "H_2_1.csv", "H_12_1.csv"], (1, 2, 12)),
+        (["acc_tip.csv", "acc_top.csv", "acc_x2.csv"], ("tip", "top", "x2")),
+    ],
+)
+def test_a_folder_of_files_is_one_response(tmp_path, names, dofs):
+    read = ar.read_frf_files(folder_of(tmp_path, names))
+    assert read.dofs == dofs
+    np.testing.assert_allclose(read.values, H, rtol=1e-12)
+    (tmp_path / "notes.log").write_text("nothing")
+    turned = ar.read_frf_files([tmp_path / name for name in names[::-1]], dofs=DOFS)
+    assert turned.dofs == DOFS
+    np.testing.assert_allclose(turned.values, H[::-1], rtol=1e-12)
+    first, *_ = names
+    some = ar.read_frf_files(tmp_path, dofs=lambda stem: stem if f"{stem}.csv" == first else None)
+    assert some.dofs == (first[:-4],)
+
+
+@pytest.mark.parametrize("odd", range(3))
+def test_the_file_with_another_axis_is_named(tmp_path, odd):
+    lines = [LINES - 1 if i == odd else LINES for i in range(3)]
+    names = ["p1.csv", "p2.csv", "p3.csv"]
+    with pytest.raises(ar.UnsuitableDataError, match="64 lines 0-31.5 Hz, as 2 of 3 files") as caught:
+        ar.read_frf_files(folder_of(tmp_path, names, lines))
+    assert names[odd] in str(caught.value.got)
+
+
+def test_what_no_folder_of_frfs_is(tmp_path):
+    folder_of(tmp_path, ["p1.csv", "p2.csv"])
+    np.save(tmp_path / "p3.npy", H[0])
+    with pytest.raises(ar.InvalidInputError, match=r"several formats \(2 csv, 1 npz\)"):
+        ar.read_frf_files(tmp_path)
+    assert ar.read_frf_files(tmp_path, pattern="*.csv").dofs == (1, 2)
+    np.savez(tmp_path / "p4.npz", frf=H)
+    with pytest.raises(ar.UnsuitableDataError, match="with 3 responses"):
+        ar.read_frf_files([tmp_path / "p4.npz"], df_hz=DF)
+    with pytest.raises(ar.InvalidInputError, match="none of which fits"):
+        ar.read_frf_files(tmp_path, pattern="*.uff")
+    with pytest.raises(ar.InvalidInputError, match="files: got"):
+        ar.read_frf_files([])
+
+
+def test_files_of_transmissibilities(tmp_path):
+    for i in range(3):
+        np.save(tmp_path / f"T_{i}.npy", H[i] / H[1])
+    read = ar.read_frf_files(tmp_path, df_hz=DF, kind="transmissibility", reference=1)
+    assert (read.kind, read.reference, read.dofs) == ("transmissibility", 1, (0, 1, 2))
+
+
+# ---- universal files --------------------------------------------------------------------------------------
+
+
+def uff_of_runs(path, runs, what=4):
+    """As pyuff writes dataset 58 in text, each point once a run."""
+    pytest.importorskip("pyuff")
+    from tests.support.uff_files import dataset, written
+
+    for run in range(1, runs + 1):
+        for node in (1, 2):
+            values = run * (H[node] if what == 4 else H[node].real)
+            options = {"reference": (1, 3), "per": "N", "step": DF} if what == 4 else {}
+            written(path, dataset(values, kind=what, node=node, binary=0, **options))
+    return path
+
+
+@pytest.mark.parametrize("what", [4, 1])
+def test_pyuff_with_points_recorded_several_times(tmp_path, what):
+    file = uff_of_runs(tmp_path / "runs.uff", 3, what)
+    with pytest.raises(ar.UnsuitableDataError, match="3 runs") as caught:
+        ar.read_uff(file)
+    assert "1+Z" in str(caught.value)
+    assert "run=1 to run=3" in str(caught.value)
+    read = [ar.read_uff(file, run=run) for run in (1, 2, 3)]
+    values = [r.values if what == 4 else r.responses for r in read]
+    for i in (1, 2):
+        np.testing.assert_allclose(values[i], (i + 1) * values[0], rtol=1e-4)
+    assert [line.endswith("run 2") for line in ar.io.list_uff(file)] == [
+        False,
+        False,
+        True,
+        True,
+        False,
+        False,
+    ]
+    for run in (0, 4, True, 1.5):
+        with pytest.raises(ar.InvalidInputError, match="run: got"):
+            ar.read_uff(file, run=run)
+
+
+def test_points_that_a_run_lacks_are_named(tmp_path):
+    file = uff_of_runs(tmp_path / "a.uff", 2)
+    text = file.read_text().split("    -1\n")
+    file.write_text("    -1\n".join(text[:-2]))  # the second run of the second point
+    with pytest.warns(ar.AntiresWarning, match=r"no run 2 of 2\+Z"):
+        assert ar.read_uff(file, run=2).dofs == ("1+Z",)
+    assert ar.read_uff(file, run=1).dofs == ("1+Z", "2+Z")
+
+
+def test_one_run_needs_no_number(tmp_path):
+    file = uff_of_runs(tmp_path / "a.uff", 1)
+    assert ar.read_uff(file).dofs == ar.read_uff(file, run=1).dofs == ("1+Z", "2+Z")
