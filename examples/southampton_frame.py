@@ -22,7 +22,7 @@ from pathlib import Path
 
 import antires_rs as ar
 
-BAND_HZ = (5.0, 32.0)
+BAND_HZ = (5.0, 28.0)
 FILES = ("Experimental.csv", "test_2.csv", "test_3.csv")
 MASS_KG, STIFFNESS_N_PER_M = 5.201, 52.5e3
 

@@ -56,8 +56,11 @@ def test_a_dip_is_as_deep_as_its_lower_side():
 def test_peaks_without_an_antiresonance_are_named():
     freq = np.arange(10.0, 40.0, 0.05)
     curve = sum(1.0 / np.abs(f**2 - freq**2 + 0.02j * f * freq) for f in (15.0, 25.0))
-    assert unexplained(freq, curve, np.array([15.0])) == pytest.approx([25.0], abs=0.1)
-    assert unexplained(freq, curve, np.array([15.0, 25.1])).size == 0
+    snr = np.full(freq.size, 100.0)
+    assert unexplained(freq, curve, np.array([15.0]), snr) == pytest.approx([25.0], abs=0.1)
+    assert unexplained(freq, curve, np.array([15.0, 25.1]), snr).size == 0
+    # In the noise a peak is nothing that asks for an explanation.
+    assert unexplained(freq, curve, np.array([15.0]), np.where(freq > 20.0, 0.1, 100.0)).size == 0
 
 
 @pytest.mark.parametrize("noise", [1e-4, 0.01])

@@ -265,7 +265,7 @@ def test_a_turn_about_an_elements_own_axis_turns_its_section():
     sensors, force = [model.dof(7, "v"), model.dof(12, "v")], model.dof(12, "v")
     turn = ar.angle([6], 6, bounds_deg=(-60, 60), axis=(1, 0, 0))
     zeros = dict(zip(sensors, model.antiresonances(sensors, force, f_max_hz=900.0), strict=True))
-    task = ar.UpdatingProblem(model, turn, ar.AntiresonanceSet(force, zeros))
+    task = ar.UpdatingProblem(model, turn, ar.AntiresonanceSet(force, zeros, sees="frf"))
     turned = task.model_at([35.0]).antiresonances(sensors, force, f_max_hz=1e4)
     nearest = [
         of_model[np.abs(of_model - f).argmin()]

@@ -29,6 +29,7 @@ def diagram(identified):
 def drawn(record, damage, diagram):
     """Every picture by the names of its tables."""
     two = {"one": damage, "other": damage}
+    sets = [ar.AntiresonanceSet(0, {0: [f]}, std_hz={0: [0.1]}) for f in (8.7, 8.6)]
     frame = ar.FrameModel(
         [(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], ar.Tube(0.038, 0.0015, 2.1e11, 7850.0), fixed=[0]
     )
@@ -48,6 +49,8 @@ def drawn(record, damage, diagram):
         (["elements"], lambda ax: plotting.plot_frame(frame, {1: 0.4}, ax=ax)),
         (["springs"], lambda ax: plotting.plot_chain(chain(), damage.severity, ax=ax)),
         (["islands", "migrations"], lambda ax: plotting.plot_convergence(damage, ax=ax)),
+        (["pairs"], lambda ax: plotting.plot_comparison(ar.compare(*sets), ax=ax)),
+        (["tracks"], lambda ax: plotting.plot_tracks(ar.track(sets), ax=ax)),
     ]
 
 

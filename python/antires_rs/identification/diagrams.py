@@ -9,10 +9,12 @@ from typing import Any, Literal
 import numpy as np
 
 from ..order_sweep.diagram import PoleSweep, StabilizationDiagram, ZeroSweep, diagram
+from ..order_sweep.peaks import unexplained
 from ..order_sweep.persistence import add_persistent
 from ..order_sweep.scores import scored
 from ..order_sweep.shared import without_common
 from ..order_sweep.windows import join, windows
+from ..support.pickling import frozen
 from ..support.progress import step
 from ..support.validation import FloatArray
 from .formulations import sweep_of
@@ -51,12 +53,13 @@ def diagrams_of(
         found = _from_numerators(dofs, first, band, options)
     else:
         found = _one_by_one(dofs, lines_for, band, options, formulation)
+    if not options.keep_common:
+        found = without_common(found)
+    for row, (dof, one) in enumerate(found.items()):
+        peaks = unexplained(one.background_freq_hz, one.background, one.identified, first.channel_snr(row))
+        found[dof] = replace(one, unexplained_hz=frozen(peaks))
     of_responses = options.use_force or (formulation == "windows" and first.size is not None)
-    return Fitted(
-        found if options.keep_common else without_common(found),
-        formulation == "numerators",
-        "frf" if of_responses else "transmissibility",
-    )
+    return Fitted(found, formulation == "numerators", "frf" if of_responses else "transmissibility")
 
 
 def _from_numerators(

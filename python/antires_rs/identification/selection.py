@@ -51,6 +51,7 @@ from .likelihood import Likeliest, likeliest
 from .lines import SNR_CAP, Lines
 from .numerators import NumeratorSweep
 from .options import IdentificationOptions
+from .order_scatter import next_orders, order_scatter
 from .uncertainty import Influence
 
 
@@ -68,6 +69,10 @@ def select(
     rows = range(n_responses if n_responses > 1 else lines.vectors.shape[0])
     roots = [best.fit.zeros(best.coefficients[:, row]) for row in rows]
     influence.pool(roots)
+    other_orders = [
+        [best.fit.zeros(c[:, row]) for row in rows]
+        for c in (best.fit.likeliest(order)[0] for order in next_orders(best))
+    ]
     solutions: dict[int, FloatArray] = {}
     sweeps = [NumeratorSweep(best.fit, row, [k for k in rows if k != row], solutions) for row in rows]
     for sweep in sweeps:
@@ -89,6 +94,7 @@ def select(
         )
         own = roots[row][~shared(roots[row], others)]
         s, share, std = _candidates(best, influence, sweep, own, lines, window.report_hz, rule)
+        std = np.hypot(std, order_scatter(s, [every[row] for every in other_orders]))
         seen = _seen(s, sweep, higher, rule)
         counts = np.array([len(own) for own in seen], dtype=int)
         stays = (counts > rule.min_rows) & (counts >= PRESENCE * len(higher))

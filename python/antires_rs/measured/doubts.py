@@ -5,7 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from ..order_sweep.scores import LEAST_DOMINANCE, LEAST_PROMINENCE_DB, MORE_ROWS, MOST_RESIDUAL, MOST_SPREAD
+import numpy as np
+
+from ..order_sweep.scores import (
+    LEAST_DOMINANCE,
+    LEAST_PROMINENCE_DB,
+    MORE_ROWS,
+    MOST_RESIDUAL,
+    MOST_SPREAD,
+    SURE_DEPTH_DB,
+    SURE_SHARE,
+    SURE_SPREAD,
+)
 from ..order_sweep.table import ResponseTable
 
 __all__ = ["doubts_of"]
@@ -17,6 +28,17 @@ _TESTS: tuple[tuple[str, Callable[[ResponseTable, int], Any]], ...] = (
     ("owns little of its curve", lambda table, i: table.dominance[i] >= LEAST_DOMINANCE),
     ("poor fit", lambda table, i: table.residual[i] <= MOST_RESIDUAL),
     ("no clear peak", lambda table, i: table.prominence_db[i] >= LEAST_PROMINENCE_DB),
+)
+#: The same of fits over windows.
+_OF_WINDOWS: tuple[tuple[str, Callable[[ResponseTable, int], Any]], ...] = (
+    ("not in all fits", lambda table, i: table.scores["share"][i] >= SURE_SHARE),
+    ("unsteady", lambda table, i: table.spread[i] <= SURE_SPREAD),
+    (
+        "shallow dip",
+        lambda table, i: (
+            np.fmin(table.scores["depth_db"][i], table.scores["own_depth_db"][i]) >= SURE_DEPTH_DB
+        ),
+    ),
 )
 #: How a value was accepted, where that is a doubt.
 _HOW = {"persistent": "does not stand still", "likeliest order": "one order only"}
@@ -47,7 +69,8 @@ def _of(dof: Any, table: ResponseTable, i: int, cross_check: _Confirms | None) -
         words.append(_HOW[str(table.how[i])])
     grade = str(table.scores["grade"][i]) if "grade" in table.scores else "sure"
     if grade != "sure":
-        words += [word for word, passed in _TESTS if not passed(table, i)]
+        tests = _OF_WINDOWS if "share" in table.scores else _TESTS
+        words += [word for word, passed in tests if not passed(table, i)]
     if cross_check is not None and cross_check.is_confirmed(dof, float(table.freq_hz[i])) is False:
         words.append("not confirmed")
     return words

@@ -23,7 +23,6 @@ from ..rational.fit import NestedFit, prepare
 from ..support.pickling import ReadOnly, frozen
 from ..support.validation import ComplexArray, FloatArray, integer
 from .limits import SMALL_DAMPING
-from .peaks import unexplained
 from .rule import Rule
 from .table import ResponseTable
 
@@ -46,6 +45,8 @@ class StabilizationDiagram(ReadOnly):
     band_hz : (low, high)
     left_out : ResponseTable
         What fits over windows see and was not accepted, with the score "why".
+    unexplained_hz : (n,)
+        Peaks of the curve behind the poles beside which nothing was accepted.
 
     Examples
     --------
@@ -66,6 +67,7 @@ class StabilizationDiagram(ReadOnly):
     background: FloatArray
     band_hz: tuple[float, float]
     left_out: ResponseTable = field(default_factory=lambda: ResponseTable([]))
+    unexplained_hz: FloatArray = field(default_factory=lambda: frozen(np.empty(0)))
 
     @property
     def identified(self) -> FloatArray:
@@ -76,11 +78,6 @@ class StabilizationDiagram(ReadOnly):
     def identified_damping(self) -> FloatArray:
         """Damping ratios of the accepted values."""
         return self.accepted.damping_ratio
-
-    @property
-    def unexplained_hz(self) -> FloatArray:
-        """Peaks of the curve behind the poles beside which nothing was accepted, in Hz."""
-        return unexplained(self.background_freq_hz, self.background, self.identified)
 
     def plot(self, ax: Any | None = None) -> Any:
         """Draw order against frequency with matplotlib; returns the axes."""

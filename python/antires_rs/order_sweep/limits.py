@@ -18,6 +18,8 @@ SHARED = 0.003
 #: measured frames and beams at most 0.41 %; antiresonances of neighbouring parts of a chain came within
 #: 0.6 %.
 COMMON = 0.005
+#: Depth of a dip from which it is the response's own, though all others have one beside it.
+COMMON_DEPTH_DB = 10.0
 #: A zero this near to a root that all responses share is doubtful.
 NEARLY_SHARED = 0.05
 

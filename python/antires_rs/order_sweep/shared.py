@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .diagram import StabilizationDiagram
-from .limits import COMMON, SHARED
+from .limits import COMMON, COMMON_DEPTH_DB, SHARED
+from .table import ResponseTable
 
 __all__ = ["shared", "without_common"]
 
@@ -36,7 +37,10 @@ def shared(values: Any, others: Sequence[Any], within: float = SHARED) -> NDArra
 
 
 def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, StabilizationDiagram]:
-    """Diagrams less the values that all of three or more dofs have, spread by no more than ``COMMON``."""
+    """Diagrams less the values that all of three or more dofs have, spread by no more than ``COMMON``.
+
+    Where depths are known, a deep dip stays: what all share takes little of each curve.
+    """
     if len(found) < 3:
         return found
     drop: dict[Any, set[int]] = {dof: set() for dof in found}
@@ -49,8 +53,16 @@ def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, Stabiliz
         once = all(np.sum(np.abs(each - value) <= COMMON * value) <= 1 for each in values)
         if once and max(same) - min(same) <= COMMON * value:
             for dof, i in zip(found, nearest, strict=True):
-                drop[dof].add(i)
+                if not _deep(found[dof].accepted, i):
+                    drop[dof].add(i)
     return {
         dof: replace(d, accepted=d.accepted.take([i for i in range(d.identified.size) if i not in drop[dof]]))
         for dof, d in found.items()
     }
+
+
+def _deep(table: ResponseTable, i: int) -> bool:
+    """Whether an antiresonance of fits over windows has a deep dip."""
+    if "depth_db" not in table.scores:
+        return False
+    return float(np.fmin(table.scores["depth_db"][i], table.scores["own_depth_db"][i])) >= COMMON_DEPTH_DB
