@@ -38,8 +38,10 @@ def dips(
     >>> f[at].tolist(), depth.round(1).tolist()
     ([10.0], [11.8])
     """
-    middle = level_db[1:-1]
-    lines = np.flatnonzero((middle <= level_db[:-2]) & (middle < level_db[2:])) + 1
+    from scipy.signal import find_peaks  # slow to import
+
+    # No dip is deeper within its reach than without bounds.
+    lines = find_peaks(-level_db, prominence=least_db)[0]
     if around_hz is not None:
         lines = lines[(freq_hz[lines] >= around_hz[0]) & (freq_hz[lines] <= around_hz[1])]
     step = float(np.median(np.diff(freq_hz)))
