@@ -112,6 +112,7 @@ def test_stated_deviations_cover_white_noise():
     truth = damped_zeros(0)
     truth = truth[(truth > BAND[0]) & (truth < BAND[1])]
     inside = asked = 0
+    stated, errors = [], []
     for seed in range(40, 46):
         found = identify_antiresonances(
             free_chain(noise=0.02, seed=seed, sensors=(0, 2, 5)), excitation=0, band_hz=BAND, check="off"
@@ -121,8 +122,12 @@ def test_stated_deviations_cover_white_noise():
             near = np.abs(table.freq_hz / f - 1.0) < 0.01
             assert near.sum() == 1, f
             asked += 1
+            stated.append(table.std_hz[near][0])
+            errors.append(abs(table.freq_hz[near][0] - f))
             inside += abs(table.freq_hz[near][0] - f) <= 1.645 * table.std_hz[near][0]
     assert inside >= 0.75 * asked, (inside, asked)
+    # And are no excuse: the median deviation is not twice the median error of a normal value.
+    assert np.median(stated) < 2.0 * np.median(errors) / 0.6745
 
 
 def test_noise_that_is_given_replaces_the_estimate():
@@ -131,13 +136,17 @@ def test_noise_that_is_given_replaces_the_estimate():
     with_std = FrequencyResponse(frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=std)
     plain = identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off")
     given = identify_antiresonances(with_std, excitation=0, band_hz=BAND, check="off")
-    assert given != plain
     for f in plain[0]:
         assert np.abs(given[0] / f - 1.0).min() < 5e-3
+    worse = FrequencyResponse(frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=30.0 * std)
+    doubted = identify_antiresonances(worse, excitation=0, band_hz=BAND, check="off")
+    for f, known in zip(given[0], given.std_hz[0], strict=True):
+        near = int(np.argmin(np.abs(doubted[0] - f)))
+        assert doubted.std_hz[0][near] > 3.0 * known
 
 
 def test_options_of_the_consensus():
-    frfs = free_chain(noise=0.02, seed=1, sensors=(0, 3, 6))
+    frfs = free_chain(noise=0.1, seed=1, sensors=(0, 3, 6))
     counts = {}
     for name, options in {
         "strict": {"preset": "strict"},
@@ -146,7 +155,7 @@ def test_options_of_the_consensus():
     }.items():
         found = identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off", **options)
         counts[name] = sum(found[dof].size for dof in found)
-    assert counts["strict"] <= counts["default"] <= counts["lax"]
+    assert counts["strict"] < counts["default"] <= counts["lax"]
     assert isinstance(found, AntiresonanceSet)
 
 
@@ -163,14 +172,19 @@ def test_three_storey_replica(kind):
 
 
 @pytest.mark.skipif(not (DATA / "iqs_plates").is_dir(), reason="iqs_plates absent; set ANTIRES_DATA")
-@pytest.mark.parametrize("state", some_of(STATES))
-def test_plates(state):
+@pytest.mark.parametrize("states", some_of([["00A_Ref_1", "36A_S3"], list(STATES)]))
+def test_plates(states):
+    counts = [plate_counts(state) for state in states]
+    assert sum(c.found for c in counts) >= 0.97 * sum(c.clear for c in counts)
+    assert sum(c.false for c in counts) <= 0.10 * sum(c.values for c in counts)
+
+
+def plate_counts(state):
+    """Dips found by FRFs, after the transmissibilities were seen to lose none of their values."""
     measured = plate(state)
     found = identify_antiresonances(measured.frfs, excitation="x", band_hz=measured.band_hz, check="off")
-    count = counted(measured, found)
-    assert count.found >= 0.97 * count.clear
-    assert count.false <= 0.15 * count.values
     quotients = as_transmissibilities(measured.frfs, REFERENCE)
     other = identify_antiresonances(quotients, excitation="x", band_hz=measured.band_hz, check="off")
     lost = [f for dof in found for f in found[dof] if not np.any(np.abs(other[dof] / f - 1.0) < 2e-3)]
     assert len(lost) <= 1
+    return counted(measured, found)

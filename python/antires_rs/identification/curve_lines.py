@@ -63,7 +63,12 @@ def curve_lines(
         snr = snr / len(values)
         size = np.linalg.norm(scaled, axis=0)
     return Lines(
-        freq_hz, unit(scaled), snr, added_decay_per_s=added_decay_per_s, size=size if size_known else None
+        freq_hz,
+        unit(scaled),
+        snr,
+        added_decay_per_s=added_decay_per_s,
+        size=size if size_known else None,
+        noise_given=std is not None,
     )
 
 

@@ -56,7 +56,12 @@ def diagrams_of(
     if not options.keep_common:
         found = without_common(found)
     for row, (dof, one) in enumerate(found.items()):
-        peaks = unexplained(one.background_freq_hz, one.background, one.identified, first.channel_snr(row))
+        peaks = unexplained(
+            one.background_freq_hz,
+            one.background,
+            np.concatenate([one.identified, one.left_out.freq_hz]),
+            first.channel_snr(row),
+        )
         found[dof] = replace(one, unexplained_hz=frozen(peaks))
     of_responses = options.use_force or (formulation == "windows" and first.size is not None)
     return Fitted(found, formulation == "numerators", "frf" if of_responses else "transmissibility")

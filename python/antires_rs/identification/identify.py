@@ -109,10 +109,10 @@ def identify_antiresonances(
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
         :func:`~antires_rs.transmissibility` and
         :func:`~antires_rs.frf`.
-    formulation : {"auto", "numerators", "joint", "power", "eq10", "eq10_squared"}, optional
+    formulation : {"auto", "windows", "numerators", "joint", "power", "eq10", "eq10_squared"}, optional
         See the module, and :mod:`~antires_rs.identification.formulations` for the last three. "auto"
-        (default) takes "numerators" for averaged records, and from two impacts on, with
-        ``estimator="rank1"``, else "joint".
+        (default) takes "windows" for given curves and single impacts; for averaged records, and from two
+        impacts on, "numerators" with ``estimator="rank1"``, else "joint".
     preset : {None, "paper", "strict", "sensitive"}
         A named set of the options formulation, max_order, freq_tol to min_dominance and persistent, see
         :mod:`~antires_rs.order_sweep.presets`. What is given beside it wins.

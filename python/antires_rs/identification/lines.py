@@ -32,7 +32,8 @@ class Lines:
     independent draws (impacts, or records of one test) to which the segments belong, (n_segments,); None for
     one record. ``size`` is what the vectors were divided by, where that is a property of the structure: the
     norm of measured FRFs or of the responses to one impact, (n_freq,); None for transmissibilities and for
-    responses to a force of unknown spectrum.
+    responses to a force of unknown spectrum. ``noise_given`` says that the signal-to-noise ratio came with
+    the curves.
     """
 
     freq_hz: FloatArray
@@ -44,6 +45,7 @@ class Lines:
     averages_ratio: float = 1.0
     draws: NDArray[np.int64] | None = None
     size: FloatArray | None = None
+    noise_given: bool = False
 
     def part(self, first: int, last: int) -> Lines:
         """Some of the lines."""

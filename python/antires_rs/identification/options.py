@@ -33,7 +33,7 @@ class IdentificationOptions:
         From the responses alone, or from FRFs.
     estimator : {"rank1", "h1", "h2", "hv"}
         Of the response vectors.
-    formulation : {"auto", "numerators", "joint", "power", "eq10", "eq10_squared"}
+    formulation : {"auto", "windows", "numerators", "joint", "power", "eq10", "eq10_squared"}
         See :mod:`~antires_rs.identification.formulations`.
     min_order, max_order : int
         Orders of the sweep.

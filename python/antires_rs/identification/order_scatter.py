@@ -27,7 +27,10 @@ def next_orders(best: Likeliest) -> list[int]:
 
 
 def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray]) -> FloatArray:
-    """Root mean square in Hz of the shifts of zeros ``s`` (rad/s) to the nearest of other orders, (n,)."""
+    """Root mean square in Hz of the shifts of zeros ``s`` (rad/s) to the nearest of other orders, (n,).
+
+    What no other order has counts with the distance up to which it was looked for.
+    """
     squares, counts = np.zeros(s.size), np.zeros(s.size)
     for every in roots:
         if not every.size or not s.size:
@@ -37,4 +40,5 @@ def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray]) -> FloatArray:
         same = np.abs(nearest - s) <= SAME_ROOT * np.abs(s)
         squares += np.where(same, shift**2, 0.0)
         counts += same
-    return np.asarray(np.sqrt(squares / np.maximum(counts, 1.0)))
+    nowhere = SAME_ROOT * np.abs(s) / (2 * np.pi) if roots else np.zeros(s.size)
+    return np.asarray(np.where(counts > 0, np.sqrt(squares / np.maximum(counts, 1.0)), nowhere))

@@ -226,12 +226,12 @@ class AntiresonanceSet(EditedTables):
 
     @property
     def left_out(self) -> Mapping[Any, ResponseTable]:
-        """By dof, where curves were identified: what fits saw and was not accepted, with the score "why"."""
+        """By dof, where curves were identified: what fits saw and did not accept, with "why"; not saved."""
         return FrozenDict({dof: one.left_out for dof, one in _drawn(self._diagrams)})
 
     @property
     def unexplained_hz(self) -> Mapping[Any, Any]:
-        """By dof of :attr:`diagrams`: peaks of the curve shown there beside which nothing was accepted."""
+        """By dof of :attr:`diagrams`: peaks of its curve beside which nothing was seen; not saved."""
         return FrozenDict({dof: one.unexplained_hz for dof, one in _drawn(self._diagrams)})
 
     @property

@@ -46,7 +46,7 @@ class StabilizationDiagram(ReadOnly):
     left_out : ResponseTable
         What fits over windows see and was not accepted, with the score "why".
     unexplained_hz : (n,)
-        Peaks of the curve behind the poles beside which nothing was accepted.
+        Peaks of the curve behind the poles beside which nothing was accepted or left out.
 
     Examples
     --------

@@ -1,7 +1,8 @@
 """The limits of the selection, all in one place, each with its reason.
 
-They were set on simulated structures (chains, random stiffness, a plane frame; seeds 100-119), never on the
-records that the published tables are made from. What a caller may change is in
+Those of averaged records were set on simulated structures (chains, random stiffness, a plane frame; seeds
+100-119), never on the records that the published tables are made from; those of dips and of fits over windows
+on six states of a measured plate, and judged on measured frames and a beam. What a caller may change is in
 :class:`~antires_rs.order_sweep.rule.Rule`.
 """
 

@@ -13,9 +13,9 @@ __all__ = ["unexplained"]
 
 
 def unexplained(
-    freq_hz: FloatArray, background: FloatArray, accepted_hz: FloatArray, snr: FloatArray
+    freq_hz: FloatArray, background: FloatArray, known_hz: FloatArray, snr: FloatArray
 ) -> FloatArray:
-    """Frequencies in Hz of high peaks of a curve beside which no antiresonance was accepted.
+    """Frequencies in Hz of high peaks of a curve beside which no antiresonance was seen.
 
     A response must rise out of its noise on both flanks of a peak.
 
@@ -23,7 +23,7 @@ def unexplained(
     ----------
     freq_hz, background : (n_freq,)
         The magnitude that a diagram shows behind its poles.
-    accepted_hz : (n,)
+    known_hz : (n,)
     snr : (n_freq,)
         Signal-to-noise power of the response itself.
     """
@@ -33,7 +33,7 @@ def unexplained(
     at, _ = dips(freq_hz, -10.0 * np.log10(np.maximum(power, 1e-300)), PEAK_DB)
     peaks = freq_hz[at]
     peaks = peaks[flanked(freq_hz, snr, peaks, PERSISTENT_SNR)]
-    if not accepted_hz.size:
+    if not known_hz.size:
         return np.asarray(peaks)
-    off = np.abs(peaks[:, None] / accepted_hz - 1.0).min(axis=1, initial=np.inf)
+    off = np.abs(peaks[:, None] / known_hz - 1.0).min(axis=1, initial=np.inf)
     return np.asarray(peaks[off > EXPLAINED_WITHIN])

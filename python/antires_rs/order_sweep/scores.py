@@ -229,6 +229,12 @@ def window_grades(share: FloatArray, spread: FloatArray, depth_db: FloatArray) -
     -------
     (n,) str
 
+    Notes
+    -----
+    On six states of a measured plate (20 FRFs each) 1 of 104 "sure" values, 2 of 27 "fair" and 10 of 20
+    "weak" ones had no dip of 3 dB. Three tests of one plate had 26 of 48 "sure", 9 of 15 "fair" and 2 of 13
+    "weak" ones in common: a grade says that the curve shows it, not that the next test will.
+
     Examples
     --------
     >>> import numpy as np

@@ -2,8 +2,8 @@
 
 Sightings of one response that lie within a tolerance are one antiresonance, the most frequent first. Its
 share is the number of fits that have it over the number of fits of windows in whose interior it lies. Its
-frequency is the median; its error has two parts: the noise, as the fits tell it, and how far the fits
-disagree, which holds leakage, the choice of the order and what is not rational in the curves.
+frequency is the median; its error is the larger of two: the noise, as the fits tell it, and how far the fits
+disagree, which holds the noise too, leakage, the choice of the order and what is not rational in the curves.
 """
 
 from __future__ import annotations
@@ -20,6 +20,9 @@ from .sightings import Sightings
 
 ONLY_TRANSMISSIBILITY = "seen by transmissibilities only"
 TOO_FEW = "in too few fits"
+BESIDE = "beside an accepted one"
+#: Narrow windows know less than all fits together do: the noise is taken as this quantile of what fits tell.
+BEST_INFORMED = 0.25
 #: What is in fewer fits is not worth mentioning.
 WORTH_MENTIONING = 0.25
 
@@ -75,7 +78,7 @@ def _row(seen: Sightings, group: NDArray[np.intp], share: float) -> tuple[float,
     return (
         value,
         float(np.median(seen.damping_ratio[group])),
-        float(np.sqrt(np.median(noise) ** 2 + spread**2)) if noise.size else np.nan,
+        max(float(np.quantile(noise, BEST_INFORMED)), spread) if noise.size else np.nan,
         np.unique(seen.fit[group]).size,
         spread / value,
         float(np.median(seen.depth_db[group])),
@@ -90,6 +93,8 @@ def _chosen(found: list[tuple[float, ...]], rule: Rule) -> tuple[ResponseTable, 
     out: list[tuple[tuple[float, ...], str]] = []
     for one in sorted(found, key=lambda row: -row[7]):
         if any(abs(one[0] / other[0] - 1.0) <= ONE_DIP for other in kept):
+            if one[7] >= rule.min_share:
+                out.append((one, BESIDE))
             continue
         if one[7] < rule.min_share:
             out.append((one, TOO_FEW))

@@ -4,7 +4,7 @@ The channels are brought to equal noise, and to the few directions that hold the
 m span at most m + 1 of them, however many channels there are. Where nothing tells the noise, the residual
 of a first fit does, by channel and by line; a second fit is weighted by it, so that lines and channels at
 which the structure is not what the fit can be (a joint that slips, tests at which a mode had moved) lose
-their say.
+their say. Noise that came with the curves keeps its weights, and errors are never less than it makes them.
 """
 
 from __future__ import annotations
@@ -41,13 +41,21 @@ class LocalFit:
         #: Standard deviation of the rows of the directions, (n_rows, n_freq).
         self.noise = np.sqrt(row[:, None] * line)
         if lines.segments is not None:
+            self._more = 1.0
             self._fit(lines, row, most, sum(ITERATIONS))
             return
         start = None
+        self._more = 1.0
         for iterations in ITERATIONS:
             if start is not None:
+                given = self.noise
                 row, line = self._residual_noise(directions)
                 self.noise = np.sqrt(row[:, None] * line)
+                if lines.noise_given:
+                    # The residual of a fit that follows the noise is less than the noise that is known.
+                    self._more = max(1.0, float(np.median(given / self.noise)))
+                    row, line = np.ones(len(directions)), 1.0 / lines.snr
+                    self.noise = np.maximum(given, self.noise)
             scaled = directions / np.sqrt(row)[:, None]
             power = np.sum(np.abs(scaled) ** 2, axis=0)
             weighed = Lines(self.freq_hz, unit(scaled), power / line)
@@ -97,7 +105,7 @@ class LocalFit:
 
     def orders(self, around: tuple[int, ...], lowest: int) -> list[int]:
         """Orders this far from the likeliest one, those that there are."""
-        some = {min(max(self.best.order + k, lowest), self._highest) for k in around}
+        some = {min(max(self.best.order + k, lowest), self._highest) for k in around} | {self.best.order}
         return sorted(some)
 
     def coefficients(self, order: int) -> FloatArray:
@@ -115,7 +123,7 @@ class LocalFit:
 
     def standard_deviations(self, row: int, s: ComplexArray) -> FloatArray:
         """Standard deviations in Hz of zeros of the likeliest order."""
-        return self._influence.standard_deviations(self._mix[row], s)
+        return self._more * self._influence.standard_deviations(self._mix[row], s)
 
     def _own(self, order: int) -> FloatArray:
         """Coefficients of the directions that are held."""
