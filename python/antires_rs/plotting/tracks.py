@@ -96,7 +96,10 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
     if not numeric:
         turned = len("".join(tracks.conditions)) > ROOM
         ax.set_xticks(x, tracks.conditions, rotation=45 if turned else 0, ha="right" if turned else "center")
-    ax.set_xlabel("Condition" if tracks.conditions != tuple(range(x.size)) else "Test")
+    counted = tracks.conditions == tuple(range(x.size))
+    if counted:
+        ax.xaxis.get_major_locator().set_params(integer=True)
+    ax.set_xlabel("Test" if counted else "Condition")
     ax.set_ylabel("Change since its first test (%)" if kind == "change" else "Antiresonance (Hz)")
     ax.set_title(f"Response at dof {dof}, force at {tracks.excitation}", fontsize="medium")
     ax.grid(alpha=0.25)
