@@ -26,7 +26,7 @@ the sweep over orders.
 On six states of a measured plate (80 clear dips; ``benchmarks/measured_identification.py --only presets``)
 "strict", the default and "sensitive" find 77, 80 and 80 of them, with 2 of 114, 13 of 151 and 50 of 198
 values without a dip. What the presets mean on simulated records is the output of
-``benchmarks/preset_tables.py``: the default is already careful; "strict" buys fewer false ones where modes are
+``benchmarks/preset_tables.py``: the default is careful; "strict" buys fewer false ones where modes are
 many, and pays with what lies near the noise; "sensitive" has something to add there only.
 """
 
