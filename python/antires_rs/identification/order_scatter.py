@@ -29,16 +29,20 @@ def next_orders(best: Likeliest) -> list[int]:
 def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray]) -> FloatArray:
     """Root mean square in Hz of the shifts of zeros ``s`` (rad/s) to the nearest of other orders, (n,).
 
-    What no other order has counts with the distance up to which it was looked for.
+    The largest shift is left out: at one order a spurious root may come between. What an order does not have
+    counts with the distance up to which it was looked for.
     """
-    squares, counts = np.zeros(s.size), np.zeros(s.size)
-    for every in roots:
-        if not every.size or not s.size:
-            continue
-        nearest = every[np.argmin(np.abs(every - s[:, None]), axis=1)]
-        shift = (np.abs(nearest) - np.abs(s)) / (2 * np.pi)
-        same = np.abs(nearest - s) <= SAME_ROOT * np.abs(s)
-        squares += np.where(same, shift**2, 0.0)
-        counts += same
-    nowhere = SAME_ROOT * np.abs(s) / (2 * np.pi) if roots else np.zeros(s.size)
-    return np.asarray(np.where(counts > 0, np.sqrt(squares / np.maximum(counts, 1.0)), nowhere))
+    if len(roots) < 2 or not s.size:
+        return np.zeros(s.size)
+    most = SAME_ROOT * np.abs(s)
+    shifts = np.array([_shifts(s, every, most) for every in roots])
+    kept = np.sort(shifts, axis=0)[:-1]
+    return np.asarray(np.sqrt(np.mean(kept**2, axis=0)) / (2 * np.pi))
+
+
+def _shifts(s: ComplexArray, every: ComplexArray, most: FloatArray) -> FloatArray:
+    """Change of the modulus to the nearest root, ``most`` where there is none so near."""
+    if not every.size:
+        return most
+    nearest = every[np.argmin(np.abs(every - s[:, None]), axis=1)]
+    return np.where(np.abs(nearest - s) <= most, np.abs(np.abs(nearest) - np.abs(s)), most)

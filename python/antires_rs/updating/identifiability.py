@@ -170,7 +170,7 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
 
     The structure is taken to be the nominal model with that one reduction, measured exactly at the
     same dofs and in the same band; how far each antiresonance counts is told by
-    :mod:`~antires_rs.updating.steady_roots`. Infinity where no value up to the bound is preferred.
+    ``updating.steady_roots``. Infinity where no value up to the bound is preferred.
     """
     penalty = problem.penalty
     nominal_hz = problem.paired_hz(problem.nominal)

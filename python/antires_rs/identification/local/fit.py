@@ -55,7 +55,6 @@ class LocalFit:
                     # The residual of a fit that follows the noise is less than the noise that is known.
                     self._more = max(1.0, float(np.median(given / self.noise)))
                     row, line = np.ones(len(directions)), 1.0 / lines.snr
-                    self.noise = np.maximum(given, self.noise)
             scaled = directions / np.sqrt(row)[:, None]
             power = np.sum(np.abs(scaled) ** 2, axis=0)
             weighed = Lines(self.freq_hz, unit(scaled), power / line)
