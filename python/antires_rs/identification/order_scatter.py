@@ -17,6 +17,8 @@ __all__ = ["next_orders", "order_scatter"]
 
 #: Orders above the likeliest that are compared with it.
 ABOVE = (1, 2, 3, 4)
+#: The largest shift over the next, at most.
+LARGEST = 3.0
 #: A root further off than this share of the frequency is another one.
 SAME_ROOT = 0.01
 
@@ -29,15 +31,16 @@ def next_orders(best: Likeliest) -> list[int]:
 def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray]) -> FloatArray:
     """Root mean square in Hz of the shifts of zeros ``s`` (rad/s) to the nearest of other orders, (n,).
 
-    The largest shift is left out: at one order a spurious root may come between. What an order does not have
-    counts with the distance up to which it was looked for.
+    The largest shift counts with at most three times the next: at one order a spurious root may come between.
+    What an order does not have counts with the distance up to which it was looked for.
     """
     if len(roots) < 2 or not s.size:
         return np.zeros(s.size)
     most = SAME_ROOT * np.abs(s)
     shifts = np.array([_shifts(s, every, most) for every in roots])
-    kept = np.sort(shifts, axis=0)[:-1]
-    return np.asarray(np.sqrt(np.mean(kept**2, axis=0)) / (2 * np.pi))
+    shifts.sort(axis=0)
+    shifts[-1] = np.minimum(shifts[-1], LARGEST * shifts[-2])
+    return np.asarray(np.sqrt(np.mean(shifts**2, axis=0)) / (2 * np.pi))
 
 
 def _shifts(s: ComplexArray, every: ComplexArray, most: FloatArray) -> FloatArray:
