@@ -3,6 +3,7 @@
 import json
 import re
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from matplotlib.figure import Figure
 import antires_rs as ar
 from antires_rs import cli
 from antires_rs.jobs.evidence import Evidence, heard
+from antires_rs.order_sweep.table import ResponseTable
 from antires_rs.report import figures
 from tests.support.job_files import DAMAGE, write_measured
 from tests.support.pictures import drawn_quickly
@@ -101,9 +103,14 @@ def test_diagrams_come_back_as_they_were(tmp_path):
     record = ar.cases.chain8().experiment(1, noise=0.01, duration_s=32.0, rng=1)
     found = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), dofs=[0, 7], max_order=16)
     curves = ar.transmissibility(record, 0, nperseg=512)
-    Evidence((found.diagrams,), curves).save(tmp_path / "evidence.npz")
+    beside = {
+        "left_out": ResponseTable([9.5], scores={"why": ["in too few fits"]}),
+        "unexplained_hz": np.array([80.1]),
+    }
+    diagrams = {dof: replace(one, **beside) for dof, one in found.diagrams.items()}
+    Evidence((diagrams,), curves).save(tmp_path / "evidence.npz")
     kept = Evidence.load(tmp_path / "evidence.npz")
-    for dof, diagram in found.diagrams.items():
+    for dof, diagram in diagrams.items():
         other = kept.diagrams[0][dof]
         assert other.band_hz == diagram.band_hz
         assert other.accepted.same_as(diagram.accepted)
@@ -115,6 +122,8 @@ def test_diagrams_come_back_as_they_were(tmp_path):
                 np.testing.assert_array_equal(mine, theirs)
         np.testing.assert_array_equal(other.orders, diagram.orders)
         np.testing.assert_array_equal(other.background, diagram.background)
+        np.testing.assert_array_equal(other.unexplained_hz, diagram.unexplained_hz)
+        assert other.left_out.same_as(diagram.left_out)
     np.testing.assert_allclose(kept.response.values, curves.values, rtol=2e-7)
     assert (kept.response.dofs, kept.response.reference) == (curves.dofs, 0)
 

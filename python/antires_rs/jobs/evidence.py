@@ -31,6 +31,7 @@ FORMAT, VERSION = "antires_rs.evidence", 1
 _ROWS = ("freq_hz", "damping_ratio", "stable")
 _COLUMNS = ("freq_hz", "damping_ratio", "std_hz")
 _CURVES = ("orders", "background_freq_hz", "background")
+_TABLES = ("accepted", "left_out")
 
 
 @dataclass(frozen=True)
@@ -143,7 +144,11 @@ def _described(diagram: StabilizationDiagram, store: Store) -> dict[str, Any]:
         "counts": store.put(np.array([len(row) for row in diagram.freq_hz], dtype=np.int64)),
         **{name: store.put(np.concatenate([np.empty(0), *getattr(diagram, name)])) for name in _ROWS},
         **{name: store.put(getattr(diagram, name)) for name in _CURVES},
-        "accepted": {name: store.put(values) for name, values in _columns(diagram.accepted).items()},
+        **{
+            table: {name: store.put(values) for name, values in _columns(getattr(diagram, table)).items()}
+            for table in _TABLES
+        },
+        "unexplained_hz": store.put(diagram.unexplained_hz),
     }
 
 
@@ -155,18 +160,26 @@ def _made(data: dict[str, Any]) -> StabilizationDiagram:
     ends = np.cumsum(data["counts"])[:-1]
     freq, damping, stable = (tuple(np.split(data[name], ends)) for name in _ROWS)
     low, high = data["band_hz"]
-    scores = dict(data["accepted"])
-    hz, zeta, std = (scores.pop(name) for name in _COLUMNS)
+    # Files of older versions do not have what was not accepted.
+    accepted, left_out = (_table(data[name]) if name in data else ResponseTable([]) for name in _TABLES)
     return StabilizationDiagram(
         data["orders"],
         freq,
         damping,
         tuple(row.astype(bool) for row in stable),
-        ResponseTable(hz, zeta, std, scores),
+        accepted,
         data["background_freq_hz"],
         data["background"],
         (low, high),
+        left_out,
+        data.get("unexplained_hz", np.empty(0)),
     )
+
+
+def _table(columns: Mapping[str, Any]) -> ResponseTable:
+    scores = dict(columns)
+    hz, zeta, std = (scores.pop(name) for name in _COLUMNS)
+    return ResponseTable(hz, zeta, std, scores)
 
 
 def _response(job: Job, measured: list[Measured]) -> FrequencyResponse | None:

@@ -10,23 +10,22 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..order_sweep.diagram import StabilizationDiagram
 from ..order_sweep.table import ResponseTable
 from ..support.files import write_atomically
-from ..support.pickling import FrozenDict
-from ..support.validation import choice, reject
+from ..support.pickling import FrozenDict, frozen
+from ..support.validation import FloatArray, choice, reject
 from . import set_file
-from .edited_tables import EditedTables
 from .edits import Edit, described, marked
 from .evidence import CrossCheck, DataCheck
+from .evidence_tables import EvidenceTables
 from .printed import rows_printed
 from .sight import Sees, channels_of, checked_sees, moved_channels
-from .tables import label, tables_of
+from .tables import frequencies_hz, label, tables_of
 
 __all__ = ["AntiresonanceSet", "Edit"]
 
 
-class AntiresonanceSet(EditedTables):
+class AntiresonanceSet(EvidenceTables):
     """Antiresonant frequencies by response dof, a mapping ``{dof: freq_hz}``; read-only.
 
     Parameters
@@ -63,6 +62,10 @@ class AntiresonanceSet(EditedTables):
         :mod:`antires_rs.order_sweep.scores`. Empty where a set was made by hand.
     edits : tuple of Edit
         What was dropped and added by hand, in order.
+    left_out : dict of ResponseTable
+        By dof, where curves were identified: what fits saw and did not accept, with the score "why".
+    unexplained_hz : dict
+        By dof, where it was identified: peaks of its curve beside which nothing was seen.
     diagrams : dict
         Stabilization diagram by dof where the set was identified; not saved.
     cross_check, second_opinion : SecondOpinion or None
@@ -100,12 +103,6 @@ class AntiresonanceSet(EditedTables):
       2        -
     """
 
-    _diagrams: FrozenDict[Any, Any]
-    _data_check: DataCheck | None
-    _cross_check: CrossCheck | None
-    _sees: Sees
-    _channels: tuple[Any, ...]
-
     def __init__(
         self,
         excitation: Any,
@@ -121,8 +118,8 @@ class AntiresonanceSet(EditedTables):
         cross_check: CrossCheck | None = None,
     ) -> None:
         super().__init__(label("excitation", excitation), tables_of(freq_hz, damping_ratio, std_hz, scores))
+        self._fill_diagrams(diagrams or {})
         self._fill(
-            _diagrams=FrozenDict(diagrams or {}),
             _data_check=data_check,
             _cross_check=cross_check,
             _sees=checked_sees(sees),
@@ -137,6 +134,8 @@ class AntiresonanceSet(EditedTables):
         *,
         edits: Sequence[Edit] = (),
         before: Mapping[Any, ResponseTable] | None = None,
+        left_out: Mapping[Any, ResponseTable] | None = None,
+        unexplained_hz: Mapping[Any, FloatArray] | None = None,
         **evidence: Any,
     ) -> Self:
         """A set of tables that are there.
@@ -147,11 +146,18 @@ class AntiresonanceSet(EditedTables):
         tables : mapping of dof to ResponseTable
         edits, before : optional
             What was edited by hand in these tables, and the tables before it.
+        left_out, unexplained_hz : mapping of dof, optional
+            What was not accepted; by default as the diagrams say.
         **evidence
             ``sees``, ``channels``, ``diagrams``, ``data_check``, ``cross_check`` as for the constructor.
         """
         new = cls(excitation, {dof: table.freq_hz for dof, table in tables.items()}, **evidence)
+        if left_out is not None:
+            new._fill(_left_out=FrozenDict(left_out))
+        if unexplained_hz is not None:
+            new._fill(_unexplained_hz=FrozenDict(unexplained_hz))
         sight: dict[str, Any] = {name: evidence.get(name) for name in ("sees", "channels")}
+        sight |= {"left_out": new.left_out, "unexplained_hz": new.unexplained_hz}
         original = cls.from_tables(excitation, before, **sight) if edits and before is not None else None
         return new._with(
             _tables=FrozenDict(zip(new, tables.values(), strict=True)),
@@ -196,7 +202,7 @@ class AntiresonanceSet(EditedTables):
                 "Name one otherwise, or leave it out.",
             )
 
-        def moved(tables: Mapping[Any, ResponseTable]) -> dict[Any, ResponseTable]:
+        def moved(tables: Mapping[Any, Any]) -> dict[Any, Any]:
             return {dofs[dof]: table for dof, table in tables.items() if dof in dofs}
 
         edits = [replace(edit, dof=dofs[edit.dof]) for edit in self.edits if edit.dof in dofs]
@@ -205,49 +211,11 @@ class AntiresonanceSet(EditedTables):
             moved(self.tables),
             edits=edits,
             before=moved(self.original().tables),
+            left_out=moved(self.left_out),
+            unexplained_hz=moved(self.unexplained_hz),
             sees=self.sees,
             channels=moved_channels(self.channels, dofs),
         )
-
-    @property
-    def sees(self) -> Sees:
-        """What it was identified from: "frf", "transmissibility", or None where that is not known."""
-        return self._sees
-
-    @property
-    def channels(self) -> tuple[Any, ...]:
-        """All responses that were measured together; empty where some of them have no name here."""
-        return self._channels
-
-    @property
-    def diagrams(self) -> Mapping[Any, Any]:
-        """Stabilization diagram by dof where the set was identified."""
-        return self._diagrams
-
-    @property
-    def left_out(self) -> Mapping[Any, ResponseTable]:
-        """By dof, where curves were identified: what fits saw and did not accept, with "why"; not saved."""
-        return FrozenDict({dof: one.left_out for dof, one in _drawn(self._diagrams)})
-
-    @property
-    def unexplained_hz(self) -> Mapping[Any, Any]:
-        """By dof of :attr:`diagrams`: peaks of its curve beside which nothing was seen; not saved."""
-        return FrozenDict({dof: one.unexplained_hz for dof, one in _drawn(self._diagrams)})
-
-    @property
-    def data_check(self) -> Any | None:
-        """Whether the data were fit for identification, where they were checked."""
-        return self._data_check
-
-    @property
-    def cross_check(self) -> Any | None:
-        """What another method says of the antiresonances, where it was asked."""
-        return self._cross_check
-
-    @property
-    def second_opinion(self) -> Any | None:
-        """The older name of ``cross_check``."""
-        return self._cross_check
 
     def __str__(self) -> str:
         lines = [f"antiresonances, force at {self.excitation}"]
@@ -329,7 +297,8 @@ class AntiresonanceSet(EditedTables):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write as JSON, whole or not at all; every float comes back bit for bit.
 
-        Tables, edits and the tables before them are saved; diagrams and cross-check are not.
+        Tables, edits, the tables before them and what was not accepted are saved; diagrams and checks
+        are not.
 
         Parameters
         ----------
@@ -351,6 +320,7 @@ class AntiresonanceSet(EditedTables):
             self.edits,
             self.original().tables if self.edits else None,
             (self.sees, self.channels),
+            (self.left_out, self.unexplained_hz),
         )
 
     @classmethod
@@ -385,13 +355,13 @@ class AntiresonanceSet(EditedTables):
                 {dof: marked(table, dof, edits) for dof, table in tables_of(**data["now"]).items()},
                 edits=edits,
                 before=None if before is None else tables_of(**before),
+                left_out=tables_of(**data["left_out"]) if data["left_out"]["freq_hz"] else None,
+                unexplained_hz={
+                    dof: frozen(frequencies_hz(f"unexplained_hz of {dof!r}", values))
+                    for dof, values in data["unexplained_hz"].items()
+                },
                 sees=data["sees"],
                 channels=data["channels"],
             )
         except (TypeError, ValueError) as exc:
             raise set_file.damaged(name, exc) from exc
-
-
-def _drawn(diagrams: Mapping[Any, Any]) -> list[tuple[Any, StabilizationDiagram]]:
-    """Stabilization diagrams by dof, those that there are."""
-    return [(dof, one) for dof, one in diagrams.items() if isinstance(one, StabilizationDiagram)]

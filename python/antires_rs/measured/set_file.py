@@ -2,8 +2,8 @@
 
 Version 1 holds excitation and, by dof, freq_hz, damping_ratio and std_hz. Version 2 adds the scores, the
 edits made by hand, and the values as they were before the first of them. "sees" (what it was identified from)
-and "channels" (all dofs measured together) may follow; older versions of the package read such files too.
-What is not known is null.
+and "channels" (all dofs measured together) may follow, and by dof "left_out" and "unexplained_hz" (what was
+seen and not accepted); older versions of the package read such files too. What is not known is null.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 
 from ..exceptions import InvalidInputError
 from ..order_sweep.table import ResponseTable
-from ..support.validation import reject
+from ..support.validation import FloatArray, reject
 from .edits import Edit
 from .sight import Sees
 
@@ -34,8 +34,13 @@ def to_json(
     edits: tuple[Edit, ...],
     before: Mapping[Any, ResponseTable] | None,
     sight: tuple[Sees, tuple[Any, ...]],
+    beside: tuple[Mapping[Any, ResponseTable], Mapping[Any, FloatArray]],
 ) -> str:
-    """The file's text; ``before`` holds the tables before the first edit, ``sight`` sees and channels."""
+    """The file's text.
+
+    ``before`` holds the tables before the first edit, ``sight`` sees and channels, ``beside`` what was left
+    out and unexplained, by dof.
+    """
     data: dict[str, Any] = {"format": FORMAT, "version": VERSION, "excitation": excitation}
     sees, channels = sight
     if sees is not None:
@@ -43,6 +48,12 @@ def to_json(
     if channels != tuple(tables):
         data["channels"] = list(channels)
     data["dofs"] = _rows(tables)
+    left_out, unexplained_hz = beside
+    for row in data["dofs"]:
+        if row["dof"] in left_out:
+            row["left_out"] = _row(left_out[row["dof"]])
+        if row["dof"] in unexplained_hz:
+            row["unexplained_hz"] = unexplained_hz[row["dof"]].tolist()
     if edits and before is not None:
         data["edits"] = [asdict(edit) for edit in edits]
         data["before_edits"] = _rows(before)
@@ -50,7 +61,7 @@ def to_json(
 
 
 def from_json(text: str, path: str) -> dict[str, Any]:
-    """excitation, sees, channels, columns and scores, edits, and columns and scores before them (or None)."""
+    """What :func:`to_json` took, as plain data by its names; ``before`` is None without edits."""
     wanted = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
     try:
         data = json.loads(text)
@@ -67,6 +78,12 @@ def from_json(text: str, path: str) -> dict[str, Any]:
             "sees": data.get("sees"),
             "channels": data.get("channels"),
             "now": _read(data["dofs"]),
+            "left_out": _read(
+                [{**row["left_out"], "dof": row["dof"]} for row in data["dofs"] if "left_out" in row]
+            ),
+            "unexplained_hz": {
+                row["dof"]: row["unexplained_hz"] for row in data["dofs"] if "unexplained_hz" in row
+            },
             "edits": edits,
             "before": _read(data["before_edits"]) if edits else None,
         }
@@ -85,18 +102,19 @@ def damaged(path: str, exc: Exception) -> InvalidInputError:
 
 
 def _rows(tables: Mapping[Any, ResponseTable]) -> list[dict[str, Any]]:
-    rows = []
-    for dof, table in tables.items():
-        row: dict[str, Any] = {"dof": dof}
-        for name in COLUMNS:
-            values = getattr(table, name)
-            # A column of which nothing is known is left out.
-            if not values.size or not np.isnan(values).all():
-                row[name] = _plain(values)
-        if table.scores:
-            row["scores"] = {name: _plain(values) for name, values in table.scores.items()}
-        rows.append(row)
-    return rows
+    return [{"dof": dof, **_row(table)} for dof, table in tables.items()]
+
+
+def _row(table: ResponseTable) -> dict[str, Any]:
+    row: dict[str, Any] = {}
+    for name in COLUMNS:
+        values = getattr(table, name)
+        # A column of which nothing is known is left out.
+        if not values.size or not np.isnan(values).all():
+            row[name] = _plain(values)
+    if table.scores:
+        row["scores"] = {name: _plain(values) for name, values in table.scores.items()}
+    return row
 
 
 def _read(rows: Any) -> dict[str, dict[Any, Any]]:

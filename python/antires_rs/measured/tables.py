@@ -10,7 +10,7 @@ import numpy as np
 from ..order_sweep.table import ResponseTable
 from ..support.validation import FloatArray, part, real_array, reject
 
-__all__ = ["label", "tables_of"]
+__all__ = ["frequencies_hz", "label", "tables_of"]
 
 
 def label(name: str, value: Any) -> Any:
@@ -39,7 +39,7 @@ def tables_of(
         dof = label("freq_hz", key)
         if dof in frequencies:
             reject("freq_hz", f"dof {dof!r} more than once", "each dof once", "Join its values in one list.")
-        frequencies[dof] = _frequencies(part("freq_hz", dof), value)
+        frequencies[dof] = frequencies_hz(part("freq_hz", dof), value)
     sizes = {dof: values.size for dof, values in frequencies.items()}
     damping, std = _companions("damping_ratio", damping_ratio, sizes), _companions("std_hz", std_hz, sizes)
     known = _scores(scores, sizes)
@@ -49,7 +49,7 @@ def tables_of(
     }
 
 
-def _frequencies(name: str, value: Any) -> FloatArray:
+def frequencies_hz(name: str, value: Any) -> FloatArray:
     """A 1-D array, possibly empty; a number is a list of one."""
     if np.size(value) == 0:
         return np.empty(0)

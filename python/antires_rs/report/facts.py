@@ -190,15 +190,14 @@ def _not_accepted(found: AntiresonanceSet) -> Facts:
 
 
 def of_evidence(found: AntiresonanceSet) -> Facts:
-    """What a set knows only as long as it is not saved."""
-    facts: Facts = {}
+    """What was not accepted, and what a set knows only as long as it is not saved."""
+    facts = _not_accepted(found)
     if found.diagrams:
         some = next(iter(found.diagrams.values()))
         facts["Diagrams"] = [
             f"orders {some.orders[0]:.0f} to {some.orders[-1]:.0f}, {some.band_hz[0]:g} to "
             f"{some.band_hz[1]:g} Hz"
         ]
-        facts |= _not_accepted(found)
     if found.data_check is not None:
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
     if found.cross_check is not None:
