@@ -41,6 +41,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.pooled import without_force
 from ..signals.recording import Recording
 from ..signals.repeats import one_source
+from ..support.one_thread import one_blas_thread
 from ..support.progress import patient, step
 from ..support.validation import reject
 from .diagrams import diagrams_of
@@ -53,6 +54,7 @@ __all__ = ["identify_antiresonances"]
 
 
 @patient("identifying antiresonances")
+@one_blas_thread
 def identify_antiresonances(
     source: Recording | FrequencyResponse | Sequence[Recording] | Sequence[FrequencyResponse],
     *,

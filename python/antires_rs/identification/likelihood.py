@@ -33,7 +33,7 @@ KNEE = 2.0
 # The first iteration looks at every second order, the next ones this far from the knee.
 BELOW, ABOVE = 4, 16
 # The last fit has so many orders above the likeliest: what is there stays over them, what is noise does not.
-HIGHER = 25
+HIGHER = 36
 # So many lines tell the weights and the order as well as all of them.
 ENOUGH_LINES = 1200
 # A line at which all numerators nearly vanish must not get all the weight there is.

@@ -31,6 +31,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.half_spectra import half_spectra
 from ..signals.recording import Recording
 from ..signals.segment_length import choose_nperseg
+from ..support.one_thread import one_blas_thread
 from ..support.progress import patient
 from ..support.validation import ComplexArray, FloatArray, choice, integer, reject
 from .lines import FORCE
@@ -67,6 +68,7 @@ class Curves:
 
 
 @patient("identifying modes")
+@one_blas_thread
 def identify_modes(
     source: Recording | FrequencyResponse,
     *,

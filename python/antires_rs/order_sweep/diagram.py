@@ -20,6 +20,7 @@ import numpy as np
 
 from ..rational.dominance import dominance
 from ..rational.fit import NestedFit, prepare
+from ..support.one_thread import one_blas_thread
 from ..support.pickling import ReadOnly, frozen
 from ..support.validation import ComplexArray, FloatArray, integer
 from .limits import SMALL_DAMPING
@@ -93,6 +94,7 @@ class StabilizationDiagram(ReadOnly):
         )
 
 
+@one_blas_thread
 def stabilization(
     freq_hz: Any,
     values: Any,
