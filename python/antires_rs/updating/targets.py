@@ -34,6 +34,8 @@ class Targets(Protocol):
 
     noun: str
     objective: str
+    #: Residuals of each measured value.
+    residuals_each: int
     sets: tuple[Any, ...]
     hz: FloatArray
     left_out: tuple[str, ...]
@@ -69,7 +71,7 @@ class Targets(Protocol):
 class ModalTargets:
     """Resonances and shapes, of one or several sets of sensors. Rigid-body modes, at 0 Hz, are left out."""
 
-    noun, objective = "mode", "modal"
+    noun, objective, residuals_each = "mode", "modal", 2
     left_out: tuple[str, ...] = ()
 
     def __init__(self, model: StructuralModel, sets: tuple[ModalSet, ...]) -> None:
