@@ -48,6 +48,7 @@ from .diagrams import diagrams_of
 from .options import DEFAULT, IdentificationOptions, checked_options
 from .repeat_scatter import independent_averages
 from .response_lines import lines_of
+from .scope import settled
 
 __all__ = ["identify_antiresonances"]
 
@@ -120,9 +121,11 @@ def identify_antiresonances(
         :mod:`~antires_rs.order_sweep.presets`. What is given beside it wins.
     max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
         As for :func:`~antires_rs.stabilization`, or as the preset says. With few lines in the band the
-        highest order is lowered to two thirds of their number.
+        highest order is lowered to two thirds of their number. Fits over windows know ``freq_tol``,
+        ``max_damping`` and orders up to 16; the others belong to the sweep over orders.
     persistent : bool, optional
-        Accept also what is there in most orders without standing still. Default: True, or as the preset says.
+        Of the sweep: accept also what is there in most orders without standing still. Default: True, or as
+        the preset says.
     cross_check : {None, "aaa", "vector_fitting"}
         Ask another method about every value; the answer is ``.cross_check`` of the set, see
         :func:`~antires_rs.identification.cross_check.cross_check`. It changes no value.
@@ -159,6 +162,11 @@ def identify_antiresonances(
     UnsuitableDataError
         A fatal finding under ``check="raise"``; a single channel on the transmissibility route; no force on
         the FRF route; an impact that the record missed.
+
+    Warns
+    -----
+    AntiresWarning
+        What the data check finds; options that have no effect on the fit that suits the source.
 
     Notes
     -----
@@ -232,6 +240,7 @@ def identify_antiresonances(
     if isinstance(one, Recording):
         averages = average(one, band, options.averaging, include_force=options.use_force)
     lines_for = lines_of(one, averages, band, use_force=options.use_force, estimator=options.estimator)
+    options = settled(options, lines_for(0))
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")
