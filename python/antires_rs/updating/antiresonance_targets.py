@@ -29,7 +29,7 @@ __all__ = ["AntiresonanceTargets"]
 class AntiresonanceTargets:
     """Antiresonances of one or several positions of the force."""
 
-    noun, objective, residuals_each = "antiresonance", "antiresonance", 1
+    noun, objective = "antiresonance", "antiresonance"
 
     def __init__(self, model: StructuralModel, sets: tuple[AntiresonanceSet, ...]) -> None:
         self.sets = sets

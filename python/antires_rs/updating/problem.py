@@ -166,13 +166,15 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         warn_far(chosen, names, nominal)
         factors = targets.weights(weights)
         counted = np.ones(targets.hz.size) if factors is None else factors
+        if isinstance(targets, ModalTargets):
+            counted = np.tile(counted, 2)  # a mode has two residuals
         self._fill(
             model=model,
             parameters=chosen,
             measured=targets.sets,
             noun=targets.noun,
             misfit=misfit,
-            penalty=penalty_of(penalty, np.tile(counted, targets.residuals_each), misfit),
+            penalty=penalty_of(penalty, counted, misfit),
             bounds=frozen(bounds),
             measured_hz=frozen(targets.hz),
             measured_dofs=frozen_or_none(by_force and by_force.dofs),

@@ -34,8 +34,6 @@ class Targets(Protocol):
 
     noun: str
     objective: str
-    #: Residuals of each measured value.
-    residuals_each: int
     sets: tuple[Any, ...]
     hz: FloatArray
     left_out: tuple[str, ...]
@@ -71,7 +69,7 @@ class Targets(Protocol):
 class ModalTargets:
     """Resonances and shapes, of one or several sets of sensors. Rigid-body modes, at 0 Hz, are left out."""
 
-    noun, objective, residuals_each = "mode", "modal", 2
+    noun, objective = "mode", "modal"
     left_out: tuple[str, ...] = ()
 
     def __init__(self, model: StructuralModel, sets: tuple[ModalSet, ...]) -> None:
