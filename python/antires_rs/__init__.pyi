@@ -66,7 +66,8 @@ from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
 from .updating.damage import assess_damage
-from .updating.problem import DamagePenalty, UpdatingProblem
+from .updating.penalty import DamagePenalty
+from .updating.problem import UpdatingProblem
 from .updating.results import DamageResult, UpdateResult
 from .updating.search import update
 from .updating.tables import FrequencyTable, ModalTable

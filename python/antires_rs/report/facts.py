@@ -250,7 +250,7 @@ def of_search(result: UpdateResult) -> Facts:
     price = (
         ""
         if penalty is None
-        else (f", gamma1 {penalty.gamma1:g}, gamma2 {penalty.gamma2:g}, snap {penalty.snap:g}")
+        else (f", gamma1 {penalty.gamma1:.3g}, gamma2 {penalty.gamma2:.3g}, snap {penalty.snap:g}")
     )
     options = [
         f"{name} {', '.join(value) if isinstance(value, list) else value}"
