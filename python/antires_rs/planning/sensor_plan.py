@@ -56,7 +56,7 @@ class SensorPlan(ReadOnly):
     >>> import antires_rs as ar
     >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=0)
     >>> plan.sensors, plan.excitation, plan.n_values
-    ((0, 1, 2), 0, 18)
+    ((0, 1, 4), 0, 16)
     """
 
     sensors: tuple[int, ...]
