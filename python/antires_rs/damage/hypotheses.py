@@ -82,6 +82,17 @@ class Hypotheses(Sequence[Hypothesis]):
     def __iter__(self) -> Iterator[Hypothesis]:
         return iter(self._rows)
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Hypotheses) and (self._rows, self._names) == (other._rows, other._names)
+
+    def __hash__(self) -> int:
+        return hash(self._rows)
+
+    @property
+    def names(self) -> dict[int, str]:
+        """What the model's elements are called, by number."""
+        return dict(self._names)
+
     def called(self, one: Hypothesis) -> str:
         """A hypothesis in words."""
         if one.unknown:
