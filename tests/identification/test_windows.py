@@ -245,7 +245,7 @@ def test_few_lines_are_told():
 
 
 def test_known_noise_says_the_same_on_both_routes():
-    # Deviations of FRFs with the force as a row were 2.2 to 2.5 times those without it. Judged on seeds 80 to 83.
+    # With the force as a row, deviations were 2.2 to 2.5 times those without. Judged on seeds 80 to 83.
     clean = free_chain(sensors=(0, 2, 5))
     std = 0.01 * np.sqrt(np.mean(np.abs(clean.values) ** 2, axis=1, keepdims=True) / 2)
     ratios = []
