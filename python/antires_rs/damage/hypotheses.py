@@ -113,6 +113,12 @@ class Hypotheses(Sequence[Hypothesis]):
 
         return hypotheses_frame(self)
 
+    def plot(self, ax: Any = None, most: int = 8) -> Any:
+        """Bars of the probabilities; see :func:`antires_rs.plotting.plot_hypotheses`."""
+        from ..plotting import plot_hypotheses
+
+        return plot_hypotheses(self, ax=ax, most=most)
+
     def __str__(self) -> str:
         lines = []
         for one in self._rows[:_SHOWN]:

@@ -27,7 +27,9 @@ def describe_assessment(found: Assessment, store: Store) -> dict[str, Any]:
             "elements": [list(one.elements) for one in rows],
             "candidate": [one.candidate for one in rows],
             "probability": store.put(found.hypotheses.probability),
-            **{name: store.put(np.array([*chain(*(getattr(one, name) for one in rows))])) for name in _RAGGED},
+            **{
+                name: store.put(np.array([*chain(*(getattr(one, name) for one in rows))])) for name in _RAGGED
+            },
         },
         "group": [rows.index(one) for one in found.group],
     }
@@ -44,8 +46,8 @@ def made_assessment(data: dict[str, Any]) -> Assessment:
     ends = np.cumsum(counts)[:-1]
     ragged = [[tuple(part.tolist()) for part in np.split(table[name], ends)] for name in _RAGGED]
     rows = [
-        Hypothesis(tuple(elements), probability, *own, candidate=candidate)
-        for elements, probability, candidate, *own in zip(
+        Hypothesis(tuple(elements), probability, severities, low, high, candidate)
+        for elements, probability, candidate, severities, low, high in zip(
             table["elements"], table["probability"].tolist(), table["candidate"], *ragged, strict=True
         )
     ]
