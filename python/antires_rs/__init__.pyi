@@ -66,7 +66,9 @@ from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
 from .updating.damage import assess_damage
+from .updating.intervals import ParameterIntervals
 from .updating.problem import DamagePenalty, UpdatingProblem
+from .updating.profile import ProfileLikelihood
 from .updating.results import DamageResult, UpdateResult
 from .updating.search import update
 from .updating.tables import FrequencyTable, ModalTable
@@ -98,7 +100,9 @@ __all__ = [
     "ObjectiveError",
     "OptimizeResult",
     "Parameter",
+    "ParameterIntervals",
     "PointMass",
+    "ProfileLikelihood",
     "RationalFit",
     "Recording",
     "Rectangle",

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -46,6 +47,12 @@ class Targets(Protocol):
 
     def residuals(self, core: _core.Objective, x: FloatArray) -> FloatArray:
         """Signed residuals at ``x``."""
+
+    def errors(self, core: _core.Objective, x: FloatArray) -> FloatArray:
+        """What a Gaussian likelihood is of, (r,): differences that have a slope also at a perfect fit."""
+
+    def error_rows(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
+        """Measured value, kind, and stated standard deviation of each of ``errors``; NaN where none is."""
 
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> Any:
         """Measured, before and after."""
@@ -119,6 +126,29 @@ class ModalTargets:
         paired, mac, _ = self._pairs(core, x)
         both = np.concatenate([(paired / self.hz) ** 2 - 1.0, 1.0 - mac])
         return np.where(np.isnan(both), 1.0, both)
+
+    def errors(self, core: _core.Objective, x: FloatArray) -> FloatArray:
+        """Of the frequencies, then of the shapes at unit length, the measured ones turned to be real."""
+        paired, _, shapes = self._pairs(core, x)
+        found = [np.where(np.isnan(paired), 1.0, (paired / self.hz) ** 2 - 1.0)]
+        first = 0
+        for freq, dofs, measured in self._parts:
+            model = _unit(np.nan_to_num(shapes[first : first + len(freq)][:, dofs]))
+            first += len(freq)
+            # Along its longest real direction a measured shape has the phase that a mode of the model has.
+            turned = np.exp(-0.5j * np.angle(np.sum(measured**2, axis=1, keepdims=True)))
+            seen = _unit((measured * turned).real)
+            sign = np.where(np.sum(seen * model, axis=1, keepdims=True) < 0.0, -1.0, 1.0)
+            found.append((sign * model - seen).ravel())
+        return np.concatenate(found)
+
+    def error_rows(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
+        """Frequencies are of kind 0, entries of shapes of kind 1; neither states an error."""
+        entries = np.repeat([len(dofs) for _, dofs, _ in self._parts], [len(f) for f, _, _ in self._parts])
+        number = np.arange(self.hz.size)
+        value = np.concatenate([number, np.repeat(number, entries)])
+        kind = (np.arange(value.size) >= self.hz.size).astype(np.intp)
+        return value, kind, np.full(value.size, np.nan)
 
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> ModalTable:
         """Measured, before and after."""

@@ -1,0 +1,267 @@
+"""Profile likelihood: how the fit falls when one parameter is held and all others are fitted again.
+
+A. Raue et al., Bioinformatics 25 (2009) 1923-1929: a parameter is bounded on the side where the sum of
+squares over the errors' variances rises by the chi-square quantile. The others are fitted within their
+bounds, so that a side may be closed only because another one runs into a bound of its own; that is told.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from ..support.one_thread import one_blas_thread
+from ..support.progress import patient, step
+from ..support.validation import FloatArray, finite_scalar, integer, reject
+from ..support.values import Value
+from .fit import UNSEEN, Fit, fitted, least_squares
+
+if TYPE_CHECKING:
+    from .problem import UpdatingProblem
+
+__all__ = ["Kind", "ProfileLikelihood", "open_sides", "profile", "threshold", "words_of"]
+
+Kind = Literal["two-sided", "one-sided", "flat", "fixed"]
+
+#: This near to a bound, as a share of the bounds' distance, a parameter is on it.
+_ON_BOUND = 1e-6
+#: Standard deviations within which most points of a profile lie.
+_REACH = 4.0
+#: Points that are added on each side, until those around the end differ by this share of the limit's root.
+_REFINED, _NEAR = 8, 0.25
+#: A parameter that is this much worse known without its box is held by it.
+_RIDGE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class ProfileLikelihood(Value):
+    """Likelihood of one parameter, all others fitted again at every value.
+
+    Attributes
+    ----------
+    name : str
+    values : ndarray, (k,)
+        Values at which the parameter was held, rising, in its unit.
+    rise : ndarray, (k,)
+        Rise of the sum of squares over the errors' variances above its least, at least 0.
+    threshold : float
+        Rise up to which a value is within the interval.
+    level : float
+    low, high : float
+        Interval; a bound where the profile does not close on that side.
+    kind : {'two-sided', 'one-sided', 'flat'}
+    others_on_bound : tuple of tuple of str, (k,)
+        Other parameters that rest on a bound at each value.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> hz = dict(enumerate(true.antiresonances([0, 1, 2], 0)))
+    >>> measured = ar.AntiresonanceSet(0, hz, std_hz={dof: 1e-3 * f for dof, f in hz.items()})
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
+    >>> held = ar.update(problem, rng=0).profile("stiffness of spring 1")
+    >>> held.kind, bool(held.low < 1.1 < held.high)
+    ('two-sided', True)
+    """
+
+    name: str
+    values: FloatArray
+    rise: FloatArray
+    threshold: float
+    level: float
+    low: float
+    high: float
+    kind: Kind
+    others_on_bound: tuple[tuple[str, ...], ...]
+
+    def __str__(self) -> str:
+        lines = [f"{self.name}: {self.kind}, {100 * self.level:g} % within [{self.low:.6g}, {self.high:.6g}]"]
+        lines += [
+            f"{value:12.6g} {rise:12.4g}{'  ' + ', '.join(names) + ' on a bound' if names else ''}"
+            for value, rise, names in zip(self.values, self.rise, self.others_on_bound, strict=True)
+        ]
+        return "\n".join(lines)
+
+
+def threshold(level: float) -> float:
+    """Rise of the sum of squares at the ends of an interval: chi-square with one degree of freedom."""
+    from scipy.special import ndtri
+
+    return float(ndtri(0.5 + level / 2.0) ** 2)
+
+
+@patient("profile")
+@one_blas_thread
+def profile(
+    problem: UpdatingProblem,
+    x: FloatArray,
+    name: str,
+    *,
+    level: float = 0.9,
+    points: int = 21,
+    progress: bool | None = None,
+) -> ProfileLikelihood:
+    """Profile around the least-squares solution near ``x``; see ``UpdateResult.profile``."""
+    finite_scalar("level", level, low=0.5, high=0.999)
+    integer("points", points, low=5, high=1001)
+    if name not in problem.names:
+        reject("name", repr(name), "a parameter of the problem", f"One of {', '.join(problem.names)}.")
+    fit = fitted(problem, x)
+    where = np.flatnonzero(fit.residuals.free == problem.names.index(name))
+    if where.size == 0:
+        reject(
+            "name",
+            repr(name),
+            "a parameter that may move",
+            "Its bounds are equal, or it was decided to be 0.",
+        )
+    j, center = int(where[0]), float(fit.u[where[0]])
+    std = np.sqrt(covariance(fit)[j, j])
+    below = _places(center, 0.0, std, points // 2)
+    above = _places(center, 1.0, std, points - points // 2)
+    found: dict[float, tuple[float, FloatArray]] = {center: (_squares(fit, fit.u), fit.u)}
+    for side in (below, above):
+        u = fit.u
+        for place in side:
+            step(f"{name} held at {fit.residuals.low[j] + place * fit.residuals.width[j]:.5g}")
+            u = u.copy()
+            u[j] = place
+            u = least_squares(fit.residuals, u, fit.sigma, held=[j])
+            found[float(place)] = (_squares(fit, u), u)
+    limit = threshold(level)
+    ends = [_end(fit, found, j, side, limit) for side in (-1.0, 1.0)]
+    (low, low_open), (high, high_open) = ends
+    places = np.array(sorted(found))
+    rise = np.array([found[place][0] for place in places])
+    rise -= rise.min()
+    scale = fit.residuals
+    return ProfileLikelihood(
+        name,
+        scale.low[j] + places * scale.width[j],
+        rise,
+        limit,
+        level,
+        float(scale.low[j] + low * scale.width[j]),
+        float(scale.low[j] + high * scale.width[j]),
+        _kind(low_open, high_open),
+        tuple(_on_bound(fit, found[place][1], j) for place in places),
+    )
+
+
+def covariance(fit: Fit) -> FloatArray:
+    """Covariance of the free parameters as if nothing bounded them, (n, n); huge where nothing is seen."""
+    weighted = fit.jacobian / fit.sigma[:, None]
+    precision = weighted.T @ weighted
+    values, vectors = np.linalg.eigh(precision)
+    least = _RIDGE * max(float(values.max(initial=0.0)), 1.0)
+    return np.asarray((vectors / np.maximum(values, least)) @ vectors.T)
+
+
+def open_sides(fit: Fit, level: float, refit: bool) -> list[tuple[bool, bool, bool]]:
+    """For every free parameter: open below, open above, and closed only by the bounds of others.
+
+    By the linear residuals, or with ``refit`` by least squares with the parameter held at its bound.
+    """
+    limit, spread = threshold(level), np.diag(covariance(fit))
+    least = _squares(fit, fit.u)
+    sides = []
+    for j, center in enumerate(fit.u):
+        opened, by_others = [], False
+        for bound in (0.0, 1.0):
+            alone = (bound - center) ** 2 / spread[j]  # as if the others had no bounds
+            if alone > 4.0 * limit or (not refit and alone > limit):
+                opened.append(False)
+                continue
+            rise = _rise_at(fit, j, bound, refit) - least
+            opened.append(bool(rise < limit))
+            by_others |= rise >= limit > alone
+        sides.append((opened[0], opened[1], by_others))
+    return sides
+
+
+def words_of(low_open: bool, high_open: bool, by_others: bool) -> str:
+    """What the data say of a parameter."""
+    kind = _kind(low_open, high_open)
+    if kind == "one-sided":
+        side = "lower" if low_open else "upper"
+        return f"one-sided: its {side} bound fits as well"
+    if kind == "two-sided" and by_others:
+        return "two-sided, through the bounds of others"
+    return kind
+
+
+def _kind(low_open: bool, high_open: bool) -> Kind:
+    return "flat" if low_open and high_open else "one-sided" if low_open or high_open else "two-sided"
+
+
+def _rise_at(fit: Fit, j: int, bound: float, refit: bool) -> float:
+    """Sum of squares with parameter j at a bound and the others fitted within theirs."""
+    from scipy.optimize import lsq_linear
+
+    others = np.delete(np.arange(fit.u.size), j)
+    weighted = fit.jacobian / fit.sigma[:, None]
+    shifted = fit.e / fit.sigma + weighted[:, j] * (bound - fit.u[j])
+    u = fit.u.copy()
+    u[j] = bound
+    if others.size:
+        ends = (np.minimum(-u[others], -1e-12), np.maximum(1.0 - u[others], 1e-12))
+        found = lsq_linear(weighted[:, others], -shifted, ends, method="bvls")
+        if not refit:
+            return float(2.0 * found.cost)
+        u[others] = np.clip(u[others] + found.x, 0.0, 1.0)
+    elif not refit:
+        return float(shifted @ shifted)
+    return _squares(fit, least_squares(fit.residuals, u, fit.sigma, held=[j]))
+
+
+def _squares(fit: Fit, u: FloatArray) -> float:
+    return float(np.sum((fit.residuals.at(u) / fit.sigma) ** 2))
+
+
+def _places(center: float, bound: float, std: float, count: int) -> FloatArray:
+    """Values away from the center: most within a few standard deviations, then the bound."""
+    reach = min(_REACH * std, abs(bound - center))
+    if reach < 1e-9:
+        return np.empty(0)
+    near = center + np.sign(bound - center) * reach * np.arange(1, count + 1) / count
+    return near if abs(near[-1] - bound) < 1e-9 else np.append(near, bound)
+
+
+def _end(
+    fit: Fit, found: dict[float, tuple[float, FloatArray]], j: int, side: float, limit: float
+) -> tuple[float, bool]:
+    """Where the rise passes the limit on one side, and whether it never does.
+
+    Points are added to ``found`` until one of the two around the passage is near it.
+    """
+    for _ in range(_REFINED):
+        best = min(found, key=lambda place: found[place][0])
+        places = sorted((place for place in found if (place - best) * side >= 0.0), key=lambda p: p * side)
+        rise = np.array([found[place][0] for place in places]) - found[best][0]
+        over = np.flatnonzero(rise > limit)
+        if over.size == 0:
+            return places[-1], True
+        k = int(over[0])
+        root = np.sqrt(rise[k - 1 : k + 1])  # a parabola's root is a line
+        share = float((np.sqrt(limit) - root[0]) / (root[1] - root[0]))
+        end = places[k - 1] + share * (places[k] - places[k - 1])
+        if root[1] - root[0] < _NEAR * np.sqrt(limit):
+            break
+        u = found[places[k - 1]][1].copy()
+        # A rise that begins late is no parabola: not too near to the side that is known to be within.
+        u[j] = places[k - 1] + max(share, 0.3) * (places[k] - places[k - 1])
+        u = least_squares(fit.residuals, u, fit.sigma, held=[j])
+        found[float(u[j])] = (_squares(fit, u), u)
+    return end, False
+
+
+def _on_bound(fit: Fit, u: FloatArray, held: int) -> tuple[str, ...]:
+    names = np.array(fit.residuals.problem.names)[fit.residuals.free]
+    on = (u <= _ON_BOUND) | (u >= 1.0 - _ON_BOUND)
+    on &= np.linalg.norm(fit.jacobian, axis=0) > UNSEEN  # where an unseen parameter rests means nothing
+    on[held] = False
+    return tuple(names[on].tolist())
