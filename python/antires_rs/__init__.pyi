@@ -67,7 +67,8 @@ from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
 from .updating.damage import assess_damage
 from .updating.intervals import ParameterIntervals
-from .updating.problem import DamagePenalty, UpdatingProblem
+from .updating.penalty import DamagePenalty
+from .updating.problem import UpdatingProblem
 from .updating.profile import ProfileLikelihood
 from .updating.results import DamageResult, UpdateResult
 from .updating.search import update

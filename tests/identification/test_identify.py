@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
+from antires_rs.exceptions import AntiresWarning, InvalidInputError, UnsuitableDataError
 from antires_rs.identification.identify import identify_antiresonances
 from antires_rs.signals.frequency_response import FrequencyResponse
 from antires_rs.signals.recording import Recording
@@ -206,3 +206,12 @@ def test_southampton_frame(name):
         assert found[floor].size == len(ranges)
         for value, (low, high) in zip(found[floor], ranges, strict=True):
             assert low <= value <= high
+
+
+def test_options_of_curves_are_named_for_records():
+    with pytest.warns(
+        AntiresWarning, match=r"min_share and min_depth_db have no effect on the sweep.*'numerators'"
+    ):
+        identify_antiresonances(
+            record(duration_s=40.0), excitation=0, band_hz=BAND, check="off", min_share=0.4, min_depth_db=2.0
+        )

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from antires_rs import AntiresonanceSet, FrequencyResponse, identify_antiresonances
+from antires_rs import (
+    AntiresonanceSet,
+    AntiresWarning,
+    FrequencyResponse,
+    InvalidInputError,
+    identify_antiresonances,
+)
 from antires_rs.identification.local.grid import MARGIN, local_windows
 from antires_rs.order_sweep.dips import dips
 from antires_rs.order_sweep.peaks import unexplained
@@ -188,3 +194,51 @@ def plate_counts(state):
     lost = [f for dof in found for f in found[dof] if not np.any(np.abs(other[dof] / f - 1.0) < 2e-3)]
     assert len(lost) <= 1
     return counted(measured, found)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"min_rows": 5}, "min_rows has no effect on fits over windows"),
+        ({"damping_tol": 0.05, "persistent": False}, "damping_tol and persistent have no effect"),
+        ({"min_dominance": 0.1}, "what counts there is freq_tol, max_damping, min_share, min_depth_db"),
+        ({"max_order": 30}, "max_order above 16 has no effect"),
+        ({"min_order": 17}, "min_order above 16 has no effect"),
+        ({"min_share": 0.4, "formulation": "joint"}, r"min_share has no effect.*formulation 'joint'"),
+    ],
+)
+def test_options_without_effect_are_named(options, said):
+    frfs = free_chain(noise=0.01, seed=1, sensors=(0, 3, 6))
+    with pytest.warns(AntiresWarning, match=said):
+        identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off", **options)
+
+
+@pytest.mark.parametrize(
+    "options", [{"preset": "strict"}, {"max_order": 16, "min_share": 0.4}, {"freq_tol": 0.02}]
+)
+def test_options_that_count_are_no_cause_for_a_warning(options):
+    frfs = free_chain(noise=0.01, seed=1, sensors=(0, 3, 6))
+    identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off", **options)
+
+
+def test_few_orders_are_enough_for_windows():
+    # Chains of more than min_rows = 10 orders are the sweep's.
+    frfs = free_chain(noise=0.01, seed=1, sensors=(0, 3, 6))
+    found = identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off", max_order=8)
+    assert found[0].size >= 3
+    assert max(d.orders.max() for d in found.diagrams.values()) <= 8
+    with pytest.raises(InvalidInputError, match="^max_order"):
+        identify_antiresonances(
+            frfs, excitation=0, band_hz=BAND, check="off", max_order=8, formulation="numerators"
+        )
+
+
+def test_few_lines_are_told():
+    frfs = free_chain(noise=0.003, seed=2, sensors=(0, 3, 6))
+    with pytest.warns(AntiresWarning, match=r"holds 40 lines.*carry 8 orders.*want 48.*0\.041 Hz apart"):
+        few = identify_antiresonances(frfs, excitation=0, band_hz=(24.01, 26.01), check="off")
+    # Of one mode and fine lines they are enough all the same.
+    assert few[0] == pytest.approx([damped_zeros(0)[1]], rel=2e-3)
+    coarse = FrequencyResponse(frfs.freq_hz[::30], frfs.values[:, ::30], dofs=frfs.dofs)
+    with pytest.warns(AntiresWarning, match="want 48 lines"):
+        identify_antiresonances(coarse, excitation=0, band_hz=BAND, check="off")

@@ -59,7 +59,8 @@ def test_an_intact_symmetric_chain_is_found_undamaged_in_each_kind():
         (None, zeros_of(CHAIN, 0)),
         (None, dict(enumerate(both))),
     ):
-        result = ar.assess_damage(CHAIN, ar.AntiresonanceSet(0, zeros, sees=sees), rng=0)
+        measured = ar.AntiresonanceSet(0, zeros, sees=sees)
+        result = ar.assess_damage(CHAIN, measured, gamma1=0.1, gamma2=0.1, rng=0)
         assert (result.damaged, result.table.largest_before_percent) == ([], 0.0)
         assert min(result.detectable.values()) > 0.015
 

@@ -17,7 +17,8 @@ from ..models.chain import MassSpringChain
 from ..models.parameters import mass_factor, stiffness_factor, stiffness_reduction
 from ..signals.recording import Recording
 from ..support.validation import FloatArray, finite_scalar, integer, random_generator
-from ..updating.problem import DamagePenalty, UpdatingProblem
+from ..updating.penalty import DamagePenalty
+from ..updating.problem import UpdatingProblem
 
 __all__ = ["Chain8", "chain8"]
 

@@ -41,12 +41,9 @@ def diagrams_of(
     band: tuple[float, float],
     options: IdentificationOptions,
 ) -> Fitted:
-    """One diagram for each of ``dofs``, by the formulation that suits the lines or that was asked for."""
+    """One diagram for each of ``dofs``, by the formulation of the options, which is no longer "auto"."""
     first = lines_for(FORCE if options.use_force else 0)
-    averaged = first.segments is not None
     formulation = options.formulation
-    if formulation == "auto":
-        formulation = "windows" if not averaged else "numerators" if options.estimator == "rank1" else "joint"
     if formulation == "windows":
         found = dict(zip(dofs, local_diagrams(first, len(dofs), band, options), strict=True))
     elif formulation == "numerators":

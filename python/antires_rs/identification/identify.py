@@ -40,14 +40,15 @@ from ..signals.band import band_of
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.pooled import without_force
 from ..signals.recording import Recording
-from ..signals.repeats import one_source
+from ..signals.repeats import AveragedResponse, one_source
 from ..support.one_thread import one_blas_thread
 from ..support.progress import patient, step
 from ..support.validation import reject
 from .diagrams import diagrams_of
 from .options import DEFAULT, IdentificationOptions, checked_options
-from .repeat_scatter import independent_averages
+from .repeat_scatter import freedom, independent_averages
 from .response_lines import lines_of
+from .scope import settled
 
 __all__ = ["identify_antiresonances"]
 
@@ -120,9 +121,11 @@ def identify_antiresonances(
         :mod:`~antires_rs.order_sweep.presets`. What is given beside it wins.
     max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
         As for :func:`~antires_rs.stabilization`, or as the preset says. With few lines in the band the
-        highest order is lowered to two thirds of their number.
+        highest order is lowered to two thirds of their number. Fits over windows know ``freq_tol``,
+        ``max_damping`` and orders up to 16; the others belong to the sweep over orders.
     persistent : bool, optional
-        Accept also what is there in most orders without standing still. Default: True, or as the preset says.
+        Of the sweep: accept also what is there in most orders without standing still. Default: True, or as
+        the preset says.
     cross_check : {None, "aaa", "vector_fitting"}
         Ask another method about every value; the answer is ``.cross_check`` of the set, see
         :func:`~antires_rs.identification.cross_check.cross_check`. It changes no value.
@@ -160,15 +163,20 @@ def identify_antiresonances(
         A fatal finding under ``check="raise"``; a single channel on the transmissibility route; no force on
         the FRF route; an impact that the record missed.
 
+    Warns
+    -----
+    AntiresWarning
+        What the data check finds; options that have no effect on the fit that suits the source.
+
     Notes
     -----
     A list of records of one test (several runs of the shaker, several impacts in a file each) gives one set:
     their segments, or their impacts, are averaged together, and the standard deviations hold what differs
     from record to record (:mod:`~antires_rs.identification.repeat_scatter`). So do several impacts in one
     record, which is cut before each. Records must have the same dofs and sampling rate. A list of FRFs or of
-    transmissibilities is averaged with the scatter between them as its standard deviation
-    (:mod:`~antires_rs.signals.repeats`). Setups with other places of the sensors are identified apart and
-    joined by :func:`~antires_rs.merge_setups`.
+    transmissibilities is averaged (:mod:`~antires_rs.signals.repeats`), and the standard deviations hold what
+    differs between them, too. Setups with other places of the sensors are identified
+    apart and joined by :func:`~antires_rs.merge_setups`.
 
     Near their noise, responses have antiresonances that are there in most orders but do not stand still;
     they are accepted by a second rule (modules ``persistence``, ``selection``) and marked "persistent" in
@@ -232,11 +240,17 @@ def identify_antiresonances(
     if isinstance(one, Recording):
         averages = average(one, band, options.averaging, include_force=options.use_force)
     lines_for = lines_of(one, averages, band, use_force=options.use_force, estimator=options.estimator)
+    options = settled(options, lines_for(0))
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")
     fitted = diagrams_of(one.dofs, lines_for, band, options)
     found = {dof: fitted.diagrams[dof] for dof in wanted}
+    known = None
+    if isinstance(one, AveragedResponse):
+        known = freedom(len(one.runs))
+    elif averages is not None and fitted.of_numerators:
+        known = independent_averages(averages.spectra)
     compared = None
     if options.cross_check is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
@@ -248,7 +262,7 @@ def identify_antiresonances(
     return AntiresonanceSet.from_tables(
         excitation,
         {
-            dof: _with_grades(d.accepted, averages) if fitted.of_numerators else d.accepted
+            dof: _with_freedom(graded(d.accepted) if fitted.of_numerators else d.accepted, known)
             for dof, d in found.items()
         },
         diagrams=found,
@@ -259,12 +273,9 @@ def identify_antiresonances(
     )
 
 
-def _with_grades(table: ResponseTable, averages: Averages | None) -> ResponseTable:
-    """The table of a fit of all numerators with grades, and with what its standard deviations rest on."""
-    table = graded(table)
-    if averages is None:
-        return table
-    return table.with_scores(averages=np.full(len(table), independent_averages(averages.spectra)))
+def _with_freedom(table: ResponseTable, known: float | None) -> ResponseTable:
+    """The table with what its standard deviations rest on."""
+    return table if known is None else table.with_scores(averages=np.full(len(table), known))
 
 
 def _checked(

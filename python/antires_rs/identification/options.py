@@ -45,6 +45,8 @@ class IdentificationOptions:
         The method that is asked about every value.
     check : {"warn", "raise", "off"}
         What is done with the data check.
+    given : frozenset of str
+        Options of the choice that the caller gave, and no preset or default.
     """
 
     averaging: Averaging = field(default_factory=Averaging)
@@ -57,6 +59,7 @@ class IdentificationOptions:
     keep_common: bool = False
     cross_check: str | None = None
     check: str = "warn"
+    given: frozenset[str] = frozenset()
 
     @property
     def use_force(self) -> bool:
@@ -94,7 +97,6 @@ class IdentificationOptions:
         self.rule.checked()
         integer("max_order", self.max_order, low=2, high=HIGHEST_ORDER)
         integer("min_order", self.min_order, low=1, high=self.max_order)
-        self.rule.check_span(self.min_order, self.max_order)
         return self
 
 
@@ -137,5 +139,8 @@ def checked_options(
         max_order=chosen.pop("max_order"),
         rule=Rule(**chosen),
         cross_check=cross_check,
+        given=frozenset(
+            name for name, value in {"max_order": max_order, **rule}.items() if value is not None
+        ),
         **others,
     ).checked()

@@ -8,7 +8,8 @@ from typing import Any
 
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..updating.problem import DamagePenalty, UpdatingProblem
+from ..updating.penalty import DamagePenalty
+from ..updating.problem import UpdatingProblem
 from ._store import Store
 from .models import describe_model, describe_parameters, made_model, made_parameters
 

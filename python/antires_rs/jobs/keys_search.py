@@ -25,8 +25,8 @@ DAMAGE = Section(
     "Where damage is looked for.",
     (
         Key("elements", "terms", 'Candidates: "all" or a list such as [0, 1, 2].', '"all"'),
-        Key("gamma1", "number", "Price of a unit of stiffness loss.", "0.1"),
-        Key("gamma2", "number", "Price of each damaged element.", "0.1"),
+        Key("gamma1", "number", "Price of a unit of stiffness loss; by default 0.1 for 28 values."),
+        Key("gamma2", "number", "Price of each damaged element; by default 0.1 for 28 values."),
         Key("snap", "number", "Losses below it are exactly 0.", "0.001"),
         Key("weights", "text", '"std": what is known badly counts less.'),
     ),

@@ -19,7 +19,8 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..updating.damage import assess_damage
-from ..updating.problem import DamagePenalty, UpdatingProblem
+from ..updating.penalty import DamagePenalty
+from ..updating.problem import UpdatingProblem
 from ..updating.results import UpdateResult
 from ..updating.search import update
 from .evidence import evidence_of, heard, measurement_of
@@ -212,15 +213,11 @@ def _search(job: Job, model: StructuralModel, parameters: Any, measured: Any) ->
             if isinstance(elements, int)
             else elements
         )
-        prices = {key: options[key] for key in ("gamma1", "gamma2", "snap") if key in options}
+        prices = (options.get("gamma1"), options.get("gamma2"), options.get("snap", DamagePenalty.snap))
         places: list[Keys] = [("damage", "elements", i) for i in range(len(chosen))]
         with job.blame(("damage",), {"measured": ("data",), "parameters": places}):
             UpdatingProblem(
-                model,
-                stiffness_reduction(chosen),
-                measured,
-                penalty=DamagePenalty(**prices),
-                weights=options.get("weights"),
+                model, stiffness_reduction(chosen), measured, penalty=prices, weights=options.get("weights")
             )
         return partial(assess_damage, model, measured, elements=elements, **options)
     made, places = parameters

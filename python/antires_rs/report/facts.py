@@ -86,6 +86,8 @@ def of_identification(
 ) -> Facts:
     """Every choice of an identification, defaults among them; ``options`` are those that were given."""
     from ..identification.identify import identify_antiresonances
+    from ..identification.local.fit import HIGHEST_ORDER
+    from ..identification.scope import OF_SWEEP, OF_WINDOWS
 
     known = inspect.signature(identify_antiresonances).parameters
     used = {name: given.default for name, given in known.items() if given.default is not given.empty}
@@ -109,11 +111,16 @@ def of_identification(
         },
     )
     formulation, max_order = rule.pop("formulation"), rule.pop("max_order")
+    chosen = formulation
     if formulation == "auto":
         # Only two fits are graded, see order_sweep.scores; those over windows know shares.
         every = set().union(*(scores for scores in found.scores.values()))
         chosen = "windows" if "share" in every else "numerators" if "grade" in every else "joint"
         formulation = f"auto, here {chosen}"
+    if chosen == "windows":
+        max_order = min(max_order, HIGHEST_ORDER)
+    for name in OF_SWEEP if chosen == "windows" else OF_WINDOWS:
+        del rule[name]
     thresholds = [f"{name} {value}" for name, value in rule.items()]
     preset = [] if used["preset"] is None else [f"preset {used['preset']}"]
     low, high = band_hz
@@ -243,7 +250,7 @@ def of_search(result: UpdateResult) -> Facts:
     price = (
         ""
         if penalty is None
-        else (f", gamma1 {penalty.gamma1:g}, gamma2 {penalty.gamma2:g}, snap {penalty.snap:g}")
+        else (f", gamma1 {penalty.gamma1:.3g}, gamma2 {penalty.gamma2:.3g}, snap {penalty.snap:g}")
     )
     options = [
         f"{name} {', '.join(value) if isinstance(value, list) else value}"

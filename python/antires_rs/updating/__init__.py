@@ -8,7 +8,8 @@ and ``support``; never a record or a spectrum.
 
 with A analytic and E measured, and damage :math:`K_d = \sum (1 - \beta_i) K_i`.
 
-- ``problem``: model, unknowns, measured values; ``targets`` and ``weights`` of the residuals
+- ``problem``: model, unknowns, measured values; ``targets`` and ``weights`` of the residuals; ``penalty`` of
+  damage
 - ``search``, ``damage``: the two public calls
 - ``results``, ``tables``, ``identifiability``: what came out
 

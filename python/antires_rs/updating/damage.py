@@ -12,7 +12,7 @@ from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import IslandGA
 from ..support.validation import reject, shape_of
-from .problem import DamagePenalty, Measured, UpdatingProblem
+from .problem import Measured, UpdatingProblem
 from .results import DamageResult
 from .search import search
 
@@ -24,8 +24,8 @@ def assess_damage(
     measured: Measured,
     *,
     elements: Any = None,
-    gamma1: float = 0.1,
-    gamma2: float = 0.1,
+    gamma1: float | None = None,
+    gamma2: float | None = None,
     snap: float = 1e-3,
     weights: Any = None,
     optimizer: IslandGA | None = None,
@@ -48,9 +48,11 @@ def assess_damage(
     elements : sequence of int, optional
         Candidate elements, zero-based. Default: all springs between masses, all beams,
         all stiffness terms.
-    gamma1, gamma2 : float
+    gamma1, gamma2 : float, optional
         Penalties on the sum and the number of damages; small damage costs more than it explains, see
-        ``DamageResult.detectable``.
+        ``DamageResult.detectable``. Default: as :meth:`DamagePenalty.scaled` gives them, 0.1 for every 28
+        values of weight one, so that the same data given three times leave the answer. The paper's are
+        0.1 and 0.1. ``result.problem.penalty`` has the numbers in force.
     snap : float
         Severities below count as exactly 0; within [0, 1e-3], 0 for the algorithm as printed.
     weights : 'std' or array_like, optional
@@ -97,7 +99,8 @@ def assess_damage(
             "at least one stiffness term",
             "Give the MatrixModel its stiffness_terms.",
         )
-    penalty = DamagePenalty(gamma1, gamma2, snap)
-    problem = UpdatingProblem(model, stiffness_reduction(chosen), measured, penalty=penalty, weights=weights)
+    problem = UpdatingProblem(
+        model, stiffness_reduction(chosen), measured, penalty=(gamma1, gamma2, snap), weights=weights
+    )
     found, seed = search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
     return DamageResult(problem, found, seed)

@@ -13,7 +13,6 @@ For comparison, with resonances in place of antiresonances, Eq. 18 adds the shap
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -27,44 +26,15 @@ from ..models.parameter_names import parameter_name, warn_far
 from ..models.structural_model import StructuralModel
 from ..optimize.arguments import thread_count
 from ..support.pickling import AroundCore, ReadOnly, frozen
-from ..support.validation import FloatArray, choice, finite_scalar, real_array, reject, shape_of
+from ..support.validation import FloatArray, choice, real_array, reject
 from ..support.values import frozen_or_none
+from .penalty import DamagePenalty, Misfit, penalty_of
 from .tables import FrequencyTable, ModalTable
 from .targets import AntiresonanceTargets, ModalTargets, Targets, targets_of
 
-Misfit = Literal["absolute", "squared", "largest"]
 Measured = AntiresonanceSet | ModalSet | Sequence[AntiresonanceSet] | Sequence[ModalSet]
 
-__all__ = ["DamagePenalty", "UpdatingProblem"]
-
-
-@dataclass(frozen=True)
-class DamagePenalty:
-    """Preference for few damaged elements: ``gamma1 * sum(beta) + gamma2 * count(beta > 0)``.
-
-    Attributes
-    ----------
-    gamma1, gamma2 : float
-        Weights, at least 0; the paper's are 0.1 each.
-    snap : float
-        Severities below it count as exactly 0, and are evaluated as 0; within [0, 1e-3]. 0 is the
-        algorithm as printed.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> ar.DamagePenalty(gamma1=0.05)
-    DamagePenalty(gamma1=0.05, gamma2=0.1, snap=0.001)
-    """
-
-    gamma1: float = 0.1
-    gamma2: float = 0.1
-    snap: float = 1e-3
-
-    def __post_init__(self) -> None:
-        finite_scalar("gamma1", self.gamma1, low=0.0)
-        finite_scalar("gamma2", self.gamma2, low=0.0)
-        finite_scalar("snap", self.snap, low=0.0, high=1e-3)
+__all__ = ["UpdatingProblem"]
 
 
 class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
@@ -89,8 +59,9 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         Sum of abs(e), the paper's, which a few wrong values do not move; sum of e**2, which shares out a
         contradiction that no model resolves; or the largest abs(e). Shapes always count by
         sum((1 - MAC)**2).
-    penalty : DamagePenalty or (gamma1, gamma2), optional
-        Applied to the stiffness reductions.
+    penalty : DamagePenalty, 'scaled' or (gamma1, gamma2), optional
+        Applied to the stiffness reductions. 'scaled', or None in place of a number, takes what
+        :meth:`DamagePenalty.scaled` gives for these values and weights.
     weights : 'std' or array_like (m,), optional
         Factors on the residuals; for modes one each, on e and on 1 - MAC. 'std' takes them from the standard
         deviations of measured antiresonances, with 0.2 % for the error of the model, so that what is known
@@ -107,6 +78,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     noun : {'antiresonance', 'mode'}
         What was measured.
     weights : ndarray, (m,), or None
+    penalty : DamagePenalty or None
+        The numbers in force.
     left_out : tuple of str
         A sentence on each measured value that is not compared, and why.
 
@@ -169,7 +142,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         *,
         objective: Literal["antiresonance", "modal"] | None = None,
         misfit: Misfit = "absolute",
-        penalty: DamagePenalty | tuple[float, float] | None = None,
+        penalty: DamagePenalty | Literal["scaled"] | tuple[float | None, ...] | None = None,
         weights: Any = None,
     ) -> None:
         if not isinstance(model, StructuralModel):
@@ -191,18 +164,22 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         _core.check_bounds(model._core, parts, bounds[:, 0].copy(), bounds[:, 1].copy())
         names = tuple(parameter_name(model, p) for p in chosen)
         warn_far(chosen, names, nominal)
+        factors = targets.weights(weights)
+        counted = np.ones(targets.hz.size) if factors is None else factors
+        if isinstance(targets, ModalTargets):
+            counted = np.tile(counted, 2)  # a mode has two residuals
         self._fill(
             model=model,
             parameters=chosen,
             measured=targets.sets,
             noun=targets.noun,
             misfit=misfit,
-            penalty=_penalty(penalty),
+            penalty=penalty_of(penalty, counted, misfit),
             bounds=frozen(bounds),
             measured_hz=frozen(targets.hz),
             measured_dofs=frozen_or_none(by_force and by_force.dofs),
             measured_excitations=frozen_or_none(by_force and by_force.excitations),
-            weights=frozen_or_none(targets.weights(weights)),
+            weights=frozen_or_none(factors),
             left_out=targets.left_out,
             _targets=targets,
             _nominal=frozen(nominal),
@@ -298,16 +275,3 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
 
     def __repr__(self) -> str:
         return f"UpdatingProblem({len(self.parameters)} parameters, {self.measured_hz.size} {self.noun}s)"
-
-
-def _penalty(penalty: Any) -> DamagePenalty | None:
-    if penalty is None or isinstance(penalty, DamagePenalty):
-        return penalty
-    if shape_of(penalty) != (2,):
-        reject(
-            "penalty",
-            penalty,
-            "a DamagePenalty, a pair (gamma1, gamma2) or None",
-            "Write it as in penalty=(0.1, 0.1).",
-        )
-    return DamagePenalty(*penalty)

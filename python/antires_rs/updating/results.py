@@ -230,7 +230,7 @@ class DamageResult(UpdateResult):
     >>> measured = ar.AntiresonanceSet(0, dict(enumerate(damaged.antiresonances([0, 1, 2], 0))))
     >>> result = ar.assess_damage(ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0]), measured, rng=0)
     >>> result.damaged, round(result.severity[1], 3), round(result.detectable[1], 2)
-    ([1], 0.4, 0.08)
+    ([1], 0.4, 0.01)
     """
 
     @property
@@ -284,9 +284,16 @@ class DamageResult(UpdateResult):
         if visible:
             ends = [min(visible, key=lambda pair: pair[1]), max(visible, key=lambda pair: pair[1])]
             span = " to ".join(dict.fromkeys(f"{100 * beta:.0f} % ({label(e)})" for e, beta in ends))
+            penalty = self.problem.penalty
             notes.append(
                 f"Smallest damage that would be seen: {span}. An element with less than its own "
-                "limit counts as undamaged: gamma1 and gamma2 outweigh what its damage explains."
+                "limit counts as undamaged"
+                + (
+                    f": gamma1 = {penalty.gamma1:.3g} and gamma2 = {penalty.gamma2:.3g} outweigh what its "
+                    "damage explains."
+                    if penalty
+                    else "."
+                )
             )
         left_out = [label(e) for e in self.problem.model._springs if e not in self.severity]
         if left_out:

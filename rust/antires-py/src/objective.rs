@@ -12,6 +12,7 @@ use antires_core::update::objective::{AntiresonanceObjective, Target};
 use antires_core::update::pairing::Partner;
 use antires_core::update::penalties::Penalty;
 use antires_core::update::sight::Sees;
+use antires_core::update::state::states;
 use numpy::ndarray::Array2;
 use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -43,6 +44,14 @@ type TargetParts<'py> = (
 type PyPairs<'py> = (
     Bound<'py, PyArray1<f64>>,
     Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)>,
+);
+
+/// Targets, frequencies, how much is shown, and slopes of the roots of one candidate.
+type PyState<'py> = (
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray2<f64>>,
 );
 
 enum Core {
@@ -190,6 +199,49 @@ impl Objective {
         let pairs = run(py, || o.pairs(&x, &mut o.workspace()))?;
         let e: Vec<f64> = pairs.into_iter().map(|p| p.residual).collect();
         Ok(Some(e.into_pyarray(py)))
+    }
+
+    /// All roots at each row of (m, n), one tuple a row: number of the target, Hz and how much is shown of each
+    /// root, and d ln f / dp (roots, n) if asked for.
+    fn states<'py>(
+        &self,
+        py: Python<'py>,
+        candidates: PyReadonlyArray2<'_, f64>,
+        with_slopes: bool,
+        threads: usize,
+    ) -> PyResult<Vec<PyState<'py>>> {
+        let Core::Antiresonance(objective) = &self.core else {
+            return Err(to_python(
+                Error::input("objective", "of modes", "one of antiresonances")
+                    .remedy("Modes have no antiresonances."),
+            ));
+        };
+        let genes: Vec<f64> = candidates.as_array().iter().copied().collect();
+        let n = objective.unknowns().len();
+        let mut watch = Watch::start(None);
+        let found = guarded(py, || {
+            let rows = Candidates::new(&genes, n);
+            states(objective, rows, with_slopes, threads, &mut || watch.poll()).map_err(to_python)
+        })?;
+        let ControlFlow::Continue(found) = found else {
+            return Err(watch
+                .raised
+                .unwrap_or_else(|| PyKeyboardInterrupt::new_err(())));
+        };
+        found
+            .into_iter()
+            .map(|state| {
+                let rows = if with_slopes { state.freq_hz.len() } else { 0 };
+                let slopes =
+                    Array2::from_shape_fn((rows, n), |(root, p)| state.slopes[root * n + p]);
+                Ok((
+                    state.target.into_pyarray(py),
+                    state.freq_hz.into_pyarray(py),
+                    state.shown.into_pyarray(py),
+                    slopes.into_pyarray(py),
+                ))
+            })
+            .collect()
     }
 
     /// J of each row of (m, n), (m,).

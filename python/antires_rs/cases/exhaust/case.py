@@ -16,7 +16,8 @@ from ...models.structural_model import StructuralModel
 from ...signals.recording import Recording
 from ...support.progress import patient
 from ...support.validation import FloatArray, finite_scalar, integer
-from ...updating.problem import DamagePenalty, UpdatingProblem
+from ...updating.penalty import DamagePenalty
+from ...updating.problem import UpdatingProblem
 from . import experiment, geometry
 from .truth import true_antiresonances, truth
 

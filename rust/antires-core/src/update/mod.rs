@@ -22,4 +22,5 @@ pub mod objective;
 pub mod pairing;
 pub mod penalties;
 pub mod sight;
+pub mod state;
 pub mod unknowns;

@@ -58,7 +58,7 @@ pub struct Workspace {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Roots {
     /// Those that may be partners (Hz), ascending.
-    hz: Vec<f64>,
+    pub hz: Vec<f64>,
     /// Those among them that lie on a pole and cancel.
     pub cancelled_hz: Vec<f64>,
     /// Whether the response is there at all.
@@ -194,20 +194,26 @@ impl AntiresonanceObjective {
         let roots = &*formed.roots;
         for (nth, target) in self.targets.iter().enumerate() {
             let own = &roots[nth].hz;
-            let others = || {
-                let there = self.others[nth].iter().filter(|&&o| roots[o].present);
-                there.map(|&o| roots[o].hz.as_slice())
-            };
             for &measured in &target.freq_hz {
-                let shown = |root| shown(own, root, others());
+                let shown = |root| shown(own, root, self.others_of(nth, roots));
                 visit(Pairing::of(own, shown, measured, self.limit_hz));
             }
         }
         Ok(())
     }
 
+    /// The roots of those measured with target `nth`, where it matters what all of them share.
+    pub(super) fn others_of<'a>(
+        &'a self,
+        nth: usize,
+        roots: &'a [Roots],
+    ) -> impl Iterator<Item = &'a [f64]> {
+        let there = self.others[nth].iter().filter(|&&o| roots[o].present);
+        there.map(|&o| roots[o].hz.as_slice())
+    }
+
     /// The roots of each target; of one without values only if others are compared with it.
-    fn find_roots(&self, formed: &mut Formed<'_>) -> Result<()> {
+    pub(super) fn find_roots(&self, formed: &mut Formed<'_>) -> Result<()> {
         for (nth, target) in self.targets.iter().enumerate() {
             let Roots {
                 hz,

@@ -1,0 +1,175 @@
+//! All roots that a measurement could show of the model at one x, and how they move.
+//!
+//! ```text
+//! d ln f / dp = (dx/dp) / (2 x),  x = ω²
+//! ```
+//!
+//! An objective asks for the partners of what was measured. Who compares two states of a structure (intact and
+//! damaged) must follow the roots themselves, measured or not, from one state to the other.
+
+use std::ops::ControlFlow;
+
+use super::objective::{AntiresonanceObjective, Workspace};
+use super::sight::shown;
+use crate::antiresonances::ZeroSensitivity;
+use crate::error::Result;
+use crate::modal::modes::eigenvalue;
+use crate::optimize::outcome::Interrupt;
+use crate::optimize::{Candidates, Objective, parallel_map};
+
+/// The roots of all targets at one x, target by target, ascending in each.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct State {
+    /// Number of the target.
+    pub target: Vec<u32>,
+    /// Frequencies (Hz).
+    pub freq_hz: Vec<f64>,
+    /// How much the measurement shows of each, 0 to 1; see [`sight`](super::sight).
+    pub shown: Vec<f64>,
+    /// d ln f / dp, a row for each root; empty where it was not asked for. 0 where a root has no derivative.
+    pub slopes: Vec<f64>,
+}
+
+impl AntiresonanceObjective {
+    /// The roots at `x`, up to 1.5 times the highest measured frequency; none where the eigenproblem fails.
+    pub fn state(&self, x: &[f64], ws: &mut Workspace, with_slopes: bool) -> State {
+        self.state_of(x, ws, with_slopes).unwrap_or_default()
+    }
+
+    fn state_of(&self, x: &[f64], ws: &mut Workspace, with_slopes: bool) -> Result<State> {
+        let mut formed = self.form(x, ws);
+        self.find_roots(&mut formed)?;
+        let slopes = if with_slopes {
+            self.unknowns().slopes(x)
+        } else {
+            vec![]
+        };
+        let mut state = State::default();
+        let mut zero = ZeroSensitivity::default();
+        for nth in 0..formed.roots.len() {
+            let own = formed.roots[nth].hz.clone();
+            for (root, &hz) in own.iter().enumerate() {
+                let visible = shown(&own, root, self.others_of(nth, formed.roots));
+                state.target.push(u32::try_from(nth).unwrap_or(u32::MAX));
+                state.freq_hz.push(hz);
+                state.shown.push(visible);
+                if !with_slopes {
+                    continue;
+                }
+                let (ends, x) = (self.ends(nth), eigenvalue(hz));
+                if formed.roots[nth].cancelled_hz.contains(&hz) {
+                    zero.set_cancelled(&mut formed.prepared, ends, x)?;
+                } else {
+                    zero.set(&mut formed.prepared, ends, x)?;
+                }
+                state.slopes.extend(slopes.iter().map(|along| {
+                    let slope = zero.along(along) / (2.0 * x);
+                    // A double zero has no derivative.
+                    if slope.is_finite() { slope } else { 0.0 }
+                }));
+            }
+        }
+        Ok(state)
+    }
+}
+
+/// [`AntiresonanceObjective::state`] of every candidate, in order.
+///
+/// # Errors
+/// Where the threads cannot be started.
+pub fn states(
+    objective: &AntiresonanceObjective,
+    candidates: Candidates<'_>,
+    with_slopes: bool,
+    threads: usize,
+    should_stop: &mut dyn FnMut() -> Option<Interrupt>,
+) -> Result<ControlFlow<Interrupt, Vec<State>>> {
+    parallel_map(
+        candidates.len(),
+        threads,
+        || objective.workspace(),
+        |i, ws| objective.state(candidates.row(i), ws, with_slopes),
+        should_stop,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{State, states};
+    use crate::fem::chain::mass_spring_chain;
+    use crate::fem::parameters::{Parameter, Quantity};
+    use crate::optimize::Candidates;
+    use crate::update::misfit::Misfit;
+    use crate::update::objective::{AntiresonanceObjective, Target};
+    use std::ops::ControlFlow;
+
+    const X: [f64; 3] = [0.2, 1.1, 0.9];
+
+    fn objective() -> AntiresonanceObjective {
+        let model = mass_spring_chain(&[0.5, 0.4, 0.6, 0.3], &[5e4, 7e4, 4e4], 2e4, 0.0).unwrap();
+        let quantities = [
+            Quantity::StiffnessReduction,
+            Quantity::StiffnessFactor,
+            Quantity::MassFactor,
+        ];
+        let parameter = |quantity| Parameter {
+            quantity,
+            terms: vec![1],
+        };
+        let target = |dof| Target {
+            dof,
+            freq_hz: vec![40.0, 90.0],
+            ..Target::default()
+        };
+        AntiresonanceObjective::new(
+            model,
+            quantities.map(parameter).to_vec(),
+            (0..3).map(target).collect(),
+            Misfit::Absolute,
+            None,
+            0.0,
+        )
+        .unwrap()
+    }
+
+    fn at(rows: &[f64], threads: usize) -> Vec<State> {
+        let found = states(
+            &objective(),
+            Candidates::new(rows, 3),
+            true,
+            threads,
+            &mut || None,
+        );
+        match found.unwrap() {
+            ControlFlow::Continue(found) => found,
+            ControlFlow::Break(_) => panic!("nobody stopped it"),
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_differences() {
+        const STEP: f64 = 1e-5;
+        let here = &at(&X, 1)[0];
+        assert!(here.freq_hz.len() >= 5 && here.target.last() == Some(&2));
+        for p in 0..3 {
+            let mut rows = [X, X].concat();
+            rows[p] -= STEP;
+            rows[3 + p] += STEP;
+            let both = at(&rows, 2);
+            for (root, hz) in here.freq_hz.iter().enumerate() {
+                let difference =
+                    (both[1].freq_hz[root] - both[0].freq_hz[root]) / (2.0 * STEP * hz);
+                let slope = here.slopes[3 * root + p];
+                assert!((slope - difference).abs() < 1e-8, "{slope} {difference}");
+            }
+        }
+    }
+
+    #[test]
+    fn any_number_of_threads_gives_the_same_bits() {
+        let rows: Vec<f64> = (0..20)
+            .flat_map(|i| [0.04 * f64::from(i), 1.0, 1.0])
+            .collect();
+        assert_eq!(at(&rows, 1), at(&rows, 2));
+    }
+}
