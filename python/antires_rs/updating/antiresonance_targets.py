@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -75,16 +74,6 @@ class AntiresonanceTargets:
         found = core.residuals(x)
         assert found is not None  # an objective of antiresonances has them
         return found
-
-    errors = residuals
-
-    def error_rows(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
-        """One row each, all of one kind, with twice the relative deviation of the frequency."""
-        std = np.concatenate(
-            [np.empty(0), *(table.std_hz for each in self.sets for table in each.tables.values())]
-        )
-        number = np.arange(self.hz.size)
-        return number, np.zeros(self.hz.size, dtype=np.intp), 2.0 * std[self._kept] / self.hz
 
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> FrequencyTable:
         """Measured, before and after."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support.validation import FloatArray
+from .error_rows import error_rows, errors
 
 if TYPE_CHECKING:
     from .problem import UpdatingProblem
@@ -24,10 +25,15 @@ _PIECE = 64
 class BoxResiduals:
     """Residuals as a function of u in the unit box.
 
+    Where the lower bound is above 0, u runs with the logarithm of the parameter: antiresonances hang on ratios of
+    stiffness to mass, and a common scale of all is then a straight line along which nothing changes.
+
     Attributes
     ----------
     free : ndarray of int, (n,)
         Parameters that u holds: not those with equal bounds, nor damage that was decided to be exactly 0.
+    tilt : ndarray, (n,)
+        Slope of the logarithm of the prior's density in u, which is uniform in the parameters themselves.
     stated : ndarray, (m,), or None
         Standard deviations that the measurement states; the median of the others where one does not.
     size : ndarray, (m,)
@@ -42,8 +48,11 @@ class BoxResiduals:
         self.problem, self.x = problem, x
         low, high = problem.bounds.T
         self.free = np.flatnonzero((high > low) & ~_resting(problem, x))
-        self.low, self.width = low[self.free], (high - low)[self.free]
-        value, kind, std = problem._targets.error_rows()
+        self.low, self.high = low[self.free], high[self.free]
+        self.log = self.low > 0.0
+        self.tilt = np.zeros(self.free.size)
+        self.tilt[self.log] = np.log(self.high[self.log] / self.low[self.log])
+        value, kind, std = error_rows(problem._targets)
         weights = np.ones(len(problem.measured_hz)) if problem.weights is None else problem.weights
         paired = np.isfinite(problem._core.pairs(x)[0])
         self.kept = (paired & (weights > 0.0))[value]
@@ -69,13 +78,22 @@ class BoxResiduals:
     def vector(self, u: FloatArray) -> FloatArray:
         """All parameters, (n,) or (k, n)."""
         x = np.broadcast_to(self.x, (*u.shape[:-1], self.x.size)).copy()
-        x[..., self.free] = self.low + u * self.width
+        even = self.low + u * (self.high - self.low)
+        x[..., self.free] = np.where(self.log, self.low * np.exp(u * self.tilt), even)
         return x
+
+    def place(self, x: FloatArray) -> FloatArray:
+        """The u of all parameters ``x``, (n,), within the box."""
+        held, low, high = x[self.free], self.low, self.high
+        safe = np.where(self.log, low, 1.0)
+        log = np.log(np.maximum(np.where(self.log, held, 1.0), safe) / safe)
+        found = np.where(self.log, log / np.where(self.log, self.tilt, 1.0), (held - low) / (high - low))
+        return np.asarray(np.clip(found, 0.0, 1.0))
 
     def at(self, u: FloatArray) -> FloatArray:
         """Residuals at one point, (m,)."""
         problem = self.problem
-        return np.asarray(problem._targets.errors(problem._core, self.vector(u))[self.kept])
+        return np.asarray(errors(problem._targets, problem._core, self.vector(u))[self.kept])
 
     def many(self, u: FloatArray, workers: int) -> FloatArray:
         """Residuals at every row, (k, m): the same bits for any number of workers."""

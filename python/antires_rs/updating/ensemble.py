@@ -96,7 +96,10 @@ class _Particles:
             self.which = drawn(normalized(logits), self.rng.random(len(self.u)))
             guide = variance[self.which]
             proposed = linear.swept(self.u, self.which, self.rng, np.vstack([axes, axes[::-1]]))
-            bias = [0.5 * np.sum(self.linear(u) ** 2 / guide, axis=1) for u in (proposed, self.u)]
+            bias = [
+                0.5 * np.sum(self.linear(u) ** 2 / guide, axis=1) - u @ fit.residuals.tilt
+                for u in (proposed, self.u)
+            ]
             done += self._accept(proposed, bias[0] - bias[1])
             walked = self.u + self.scale * self.rng.standard_normal(self.u.shape) @ factor.T
             share = self._accept(walked, np.zeros(len(walked)))
@@ -123,7 +126,8 @@ class _Particles:
         """Logarithm of the density of the step at fixed errors of the model, (k,)."""
         start = np.sum(self.linear(u) ** 2 / self.wide, axis=1)
         end = np.sum(e**2 / self.fit.errors.variance[self.which], axis=1)
-        return np.asarray(-0.5 * ((1.0 - self.b) * start + self.b * end))
+        prior = u @ self.fit.residuals.tilt
+        return np.asarray(prior - 0.5 * ((1.0 - self.b) * start + self.b * end))
 
 
 def ensemble_draws(fit: Fit, count: int, rng: np.random.Generator, workers: int) -> Ensemble:

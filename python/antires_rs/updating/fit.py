@@ -73,7 +73,7 @@ class Fit:
 def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
     """Least squares within the bounds from ``x``, with the errors that its residuals suggest."""
     residuals = BoxResiduals(problem, x)
-    u = np.clip((x[residuals.free] - residuals.low) / residuals.width, 0.0, 1.0)
+    u = residuals.place(x)
     stated, size = residuals.stated, residuals.size
     sigma = size * max(_rms(residuals.at(u) / size), FLOOR) if stated is None else np.maximum(stated, FLOOR)
     for _ in range(_ROUNDS):

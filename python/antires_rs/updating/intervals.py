@@ -14,6 +14,7 @@ from ..support.progress import patient, step
 from ..support.validation import FloatArray, choice, finite_scalar, integer, reject
 from ..support.values import Value
 from .ensemble import ensemble_draws
+from .error_rows import error_rows
 from .fit import Fit, fitted
 from .posterior import linear_draws
 from .profile import open_sides, words_of
@@ -186,8 +187,7 @@ def _doubts(fit: Fit, x: FloatArray) -> list[str]:
         notes.append(
             "As many parameters as values: nothing is left over to tell the error of the model from."
         )
-    start = np.clip((x[residuals.free] - residuals.low) / residuals.width, 0.0, 1.0)
-    apart = np.abs(fit.jacobian @ (start - fit.u))
+    apart = np.abs(fit.jacobian @ (residuals.place(x) - fit.u))
     if np.any(apart > np.maximum(_FAR * fit.sigma, _SAME)):
         notes.append(
             "Least squares lead far from the solution of the search: some values contradict the others."
@@ -203,5 +203,5 @@ def _doubts(fit: Fit, x: FloatArray) -> list[str]:
 def _values(fit: Fit) -> FloatArray:
     """Measured frequency that each residual belongs to, (m,)."""
     residuals = fit.residuals
-    value = residuals.problem._targets.error_rows()[0]
+    value = error_rows(residuals.problem._targets)[0]
     return np.asarray(residuals.problem.measured_hz[value][residuals.kept])

@@ -22,13 +22,13 @@ _SWEEPS = 10
 
 
 class Linear:
-    """Gaussians of the linear residuals within the box, one for each row of ``variance`` (G, m)."""
+    """Gaussians of the linear residuals within the box, times the prior, one for each row of ``variance`` (G, m)."""
 
     def __init__(self, fit: Fit, variance: FloatArray, middle: int) -> None:
         self.fit, self.variance = fit, variance
         weighted = fit.jacobian.T[None] / variance[:, None, :]  # (G, n, m)
         self.precisions = weighted @ fit.jacobian
-        self.slopes = weighted @ fit.e
+        self.slopes = weighted @ fit.e - fit.residuals.tilt
         self.axes = axes_of(self.precisions[middle])
         self.typical = self.precisions[middle]
 

@@ -127,9 +127,9 @@ def profile(
     for side in (below, above):
         u = fit.u
         for place in side:
-            step(f"{name} held at {fit.residuals.low[j] + place * fit.residuals.width[j]:.5g}")
             u = u.copy()
             u[j] = place
+            step(f"{name} held at {_value(fit, j, u):.5g}")
             u = least_squares(fit.residuals, u, fit.sigma, held=[j])
             found[float(place)] = (_squares(fit, u), u)
     limit = threshold(level)
@@ -138,15 +138,13 @@ def profile(
     places = np.array(sorted(found))
     rise = np.array([found[place][0] for place in places])
     rise -= rise.min()
-    scale = fit.residuals
     return ProfileLikelihood(
         name,
-        scale.low[j] + places * scale.width[j],
+        np.array([_value(fit, j, found[place][1]) for place in places]),
         rise,
         limit,
         level,
-        float(scale.low[j] + low * scale.width[j]),
-        float(scale.low[j] + high * scale.width[j]),
+        *(_value(fit, j, np.where(np.arange(fit.u.size) == j, end, fit.u)) for end in (low, high)),
         _kind(low_open, high_open),
         tuple(_on_bound(fit, found[place][1], j) for place in places),
     )
@@ -216,6 +214,11 @@ def _rise_at(fit: Fit, j: int, bound: float, refit: bool) -> float:
     elif not refit:
         return float(shifted @ shifted)
     return _squares(fit, least_squares(fit.residuals, u, fit.sigma, held=[j]))
+
+
+def _value(fit: Fit, j: int, u: FloatArray) -> float:
+    """Free parameter j at u, in its unit."""
+    return float(fit.residuals.vector(u)[fit.residuals.free[j]])
 
 
 def _squares(fit: Fit, u: FloatArray) -> float:

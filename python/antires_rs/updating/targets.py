@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -24,7 +23,7 @@ from .weights import residual_weights
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-__all__ = ["AntiresonanceTargets", "ModalTargets", "Targets", "targets_of"]
+__all__ = ["AntiresonanceTargets", "ModalTargets", "Targets", "targets_of", "unit_shapes"]
 
 #: A shape smaller than this at the measured dofs, relative to its largest entry, cannot be measured there.
 _AT_REST = 1e-9
@@ -47,12 +46,6 @@ class Targets(Protocol):
 
     def residuals(self, core: _core.Objective, x: FloatArray) -> FloatArray:
         """Signed residuals at ``x``."""
-
-    def errors(self, core: _core.Objective, x: FloatArray) -> FloatArray:
-        """What a Gaussian likelihood is of, (r,): differences that have a slope also at a perfect fit."""
-
-    def error_rows(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
-        """Measured value, kind, and stated standard deviation of each of ``errors``; NaN where none is."""
 
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> Any:
         """Measured, before and after."""
@@ -127,29 +120,6 @@ class ModalTargets:
         both = np.concatenate([(paired / self.hz) ** 2 - 1.0, 1.0 - mac])
         return np.where(np.isnan(both), 1.0, both)
 
-    def errors(self, core: _core.Objective, x: FloatArray) -> FloatArray:
-        """Of the frequencies, then of the shapes at unit length, the measured ones turned to be real."""
-        paired, _, shapes = self._pairs(core, x)
-        found = [np.where(np.isnan(paired), 1.0, (paired / self.hz) ** 2 - 1.0)]
-        first = 0
-        for freq, dofs, measured in self._parts:
-            model = _unit(np.nan_to_num(shapes[first : first + len(freq)][:, dofs]))
-            first += len(freq)
-            # Along its longest real direction a measured shape has the phase that a mode of the model has.
-            turned = np.exp(-0.5j * np.angle(np.sum(measured**2, axis=1, keepdims=True)))
-            seen = _unit((measured * turned).real)
-            sign = np.where(np.sum(seen * model, axis=1, keepdims=True) < 0.0, -1.0, 1.0)
-            found.append((sign * model - seen).ravel())
-        return np.concatenate(found)
-
-    def error_rows(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
-        """Frequencies are of kind 0, entries of shapes of kind 1; neither states an error."""
-        entries = np.repeat([len(dofs) for _, dofs, _ in self._parts], [len(f) for f, _, _ in self._parts])
-        number = np.arange(self.hz.size)
-        value = np.concatenate([number, np.repeat(number, entries)])
-        kind = (np.arange(value.size) >= self.hz.size).astype(np.intp)
-        return value, kind, np.full(value.size, np.nan)
-
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> ModalTable:
         """Measured, before and after."""
         (hz, mac, _), (hz_after, mac_after, _) = self._pairs(core, before), self._pairs(core, after)
@@ -163,7 +133,7 @@ class ModalTargets:
         for freq, dofs, _ in self._parts:
             rows = slice(first, first + len(freq))
             first += len(freq)
-            u, v = (_unit(shapes[rows][:, dofs]) for shapes in (shapes0, shapes1))
+            u, v = (unit_shapes(shapes[rows][:, dofs]) for shapes in (shapes0, shapes1))
             sign = np.where(np.sum(u * v, axis=1, keepdims=True) < 0.0, -1.0, 1.0)
             changes.append((sign * v - u).ravel())
         return np.concatenate(changes)
@@ -223,6 +193,7 @@ def targets_of(model: StructuralModel, measured: Any, objective: str | None) -> 
     return made
 
 
-def _unit(shapes: FloatArray) -> FloatArray:
+def unit_shapes(shapes: FloatArray) -> FloatArray:
+    """Shapes at unit length, a row each; zero stays zero."""
     size = np.linalg.norm(shapes, axis=1, keepdims=True)
     return np.asarray(shapes / np.where(size > 0.0, size, 1.0))
