@@ -75,7 +75,7 @@ _NAMES = {
     "signals.recording": ("Recording",),
     "signals.transfer_functions": ("frf", "transmissibility", "transmissibility_sum"),
     "updating.damage": ("assess_damage",),
-    "updating.intervals": ("ParameterIntervals",),
+    "updating.parameter_intervals": ("ParameterIntervals",),
     "updating.penalty": ("DamagePenalty",),
     "updating.problem": ("UpdatingProblem",),
     "updating.profile": ("ProfileLikelihood",),

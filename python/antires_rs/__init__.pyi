@@ -66,7 +66,7 @@ from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
 from .updating.damage import assess_damage
-from .updating.intervals import ParameterIntervals
+from .updating.parameter_intervals import ParameterIntervals
 from .updating.penalty import DamagePenalty
 from .updating.problem import UpdatingProblem
 from .updating.profile import ProfileLikelihood

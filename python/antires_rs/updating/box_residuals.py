@@ -25,8 +25,9 @@ _PIECE = 64
 class BoxResiduals:
     """Residuals as a function of u in the unit box.
 
-    Where the lower bound is above 0, u runs with the logarithm of the parameter: antiresonances hang on ratios of
-    stiffness to mass, and a common scale of all is then a straight line along which nothing changes.
+    Where the lower bound is above 0, u runs with the logarithm of the parameter: antiresonances hang on
+    ratios of stiffness to mass, and a common scale of all is then a straight line along which nothing
+    changes.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ _SWEEPS = 10
 
 
 class Linear:
-    """Gaussians of the linear residuals within the box, times the prior, one for each row of ``variance`` (G, m)."""
+    """Gaussians of the linear residuals within the box, times the prior, one a row of ``variance`` (G, m)."""
 
     def __init__(self, fit: Fit, variance: FloatArray, middle: int) -> None:
         self.fit, self.variance = fit, variance

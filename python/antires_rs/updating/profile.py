@@ -8,7 +8,7 @@ bounds, so that a side may be closed only because another one runs into a bound 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,14 +16,13 @@ from ..support.one_thread import one_blas_thread
 from ..support.progress import patient, step
 from ..support.validation import FloatArray, finite_scalar, integer, reject
 from ..support.values import Value
-from .fit import UNSEEN, Fit, fitted, least_squares
+from .fit import UNSEEN, Fit, fitted
+from .sides import Kind, covariance, kind_of, squares, threshold
 
 if TYPE_CHECKING:
     from .problem import UpdatingProblem
 
-__all__ = ["Kind", "ProfileLikelihood", "open_sides", "profile", "threshold", "words_of"]
-
-Kind = Literal["two-sided", "one-sided", "flat", "fixed"]
+__all__ = ["ProfileLikelihood", "profile"]
 
 #: This near to a bound, as a share of the bounds' distance, a parameter is on it.
 _ON_BOUND = 1e-6
@@ -31,8 +30,6 @@ _ON_BOUND = 1e-6
 _REACH = 4.0
 #: Points that are added on each side, until those around the end differ by this share of the limit's root.
 _REFINED, _NEAR = 8, 0.25
-#: A parameter that is this much worse known without its box is held by it.
-_RIDGE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,13 +84,6 @@ class ProfileLikelihood(Value):
         return "\n".join(lines)
 
 
-def threshold(level: float) -> float:
-    """Rise of the sum of squares at the ends of an interval: chi-square with one degree of freedom."""
-    from scipy.special import ndtri
-
-    return float(ndtri(0.5 + level / 2.0) ** 2)
-
-
 @patient("profile")
 @one_blas_thread
 def profile(
@@ -123,7 +113,7 @@ def profile(
     std = np.sqrt(covariance(fit)[j, j])
     below = _places(center, 0.0, std, points // 2)
     above = _places(center, 1.0, std, points - points // 2)
-    found: dict[float, tuple[float, FloatArray]] = {center: (_squares(fit, fit.u), fit.u)}
+    found: dict[float, tuple[float, FloatArray]] = {center: (squares(fit, fit.u), fit.u)}
     for side in (below, above):
         u = fit.u
         for place in side:
@@ -131,98 +121,30 @@ def profile(
             u[j] = place
             step(f"{name} held at {_value(fit, j, u):.5g}")
             u = least_squares(fit.residuals, u, fit.sigma, held=[j])
-            found[float(place)] = (_squares(fit, u), u)
+            found[float(place)] = (squares(fit, u), u)
     limit = threshold(level)
     ends = [_end(fit, found, j, side, limit) for side in (-1.0, 1.0)]
     (low, low_open), (high, high_open) = ends
     places = np.array(sorted(found))
     rise = np.array([found[place][0] for place in places])
     rise -= rise.min()
+    at = [_value(fit, j, np.where(np.arange(fit.u.size) == j, end, fit.u)) for end in (low, high)]
     return ProfileLikelihood(
         name,
         np.array([_value(fit, j, found[place][1]) for place in places]),
         rise,
         limit,
         level,
-        *(_value(fit, j, np.where(np.arange(fit.u.size) == j, end, fit.u)) for end in (low, high)),
-        _kind(low_open, high_open),
+        at[0],
+        at[1],
+        kind_of(low_open, high_open),
         tuple(_on_bound(fit, found[place][1], j) for place in places),
     )
-
-
-def covariance(fit: Fit) -> FloatArray:
-    """Covariance of the free parameters as if nothing bounded them, (n, n); huge where nothing is seen."""
-    weighted = fit.jacobian / fit.sigma[:, None]
-    precision = weighted.T @ weighted
-    values, vectors = np.linalg.eigh(precision)
-    least = _RIDGE * max(float(values.max(initial=0.0)), 1.0)
-    return np.asarray((vectors / np.maximum(values, least)) @ vectors.T)
-
-
-def open_sides(fit: Fit, level: float, refit: bool) -> list[tuple[bool, bool, bool]]:
-    """For every free parameter: open below, open above, and closed only by the bounds of others.
-
-    By the linear residuals, or with ``refit`` by least squares with the parameter held at its bound.
-    """
-    limit, spread = threshold(level), np.diag(covariance(fit))
-    least = _squares(fit, fit.u)
-    sides = []
-    for j, center in enumerate(fit.u):
-        opened, by_others = [], False
-        for bound in (0.0, 1.0):
-            alone = (bound - center) ** 2 / spread[j]  # as if the others had no bounds
-            if alone > 4.0 * limit or (not refit and alone > limit):
-                opened.append(False)
-                continue
-            rise = _rise_at(fit, j, bound, refit) - least
-            opened.append(bool(rise < limit))
-            by_others |= rise >= limit > alone
-        sides.append((opened[0], opened[1], by_others))
-    return sides
-
-
-def words_of(low_open: bool, high_open: bool, by_others: bool) -> str:
-    """What the data say of a parameter."""
-    kind = _kind(low_open, high_open)
-    if kind == "one-sided":
-        side = "lower" if low_open else "upper"
-        return f"one-sided: its {side} bound fits as well"
-    if kind == "two-sided" and by_others:
-        return "two-sided, through the bounds of others"
-    return kind
-
-
-def _kind(low_open: bool, high_open: bool) -> Kind:
-    return "flat" if low_open and high_open else "one-sided" if low_open or high_open else "two-sided"
-
-
-def _rise_at(fit: Fit, j: int, bound: float, refit: bool) -> float:
-    """Sum of squares with parameter j at a bound and the others fitted within theirs."""
-    from scipy.optimize import lsq_linear
-
-    others = np.delete(np.arange(fit.u.size), j)
-    weighted = fit.jacobian / fit.sigma[:, None]
-    shifted = fit.e / fit.sigma + weighted[:, j] * (bound - fit.u[j])
-    u = fit.u.copy()
-    u[j] = bound
-    if others.size:
-        ends = (np.minimum(-u[others], -1e-12), np.maximum(1.0 - u[others], 1e-12))
-        found = lsq_linear(weighted[:, others], -shifted, ends, method="bvls")
-        if not refit:
-            return float(2.0 * found.cost)
-        u[others] = np.clip(u[others] + found.x, 0.0, 1.0)
-    elif not refit:
-        return float(shifted @ shifted)
-    return _squares(fit, least_squares(fit.residuals, u, fit.sigma, held=[j]))
 
 
 def _value(fit: Fit, j: int, u: FloatArray) -> float:
     """Free parameter j at u, in its unit."""
     return float(fit.residuals.vector(u)[fit.residuals.free[j]])
-
-
-def _squares(fit: Fit, u: FloatArray) -> float:
-    return float(np.sum((fit.residuals.at(u) / fit.sigma) ** 2))
 
 
 def _places(center: float, bound: float, std: float, count: int) -> FloatArray:
@@ -258,7 +180,7 @@ def _end(
         # A rise that begins late is no parabola: not too near to the side that is known to be within.
         u[j] = places[k - 1] + max(share, 0.3) * (places[k] - places[k - 1])
         u = least_squares(fit.residuals, u, fit.sigma, held=[j])
-        found[float(u[j])] = (_squares(fit, u), u)
+        found[float(u[j])] = (squares(fit, u), u)
     return end, False
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from ..support.pickling import ReadOnly
 from ..support.validation import FloatArray
 from .fit import fitted
-from .intervals import Method, ParameterIntervals, intervals
+from .intervals import intervals
+from .parameter_intervals import Method, ParameterIntervals
 from .profile import ProfileLikelihood, profile
 
 if TYPE_CHECKING:
