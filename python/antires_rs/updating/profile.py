@@ -16,7 +16,7 @@ from ..support.one_thread import one_blas_thread
 from ..support.progress import patient, step
 from ..support.validation import FloatArray, finite_scalar, integer, reject
 from ..support.values import Value
-from .fit import UNSEEN, Fit, fitted
+from .fit import UNSEEN, Fit, fitted, least_squares
 from .sides import Kind, covariance, kind_of, squares, threshold
 
 if TYPE_CHECKING:

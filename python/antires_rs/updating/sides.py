@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from ..support.validation import FloatArray
-from .fit import Fit
+from .fit import Fit, least_squares
 
 __all__ = ["Kind", "covariance", "kind_of", "open_sides", "squares", "threshold", "words_of"]
 
