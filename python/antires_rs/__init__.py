@@ -75,6 +75,7 @@ _NAMES = {
     "signals.recording": ("Recording",),
     "signals.transfer_functions": ("frf", "transmissibility", "transmissibility_sum"),
     "updating.damage": ("assess_damage",),
+    "updating.box_identifiability": ("BoxIdentifiability", "identifiability"),
     "updating.parameter_intervals": ("ParameterIntervals",),
     "updating.penalty": ("DamagePenalty",),
     "updating.problem": ("UpdatingProblem",),

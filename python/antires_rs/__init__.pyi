@@ -65,6 +65,7 @@ from .rational.fit import RationalFit, fit_rational
 from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
+from .updating.box_identifiability import BoxIdentifiability, identifiability
 from .updating.damage import assess_damage
 from .updating.parameter_intervals import ParameterIntervals
 from .updating.penalty import DamagePenalty
@@ -78,6 +79,7 @@ __all__ = [
     "AntiresError",
     "AntiresWarning",
     "AntiresonanceSet",
+    "BoxIdentifiability",
     "Comparison",
     "DamagePenalty",
     "DamageResult",
@@ -126,6 +128,7 @@ __all__ = [
     "fit_rational",
     "frf",
     "from_sep005",
+    "identifiability",
     "identify_antiresonances",
     "identify_modes",
     "inertia",
