@@ -6,6 +6,10 @@ from . import io as io
 from . import plotting as plotting
 from . import report as report
 from ._core import __version__
+from .damage.assess import assess_damage
+from .damage.hypotheses import Hypotheses, Hypothesis
+from .damage.prior import DamagePrior
+from .damage.result import DamageResult
 from .data_check import DataCheck, Finding, check_data
 from .exceptions import (
     AntiresError,
@@ -66,12 +70,11 @@ from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
 from .updating.box_identifiability import BoxIdentifiability, identifiability
-from .updating.damage import assess_damage
 from .updating.parameter_intervals import ParameterIntervals
 from .updating.penalty import DamagePenalty
 from .updating.problem import UpdatingProblem
 from .updating.profile import ProfileLikelihood
-from .updating.results import DamageResult, UpdateResult
+from .updating.results import UpdateResult
 from .updating.search import update
 from .updating.tables import FrequencyTable, ModalTable
 
@@ -82,6 +85,7 @@ __all__ = [
     "BoxIdentifiability",
     "Comparison",
     "DamagePenalty",
+    "DamagePrior",
     "DamageResult",
     "DataCheck",
     "Finding",
@@ -90,6 +94,8 @@ __all__ = [
     "FrequencyTable",
     "GroundSpring",
     "History",
+    "Hypotheses",
+    "Hypothesis",
     "InternalError",
     "InvalidInputError",
     "IslandGA",

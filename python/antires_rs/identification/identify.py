@@ -301,7 +301,7 @@ def _checked(
         )
     if not checked.ok:
         said = "\n".join(f"data check: {line}" for line in checked.warnings)
-        warnings.warn(said, AntiresWarning, stacklevel=4)
+        warnings.warn(said, AntiresWarning, stacklevel=5)
     return checked
 
 

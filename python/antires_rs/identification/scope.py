@@ -65,7 +65,7 @@ def settled(options: IdentificationOptions, lines: Lines) -> IdentificationOptio
     if formulation == "windows" and lines.freq_hz.size < FEW_LINES:
         said.append(_of_few_lines(lines))
     for text in said:
-        warnings.warn(f"identify_antiresonances: {text}", AntiresWarning, stacklevel=4)
+        warnings.warn(f"identify_antiresonances: {text}", AntiresWarning, stacklevel=5)
     return replace(options, formulation=formulation)
 
 

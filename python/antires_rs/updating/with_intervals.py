@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,7 +27,7 @@ class WithIntervals(ReadOnly):
     x: FloatArray
 
     @property
-    def interval(self) -> dict[str, tuple[float, float]]:
+    def interval(self) -> dict[Any, tuple[float, float]]:
         """90 % interval of each parameter by name: the quick answer of :meth:`intervals`."""
         return self._quick.interval
 
