@@ -206,6 +206,15 @@ def test_modes_have_intervals_too():
         result.intervals("bootstrap")
 
 
+def test_intervals_as_a_table():
+    pd = pytest.importorskip("pandas")
+    found = springs().intervals()
+    table = found.to_dataframe()
+    assert isinstance(table, pd.DataFrame)
+    name = "stiffness of spring 2"
+    assert (table.loc[name, "low"], table.loc[name, "high"]) == found[name]
+
+
 def test_damage_that_was_decided_to_be_none_is_fixed():
     case = ar.cases.chain8()
     found = ar.assess_damage(case.model, case.exact(1), rng=1).intervals()

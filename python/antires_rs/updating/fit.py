@@ -20,13 +20,16 @@ from .error_model import FLOOR, ErrorModel
 if TYPE_CHECKING:
     from .problem import UpdatingProblem
 
-__all__ = ["UNSEEN", "Fit", "fitted", "least_squares"]
+__all__ = ["FAR", "SAME", "UNSEEN", "Fit", "fitted", "least_squares"]
 
 #: A combination whose residuals move less than this over the bounds' distance is not seen; see
 #: ``identifiability``.
 UNSEEN = 1e-5
 #: Rounds of weights from residuals and residuals from weights, and steps of each.
 _ROUNDS, _STEPS = 3, 20
+#: A solution is another than the one found if a value differs by more standard deviations than this, and by
+#: more than this share of omega squared.
+FAR, SAME = 4.0, 2e-3
 #: Share of the steepest column that a step costs: what no value sees stays where it is.
 _DAMPED = 1e-6
 
@@ -78,7 +81,7 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
     sigma = size * max(_rms(residuals.at(u) / size), FLOOR) if stated is None else np.maximum(stated, FLOOR)
     for _ in range(_ROUNDS):
         step("least squares")
-        u = least_squares(residuals, u, sigma)
+        u = _best(residuals, u, sigma)
         e, jacobian = residuals.at(u), residuals.jacobian(u)
         rank = int(np.count_nonzero(np.linalg.svd(jacobian, compute_uv=False) > UNSEEN)) if u.size else 0
         size = residuals.size * _kinds(residuals, e / residuals.size)
@@ -126,6 +129,15 @@ def least_squares(
         if cost - z @ z < 1e-6 * cost + 1e-6:
             break  # less than any probability would show
     return u
+
+
+def _best(residuals: BoxResiduals, start: FloatArray, sigma: FloatArray) -> FloatArray:
+    """Least squares from the start; if that leads far, the best of it and of those from two more starts."""
+    found = [least_squares(residuals, start, sigma)]
+    if np.any(np.abs(residuals.at(found[0]) - residuals.at(start)) > np.maximum(FAR * sigma, SAME)):
+        others = residuals.place(residuals.problem.nominal), np.full(start.size, 0.5)
+        found += [least_squares(residuals, u, sigma) for u in others]
+    return min(found, key=lambda u: float(np.sum((residuals.at(u) / sigma) ** 2)))
 
 
 def _kinds(residuals: BoxResiduals, e: FloatArray) -> FloatArray:

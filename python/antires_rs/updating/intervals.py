@@ -12,7 +12,7 @@ from ..support.progress import patient, step
 from ..support.validation import FloatArray, choice, finite_scalar, integer
 from .ensemble import ensemble_draws
 from .error_rows import error_rows
-from .fit import Fit, fitted
+from .fit import FAR, SAME, Fit, fitted
 from .parameter_intervals import Method, ParameterIntervals
 from .posterior import linear_draws
 from .sides import open_sides, words_of
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["intervals"]
 
-#: The least-squares solution is another than the one found if a value differs by more than this many standard
-#: deviations and by more than this share of omega squared.
-_FAR, _SAME = 4.0, 2e-3
 #: Residuals beyond this many standard deviations are named.
 _ODD = 4.0
 
@@ -109,7 +106,7 @@ def _doubts(fit: Fit, x: FloatArray) -> list[str]:
             "As many parameters as values: nothing is left over to tell the error of the model from."
         )
     apart = np.abs(fit.jacobian @ (residuals.place(x) - fit.u))
-    if np.any(apart > np.maximum(_FAR * fit.sigma, _SAME)):
+    if np.any(apart > np.maximum(FAR * fit.sigma, SAME)):
         notes.append(
             "Least squares lead far from the solution of the search: some values contradict the others."
         )

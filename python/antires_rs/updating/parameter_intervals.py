@@ -71,12 +71,10 @@ class ParameterIntervals(Value):
         )
 
     def to_dataframe(self) -> Any:
-        """One row a parameter, as a pandas ``DataFrame`` (extra "tables")."""
-        import pandas as pd
+        """One row a parameter; needs pandas."""
+        from ..io.compared import intervals_frame
 
-        columns = ("low", "high", "center", "std", "words")
-        table = {name: getattr(self, name) for name in columns}
-        return pd.DataFrame(table, index=pd.Index(self.names, name="parameter"))
+        return intervals_frame(self)
 
     def __str__(self) -> str:
         width = max(len(name) for name in self.names)
