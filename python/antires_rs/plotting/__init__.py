@@ -17,6 +17,7 @@ from .damping_clusters import plot_damping_clusters
 from .differences import plot_differences
 from .frame import plot_frame
 from .hypotheses import plot_hypotheses
+from .identifiability import plot_identifiability
 from .spectra import plot_coherence, plot_singular_values
 from .stabilization import plot_stabilization
 from .tracks import plot_tracks
@@ -35,6 +36,7 @@ __all__ = [
     "plot_singular_values",
     "plot_frame",
     "plot_hypotheses",
+    "plot_identifiability",
     "plot_stabilization",
     "plot_tracks",
     "plot_transmissibility",
