@@ -15,6 +15,10 @@ from ._core import __version__ as __version__
 # Where each public name lives. It is imported at first use, so that `antires --help` waits for no numpy.
 # No name may be that of a module, which would take its place once imported.
 _NAMES = {
+    "damage.assess": ("assess_damage",),
+    "damage.hypotheses": ("Hypotheses", "Hypothesis"),
+    "damage.prior": ("DamagePrior",),
+    "damage.result": ("DamageResult",),
     "data_check": ("DataCheck", "Finding", "check_data"),
     "exceptions": (
         "AntiresError",
@@ -74,10 +78,9 @@ _NAMES = {
     "signals.frequency_response": ("FrequencyResponse",),
     "signals.recording": ("Recording",),
     "signals.transfer_functions": ("frf", "transmissibility", "transmissibility_sum"),
-    "updating.damage": ("assess_damage",),
     "updating.penalty": ("DamagePenalty",),
     "updating.problem": ("UpdatingProblem",),
-    "updating.results": ("DamageResult", "UpdateResult"),
+    "updating.results": ("UpdateResult",),
     "updating.search": ("update",),
     "updating.tables": ("FrequencyTable", "ModalTable"),
 }

@@ -6,6 +6,10 @@ from . import io as io
 from . import plotting as plotting
 from . import report as report
 from ._core import __version__
+from .damage.assess import assess_damage
+from .damage.hypotheses import Hypotheses, Hypothesis
+from .damage.prior import DamagePrior
+from .damage.result import DamageResult
 from .data_check import DataCheck, Finding, check_data
 from .exceptions import (
     AntiresError,
@@ -65,10 +69,9 @@ from .rational.fit import RationalFit, fit_rational
 from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
-from .updating.damage import assess_damage
 from .updating.penalty import DamagePenalty
 from .updating.problem import UpdatingProblem
-from .updating.results import DamageResult, UpdateResult
+from .updating.results import UpdateResult
 from .updating.search import update
 from .updating.tables import FrequencyTable, ModalTable
 
@@ -78,6 +81,7 @@ __all__ = [
     "AntiresonanceSet",
     "Comparison",
     "DamagePenalty",
+    "DamagePrior",
     "DamageResult",
     "DataCheck",
     "Finding",
@@ -86,6 +90,8 @@ __all__ = [
     "FrequencyTable",
     "GroundSpring",
     "History",
+    "Hypotheses",
+    "Hypothesis",
     "InternalError",
     "InvalidInputError",
     "IslandGA",

@@ -231,3 +231,14 @@ def test_few_orders_are_enough_for_windows():
         identify_antiresonances(
             frfs, excitation=0, band_hz=BAND, check="off", max_order=8, formulation="numerators"
         )
+
+
+def test_few_lines_are_told():
+    frfs = free_chain(noise=0.003, seed=2, sensors=(0, 3, 6))
+    with pytest.warns(AntiresWarning, match=r"holds 40 lines.*carry 8 orders.*want 48.*0\.041 Hz apart"):
+        few = identify_antiresonances(frfs, excitation=0, band_hz=(24.01, 26.01), check="off")
+    # Of one mode and fine lines they are enough all the same.
+    assert few[0] == pytest.approx([damped_zeros(0)[1]], rel=2e-3)
+    coarse = FrequencyResponse(frfs.freq_hz[::30], frfs.values[:, ::30], dofs=frfs.dofs)
+    with pytest.warns(AntiresWarning, match="want 48 lines"):
+        identify_antiresonances(coarse, excitation=0, band_hz=BAND, check="off")

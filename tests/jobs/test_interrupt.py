@@ -9,6 +9,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs import cli
+from antires_rs.damage import result as damage_result
 from antires_rs.jobs import run
 from antires_rs.updating import results
 from tests.support.job_files import DAMAGE, UPDATE, write_measured
@@ -108,7 +109,7 @@ def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, cap
         raise AssertionError("computed")
 
     monkeypatch.setattr(run, "assess_damage", interrupted)
-    monkeypatch.setattr(results, "smallest_visible", slow)
+    monkeypatch.setattr(damage_result, "smallest_visible", slow)
     monkeypatch.setattr(results, "identifiability", slow)
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 130
     captured = capsys.readouterr()

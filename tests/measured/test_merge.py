@@ -117,3 +117,27 @@ def test_identified_setups_keep_their_scores():
     assert list(merged) == [0, 1, 2, 3, 4, 5, 6]
     assert set(merged.scores[0]) == set(sets[0].scores[0])
     assert (merged.sees, merged.channels) == ("transmissibility", (0, 1, 2, 3, 4, 5, 6))
+
+
+def test_the_same_set_twice_counts_once():
+    rng = np.random.default_rng(5)
+    one, other = setup(0, (0, 1, 2), rng), setup(0, (0, 3), rng)
+    with pytest.warns(AntiresWarning, match=r"setups 1 and 2 have \d+ values in common to the last bit"):
+        merged = ar.merge_setups([one, one])
+    for dof in one:
+        assert merged[dof].tolist() == one[dof].tolist()
+        assert merged.std_hz[dof].tolist() == one.std_hz[dof].tolist()
+    with pytest.warns(AntiresWarning, match="setups 1 and 3 have"):
+        merged = ar.merge_setups([one, other, one])
+    plain = ar.merge_setups([one, other])
+    for dof in plain:
+        assert merged[dof].tolist() == plain[dof].tolist()
+        assert merged.std_hz[dof].tolist() == plain.std_hz[dof].tolist()
+    with pytest.raises(UnsuitableDataError, match=r"setups 1 and 2 .* Give each setup once"):
+        ar.merge_setups([one, one], check="raise")
+    assert ar.merge_setups([one, one], check="off") == ar.AntiresonanceSet.from_tables(0, one.tables)
+
+
+def test_empty_responses_are_no_copies():
+    a, b = (ar.AntiresonanceSet(0, {0: [f], 1: []}, std_hz={0: [0.02]}) for f in (8.7, 8.71))
+    assert ar.merge_setups([a, b])[1].size == 0

@@ -42,3 +42,13 @@ def test_picture_of_a_comparison():
     assert drawn["changed"].tolist() == [False, True, False]
     assert np.allclose(drawn["difference_percent"], [0.0, -1.674, 0.0], atol=1e-3)
     assert [text.get_text() for text in ax.texts] == ["dof 0", "1"]
+
+
+def test_a_loss_is_marked_at_the_first_test_that_lacks_the_value():
+    from matplotlib.figure import Figure
+
+    followed = ar.track(sets_of([10.0, 20.0], [10.1, 20.2], [10.2], [10.3]), [0.0, 5.0, 20.0, 30.0])
+    for kind, level in (("frequency", 20.2), ("change", 1.0)):
+        ax = followed.plot(0, kind=kind, ax=Figure().subplots())
+        (mark,) = [line for line in ax.get_lines() if line.get_label() == "lost"]
+        assert (mark.get_xdata()[0], mark.get_ydata()[0]) == (20.0, pytest.approx(level))

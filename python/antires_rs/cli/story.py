@@ -16,12 +16,13 @@ import numpy as np
 
 from .. import cases
 from ..cases.chain8 import Chain8
+from ..damage.assess import assess_damage
+from ..damage.result import DamageResult
 from ..identification.identify import identify_antiresonances
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..optimize.island_ga import IslandGA
 from ..signals.recording import Recording
-from ..updating.damage import assess_damage
-from ..updating.results import DamageResult, UpdateResult
+from ..updating.results import UpdateResult
 from ..updating.search import update
 
 __all__ = ["MAX_EVALUATIONS", "PERTURBATION", "Story", "tell"]

@@ -10,9 +10,10 @@ import numpy as np
 
 from .._core import __version__
 from ..cases.chain8 import DURATION_S, FS_HZ
+from ..damage.result import DamageResult
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import FloatArray
-from ..updating.results import DamageResult, UpdateResult
+from ..updating.results import UpdateResult
 from .story import PERTURBATION, Story
 
 __all__ = ["compare", "summary", "text"]

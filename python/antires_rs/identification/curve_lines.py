@@ -23,6 +23,7 @@ def curve_lines(
     force: ComplexArray | None = None,
     *,
     std: FloatArray | None = None,
+    runs: ComplexArray | None = None,
     size_known: bool,
     added_decay_per_s: float = 0.0,
 ) -> Lines:
@@ -38,6 +39,8 @@ def curve_lines(
         median line.
     std : (n_rows, n_freq), optional
         Standard deviation of the real parts of ``values``, where it is known.
+    runs : (R, n_rows, n_freq) complex, optional
+        What each of several tests gave, where ``values`` are their average.
     size_known : bool
         Whether the size of ``values`` from line to line is a property of the structure.
     added_decay_per_s : float
@@ -69,7 +72,14 @@ def curve_lines(
         added_decay_per_s=added_decay_per_s,
         size=size if size_known else None,
         noise_given=std is not None,
+        runs=None if runs is None else _units(runs / np.sqrt(row)[:, None], scaled[len(values) :]),
     )
+
+
+def _units(runs: ComplexArray, force: ComplexArray) -> ComplexArray:
+    """Unit vectors of every test, the force (no row or one) the same in all: (n_freq, n_rows, R)."""
+    rows = [unit(np.vstack([run, force])) for run in runs]
+    return np.stack(rows, axis=2).transpose(1, 0, 2)
 
 
 def _weighty(force: ComplexArray, responses: ComplexArray) -> ComplexArray:

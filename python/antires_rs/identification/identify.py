@@ -40,13 +40,13 @@ from ..signals.band import band_of
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.pooled import without_force
 from ..signals.recording import Recording
-from ..signals.repeats import one_source
+from ..signals.repeats import AveragedResponse, one_source
 from ..support.one_thread import one_blas_thread
 from ..support.progress import patient, step
 from ..support.validation import reject
 from .diagrams import diagrams_of
 from .options import DEFAULT, IdentificationOptions, checked_options
-from .repeat_scatter import independent_averages
+from .repeat_scatter import freedom, independent_averages
 from .response_lines import lines_of
 from .scope import settled
 
@@ -174,9 +174,9 @@ def identify_antiresonances(
     their segments, or their impacts, are averaged together, and the standard deviations hold what differs
     from record to record (:mod:`~antires_rs.identification.repeat_scatter`). So do several impacts in one
     record, which is cut before each. Records must have the same dofs and sampling rate. A list of FRFs or of
-    transmissibilities is averaged with the scatter between them as its standard deviation
-    (:mod:`~antires_rs.signals.repeats`). Setups with other places of the sensors are identified apart and
-    joined by :func:`~antires_rs.merge_setups`.
+    transmissibilities is averaged (:mod:`~antires_rs.signals.repeats`), and the standard deviations hold what
+    differs between them, too. Setups with other places of the sensors are identified
+    apart and joined by :func:`~antires_rs.merge_setups`.
 
     Near their noise, responses have antiresonances that are there in most orders but do not stand still;
     they are accepted by a second rule (modules ``persistence``, ``selection``) and marked "persistent" in
@@ -246,6 +246,11 @@ def identify_antiresonances(
     step("fit")
     fitted = diagrams_of(one.dofs, lines_for, band, options)
     found = {dof: fitted.diagrams[dof] for dof in wanted}
+    known = None
+    if isinstance(one, AveragedResponse):
+        known = freedom(len(one.runs))
+    elif averages is not None and fitted.of_numerators:
+        known = independent_averages(averages.spectra)
     compared = None
     if options.cross_check is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
@@ -257,7 +262,7 @@ def identify_antiresonances(
     return AntiresonanceSet.from_tables(
         excitation,
         {
-            dof: _with_grades(d.accepted, averages) if fitted.of_numerators else d.accepted
+            dof: _with_freedom(graded(d.accepted) if fitted.of_numerators else d.accepted, known)
             for dof, d in found.items()
         },
         diagrams=found,
@@ -268,12 +273,9 @@ def identify_antiresonances(
     )
 
 
-def _with_grades(table: ResponseTable, averages: Averages | None) -> ResponseTable:
-    """The table of a fit of all numerators with grades, and with what its standard deviations rest on."""
-    table = graded(table)
-    if averages is None:
-        return table
-    return table.with_scores(averages=np.full(len(table), independent_averages(averages.spectra)))
+def _with_freedom(table: ResponseTable, known: float | None) -> ResponseTable:
+    """The table with what its standard deviations rest on."""
+    return table if known is None else table.with_scores(averages=np.full(len(table), known))
 
 
 def _checked(
@@ -299,7 +301,7 @@ def _checked(
         )
     if not checked.ok:
         said = "\n".join(f"data check: {line}" for line in checked.warnings)
-        warnings.warn(said, AntiresWarning, stacklevel=4)
+        warnings.warn(said, AntiresWarning, stacklevel=5)
     return checked
 
 

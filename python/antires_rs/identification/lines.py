@@ -33,7 +33,8 @@ class Lines:
     one record. ``size`` is what the vectors were divided by, where that is a property of the structure: the
     norm of measured FRFs or of the responses to one impact, (n_freq,); None for transmissibilities and for
     responses to a force of unknown spectrum. ``noise_given`` says that the signal-to-noise ratio came with
-    the curves.
+    the curves. ``runs`` are the unit vectors of each of several tests whose average the vectors are, scaled
+    alike, (n_freq, n_rows, n_tests).
     """
 
     freq_hz: FloatArray
@@ -46,10 +47,11 @@ class Lines:
     draws: NDArray[np.int64] | None = None
     size: FloatArray | None = None
     noise_given: bool = False
+    runs: ComplexArray | None = None
 
     def part(self, first: int, last: int) -> Lines:
         """Some of the lines."""
-        some = None if self.segments is None else self.segments[first:last]
+        some, runs = (None if a is None else a[first:last] for a in (self.segments, self.runs))
         return replace(
             self,
             freq_hz=self.freq_hz[first:last],
@@ -57,6 +59,7 @@ class Lines:
             snr=self.snr[first:last],
             segments=some,
             size=None if self.size is None else self.size[first:last],
+            runs=runs,
         )
 
     def projected(self, directions: FloatArray) -> Lines:
@@ -64,7 +67,26 @@ class Lines:
         inside = directions.T @ self.vectors
         share = np.sum(np.abs(inside) ** 2, axis=0)
         segments = None if self.segments is None else directions.T @ self.segments
-        return replace(self, vectors=unit(inside), snr=self.snr * share, segments=segments, size=None)
+        runs = None
+        if self.runs is not None:
+            runs = (directions.T @ self.runs) / np.sqrt(np.maximum(share, 1e-300))[:, None, None]
+        return replace(
+            self, vectors=unit(inside), snr=self.snr * share, segments=segments, size=None, runs=runs
+        )
+
+    def by_test(self) -> Lines:
+        """The same lines with what each test gave as one segment."""
+        if self.runs is None:
+            return self
+        draws = np.arange(self.runs.shape[2])
+        return replace(self, segments=np.sqrt(self.snr)[:, None, None] * self.runs, draws=draws)
+
+    @property
+    def n_tests(self) -> int:
+        """Independent draws that tell the scatter between tests; 1 if nothing does."""
+        if self.runs is not None:
+            return int(self.runs.shape[2])
+        return 1 if self.draws is None or self.segments is None else int(np.unique(self.draws).size)
 
     def covariance(self) -> ComplexArray:
         """Covariance of the rows at every line, (n_freq, n_rows, n_rows), in units of the noise."""

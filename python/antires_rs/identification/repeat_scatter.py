@@ -1,14 +1,14 @@
 r"""The scatter between repeats of a test, in the variance of an identified value.
 
-R records of one test, or R impacts, are R independent draws. What each would move a zero by, summed over the
-record, gives
+R records of one test, R impacts, or the curves of R tests are R independent draws. What each would move a
+zero by, summed over the record, gives
 
     b^2 = R / (R - 1) sum_r (u_r - mean u)^2
 
 which holds whatever differs from record to record: noise, the strength of the force, temperature, mounting.
-But it has R - 1 degrees of freedom only. The scatter inside the records (of their segments; of an impact, in
-blocks of neighbouring lines) has many, and knows noise and leakage alone: w^2. Their ratio is much the same
-for all zeros of a test, so that all tell of it together:
+But it has R - 1 degrees of freedom only. The scatter inside the records (of their segments; of an impact or a
+curve, in blocks of neighbouring lines) has many, and knows noise and leakage alone: w^2. Their ratio is much
+the same for all zeros of a test, so that all tell of it together:
 
     q = max(1, median of b^2 / w^2 over all zeros / median of chi^2_{R-1} / (R - 1)),
 
@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from ..signals.spectra import CrossSpectra
 from ..support.validation import FloatArray
 
-__all__ = ["combined", "excess", "independent_averages", "sums_by_draw"]
+__all__ = ["combined", "excess", "freedom", "independent_averages", "sums_by_draw"]
 
 # Degrees of freedom with which the whole test speaks on the variance of one zero.
 PRIOR = 8.0
@@ -54,7 +54,12 @@ def independent_averages(spectra: CrossSpectra) -> float:
     """How many independent averages stand behind the standard deviations that these spectra give."""
     if spectra.draws is None:
         return spectra.n_effective
-    return float(min(np.unique(spectra.draws).size - 1.0 + PRIOR, max(spectra.n_effective, PRIOR)))
+    return min(freedom(np.unique(spectra.draws).size), max(spectra.n_effective, PRIOR))
+
+
+def freedom(n_draws: int) -> float:
+    """Degrees of freedom of a variance that :func:`combined` gives."""
+    return n_draws - 1.0 + PRIOR
 
 
 def combined(between: FloatArray, within: FloatArray, n_draws: int, q: float) -> FloatArray:
@@ -67,5 +72,4 @@ def combined(between: FloatArray, within: FloatArray, n_draws: int, q: float) ->
     >>> combined(np.array([0.0, 9.0]), np.array([1.0, 1.0]), 9, 1.0).tolist()
     [0.5, 5.0]
     """
-    own = n_draws - 1.0
-    return np.asarray((own * between + PRIOR * q * within) / (own + PRIOR))
+    return np.asarray(((n_draws - 1.0) * between + PRIOR * q * within) / freedom(n_draws))

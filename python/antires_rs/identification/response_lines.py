@@ -14,6 +14,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.noise import channel_noise, floors
 from ..signals.rankone import response_vectors
 from ..signals.recording import Recording
+from ..signals.repeats import AveragedResponse
 from ..signals.segment_length import LEAST_LINES
 from ..signals.spectra import CrossSpectra, lines_in
 from ..support.validation import ComplexArray, FloatArray, reject
@@ -144,6 +145,7 @@ def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, 
         values,
         np.ones(freq.size, dtype=np.complex128) if use_force else None,
         std=None if resp.std is None else resp.std[:, inside],
+        runs=resp.runs[:, :, inside] if isinstance(resp, AveragedResponse) else None,
         size_known=resp.kind == "frf",
     )
 

@@ -11,7 +11,8 @@ from dataclasses import replace
 
 from ..exceptions import AntiresWarning
 from .lines import Lines
-from .local.fit import HIGHEST_ORDER
+from .local.fit import HIGHEST_ORDER, LINES_PER_ORDER
+from .local.grid import SCALES
 from .options import IdentificationOptions
 
 __all__ = ["OF_SWEEP", "OF_WINDOWS", "settled"]
@@ -21,6 +22,8 @@ OF_SWEEP = ("damping_tol", "min_rows", "min_dominance", "persistent")
 OF_WINDOWS = ("min_share", "min_depth_db")
 #: What either listens to.
 OF_BOTH = ("freq_tol", "max_damping")
+#: With fewer lines there is no window of the narrow scale, and no fit that others could confirm.
+FEW_LINES = SCALES[-1][1]
 
 
 def settled(options: IdentificationOptions, lines: Lines) -> IdentificationOptions:
@@ -34,7 +37,7 @@ def settled(options: IdentificationOptions, lines: Lines) -> IdentificationOptio
     Warns
     -----
     AntiresWarning
-        Options that were given and have no effect on this fit.
+        Options that were given and have no effect on this fit; few lines for fits over windows.
     """
     formulation = options.formulation
     if formulation == "auto":
@@ -53,11 +56,23 @@ def settled(options: IdentificationOptions, lines: Lines) -> IdentificationOptio
         idle = [name for name in OF_WINDOWS if name in options.given]
         fit = f"the sweep over orders (formulation {formulation!r})"
         counts = [*OF_BOTH, *OF_SWEEP, "min_order", "max_order"]
+    said = []
     if idle:
-        warnings.warn(
-            f"identify_antiresonances: {' and '.join(idle)} {'has' if len(idle) == 1 else 'have'} no effect "
-            f"on {fit}; what counts there is {', '.join(counts)}.",
-            AntiresWarning,
-            stacklevel=4,
+        verb = "has" if len(idle) == 1 else "have"
+        said.append(
+            f"{' and '.join(idle)} {verb} no effect on {fit}; what counts there is {', '.join(counts)}."
         )
+    if formulation == "windows" and lines.freq_hz.size < FEW_LINES:
+        said.append(_of_few_lines(lines))
+    for text in said:
+        warnings.warn(f"identify_antiresonances: {text}", AntiresWarning, stacklevel=5)
     return replace(options, formulation=formulation)
+
+
+def _of_few_lines(lines: Lines) -> str:
+    count, width = lines.freq_hz.size, float(lines.freq_hz[-1] - lines.freq_hz[0])
+    return (
+        f"the band holds {count} lines, which carry {count // LINES_PER_ORDER} orders; fits over windows "
+        f"want {FEW_LINES} lines or more, else antiresonances are missed or misplaced. Measure with lines "
+        f"{width / FEW_LINES:.2g} Hz apart or finer; if the band holds one mode alone, widen it."
+    )

@@ -63,7 +63,7 @@ def select(
     orders = rule.orders(options.orders, lines.freq_hz.size)
     best = likeliest(lines.freq_hz, lines.covariance(), SNR_CAP, lines.independent, orders[-1])
     orders = range(orders[0], best.fit.max_order + 1)
-    influence = Influence(best.fit, best.coefficients, best.misfit, lines)
+    influence = Influence(best.fit, best.coefficients, best.misfit, lines.by_test())
     # The force, if it is there, has the poles for zeros: only where there is no second response may it say
     # what a zero owns, since a zero beside a resonance owns little of the quotient with the force.
     rows = range(n_responses if n_responses > 1 else lines.vectors.shape[0])

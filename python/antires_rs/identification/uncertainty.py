@@ -92,18 +92,18 @@ class Influence:
         if self._sums is None:
             return
         light = [s[(s.imag > 0.0) & (np.abs(s.real) <= WIDEST * np.abs(s))] for s in roots]
-        both = [self._variances(row, s) for row, s in enumerate(light) if s.size]
+        both = [self.variances(row, s) for row, s in enumerate(light) if s.size]
         within, between = np.concatenate([np.empty((2, 0)), *map(np.stack, both)], axis=1)
         self._excess = excess(between, within, self._sums.shape[1])
 
     def standard_deviations(self, row: int | FloatArray, s: ComplexArray) -> FloatArray:
         """Standard deviation in Hz of zeros ``s`` (rad/s) of one row, or of a weighted sum of all rows."""
-        within, between = self._variances(row, s)
+        within, between = self.variances(row, s)
         if self._sums is not None:
             within = combined(between, within, self._sums.shape[1], self._excess)
         return np.asarray(np.sqrt(within))
 
-    def _variances(self, row: int | FloatArray, s: ComplexArray) -> tuple[FloatArray, FloatArray]:
+    def variances(self, row: int | FloatArray, s: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """Variances in Hz^2 from the scatter inside the draws, and from that between them (0 for one)."""
         weights = np.eye(self.c.shape[1])[row] if isinstance(row, int) else row
         slope = self.fit.slopes(self.c @ weights, s)

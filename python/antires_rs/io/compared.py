@@ -1,4 +1,4 @@
-"""Comparisons and tracks of antiresonances for pandas and xarray."""
+"""Comparisons, tracks and hypotheses of damage for pandas and xarray."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from ..damage.hypotheses import Hypotheses
 from ..measured.compare import Comparison
 from ..measured.tracks import Tracks
 from ._common import missing_package
 
-__all__ = ["comparison_dataset", "comparison_frame", "tracks_dataset", "tracks_frame"]
+__all__ = ["comparison_dataset", "comparison_frame", "hypotheses_frame", "tracks_dataset", "tracks_frame"]
 
 #: Columns of a comparison, in the order in which they are read.
 COLUMNS = (
@@ -97,3 +98,9 @@ def _xarray() -> Any:
     except ImportError as exc:
         raise missing_package("to_xarray", "xarray", "tables", exc) from exc
     return xr
+
+
+def hypotheses_frame(hypotheses: Hypotheses) -> Any:
+    """A pandas.DataFrame, one row a hypothesis."""
+    columns = ("elements", "probability", "severities", "low", "high", "candidate")
+    return _pandas().DataFrame({name: [getattr(one, name) for one in hypotheses] for name in columns})

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from .._core import __version__
+from ..damage.result import DamageResult
 from ..optimize.outcome import History, OptimizeResult
 from ..support.validation import reject
-from ..updating.results import DamageResult, UpdateResult
+from ..updating.results import UpdateResult
 from ._common import unsuitable, warn
 from ._store import Store, read_store, write_store
 from .problems import describe_problem, made_problem

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from .._core import __version__
+from ..damage.assess import assess_damage
 from ..exceptions import UnsuitableDataError
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
-from ..updating.damage import assess_damage
 from ..updating.penalty import DamagePenalty
 from ..updating.problem import UpdatingProblem
 from ..updating.results import UpdateResult

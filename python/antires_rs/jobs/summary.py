@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..updating.results import DamageResult, UpdateResult
+from ..damage.result import DamageResult
+from ..updating.results import UpdateResult
 from ..updating.tables import FrequencyTable
 from .job import Job
 from .measured import Measured

@@ -66,12 +66,12 @@ def merge_setups(
         Fewer than two sets, forces at several places without ``excitation``, or a setup with neither that
         force nor that response.
     UnsuitableDataError
-        Setups that disagree, under ``check="raise"``.
+        Setups that disagree, or the same numbers twice, under ``check="raise"``.
 
     Warns
     -----
     AntiresWarning
-        Setups that disagree, or nothing in common that could tell.
+        Setups that disagree, or nothing in common that could tell; the same numbers twice, which count once.
 
     Examples
     --------
@@ -95,7 +95,10 @@ def merge_setups(
     for number, one in enumerate(given):
         for dof, table in _tables(number, one, force, stated=excitation is not None).items():
             shared.setdefault(dof, {})[number] = table
-    if check != "off":
+    copies = _counted_once(shared)
+    if copies and check != "off":
+        _warn_of_copies(copies, check)
+    if check != "off" and not (copies and all(len(tables) == 1 for tables in shared.values())):
         _agree(shared, len(given), shift, between, rate, check)
     return AntiresonanceSet.from_tables(
         force,
@@ -128,6 +131,35 @@ def _tables(number: int, one: AntiresonanceSet, force: Any, *, stated: bool) -> 
             "Name a place that every setup has.",
         )
     return {one.excitation: one.tables[force]}
+
+
+def _counted_once(shared: dict[Any, dict[int, ResponseTable]]) -> dict[tuple[int, int], int]:
+    """Take out tables that are those of an earlier setup to the last bit; values by pair of setups."""
+    copies: dict[tuple[int, int], int] = {}
+    for tables in shared.values():
+        for number, table in list(tables.items()):
+            first = next(i for i, one in tables.items() if one.same_as(table))
+            if first != number and len(table):
+                copies[first, number] = copies.get((first, number), 0) + len(table)
+                del tables[number]
+    return copies
+
+
+def _warn_of_copies(copies: dict[tuple[int, int], int], check: str) -> None:
+    """Say which setups are one measurement."""
+    text = "; ".join(f"setups {a + 1} and {b + 1} have {n} values in common" for (a, b), n in copies.items())
+    if check == "raise":
+        raise UnsuitableDataError(
+            "sets",
+            f"the same numbers to the last bit: {text}",
+            "measurements of their own, whose errors are independent",
+            "Give each setup once.",
+        )
+    warnings.warn(
+        f"merge_setups: {text} to the last bit: one measurement, which counts once.",
+        AntiresWarning,
+        stacklevel=3,
+    )
 
 
 def _agree(

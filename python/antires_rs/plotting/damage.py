@@ -11,7 +11,7 @@ from ..support.validation import FloatArray
 from .canvas import COLOURS, below, fit_across, new_axes, offer, text_width_pt
 
 if TYPE_CHECKING:
-    from ..updating.results import DamageResult
+    from ..damage.result import DamageResult
 
 __all__ = ["plot_damage"]
 

@@ -12,7 +12,7 @@ from .canvas import COLOURS, fit_across, new_axes, offer
 from .damage import element_axis, element_names, mark_truth, percent_axis
 
 if TYPE_CHECKING:
-    from ..updating.results import DamageResult
+    from ..damage.result import DamageResult
 
 __all__ = ["plot_damages"]
 

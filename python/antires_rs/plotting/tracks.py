@@ -120,19 +120,21 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
 
 
 def _draw_events(ax: Any, tracks: Tracks, some: set[int], x: Any, y: Any) -> None:
-    """A sign where a track begins late or ends early, at its own value next to the event."""
+    """A sign at the test where a track begins, or at the first that lacks it, there at its last value."""
     named: set[str] = set()
     for event in tracks.events:
         if event.track not in some:
             continue
         sign, name = SIGNS[event.kind]
-        # A loss is drawn at the last test that had it.
         at = event.test
         while np.isnan(y[at, event.track]):
             at -= 1
+        level = y[at, event.track]
+        # What leads from the last test that had it to the first that lacks it is no measurement.
+        ax.plot(x[[at, event.test]], [level, level], ls=":", lw=0.9, color="0.4", zorder=1)
         ax.plot(
-            x[at],
-            y[at, event.track],
+            x[event.test],
+            level,
             ls="none",
             marker=sign,
             ms=12.0,

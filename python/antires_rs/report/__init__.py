@@ -18,12 +18,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._core import __version__
+from ..damage.result import DamageResult
 from ..exceptions import MissingDependencyError
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.files import write_atomically
 from ..support.validation import reject
-from ..updating.results import DamageResult, UpdateResult
+from ..updating.results import UpdateResult
 from .facts import Facts, dof_name, of_model, of_search, of_set, of_signal
 from .figures import Drawings, drawings_of, fitting, largest, states
 from .rows import damage_rows, frequency_rows, parameter_rows

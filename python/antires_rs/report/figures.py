@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..damage.result import DamageResult
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
@@ -23,7 +24,6 @@ from ..plotting import (
     plot_transmissibility,
 )
 from ..plotting.canvas import picture
-from ..updating.results import DamageResult
 from .facts import dof_name, named_diagrams
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..updating.results import DamageResult, UpdateResult
+from ..damage.result import DamageResult
+from ..updating.results import UpdateResult
 from ..updating.tables import ModalTable, signed
 
 __all__ = ["damage_rows", "frequency_rows", "parameter_rows"]

@@ -19,15 +19,32 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import Argument
+from ..support.pickling import frozen
 from ..support.validation import ComplexArray, FloatArray, reject
 from .frequency_response import FrequencyResponse
 from .pooled import pooled
 from .recording import Recording
 
-__all__ = ["averaged", "one_source"]
+__all__ = ["AveragedResponse", "averaged", "one_source"]
 
 # Degrees of freedom that the scatter of a mean should have, a line of one curve giving two.
 FREEDOM = 20.0
+
+
+class AveragedResponse(FrequencyResponse):
+    """The average of several curves of one test, which it holds too.
+
+    Attributes
+    ----------
+    runs : (R, n, n_freq) complex
+        In the order given, rows as those of ``values``.
+    """
+
+    runs: ComplexArray
+
+    def __init__(self, runs: ComplexArray, *parts: Any, **named: Any) -> None:
+        super().__init__(*parts, **named)
+        object.__setattr__(self, "runs", frozen(runs))
 
 
 def one_source(source: Any, name: str = "source") -> Any:
@@ -56,6 +73,9 @@ def one_source(source: Any, name: str = "source") -> Any:
 
 def averaged(responses: Sequence[FrequencyResponse], name: str = "source") -> FrequencyResponse:
     """The average of repeated FRFs or transmissibilities, with the scatter of that average as ``std``.
+
+    Of two or more it is an :class:`AveragedResponse`: the scatter line by line does not hold what moves the
+    whole curve of a test, a clamp that was set again, and this the runs tell.
 
     Parameters
     ----------
@@ -91,7 +111,8 @@ def averaged(responses: Sequence[FrequencyResponse], name: str = "source") -> Fr
         mean = _direction(values, first.dofs.index(first.reference))
     size = 1.0 if first.reference is None else np.sum(np.abs(mean) ** 2, axis=0)
     std = np.sqrt(size * _smoothed(_scatter(values, mean) / size, len(values)))
-    return FrequencyResponse(
+    return AveragedResponse(
+        values,
         first.freq_hz,
         mean,
         first.dofs,

@@ -33,29 +33,33 @@ class AntiresonanceTargets:
 
     def __init__(self, model: StructuralModel, sets: tuple[AntiresonanceSet, ...]) -> None:
         self.sets = sets
-        self._forces = [model_dof(model, "excitation", s.excitation) for s in sets]
-        self._dofs = [[model_dof(model, "measured dof", dof) for dof in s] for s in sets]
+        self.forces = [model_dof(model, "excitation", s.excitation) for s in sets]
+        self.dofs_of = [[model_dof(model, "measured dof", dof) for dof in s] for s in sets]
         self._channels = [_channels(model, s) for s in sets]
-        kept, self.left_out = of_one_kind(model, sets, self._dofs, self._forces)
+        kept, self.left_out = of_one_kind(model, sets, self.dofs_of, self.forces)
         self._steady: tuple[StructuralModel, list[Any]] | None = None
         self._kept = np.concatenate([np.empty(0, dtype=bool), *(mask for masks in kept for mask in masks)])
-        self._parts: list[tuple[int, int, FloatArray, str | None, int]] = []
+        self.parts: list[tuple[int, int, FloatArray, str | None, int]] = []
+        #: Standard deviations (Hz) of the values of each part.
+        self.stds: list[FloatArray] = []
         for number, (s, dofs, force, masks) in enumerate(
-            zip(sets, self._dofs, self._forces, kept, strict=True)
+            zip(sets, self.dofs_of, self.forces, kept, strict=True)
         ):
             values = dict(zip(dofs, (s[dof][mask] for dof, mask in zip(s, masks, strict=True)), strict=True))
             channels = self._channels[number]
             # Without all that measured together nothing is known to be shared.
             sees = None if s.sees == "transmissibility" and not channels else s.sees
             others = [dof for dof in channels if dof not in values] if sees == "transmissibility" else []
-            self._parts += [(dof, force, np.array(freq), sees, number) for dof, freq in values.items()]
-            self._parts += [(dof, force, np.empty(0), sees, number) for dof in others]
-        counts = [len(freq) for _, _, freq, _, _ in self._parts]
-        self.hz = np.concatenate([np.empty(0), *(part[2] for part in self._parts)])
-        self.dofs = np.repeat([part[0] for part in self._parts], counts)
-        self.excitations = np.repeat([part[1] for part in self._parts], counts)
+            self.parts += [(dof, force, np.array(freq), sees, number) for dof, freq in values.items()]
+            self.parts += [(dof, force, np.empty(0), sees, number) for dof in others]
+            std = [t.std_hz[mask] for t, mask in zip(s.tables.values(), masks, strict=True)]
+            self.stds += [*std, *(np.empty(0) for _ in others)]
+        counts = [len(freq) for _, _, freq, _, _ in self.parts]
+        self.hz = np.concatenate([np.empty(0), *(part[2] for part in self.parts)])
+        self.dofs = np.repeat([part[0] for part in self.parts], counts)
+        self.excitations = np.repeat([part[1] for part in self.parts], counts)
         #: What the tables call the dofs: "mass 4", "3 v"; none where they are numbers only.
-        labels = {dof: model.dof_label(dof) for part in self._parts for dof in part[:2]}
+        labels = {dof: model.dof_label(dof) for part in self.parts for dof in part[:2]}
         self.names = {
             dof: label.removeprefix("node ") for dof, label in labels.items() if label != f"dof {dof}"
         }
@@ -67,7 +71,7 @@ class AntiresonanceTargets:
     def core(self, *parts: Any) -> _core.Objective:
         """The core's objective."""
         model, parameters, *rest = parts
-        return _core.Objective.antiresonance(model, parameters, self._parts, *rest)
+        return _core.Objective.antiresonance(model, parameters, self.parts, *rest)
 
     def residuals(self, core: _core.Objective, x: FloatArray) -> FloatArray:
         """Signed residuals e at ``x``; 1 without a partner."""
@@ -95,7 +99,7 @@ class AntiresonanceTargets:
         """Antiresonances up to the highest measured one that can be followed from the nominal model."""
         band_hz = float(self.hz.max())
         if self._steady is None or self._steady[0] is not nominal:
-            parts = zip(self.sets, self._dofs, self._forces, self._channels, strict=True)
+            parts = zip(self.sets, self.dofs_of, self.forces, self._channels, strict=True)
             self._steady = (
                 nominal,
                 [
@@ -104,7 +108,7 @@ class AntiresonanceTargets:
                 ],
             )
         found, weights = [], [np.empty(0)]
-        for s, dofs, force, roots in zip(self.sets, self._dofs, self._forces, self._steady[1], strict=True):
+        for s, dofs, force, roots in zip(self.sets, self.dofs_of, self.forces, self._steady[1], strict=True):
             there = roots_of(model, dofs, force, band_hz, s.sees != "frf")
             # Below the band a root on its way to zero would differ without bound.
             there = [None if freq is None else freq[freq >= 0.5 * self.hz.min()] for freq in there]

@@ -1,4 +1,4 @@
-"""Results of updating and of damage assessment: numbers, tables, pictures, and what they do not tell."""
+"""Results of updating: numbers, tables, pictures, and what they do not tell."""
 
 from __future__ import annotations
 
@@ -9,18 +9,17 @@ import numpy as np
 
 from ..support.pickling import ReadOnly
 from ..support.validation import FloatArray
-from .identifiability import Identifiability, identifiability, smallest_visible
+from .identifiability import Identifiability, identifiability
 from .tables import FrequencyTable, ModalTable
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping
 
     from ..models.structural_model import StructuralModel
     from ..optimize.outcome import History, OptimizeResult
     from .problem import UpdatingProblem
 
-__all__ = ["DamageResult", "FrequencyTable", "ModalTable", "UpdateResult"]
+__all__ = ["FrequencyTable", "ModalTable", "UpdateResult"]
 
 
 #: What ends this close to a bound, as a share of the bounds' distance, is on it: a polish leaves some 1e-12.
@@ -28,8 +27,6 @@ _ON_BOUND = 1e-6
 #: A largest difference that stays above half of what it was is not explained, unless it is that of an
 #: identified value: below 1 % in all simulated records of the README's tables.
 _EXPLAINED, _NOISE_PERCENT = 0.5, 1.0
-#: Elements that a note calls by name.
-_NAMED = 4
 
 
 class UpdateResult(ReadOnly):
@@ -218,97 +215,3 @@ class UpdateResult(ReadOnly):
             f"{self.table.largest_before_percent:.2f} % before, "
             f"{self.table.largest_after_percent:.2f} % after)"
         )
-
-
-class DamageResult(UpdateResult):
-    """Damage found: an :class:`UpdateResult` whose ``x`` holds the severities beta.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> damaged = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 300.0])
-    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(damaged.antiresonances([0, 1, 2], 0))))
-    >>> result = ar.assess_damage(ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0]), measured, rng=0)
-    >>> result.damaged, round(result.severity[1], 3), round(result.detectable[1], 2)
-    ([1], 0.4, 0.01)
-    """
-
-    @property
-    def elements(self) -> list[int]:
-        """Candidate elements, zero-based, in the order of ``x``."""
-        return [p.terms[0] for p in self.problem.parameters]
-
-    @property
-    def severity(self) -> dict[int, float]:
-        """Stiffness loss beta of each element; exactly 0 where there is no damage."""
-        return {element: float(beta) for element, beta in zip(self.elements, self.x, strict=True)}
-
-    @property
-    def detectable(self) -> dict[int, float]:
-        """Smallest beta of each element that would be seen; infinity where none would.
-
-        Below it the penalties cost more than the damage explains, on exact data, so that an
-        undamaged structure is the better answer to the objective.
-        """
-        return dict(zip(self.elements, self._detectable, strict=True))
-
-    @cached_property
-    def _detectable(self) -> tuple[float, ...]:
-        return tuple(smallest_visible(self.problem))
-
-    def _values(self) -> list[str]:
-        """The damaged elements, the worst first; the others are exactly 0 and take one line."""
-        names = dict(zip(self.elements, self.problem.names, strict=True))
-        width = max(len(name) for name in names.values())
-        std = dict(zip(self.elements, 100 * self.std, strict=True))
-        lines = [
-            f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} % \u00b1 {std[e]:.2g} %"
-            for e in self.damaged
-        ]
-        others = len(names) - len(lines)
-        rest = "all others" if lines else "all of them"
-        return [*lines, *([f"{rest} ({others}): exactly 0"] if others else [])]
-
-    @property
-    def damaged(self) -> list[int]:
-        """Elements with damage, the worst first."""
-        return sorted((e for e, beta in self.severity.items() if beta > 0), key=lambda e: -self.severity[e])
-
-    @property
-    def notes(self) -> list[str]:
-        """What a reader should know before trusting the numbers."""
-        label = self.problem.model.element_label
-        notes = super().notes
-        visible = [(e, b) for e, b in self.detectable.items() if np.isfinite(b)]
-        hidden = [label(e) for e, b in self.detectable.items() if not np.isfinite(b)]
-        if visible:
-            ends = [min(visible, key=lambda pair: pair[1]), max(visible, key=lambda pair: pair[1])]
-            span = " to ".join(dict.fromkeys(f"{100 * beta:.0f} % ({label(e)})" for e, beta in ends))
-            penalty = self.problem.penalty
-            notes.append(
-                f"Smallest damage that would be seen: {span}. An element with less than its own "
-                "limit counts as undamaged"
-                + (
-                    f": gamma1 = {penalty.gamma1:.3g} and gamma2 = {penalty.gamma2:.3g} outweigh what its "
-                    "damage explains."
-                    if penalty
-                    else "."
-                )
-            )
-        left_out = [label(e) for e in self.problem.model._springs if e not in self.severity]
-        if left_out:
-            named = ", ".join(left_out[:_NAMED]) + (
-                f" and {len(left_out) - _NAMED} more" if len(left_out) > _NAMED else ""
-            )
-            notes.append(f"No candidates: {named}. Damage there would be blamed on others.")
-        if hidden:
-            notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
-        if self.problem.penalty is not None and self.problem.penalty.snap > 0:
-            notes.append(f"Severities below {self.problem.penalty.snap:g} were set to exactly 0.")
-        return notes
-
-    def plot(self, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
-        """Damage bar chart; see :func:`antires_rs.plotting.plot_damage`."""
-        from ..plotting import plot_damage
-
-        return plot_damage(self, ax=ax, truth=truth)

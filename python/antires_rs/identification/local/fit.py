@@ -57,7 +57,7 @@ class LocalFit:
                     row, line = np.ones(len(directions)), 1.0 / lines.snr
             scaled = directions / np.sqrt(row)[:, None]
             power = np.sum(np.abs(scaled) ** 2, axis=0)
-            weighed = Lines(self.freq_hz, unit(scaled), power / line)
+            weighed = Lines(self.freq_hz, unit(scaled), power / line, runs=_rescaled(lines.runs, row))
             self._fit(weighed, row, most, iterations, start)
             start = (
                 self.best.order,
@@ -120,9 +120,12 @@ class LocalFit:
         c = self.coefficients(order)
         return [self.best.fit.zeros(own) for own in c.T]
 
-    def standard_deviations(self, row: int, s: ComplexArray) -> FloatArray:
-        """Standard deviations in Hz of zeros of the likeliest order."""
-        return self._more * self._influence.standard_deviations(self._mix[row], s)
+    def standard_deviations(self, row: int, s: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """Of zeros of the likeliest order in Hz: by noise, and by the scatter between tests (0 for one)."""
+        within, between = self._influence.variances(self._mix[row], s)
+        # Where there are several tests, the noise is what they differ by.
+        more = self._more if self._lines.runs is None else 1.0
+        return more * np.sqrt(within), np.sqrt(between)
 
     def _own(self, order: int) -> FloatArray:
         """Coefficients of the directions that are held."""
@@ -130,4 +133,13 @@ class LocalFit:
 
     @cached_property
     def _influence(self) -> Influence:
-        return Influence(self.best.fit, self.best.coefficients, self.best.misfit, self._lines)
+        lines = self._lines.by_test()
+        return Influence(self.best.fit, self.best.coefficients, self.best.misfit, lines)
+
+
+def _rescaled(runs: ComplexArray | None, row_noise: FloatArray) -> ComplexArray | None:
+    """Unit vectors of every test with their rows brought to equal noise."""
+    if runs is None:
+        return None
+    scaled = runs / np.sqrt(row_noise)[:, None]
+    return np.asarray(scaled / np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), 1e-300))

@@ -10,7 +10,7 @@ is a peak of its transmissibilities, but no dip of its own curve.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Self
 
 import numpy as np
@@ -21,6 +21,7 @@ from ...order_sweep.limits import DIP_OVER_NOISE, LEAST_DIP_DB, OWN_DIP_WITHIN, 
 from ...order_sweep.rule import Rule
 from ...support.validation import ComplexArray, FloatArray
 from ..lines import FORCE, Lines
+from ..repeat_scatter import combined, excess
 from .fit import LocalFit
 
 #: Orders that are looked at, relative to the likeliest.
@@ -31,9 +32,9 @@ AROUND = (-1, 0, 1)
 class Sightings:
     """Zeros seen, one entry each, (n,).
 
-    ``row`` is that of the response, ``fit`` numbers the fits of all windows; ``std_hz`` is NaN but for the
-    likeliest order, ``own_depth_db`` where the size of the responses is not known. Zeros without a dip have
-    ``depth_db`` 0: they are there for the diagram.
+    ``row`` is that of the response, ``fit`` numbers the fits of all windows; ``std_hz`` and ``between_hz``
+    (the scatter between tests, 0 for one) are NaN but for the likeliest order, ``own_depth_db`` where the
+    size of the responses is not known. Zeros without a dip have ``depth_db`` 0: they are for the diagram.
     """
 
     row: NDArray[np.intp]
@@ -42,6 +43,7 @@ class Sightings:
     freq_hz: FloatArray
     damping_ratio: FloatArray
     std_hz: FloatArray
+    between_hz: FloatArray
     depth_db: FloatArray
     own_depth_db: FloatArray
 
@@ -49,6 +51,15 @@ class Sightings:
     def joined(cls, parts: list[Self]) -> Self:
         """All entries of some."""
         return cls(*(np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(cls)))
+
+    def of_tests(self, count: int) -> Self:
+        """With the scatter between ``count`` tests in ``std_hz``, see :mod:`..repeat_scatter`."""
+        if count < 2:
+            return self
+        known = np.isfinite(self.std_hz)
+        within, between = self.std_hz**2, self.between_hz**2
+        q = excess(between[known], within[known], count)
+        return replace(self, std_hz=np.sqrt(combined(between, within, count, q)))
 
     def where(self, keep: NDArray[np.bool_]) -> Self:
         """Some of the entries."""
@@ -74,17 +85,17 @@ def sightings_of(
         owner, dip = _owners(lines.freq_hz, s, at, others)
         moved = s + lines.added_decay_per_s
         freq = np.abs(moved) / (2 * np.pi)
-        table = np.full((8, s.size), np.nan)
+        table = np.full((9, s.size), np.nan)
         table[:3] = np.array([row, number, order])[:, None]
         table[3], table[4] = freq, -moved.real / np.abs(moved)
-        table[6] = 0.0
-        table[6, owner] = depth[dip]
+        table[7] = 0.0
+        table[7, owner] = depth[dip]
         if order == fit.best.order and owner.size:
-            table[5, owner] = fit.standard_deviations(row, s[owner])
+            table[5:7, owner] = fit.standard_deviations(row, s[owner])
         if own is not None:
-            table[7] = 0.0
+            table[8] = 0.0
             seen = np.array([_own_depth(lines.freq_hz, own[row], int(at[k])) for k in dip])
-            table[7, owner] = np.where(seen >= needed[dip], seen, 0.0)
+            table[8, owner] = np.where(seen >= needed[dip], seen, 0.0)
         columns.append(table[:, np.abs(table[4]) <= rule.max_damping])
     flat = np.concatenate(columns, axis=1)
     return Sightings(*flat[:3].astype(np.intp), *flat[3:])

@@ -38,7 +38,7 @@ def local_diagrams(
             )
             owner.append(number)
         _keep_nearest(fitted, centre, lines.freq_hz, window, fit)
-    seen = Sightings.joined(parts)
+    seen = Sightings.joined(parts).of_tests(lines.n_tests)
     seen = seen.where((seen.freq_hz >= band_hz[0]) & (seen.freq_hz <= band_hz[1]))
     of_fit = [windows[number] for number in owner]
     return [

@@ -1,0 +1,13 @@
+"""Damage: which elements have lost stiffness, how much, and how sure that is.
+
+Two states of a structure are compared, intact and as it is now. The change that was measured is set against
+the changes that damage of each element, pair and triple of elements would make in the model:
+
+    ln f_now - ln f_intact = ln r(beta, theta) - ln r(0, theta) + errors
+
+``model_error`` learns from the intact state how wrong the model is (theta), ``likelihood`` says how probable
+the values of now are for given severities, ``search`` finds the sets of elements that explain them,
+``posterior`` weighs these.
+
+Uses: updating, models, measured, optimize, support, the core.
+"""

@@ -1,0 +1,92 @@
+"""What an assessment came to: hypotheses, how well the best explains the values, how wrong the model is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..support.values import Value
+from .hypotheses import Hypotheses, Hypothesis
+
+__all__ = ["Assessment"]
+
+#: Below this probability of so large a chi-square, the best explanation does not explain.
+_HARDLY = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment(Value):
+    """The answer to a baseline assessment, without the model.
+
+    Attributes
+    ----------
+    hypotheses : Hypotheses
+    group : tuple of Hypothesis
+        The most probable damage of candidates and what cannot be told from it.
+    declared : tuple of int
+        Elements declared damaged.
+    chi_square : float
+        Of the residuals of the most probable hypothesis, over the number of values less that of severities.
+    n_values, n_matched : int
+        Values of now, and those with a partner among the model's roots there.
+    kappa : float
+        Share of a predicted change that counts as its error.
+    factor_std, root_std : float
+        Learned from the baseline: scatter of the model's stiffness and mass factors, and error of a
+        frequency that no factor explains; both relative.
+    threshold : float or None
+        Log odds of damage from which on it is declared, where a rate of false alarms was asked for.
+    detectable : tuple of float
+        Severity of each candidate that nine of ten such tests would show.
+    baseline : bool
+        Whether there was one.
+    assumed_std : bool
+        Whether some values had no standard deviation.
+    """
+
+    hypotheses: Hypotheses
+    group: tuple[Hypothesis, ...]
+    declared: tuple[int, ...]
+    chi_square: float
+    n_values: int
+    n_matched: int
+    kappa: float
+    factor_std: float
+    root_std: float
+    threshold: float | None
+    detectable: tuple[float, ...]
+    baseline: bool
+    assumed_std: bool
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def best(self) -> Hypothesis:
+        """The most probable hypothesis."""
+        best: Hypothesis = self.hypotheses[0]
+        return best
+
+    @property
+    def probability_of_nothing(self) -> float:
+        """That nothing has changed."""
+        return sum(one.probability for one in self.hypotheses if not one.elements)
+
+    @property
+    def probability_elsewhere(self) -> float:
+        """That something has changed which none of the candidates explains."""
+        return sum(one.probability for one in self.hypotheses if not one.candidate)
+
+    @property
+    def explained(self) -> bool:
+        """Whether the values are what the most probable hypothesis leads to expect, errors considered."""
+        from scipy.special import chdtrc
+
+        spare = max(self.n_matched - len(self.best.severities), 1)
+        fits = float(chdtrc(spare, self.chi_square * spare)) > _HARDLY
+        return bool(fits and self.best.candidate)
+
+    def marginal(self, element: int) -> float:
+        """Probability that a candidate is damaged."""
+        return float(
+            np.sum([h.probability for h in self.hypotheses if h.candidate and element in h.elements])
+        )

@@ -1,0 +1,122 @@
+"""Hypotheses and their probabilities, as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..support.validation import FloatArray
+
+__all__ = ["UNKNOWN", "Hypotheses", "Hypothesis"]
+
+#: Elements of the hypothesis that something else has changed.
+UNKNOWN = (-1,)
+_SHOWN = 8
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """One explanation of the values.
+
+    Attributes
+    ----------
+    elements : tuple of int
+        Damaged elements, zero-based; empty for no damage, ``(-1,)`` for a change that no element explains.
+    probability : float
+        After the test.
+    severities : tuple of float
+        Most probable stiffness losses.
+    low, high : tuple of float
+        90 % intervals of these, given the hypothesis.
+    candidate : bool
+        False for an element that was no candidate, and for the unknown change.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> one = ar.Hypothesis((4,), 0.97, (0.55,), (0.52,), (0.58,), candidate=True)
+    >>> one.unknown, one.probability
+    (False, 0.97)
+    """
+
+    elements: tuple[int, ...]
+    probability: float
+    severities: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    candidate: bool
+
+    @property
+    def unknown(self) -> bool:
+        """Whether no element explains the change."""
+        return self.elements == UNKNOWN
+
+
+class Hypotheses(Sequence[Hypothesis]):
+    """All hypotheses that were judged, the most probable first; a sequence that prints as a table.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
+    >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 300.0, 500.0])
+    >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
+    ...                for m in (intact, damaged))
+    >>> result = ar.assess_damage(intact, now, baseline=before)
+    >>> result.hypotheses[0].elements, round(result.hypotheses[0].severities[0], 2)
+    ((1,), 0.4)
+    """
+
+    def __init__(self, rows: Sequence[Hypothesis], names: dict[int, str]) -> None:
+        self._rows, self._names = tuple(rows), names
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __getitem__(self, at: Any) -> Any:
+        return self._rows[at]
+
+    def __iter__(self) -> Iterator[Hypothesis]:
+        return iter(self._rows)
+
+    def called(self, one: Hypothesis) -> str:
+        """A hypothesis in words."""
+        if one.unknown:
+            return "something else"
+        if not one.elements:
+            return "no damage"
+        words = " and ".join(self._names[e] for e in one.elements)
+        return words if one.candidate else f"{words} (no candidate)"
+
+    @property
+    def probability(self) -> FloatArray:
+        """Probabilities, (n,)."""
+        return np.array([one.probability for one in self._rows])
+
+    def to_dataframe(self) -> Any:
+        """As a pandas table: elements, probability, severities, low, high, candidate."""
+        from ..io.compared import hypotheses_frame
+
+        return hypotheses_frame(self)
+
+    def __str__(self) -> str:
+        lines = []
+        for one in self._rows[:_SHOWN]:
+            losses = ", ".join(
+                f"{100 * s:.1f} % ({100 * low:.1f} to {100 * high:.1f})"
+                for s, low, high in zip(one.severities, one.low, one.high, strict=True)
+            )
+            lines.append((f"{one.probability:.3f}", self.called(one), losses))
+        wide = max(len(words) for _, words, _ in lines)
+        shown = ["probability  hypothesis" + " " * max(wide - 8, 2) + "stiffness loss (90 %)"]
+        shown += [f"      {p}  {words:<{wide}}  {losses}".rstrip() for p, words, losses in lines]
+        if len(self._rows) > _SHOWN:
+            rest = sum(one.probability for one in self._rows[_SHOWN:])
+            shown.append(f"      {rest:.3f}  {len(self._rows) - _SHOWN} others together")
+        return "\n".join(shown)
+
+    def __repr__(self) -> str:
+        return f"Hypotheses({len(self._rows)}, {self.called(self._rows[0])}: {self._rows[0].probability:.3f})"

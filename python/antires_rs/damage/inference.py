@@ -1,0 +1,143 @@
+"""From two measured states to an :class:`Assessment`: learn the model's errors, search, weigh."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .. import _core
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..models.parameter import Parameter
+from ..models.parameters import stiffness_reduction
+from ..support.one_thread import one_blas_thread
+from ..support.progress import step
+from ..support.validation import FloatArray
+from .assessment import Assessment
+from .calibration import log_odds_threshold
+from .factors import factors_of
+from .hypotheses import UNKNOWN, Hypotheses
+from .likelihood import Likelihood
+from .limits import intact_slopes, smallest_found
+from .measured_states import Responses, measured_states
+from .model_error import learned
+from .posterior import log_weights, posterior, together
+from .prior import DamagePrior
+from .search import Search
+
+if TYPE_CHECKING:
+    from ..models.structural_model import StructuralModel
+
+__all__ = ["Inferred", "infer"]
+
+#: Largest number of damaged elements in one hypothesis.
+MOST = 3
+
+
+@dataclass(frozen=True)
+class Inferred:
+    """An assessment, the model after the baseline, and the values of now as that model would have them."""
+
+    assessment: Assessment
+    factors: tuple[Parameter, ...]
+    values: FloatArray
+    severities: dict[int, float]
+    nfev: int
+    interrupted: bool
+    #: The values of now as the model after the baseline would have them: what is wrong in both states taken
+    #: out.
+    corrected: list[AntiresonanceSet]
+
+
+@one_blas_thread
+def infer(
+    model: StructuralModel,
+    baseline: Sequence[AntiresonanceSet],
+    measured: Sequence[AntiresonanceSet],
+    elements: Sequence[int],
+    *,
+    prior: DamagePrior,
+    false_alarm_rate: float | None,
+    model_error: float | None,
+    rng: np.random.Generator,
+    threads: int,
+) -> Inferred:
+    """Judge all hypotheses; ``elements`` are the candidates, zero-based."""
+    responses, intact, now = measured_states(model, baseline, measured)
+    others = [e for e in model._springs if e not in elements]
+    numbers = [*elements, *others]
+    reductions, factors = tuple(stiffness_reduction(numbers)), factors_of(model)
+    parts = model.description.core_parameters((*reductions, *factors))
+    core = _core.Objective.antiresonance(model._core, parts, responses.parts, "squared", None, 0.0, None)
+    step("learning the model's errors")
+    error = learned(core, len(numbers), len(factors), intact, model_error, threads)
+    likelihood = Likelihood(core, len(numbers), error, intact, now, threads)
+    search = Search(likelihood, len(elements), MOST)
+    search.run()
+    weights = log_weights(search, likelihood, prior)
+    rows = posterior(search, weights, numbers)
+    names = {e: model.element_label(e) for e in numbers}
+    threshold, slopes = None, intact_slopes(likelihood, len(elements))
+    declared = rows[0].elements if rows[0].candidate else ()
+    if false_alarm_rate is not None:
+        threshold = log_odds_threshold(slopes, prior, false_alarm_rate, rng)
+        damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and max(s) < len(elements)}
+        odds = float(np.logaddexp.reduce(list(damage.values()))) - weights[()]
+        likeliest = max(damage, key=lambda s: damage[s])
+        declared = tuple(numbers[e] for e in likeliest) if odds > threshold else ()
+        if not rows[0].candidate:
+            declared = ()
+    key = tuple(numbers.index(e) for e in rows[0].elements) if rows[0].elements != UNKNOWN else ()
+    fit = search.fits[key]
+    matched = int(fit.view.matched.sum())
+    assessment = Assessment(
+        hypotheses=Hypotheses(rows, names),
+        group=tuple(together(rows)),
+        declared=declared,
+        chi_square=fit.view.chi_square / max(matched - len(key), 1),
+        n_values=now.size,
+        n_matched=matched,
+        kappa=fit.view.kappa,
+        factor_std=error.s,
+        root_std=error.tau,
+        threshold=threshold,
+        detectable=tuple(smallest_found(slopes, prior).tolist()),
+        baseline=bool(baseline),
+        assumed_std=responses.assumed,
+        notes=responses.left_out,
+    )
+    found = next((one for one in rows if one.elements == declared), None)
+    severities = dict(zip(declared, found.severities, strict=True)) if found else {}
+    betas = np.zeros((1, len(numbers)))
+    for e, beta in severities.items():
+        betas[0, numbers.index(e)] = beta
+    return Inferred(
+        assessment,
+        factors,
+        np.exp(error.theta),
+        severities,
+        likelihood.nfev,
+        search.interrupted,
+        _corrected(likelihood, betas, responses, measured),
+    )
+
+
+def _corrected(
+    likelihood: Likelihood, betas: FloatArray, responses: Responses, measured: Sequence[AntiresonanceSet]
+) -> list[AntiresonanceSet]:
+    now, beside = likelihood.now, likelihood.views(betas)[0].beside
+    sets = []
+    for nth, (each, labels) in enumerate(zip(measured, responses.labels, strict=True)):
+        freq, std = {}, {}
+        for label, number in labels.items():
+            own = (now.test == nth) & (now.response == number)
+            freq[label] = np.sort(np.exp(now.log_f[own] - beside[own]))
+            std[label] = now.std[own] * freq[label]
+        sets.append(
+            AntiresonanceSet(
+                each.excitation, freq, std_hz=std, sees=each.sees, channels=each.channels or None
+            )
+        )
+    return sets

@@ -1,0 +1,141 @@
+"""Two states of a structure, as values side by side: what was measured intact, and as it is now."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..support.validation import FloatArray, reject
+from ..updating.antiresonance_targets import AntiresonanceTargets
+
+if TYPE_CHECKING:
+    from ..models.structural_model import StructuralModel
+
+__all__ = ["ASSUMED_STD", "Responses", "Values", "measured_states"]
+
+#: Relative standard deviation of a value that has none.
+ASSUMED_STD = 5e-4
+#: No value is known better: sampling clocks, temperature and the sensors' masses differ between two tests.
+LEAST_STD = 2e-5
+
+#: Response dof, force dof, frequencies (Hz), what they see, number of those measured together.
+Part = tuple[int, int, FloatArray, str | None, int]
+
+
+@dataclass(frozen=True)
+class Values:
+    """Measured values of one state, (m,) each: response by number, ln f, relative std, number of the test.
+
+    They ascend within each response of each test.
+    """
+
+    response: NDArray[np.intp]
+    log_f: FloatArray
+    std: FloatArray
+    test: NDArray[np.intp]
+
+    @property
+    def size(self) -> int:
+        """How many."""
+        return int(self.log_f.size)
+
+
+@dataclass(frozen=True)
+class Responses:
+    """The responses of all sets, as the core is asked for them."""
+
+    parts: list[Part]
+    #: Of each set of now, its responses' numbers by label.
+    labels: list[dict[Any, int]]
+    #: Sentences on values that are not compared.
+    left_out: tuple[str, ...]
+    #: Whether standard deviations had to be assumed.
+    assumed: bool
+
+
+def measured_states(
+    model: StructuralModel, baseline: Sequence[AntiresonanceSet], measured: Sequence[AntiresonanceSet]
+) -> tuple[Responses, Values, Values]:
+    """The responses of all sets, the intact values and those of now.
+
+    Raises
+    ------
+    InvalidInputError
+        A set of now whose force no intact one has, dofs outside the model, nothing measured.
+    """
+    before = [AntiresonanceTargets(model, (each,)) for each in baseline]
+    after = [AntiresonanceTargets(model, (each,)) for each in measured]
+    _same_forces(before, after, measured)
+    numbers: dict[tuple[int, int], int] = {}
+    freq: list[list[FloatArray]] = []
+    sight: dict[int, set[str | None]] = {}
+    for target in (*before, *after):
+        for dof, force, values, sees, _ in target.parts:
+            sight.setdefault(force, set()).add(sees)
+            if numbers.setdefault((dof, force), len(numbers)) == len(freq):
+                freq.append([])
+            freq[numbers[dof, force]].append(values)
+    together = {force: nth for nth, force in enumerate(sight)}
+    parts: list[Part] = [
+        (dof, force, np.concatenate(freq[nth]), _common(sight[force]), together[force])
+        for (dof, force), nth in numbers.items()
+    ]
+    if not any(part[2].size for part in parts):
+        reject("measured", "no antiresonance", "at least one", "Identify in a wider band, or at more dofs.")
+    responses = Responses(
+        parts,
+        [
+            {
+                label: numbers[dof, target.forces[0]]
+                for label, dof in zip(each, target.dofs_of[0], strict=True)
+            }
+            for each, target in zip(measured, after, strict=True)
+        ],
+        tuple(note for target in (*before, *after) for note in target.left_out),
+        any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds),
+    )
+    return responses, _values(before, numbers), _values(after, numbers)
+
+
+def _common(sees: set[str | None]) -> str | None:
+    """What all sets of a force see; not known where they differ."""
+    return next(iter(sees)) if len(sees) == 1 else None
+
+
+def _same_forces(
+    before: list[AntiresonanceTargets],
+    after: list[AntiresonanceTargets],
+    measured: Sequence[AntiresonanceSet],
+) -> None:
+    known = {target.forces[0] for target in before}
+    for target, each in zip(after, measured, strict=True):
+        if known and target.forces[0] not in known:
+            reject(
+                "baseline",
+                f"no set with the force at {each.excitation!r}",
+                "sets of the intact structure with the same forces as measured",
+                "Test the intact structure with the force there too, or leave that set out.",
+            )
+
+
+def _values(targets: list[AntiresonanceTargets], numbers: dict[tuple[int, int], int]) -> Values:
+    rows: list[tuple[int, int, float, float]] = []
+    for nth, target in enumerate(targets):
+        for (dof, force, freq, _, _), std in zip(target.parts, target.stds, strict=True):
+            relative = np.where(np.isfinite(std), std / freq, ASSUMED_STD)
+            rows += [
+                (nth, numbers[dof, force], float(np.log(f)), max(float(s), LEAST_STD))
+                for f, s in zip(freq, relative, strict=True)
+            ]
+    rows.sort()
+    return Values(
+        np.array([row[1] for row in rows], dtype=np.intp),
+        np.array([row[2] for row in rows], dtype=np.float64),
+        np.array([row[3] for row in rows], dtype=np.float64),
+        np.array([row[0] for row in rows], dtype=np.intp),
+    )

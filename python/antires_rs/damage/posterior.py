@@ -1,0 +1,86 @@
+"""From evidence to probabilities: of hypotheses, of elements, of groups that the data cannot tell apart."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .box import quantiles
+from .evidence import HIGHEST, Fit
+from .hypotheses import UNKNOWN, Hypothesis
+from .likelihood import Likelihood
+from .prior import DamagePrior
+from .search import Elements, Search
+
+__all__ = ["log_weights", "posterior", "together"]
+
+#: Shares between which the interval lies.
+_SHARES = (0.05, 0.95)
+#: A group holds this share of the probability of its kind; and has at most so many hypotheses.
+_GROUPED, _MOST_ALTERNATIVES = 0.9, 4
+#: Hypotheses below this probability are dropped.
+_LEAST = 1e-9
+
+
+def log_weights(search: Search, likelihood: Likelihood, prior: DamagePrior) -> dict[Elements, float]:
+    """Log of prior times evidence by elements, numbered as in the search; ``UNKNOWN`` for something else."""
+    n, others = search.n_candidates, likelihood.n - search.n_candidates
+    found = {
+        elements: fit.log_evidence
+        + (prior.log_elsewhere(others) if _outside(elements, n) else prior.log_of(len(elements), n))
+        for elements, fit in search.fits.items()
+    }
+    found[UNKNOWN] = likelihood.something_else() + prior.log_unknown(others)
+    return found
+
+
+def posterior(search: Search, weights: dict[Elements, float], numbers: list[int]) -> list[Hypothesis]:
+    """Hypotheses with their probabilities, the most probable first; ``numbers`` are the elements' own."""
+    from scipy.special import logsumexp
+
+    total = float(logsumexp(list(weights.values())))
+    rows = []
+    for elements, weight in weights.items():
+        probability = float(np.exp(weight - total))
+        if probability < _LEAST and elements:
+            continue
+        if elements == UNKNOWN:
+            rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))
+            continue
+        fit = search.fits[elements]
+        limits = [_interval(fit, nth) for nth in range(len(elements))]
+        rows.append(
+            Hypothesis(
+                tuple(numbers[e] for e in elements),
+                probability,
+                tuple(float(b) for b in fit.beta),
+                tuple(low for low, _ in limits),
+                tuple(high for _, high in limits),
+                candidate=not _outside(elements, search.n_candidates),
+            )
+        )
+    return sorted(rows, key=lambda one: (-one.probability, one.elements))
+
+
+def together(hypotheses: list[Hypothesis]) -> list[Hypothesis]:
+    """The most probable damage of candidates with its alternatives: those that make up most of it.
+
+    One hypothesis where it is clear; none where more than a few would be needed.
+    """
+    damage = [one for one in hypotheses if one.candidate and one.elements]
+    if not damage:
+        return []
+    total = sum(one.probability for one in damage)
+    group: list[Hypothesis] = []
+    for one in damage:
+        group.append(one)
+        if sum(each.probability for each in group) >= _GROUPED * total:
+            return group if len(group) <= _MOST_ALTERNATIVES else []
+    return []
+
+
+def _outside(elements: Elements, n_candidates: int) -> bool:
+    return any(e >= n_candidates for e in elements)
+
+
+def _interval(fit: Fit, nth: int) -> tuple[float, float]:
+    return quantiles(float(fit.mean[nth]), float(np.sqrt(fit.covariance[nth, nth])), 0.0, HIGHEST, _SHARES)

@@ -1,0 +1,230 @@
+"""The result of a damage assessment: severities, hypotheses with probabilities, what they leave open."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..optimize.arguments import thread_count
+from ..support.validation import reject
+from ..updating.identifiability import smallest_visible
+from ..updating.results import UpdateResult
+from .inference import infer
+from .prior import DamagePrior
+from .words import headline, reservations
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..optimize.outcome import OptimizeResult
+    from ..updating.problem import UpdatingProblem
+    from .assessment import Assessment
+    from .hypotheses import Hypotheses
+
+__all__ = ["ASSUMED_MODEL_ERROR", "DamageResult"]
+
+#: Elements that a note calls by name.
+_NAMED = 4
+#: Relative scatter of stiffnesses and masses that probabilities without a baseline assume.
+ASSUMED_MODEL_ERROR = 0.03
+
+
+class DamageResult(UpdateResult):
+    """Damage found: an :class:`UpdateResult` whose ``x`` holds the severities beta.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> damaged = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 300.0])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(damaged.antiresonances([0, 1, 2], 0))))
+    >>> result = ar.assess_damage(ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0]), measured, rng=0)
+    >>> result.damaged, round(result.severity[1], 3), round(result.detectable[1], 2)
+    ([1], 0.4, 0.01)
+    """
+
+    _assessment: Assessment | None
+
+    def __init__(
+        self,
+        problem: UpdatingProblem,
+        search: OptimizeResult,
+        seed: int,
+        assessment: Assessment | None = None,
+    ) -> None:
+        super().__init__(problem, search, seed)
+        self._fill(_assessment=assessment)
+
+    @cached_property
+    def assessment(self) -> Assessment:
+        """Hypotheses and what they rest on; without a baseline with an assumed error of the model."""
+        if self._assessment is not None:
+            return self._assessment
+        if self.problem.objective == "modal":
+            reject(
+                "measured",
+                "modes",
+                "antiresonances, for probabilities",
+                "Use severity and detectable, which modes have.",
+            )
+        rng = np.random.default_rng(self.seed)
+        return infer(
+            self.problem.model,
+            (),
+            self.problem.measured,
+            self.elements,
+            prior=DamagePrior(),
+            false_alarm_rate=None,
+            model_error=ASSUMED_MODEL_ERROR,
+            rng=rng,
+            threads=thread_count(None),
+        ).assessment
+
+    @property
+    def hypotheses(self) -> Hypotheses:
+        """All explanations that were judged, the most probable first; prints as a table."""
+        return self.assessment.hypotheses
+
+    @property
+    def probability(self) -> dict[int, float]:
+        """Probability that each candidate is damaged, summed over all hypotheses."""
+        return {e: self.assessment.marginal(e) for e in self.elements}
+
+    @property
+    def probability_of_damage(self) -> float:
+        """Probability that anything has changed, be it what none of the candidates explains."""
+        return 1.0 - self.assessment.probability_of_nothing
+
+    @property
+    def probability_elsewhere(self) -> float:
+        """Probability that something has changed which none of the candidates explains."""
+        return self.assessment.probability_elsewhere
+
+    @property
+    def chi_square(self) -> float:
+        """Chi-square of the most probable hypothesis, over its degrees of freedom."""
+        return self.assessment.chi_square
+
+    @property
+    def headline(self) -> str:
+        """Is there damage, where, how sure, how much: in a sentence or two."""
+        return " ".join(headline(self.assessment, self.problem.model.element_label))
+
+    @property
+    def elements(self) -> list[int]:
+        """Candidate elements, zero-based, in the order of ``x``."""
+        return [p.terms[0] for p in self.problem.parameters]
+
+    @property
+    def severity(self) -> dict[int, float]:
+        """Stiffness loss beta of each element; exactly 0 where there is no damage."""
+        return {element: float(beta) for element, beta in zip(self.elements, self.x, strict=True)}
+
+    @property
+    def detectable(self) -> dict[int, float]:
+        """Smallest beta of each element that would be seen; infinity where none would.
+
+        With a baseline: what nine of ten such tests would show, with the errors of the values and those that
+        the baseline leaves to the model. Without one: below it the penalties cost more than the damage
+        explains, on exact data, so that an undamaged structure is the better answer to the objective.
+        """
+        return dict(zip(self.elements, self._detectable, strict=True))
+
+    @property
+    def interval(self) -> dict[int, tuple[float, float]]:
+        """90 % interval of each severity, given the elements declared damaged; (0, 0) of the others."""
+        found = self.assessment
+        one = next((h for h in found.hypotheses if h.elements == tuple(self.assessment.declared)), None)
+        limits = (
+            {} if one is None else dict(zip(one.elements, zip(one.low, one.high, strict=True), strict=True))
+        )
+        return {e: limits.get(e, (0.0, 0.0)) for e in self.elements}
+
+    @cached_property
+    def _detectable(self) -> tuple[float, ...]:
+        if self._assessment is not None:
+            return self._assessment.detectable
+        return tuple(smallest_visible(self.problem))
+
+    def _values(self) -> list[str]:
+        """The damaged elements, the worst first; the others are exactly 0 and take one line."""
+        names = dict(zip(self.elements, self.problem.names, strict=True))
+        width = max(len(name) for name in names.values())
+        std = dict(zip(self.elements, 100 * self.std, strict=True))
+        lines = [
+            f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} % \u00b1 {std[e]:.2g} %"
+            for e in self.damaged
+        ]
+        others = len(names) - len(lines)
+        rest = "all others" if lines else "all of them"
+        return [*lines, *([f"{rest} ({others}): exactly 0"] if others else [])]
+
+    @property
+    def damaged(self) -> list[int]:
+        """Elements with damage, the worst first."""
+        return sorted((e for e, beta in self.severity.items() if beta > 0), key=lambda e: -self.severity[e])
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader should know before trusting the numbers."""
+        label = self.problem.model.element_label
+        if self._assessment is None:
+            notes = [*super().notes, *self._of_the_penalties()]
+        else:
+            notes = [] if self.success else [f"The search did not finish: {self.message}"]
+            notes += reservations(self._assessment, label)
+            if self._visible():
+                notes.append(f"Smallest damage that nine of ten such tests would show: {self._visible()}.")
+        others = [label(e) for e in self.problem.model._springs if e not in self.severity]
+        if others:
+            named = ", ".join(others[:_NAMED])
+            named += f" and {len(others) - _NAMED} more" if len(others) > _NAMED else ""
+            blamed = "would be blamed on others" if self._assessment is None else "counts as elsewhere"
+            notes.append(f"No candidates: {named}. Damage there {blamed}.")
+        hidden = [label(e) for e, b in self.detectable.items() if not np.isfinite(b)]
+        if hidden:
+            notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
+        return notes
+
+    def _of_the_penalties(self) -> list[str]:
+        penalty, notes = self.problem.penalty, []
+        if self.problem.objective == "antiresonance":
+            notes.append(
+                "Without a baseline every error of the model may come out as damage: give the values of the "
+                "intact structure as baseline=, or see .probability."
+            )
+        if self._visible():
+            notes.append(
+                f"Smallest damage that would be seen: {self._visible()}. An element with less than its own "
+                "limit counts as undamaged"
+                + (
+                    f": gamma1 = {penalty.gamma1:.3g} and gamma2 = {penalty.gamma2:.3g} outweigh what its "
+                    "damage explains."
+                    if penalty
+                    else "."
+                )
+            )
+        if penalty is not None and penalty.snap > 0:
+            notes.append(f"Severities below {penalty.snap:g} were set to exactly 0.")
+        return notes
+
+    def _visible(self) -> str:
+        """Where least and most damage is needed to be seen."""
+        visible = sorted((b, e) for e, b in self.detectable.items() if np.isfinite(b))
+        label = self.problem.model.element_label
+        spans = [f"{100 * beta:.{0 if beta >= 0.095 else 1}f} % ({label(e)})" for beta, e in visible]
+        return " to ".join(dict.fromkeys([spans[0], spans[-1]])) if spans else ""
+
+    def summary(self) -> str:
+        """What was found, frequencies and notes as text."""
+        if self._assessment is None:
+            return super().summary()
+        head = [self.headline, "", str(self.hypotheses), "", str(self.table), ""]
+        return "\n".join([*head, *(f"note: {note}" for note in self.notes)])
+
+    def plot(self, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
+        """Damage bar chart; see :func:`antires_rs.plotting.plot_damage`."""
+        from ..plotting import plot_damage
+
+        return plot_damage(self, ax=ax, truth=truth)

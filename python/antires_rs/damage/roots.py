@@ -1,0 +1,64 @@
+"""The model's roots at one state, and which root of another state each has become."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..support.validation import FloatArray
+from .association import ALONE, align
+
+__all__ = ["Roots", "follow", "roots_at"]
+
+#: A root that is shown by less than this share is not seen by the test.
+_SHOWN = 0.5
+#: Price of a root that appears or vanishes, in ln f.
+_BORN = 0.05
+
+
+@dataclass(frozen=True)
+class Roots:
+    """Roots that a test shows: response, ln f (n,) and, where asked for, d ln f / dp (n, parameters)."""
+
+    response: NDArray[np.intp]
+    log_f: FloatArray
+    slopes: FloatArray
+
+    @property
+    def size(self) -> int:
+        """How many."""
+        return int(self.log_f.size)
+
+
+def roots_at(core: _core.Objective, candidates: FloatArray, *, slopes: bool, threads: int) -> list[Roots]:
+    """The roots at each row of ``candidates`` (m, n)."""
+    found = []
+    for target, hz, shown, slope in core.states(np.ascontiguousarray(candidates), slopes, threads):
+        seen = (shown >= _SHOWN) & (hz > 0.0)
+        found.append(Roots(target[seen].astype(np.intp), np.log(hz[seen]), slope[seen] if slopes else slope))
+    return found
+
+
+def follow(before: Roots, after: Roots, step: Any = None) -> NDArray[np.intp]:
+    """Number of the root of ``before`` that each root of ``after`` has been; ``ALONE`` for a new one.
+
+    Where a response has as many roots as before they keep their order; otherwise those that moved least are
+    the same. ``step`` (parameters,) is the change, with which the slopes of ``before`` foretell the moves.
+    """
+    if before.response.size == after.response.size and np.array_equal(before.response, after.response):
+        return np.arange(before.size)
+    expected = before.log_f if step is None else before.log_f + before.slopes @ step
+    found = np.full(after.size, ALONE)
+    for number in np.unique(after.response):
+        own, old = np.flatnonzero(after.response == number), np.flatnonzero(before.response == number)
+        if own.size == old.size:
+            found[own] = old
+        elif old.size:
+            cost = np.abs(after.log_f[own][:, None] - expected[old])
+            columns = align(cost, np.full(own.size, _BORN), np.full(old.size, _BORN))
+            found[own] = np.where(columns >= 0, old[columns], ALONE)
+    return found

@@ -1,0 +1,144 @@
+"""Which elements may be damaged: a beam search over sets of elements.
+
+Each set is made from one with an element less. A scan of the new element's severity, the others kept, finds
+where to begin; Newton steps with an error of the values that falls to nothing lead to the most probable
+severities; there the evidence is told. From every point on the way the sets with one element more are judged
+too, as far as the linear model goes. Elements that are no candidates are judged one by one only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..support.progress import step
+from ..support.validation import FloatArray
+from .evidence import HIGHEST, Fit, fitted
+from .likelihood import Likelihood, View
+from .roots import Roots
+
+__all__ = ["Search"]
+
+Elements = tuple[int, ...]
+
+_GRID = np.array([0.02, 0.05, 0.1, 0.16, 0.23, 0.31, 0.4, 0.5, 0.6, 0.7, 0.79, 0.87, 0.93, 0.97])
+#: Sets of each size that get another element; and new sets that are refined.
+_PARENTS, _REFINED = (1, 4, 4), (10, 12, 10)
+#: Distance in ln f beyond which a value counts as unexplained in the scan.
+_FAR = 0.2
+#: Errors added on the way to the most probable severities.
+_TEMPERED = (0.03, 0.01, 0.003, 0.0, 0.0)
+#: Largest step of ln(1 - beta).
+_LONGEST = 0.7
+#: Gain of the log-likelihood below which no further element can win against its prior.
+_GAIN = 7.0
+#: Chi-square so many standard deviations above what is expected is too much.
+_TOO_MUCH = 3.0
+#: Places of the responses on one line, so that one search in it serves all.
+_APART = 100.0
+
+
+@dataclass
+class Search:
+    """The sets found so far, by elements; ``n_candidates`` first, then those that are none."""
+
+    likelihood: Likelihood
+    n_candidates: int
+    most: int = 3
+    fits: dict[Elements, Fit] = field(default_factory=dict)
+    interrupted: bool = False
+
+    def run(self) -> None:
+        """Judge sets of up to ``most`` elements; after Ctrl-C those judged so far stay."""
+        self._judge((), self.likelihood.start)
+        try:
+            for size in range(1, min(self.most, self.n_candidates) + 1):
+                step(f"sets of {size}")
+                parents = self._parents(size - 1)
+                if parents and self._explained(parents[0]):
+                    return
+                self._refine(self._starts(parents, size))
+        except KeyboardInterrupt:
+            self.interrupted = True
+
+    def _parents(self, size: int) -> list[Fit]:
+        own = [
+            fit
+            for elements, fit in self.fits.items()
+            if len(elements) == size and all(e < self.n_candidates for e in elements)
+        ]
+        return sorted(own, key=lambda fit: -fit.log_evidence)[: _PARENTS[min(size, len(_PARENTS) - 1)]]
+
+    def _further(self, elements: Elements) -> list[int]:
+        """Elements that may join a set."""
+        count = self.n_candidates if elements else self.likelihood.n
+        return [e for e in range(count) if e not in elements]
+
+    def _judge(self, elements: Elements, view: View) -> None:
+        """Tell the evidence of a set, and of those with one element more, as seen from one point."""
+        larger = self._further(elements) if len(elements) < self.most else []
+        if any(e >= self.n_candidates for e in elements):
+            larger = []
+        for each in (elements, *(tuple(sorted((*elements, e))) for e in larger)):
+            fit = fitted(view, each)
+            if fit and (each not in self.fits or fit.log_evidence > self.fits[each].log_evidence):
+                self.fits[each] = fit
+
+    def _explained(self, parent: Fit) -> bool:
+        """Whether a set leaves nothing to be explained."""
+        view = parent.view
+        gains = 0.5 * np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
+        gains[list(parent.elements)] = 0.0
+        count = int(view.matched.sum())
+        fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
+        return bool(fits and view.matched.size - count <= 1 and gains.max() < _GAIN)
+
+    def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
+        """The sets that explain most in a scan, and the severities at which they do."""
+        found: list[tuple[float, Elements, FloatArray]] = []
+        for parent in parents:
+            base = np.zeros(self.likelihood.n)
+            base[list(parent.elements)] = np.clip(parent.beta, 0.0, HIGHEST)
+            further = self._further(parent.elements)
+            rows = np.repeat(base[None], len(further) * _GRID.size, axis=0)
+            for nth, e in enumerate(further):
+                rows[nth * _GRID.size : (nth + 1) * _GRID.size, e] = _GRID
+            left = [self._unexplained(roots) for roots in self.likelihood.roots(rows, slopes=False)]
+            for nth, e in enumerate(further):
+                at = nth * _GRID.size + int(np.argmin(left[nth * _GRID.size : (nth + 1) * _GRID.size]))
+                found.append((left[at], tuple(sorted((*parent.elements, e))), rows[at]))
+        chosen: dict[Elements, FloatArray] = {}
+        for _, elements, beta in sorted(found, key=lambda each: each[0]):
+            if elements not in chosen and len(chosen) < _REFINED[min(size, len(_REFINED)) - 1]:
+                chosen[elements] = beta
+        return chosen
+
+    def _unexplained(self, roots: Roots) -> float:
+        """Sum of the distances of the values from the nearest roots of their responses."""
+        now = self.likelihood.now
+        place = np.sort(self.likelihood.expected(roots) + _APART * roots.response)
+        place = np.concatenate([[-np.inf], place, [np.inf]])
+        value = now.log_f + _APART * now.response
+        after = np.searchsorted(place, value)
+        near = np.minimum(value - place[after - 1], place[after] - value)
+        return float(np.minimum(near, _FAR).sum())
+
+    def _refine(self, chosen: dict[Elements, FloatArray]) -> None:
+        """Newton steps of all sets together, then their evidence."""
+        if not chosen:
+            return
+        sets, betas = list(chosen), np.array(list(chosen.values()))
+        for extra in _TEMPERED:
+            views = self.likelihood.views(betas, extra)
+            for row, (elements, view) in enumerate(zip(sets, views, strict=True)):
+                at = np.array(elements)
+                matrix = view.curvature[np.ix_(at, at)]
+                ridge = 1e-9 * np.trace(matrix) + 1e-6
+                newton = np.linalg.solve(matrix + ridge * np.eye(at.size), view.gain[at])
+                # The nearer to 1, the faster the model changes: steps in ln(1 - beta) do not overshoot.
+                room = 1.0 - betas[row, at]
+                ahead = np.clip(-newton / room, -_LONGEST, _LONGEST)
+                betas[row, at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
+        for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
+            self._judge(elements, view)
