@@ -69,8 +69,11 @@ from .rational.fit import RationalFit, fit_rational
 from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
+from .updating.box_identifiability import BoxIdentifiability, identifiability
+from .updating.parameter_intervals import ParameterIntervals
 from .updating.penalty import DamagePenalty
 from .updating.problem import UpdatingProblem
+from .updating.profile import ProfileLikelihood
 from .updating.results import UpdateResult
 from .updating.search import update
 from .updating.tables import FrequencyTable, ModalTable
@@ -79,6 +82,7 @@ __all__ = [
     "AntiresError",
     "AntiresWarning",
     "AntiresonanceSet",
+    "BoxIdentifiability",
     "Comparison",
     "DamagePenalty",
     "DamagePrior",
@@ -105,7 +109,9 @@ __all__ = [
     "ObjectiveError",
     "OptimizeResult",
     "Parameter",
+    "ParameterIntervals",
     "PointMass",
+    "ProfileLikelihood",
     "RationalFit",
     "Recording",
     "Rectangle",
@@ -128,6 +134,7 @@ __all__ = [
     "fit_rational",
     "frf",
     "from_sep005",
+    "identifiability",
     "identify_antiresonances",
     "identify_modes",
     "inertia",

@@ -54,6 +54,10 @@ def frame():
     return ar.FrameModel([(0.0, 0.0), (1.0, 0.0)], [(0, 1)], ar.Tube(0.04, 0.002, 2.1e11, 7800.0))
 
 
+def before_a_test(study):
+    return ar.identifiability(study["case"].updating_problem(), points=4, forces=[], sensors=[])
+
+
 #: A call of each function of ``plotting``.
 PICTURES = {
     "plot_chain": lambda s: plotting.plot_chain(s["case"].model),
@@ -64,6 +68,7 @@ PICTURES = {
     "plot_damping_clusters": lambda s: plotting.plot_damping_clusters(s["zeros"].diagrams[0]),
     "plot_differences": lambda s: plotting.plot_differences(s["damage"].table),
     "plot_frame": lambda s: plotting.plot_frame(frame()),
+    "plot_identifiability": lambda s: plotting.plot_identifiability(before_a_test(s)),
     "plot_singular_values": lambda s: plotting.plot_singular_values(s["check"]),
     "plot_stabilization": lambda s: plotting.plot_stabilization(s["zeros"].diagrams[0]),
     "plot_transmissibility": lambda s: plotting.plot_transmissibility(
@@ -75,6 +80,7 @@ PICTURES = {
     "Tracks.plot": lambda s: ar.track([s["zeros"], s["zeros"]]).plot(),
     "UpdateResult.plot": lambda s: ar.UpdateResult.plot(s["damage"]),
     "DamageResult.plot": lambda s: s["damage"].plot(),
+    "BoxIdentifiability.plot": lambda s: before_a_test(s).plot(),
     "DataCheck.plot": lambda s: s["check"].plot(),
     "AntiresonanceSet.plot": lambda s: s["zeros"].plot(0),
     "StabilizationDiagram.plot": lambda s: s["zeros"].diagrams[0].plot(),

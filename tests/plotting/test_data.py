@@ -33,6 +33,7 @@ def drawn(record, damage, diagram):
     frame = ar.FrameModel(
         [(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], ar.Tube(0.038, 0.0015, 2.1e11, 7850.0), fixed=[0]
     )
+    known = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
     t, check = ar.transmissibility(record, 0, nperseg=512), check_data(record, band_hz=BAND)
     return [
         (["poles", "values", "curve"], lambda ax: plotting.plot_stabilization(diagram, ax=ax)),
@@ -50,6 +51,7 @@ def drawn(record, damage, diagram):
         (["springs"], lambda ax: plotting.plot_chain(chain(), damage.severity, ax=ax)),
         (["islands", "migrations"], lambda ax: plotting.plot_convergence(damage, ax=ax)),
         (["pairs"], lambda ax: plotting.plot_comparison(ar.compare(*sets), ax=ax)),
+        (["parameters"], lambda ax: plotting.plot_identifiability(known, ax=ax)),
         (["tracks"], lambda ax: plotting.plot_tracks(ar.track(sets), ax=ax)),
     ]
 
