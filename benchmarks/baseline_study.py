@@ -1,11 +1,11 @@
 """Damage against a baseline when the model is wrong: false alarms, right hypotheses, intervals, probabilities.
 
-The eight-mass chain, every mass and spring of the truth off by up to a percentage drawn between 1 and 10, intact and
-damaged state identified from records of their own with 1 % noise: intact, one damage of 2 to 60 % (log-uniform), two of
-5 to 60 %. The model is the nominal chain, never updated.
+The eight-mass chain, every mass and spring of the truth off by up to a percentage drawn between 1 and 10,
+intact and damaged state identified from records of their own with 1 % noise: intact, one damage of 2 to 60 %
+(log-uniform), two of 5 to 60 %. The model is the nominal chain, never updated.
 
-    python -m benchmarks.baseline_study                  # 200, 200 and 100 structures, half an hour on two cores
-    python -m benchmarks.baseline_study --count 20 20 10
+    python -m benchmarks.baseline_study                  # 200, 200 and 100 structures, half an hour on two
+    cores python -m benchmarks.baseline_study --count 20 20 10
 """
 
 from __future__ import annotations
