@@ -1,4 +1,4 @@
-"""Damage against a baseline when the model is wrong: false alarms, right hypotheses, intervals, probabilities.
+"""Damage against a baseline, the model wrong: false alarms, right hypotheses, intervals, probabilities.
 
 The eight-mass chain, every mass and spring of the truth off by up to a percentage drawn between 1 and 10,
 intact and damaged state identified from records of their own with 1 % noise: intact, one damage of 2 to 60 %
