@@ -51,7 +51,7 @@ def calibration(method, count, draws, jobs, markdown):
 
 def from_record(seed):
     """Coverage of ratios to spring 1, and of the parameters, from one identified record at 1 % noise."""
-    case = ar.cases.chain8(perturbation=0.08, rng=seed)
+    case = ar.cases.chain8(perturbation=0.1, rng=seed)
     record = case.experiment(noise=0.01, rng=seed, progress=False)
     zeros = ar.identify_antiresonances(record, excitation=0, band_hz=case.band_hz, progress=False)
     truth = case.truth()
@@ -62,7 +62,7 @@ def from_record(seed):
 
 def wrong(seed, kind):
     """The same with exact values and errors of 0.05 % from a structure that the model cannot become."""
-    case = ar.cases.chain8(perturbation=0.08, rng=seed)
+    case = ar.cases.chain8(perturbation=0.1, rng=seed)
     true, truth = case.true_model(), case.truth()
     stiff, mass = true.stiffness(), true.mass()
     rng = np.random.default_rng(seed)

@@ -43,6 +43,18 @@ class ParameterIntervals(Value):
         draws. 0 where the stated errors explain the residuals; all of the error where none are stated.
     notes : tuple of str
         What was assumed, and what speaks against it.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> case = ar.cases.chain8()
+    >>> zeros = case.exact()
+    >>> stated = {dof: 1e-3 * freq for dof, freq in zeros.items()}
+    >>> zeros = ar.AntiresonanceSet(0, dict(zeros.items()), std_hz=stated)
+    >>> problem = ar.UpdatingProblem(case.model, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), zeros)
+    >>> found = ar.update(problem, rng=0).intervals()
+    >>> found.words, found.draws.shape
+    (('two-sided', 'two-sided'), (1000, 2))
     """
 
     names: tuple[str, ...]
