@@ -45,6 +45,7 @@ def study():
         "record": record,
         "zeros": zeros,
         "damage": ar.assess_damage(case.model, zeros, optimizer=search, rng=0),
+        "judged": ar.assess_damage(case.model, case.exact(1), baseline=case.exact(0)),
         "check": ar.check_data(record, excitation=0, band_hz=(3, 130)),
         "lines": ar.transmissibility(record, 0, nperseg=4096),
     }
@@ -65,6 +66,8 @@ PICTURES = {
     "plot_convergence": lambda s: plotting.plot_convergence(s["damage"]),
     "plot_damage": lambda s: plotting.plot_damage(s["damage"]),
     "plot_damages": lambda s: plotting.plot_damages({"one": s["damage"], "two": s["damage"]}),
+    "plot_hypotheses": lambda s: plotting.plot_hypotheses(s["judged"].hypotheses),
+    "Hypotheses.plot": lambda s: s["judged"].hypotheses.plot(),
     "plot_damping_clusters": lambda s: plotting.plot_damping_clusters(s["zeros"].diagrams[0]),
     "plot_differences": lambda s: plotting.plot_differences(s["damage"].table),
     "plot_frame": lambda s: plotting.plot_frame(frame()),

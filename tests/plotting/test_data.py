@@ -47,6 +47,7 @@ def drawn(record, damage, diagram):
         (["bars"], lambda ax: plotting.plot_differences(damage.table, ax=ax)),
         (["bars"], lambda ax: plotting.plot_damage(damage, ax=ax, truth={1: 0.4})),
         (["bars"], lambda ax: plotting.plot_damages(two, ax=ax)),
+        (["hypotheses"], lambda ax: plotting.plot_hypotheses(damage.hypotheses, ax=ax)),
         (["elements"], lambda ax: plotting.plot_frame(frame, {1: 0.4}, ax=ax)),
         (["springs"], lambda ax: plotting.plot_chain(chain(), damage.severity, ax=ax)),
         (["islands", "migrations"], lambda ax: plotting.plot_convergence(damage, ax=ax)),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..optimize.arguments import thread_count
-from ..support.validation import reject
+from ..support.validation import FloatArray, reject
 from ..updating.identifiability import smallest_visible
 from ..updating.results import UpdateResult
 from .inference import infer
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ASSUMED_MODEL_ERROR", "DamageResult"]
 
+#: Width of the 90 % interval of a Gaussian, in standard deviations.
+_WIDTH_90 = 2.0 * 1.6448536269514722
 #: Elements that a note calls by name.
 _NAMED = 4
 #: Relative scatter of stiffnesses and masses that probabilities without a baseline assume.
@@ -77,9 +79,27 @@ class DamageResult(UpdateResult):
             prior=DamagePrior(),
             false_alarm_rate=None,
             model_error=ASSUMED_MODEL_ERROR,
+            std_common=0.0,
             rng=rng,
             threads=thread_count(None),
         ).assessment
+
+    @property
+    def has_baseline(self) -> bool:
+        """Whether changes were compared with changes, or one state with the model."""
+        return self._assessment is not None
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviation of each severity, (n,); NaN where it is 0.
+
+        With a baseline: that of a Gaussian with the 90 % interval, errors of the model considered. Without
+        one: of the values' errors alone, to first order.
+        """
+        if self._assessment is None:
+            return super().std
+        width = np.array([high - low for low, high in self.interval.values()])
+        return np.where(width > 0.0, width / _WIDTH_90, np.nan)
 
     @property
     def hypotheses(self) -> Hypotheses:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from .assessment import Assessment
 from .hypotheses import Hypothesis
 
-__all__ = ["headline", "reservations"]
+__all__ = ["headline", "percent", "reservations"]
 
 Label = Callable[[int], str]
 #: From this probability on something is said without reserve.
@@ -21,7 +21,7 @@ def headline(found: Assessment, label: Label) -> list[str]:
     if not best.candidate:
         lines = [
             "Something changed that none of the candidates explains "
-            f"(probability {_percent(found.probability_elsewhere)})."
+            f"(probability {percent(found.probability_elsewhere)})."
         ]
         if not best.unknown:
             lines.append(f"{_loss(best, label, capital=True)}, which was no candidate, would explain it.")
@@ -29,25 +29,25 @@ def headline(found: Assessment, label: Label) -> list[str]:
     if not found.declared:
         none = found.probability_of_nothing
         if not best.elements:
-            lines = [f"No damage found: probability of no damage {_percent(none)}."]
+            lines = [f"No damage found: probability of no damage {percent(none)}."]
         else:
             lines = [
-                f"No damage declared: its odds do not reach the threshold (probability {_percent(changed)})."
+                f"No damage declared: its odds do not reach the threshold (probability {percent(changed)})."
             ]
         if none < _SURE:
             lines.append(f"Not excluded: {_alternatives(found, label)}.")
         return lines
     declared = next(one for one in found.hypotheses if one.elements == found.declared)
     if declared.probability >= _SURE or len(found.group) == 1:
-        return [f"Damage: {_loss(declared, label)}; probability {_percent(declared.probability)}."]
-    sure = f"Damage is {'certain' if changed > 0.995 else 'probable'} ({_percent(changed)})"
+        return [f"Damage: {_loss(declared, label)}; probability {percent(declared.probability)}."]
+    sure = f"Damage is {'certain' if changed > 0.995 else 'probable'} ({percent(changed)})"
     if not found.group:
         return [f"{sure}, but the values cannot tell where.", f"First of many: {_loss(declared, label)}."]
     where = " or ".join(" and ".join(label(e) for e in one.elements) for one in found.group)
     share = sum(one.probability for one in found.group)
     return [
-        f"{sure}: {where} (together {_percent(share)}).",
-        f"Most probable: {_loss(declared, label)}; probability {_percent(declared.probability)}.",
+        f"{sure}: {where} (together {percent(share)}).",
+        f"Most probable: {_loss(declared, label)}; probability {percent(declared.probability)}.",
     ]
 
 
@@ -75,6 +75,16 @@ def reservations(found: Assessment, label: Label) -> list[str]:
             f"The model predicts changes to about {100 * found.kappa:.0f} %: it explained the baseline to "
             f"{100 * found.root_std:.1f} %."
         )
+    if found.n_baselines == 1:
+        notes.append(
+            "One test of the intact structure: how far values scatter from test to test is not known, their "
+            "own standard deviations count."
+        )
+    elif found.scatter > 1.0:
+        notes.append(
+            f"Values scatter between the intact tests {found.scatter:.1f} times as much as their standard "
+            "deviations say; all of them were multiplied by that."
+        )
     if found.assumed_std:
         notes.append("Values without standard deviation count as known to 0.05 %.")
     return notes
@@ -87,7 +97,7 @@ def _alternatives(found: Assessment, label: Label) -> str:
     return ", ".join(
         "a change that no element explains"
         if one.unknown
-        else f"{_loss(one, label)} ({_percent(one.probability)})"
+        else f"{_loss(one, label)} ({percent(one.probability)})"
         for one in others
     )
 
@@ -100,7 +110,8 @@ def _loss(one: Hypothesis, label: Label, *, capital: bool = False) -> str:
     return words[0].upper() + words[1:] if capital else words
 
 
-def _percent(probability: float) -> str:
+def percent(probability: float) -> str:
+    """A probability in percent; what is nearly 0 or 1 is not rounded to it."""
     if probability > 0.999:
         return "above 99.9 %"
     return "below 0.1 %" if probability < 0.001 else f"{100 * probability:.1f} %"

@@ -16,6 +16,7 @@ from .damages import plot_damages
 from .damping_clusters import plot_damping_clusters
 from .differences import plot_differences
 from .frame import plot_frame
+from .hypotheses import plot_hypotheses
 from .identifiability import plot_identifiability
 from .spectra import plot_coherence, plot_singular_values
 from .stabilization import plot_stabilization
@@ -34,6 +35,7 @@ __all__ = [
     "plot_differences",
     "plot_singular_values",
     "plot_frame",
+    "plot_hypotheses",
     "plot_identifiability",
     "plot_stabilization",
     "plot_tracks",
