@@ -79,6 +79,7 @@ class DamageResult(UpdateResult):
             prior=DamagePrior(),
             false_alarm_rate=None,
             model_error=ASSUMED_MODEL_ERROR,
+            std_common=0.0,
             rng=rng,
             threads=thread_count(None),
         ).assessment

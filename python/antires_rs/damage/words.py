@@ -119,6 +119,16 @@ def reservations(found: Assessment, label: Label) -> list[str]:
             f"The model predicts changes to about {100 * found.kappa:.0f} %: it explained the baseline to "
             f"{100 * found.root_std:.1f} %."
         )
+    if found.n_baselines == 1:
+        notes.append(
+            "One test of the intact structure: how far values scatter from test to test is not known, their "
+            "own standard deviations count."
+        )
+    elif found.scatter > 1.0:
+        notes.append(
+            f"Values scatter between the intact tests {found.scatter:.1f} times as much as their standard "
+            "deviations say; all of them were multiplied by that."
+        )
     if found.assumed_std:
         notes.append("Values without standard deviation count as known to 0.05 %.")
     return notes
