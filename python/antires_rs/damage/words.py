@@ -38,8 +38,7 @@ def _unexplained(found: Assessment, label: Label) -> list[str]:
     ]
     if not best.unknown:
         lines.append(
-            f"It would be explained if {_lost(best, label)} ({_intervals(best)}): "
-            f"{'this was no candidate' if len(best.elements) == 1 else 'not all of these were candidates'}."
+            f"What would explain it, and was no candidate: {_lost(best, label)} ({_intervals(best)})."
         )
     return lines
 

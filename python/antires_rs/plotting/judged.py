@@ -89,8 +89,9 @@ def verdict(result: DamageResult) -> str:
     """Why there is no bar."""
     elsewhere = result.probability_elsewhere
     if not result.assessment.best.candidate:
-        return f"something changed that no candidate explains (probability {_percent(elsewhere)} %)"
-    return f"no damage declared (probability of any change {_percent(result.probability_of_damage)} %)"
+        return f"something has changed that no candidate explains\n(probability {_percent(elsewhere)} %)"
+    changed = _percent(result.probability_of_damage)
+    return f"no damage declared\n(probability that anything has changed: {changed} %)"
 
 
 def _percent(p: float) -> str:
