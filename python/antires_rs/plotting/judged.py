@@ -43,7 +43,7 @@ def draw_alternatives(ax: Any, x: FloatArray, losses: FloatArray) -> None:
             edgecolor="black",
             linewidth=0.9,
             linestyle="--",
-            label="if it is this one instead",
+            label="what else it may be",
         )
 
 

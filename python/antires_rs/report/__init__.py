@@ -221,8 +221,8 @@ def _lead(result: UpdateResult) -> str:
             if seen
             else ""
         )
-        count = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}"
-        return f"{given}, compared with those of the intact structure; {count}.{would}"
+        among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}"
+        return f"{given}, compared with those of the intact structure; {among}.{would}"
     before, after = (
         largest(p) for p in (result.table.largest_before_percent, result.table.largest_after_percent)
     )
