@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from ..updating.identifiability import smallest_visible
 from ..updating.results import UpdateResult
 from .inference import infer
 from .prior import DamagePrior
+from .residuals import largest_left
 from .words import headline, reservations
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from ..optimize.outcome import OptimizeResult
     from ..updating.problem import UpdatingProblem
+    from ..updating.tables import FrequencyTable
     from .assessment import Assessment
     from .hypotheses import Hypotheses
 
@@ -194,6 +196,9 @@ class DamageResult(UpdateResult):
         else:
             notes = [] if self.success else [f"The search did not finish: {self.message}"]
             notes += reservations(self._assessment, label)
+            left = "" if self._assessment.explained else largest_left(cast("FrequencyTable", self.table))
+            if left:
+                notes.append(f"Left unexplained, in the values corrected by the baseline: {left}.")
             if self._visible():
                 notes.append(f"Smallest damage that nine of ten such tests would show: {self._visible()}.")
         others = [label(e) for e in self.problem.model._springs if e not in self.severity]
