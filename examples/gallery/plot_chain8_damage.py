@@ -3,8 +3,8 @@ Damage of the eight-mass chain
 ==============================
 
 The first case of the paper: eight masses in line, free at both ends, shaken at mass 1. Spring 5 has lost
-55 % of its stiffness. Eight accelerometers are recorded; the force is not used. First the way of the paper, on a
-model without error; then with a baseline, on one that is wrong.
+55 % of its stiffness. Eight accelerometers are recorded; the force is not used. First the way of the paper, on
+a model without error; then with a baseline, on one that is wrong.
 """
 
 import matplotlib.pyplot as plt
@@ -37,7 +37,7 @@ plotting.plot_differences(damage.table, ax=right, names=("undamaged model", "dam
 # %%
 # A real model is wrong by some per cent. Here masses and springs of the structure are up to 5 % off, and the
 # model is not updated: the search takes the errors for damage.
-off = ar.cases.chain8(perturbation=0.05, rng=7)
+off = ar.cases.chain8(perturbation=0.05, rng=0)
 before, now = (
     ar.identify_antiresonances(
         off.experiment(level=level, noise=0.01, duration_s=128.0, rng=level), excitation=0, band_hz=(3, 130)
