@@ -3,8 +3,8 @@ Damage of the eight-mass chain
 ==============================
 
 The first case of the paper: eight masses in line, free at both ends, shaken at mass 1. Spring 5 has lost
-55 % of its stiffness. Eight accelerometers are recorded; the force is not used. First the way of the paper, on
-a model without error; then with a baseline, on one that is wrong.
+55 % of its stiffness. Eight accelerometers are recorded; the force is not used. First the way of the paper,
+on a model without error; then with a baseline, on one that is wrong.
 """
 
 import matplotlib.pyplot as plt

@@ -216,7 +216,7 @@ def _lead(result: UpdateResult) -> str:
     if result.has_baseline:
         seen = [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]
         would = (
-            f" Smallest loss that nine of ten such tests would show: {min(seen):.1f} to {max(seen):.1f} %, "
+            f" Smallest loss that nine of ten such tests would show: {min(seen):.2g} to {max(seen):.2g} %, "
             "depending on the element."
             if seen
             else ""

@@ -44,7 +44,13 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     def percent(value: float | None) -> str:
         if value is None:
             return ""
-        return "none" if not np.isfinite(value) else "0" if value == 0.0 else f"{100 * value:.1f}"
+        return (
+            "none"
+            if not np.isfinite(value)
+            else "0"
+            if value == 0.0
+            else f"{100 * value:.{1 if value >= 9.5e-4 else 2}f}"
+        )
 
     label, judged = result.problem.model.element_label, result.has_baseline
     on_bound = set() if judged else set(result.at_bound)
