@@ -249,6 +249,12 @@ class DamageResult(UpdateResult):
         head = [self.headline, "", str(self.hypotheses), "", str(self.table), ""]
         return "\n".join([*head, *(f"note: {note}" for note in self.notes)])
 
+    def __repr__(self) -> str:
+        if self._assessment is None:
+            return super().__repr__()
+        best = self.hypotheses[0]
+        return f"{type(self).__name__}({self.hypotheses.called(best)}, probability {best.probability:.3f})"
+
     def plot(self, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
         """Damage bar chart; see :func:`antires_rs.plotting.plot_damage`."""
         from ..plotting import plot_damage
