@@ -10,8 +10,8 @@ report can say where, or whether, there is damage.
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,7 @@ SPRINGS = np.full(6, 56.7e3)
 OFF = 0.03
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(NamedTuple):
     """What happens, which springs are candidates, and whether each stands for two in parallel."""
 
     name: str
