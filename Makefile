@@ -42,6 +42,7 @@ campaign: $(STAMP)  ## the studies of which the suites have a part, and thirty t
 	PROPTEST_CASES=4000 cargo test --locked
 	$(PYTEST) -m campaign
 	ANTIRES_EXAMPLES=30 $(PYTEST) $(wildcard tests/*/test_any_*.py)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.search_study --least 95
 
 lint: build  ## clippy, rustdoc, ruff, import contracts, mypy, stubtest
 	cargo fmt --check

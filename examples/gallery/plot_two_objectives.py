@@ -18,9 +18,10 @@ modes = ar.identify_modes(record, band_hz=(3, 130))  # FRFs, since this record h
 print(modes)
 
 # %%
+penalties = {"gamma1": 0.1, "gamma2": 0.1}
 damages = {
-    "antiresonances": ar.assess_damage(case.model, zeros, rng=0),
-    "resonances, shapes": ar.assess_damage(case.model, modes, rng=0),
+    "antiresonances": ar.assess_damage(case.model, zeros, **penalties, rng=0),
+    "resonances, shapes": ar.assess_damage(case.model, modes, **penalties, rng=0),
 }
 fig, ax = plt.subplots(figsize=(9, 4), layout="constrained")
 plotting.plot_damages(damages, ax=ax, truth=case.truth(level=1)["severity"])

@@ -74,8 +74,11 @@ from .rational.fit import RationalFit, fit_rational
 from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
+from .updating.box_identifiability import BoxIdentifiability, identifiability
+from .updating.parameter_intervals import ParameterIntervals
 from .updating.penalty import DamagePenalty
 from .updating.problem import UpdatingProblem
+from .updating.profile import ProfileLikelihood
 from .updating.results import UpdateResult
 from .updating.search import update
 from .updating.tables import FrequencyTable, ModalTable
@@ -84,6 +87,7 @@ __all__ = [
     "AntiresError",
     "AntiresWarning",
     "AntiresonanceSet",
+    "BoxIdentifiability",
     "Comparison",
     "DamagePenalty",
     "DamagePrior",
@@ -111,7 +115,9 @@ __all__ = [
     "ObjectiveError",
     "OptimizeResult",
     "Parameter",
+    "ParameterIntervals",
     "PointMass",
+    "ProfileLikelihood",
     "RationalFit",
     "Recording",
     "Rectangle",
@@ -137,6 +143,7 @@ __all__ = [
     "fit_rational",
     "frf",
     "from_sep005",
+    "identifiability",
     "identify_antiresonances",
     "identify_modes",
     "inertia",

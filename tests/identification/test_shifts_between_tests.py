@@ -22,8 +22,8 @@ def free_chain(springs):
 
 
 def of_one_test(shift, rng, *, noise=0.005, each=0.0):
-    """FRFs of one test, line by line: all frequencies moved by ``shift``, every spring changed by itself."""
-    springs = SPRINGS * (1.0 + shift) ** 2 * (1.0 + each * rng.standard_normal(SPRINGS.size))
+    """FRFs of one test, line by line."""
+    springs = varied(shift, each, rng)
     freq = np.arange(5.0, 75.0, 0.1)
     dynamic = free_chain(springs) * (1.0 + 1j * ETA) - ((2 * np.pi * freq) ** 2)[:, None, None] * np.eye(7)
     column = np.linalg.inv(dynamic)[:, SENSORS, 0].T
@@ -57,19 +57,32 @@ def test_what_moves_a_whole_curve_is_in_the_errors():
     assert np.abs(moving[0] / truth(0) - 1.0 - shifts.mean()).max() < 1e-3
 
 
-def truth(dof):
+def truth(dof, springs=SPRINGS):
     """Damped zeros in the band."""
-    zeros = true_antiresonances(free_chain(SPRINGS), np.eye(7), dof, 0) * np.sqrt(abs(1.0 + 1j * ETA))
+    zeros = true_antiresonances(free_chain(springs), np.eye(7), dof, 0) * np.sqrt(abs(1.0 + 1j * ETA))
     return zeros[(zeros > WIDE[0]) & (zeros < WIDE[1])]
+
+
+def varied(shift, each, rng):
+    """Springs of one test: all frequencies moved by ``shift``, every spring changed by itself."""
+    return SPRINGS * (1.0 + shift) ** 2 * (1.0 + each * rng.standard_normal(SPRINGS.size))
+
+
+def scatter(dof, shift, each):
+    """Relative scatter of the mean of the tests by what differs between them alone, from 300 structures."""
+    rng = np.random.default_rng(0)
+    every = [truth(dof, varied(shift * rng.standard_normal(), each, rng)) for _ in range(300)]
+    return np.std(np.array(every), axis=0) / truth(dof) / np.sqrt(TESTS)
 
 
 @pytest.mark.parametrize(
     ("kind", "first"), some_of([(k, n) for n in (400, 500) for k in ("frf", "transmissibility")])
 )
 def test_intervals_cover_what_other_tests_would_give(kind, first):
+    between = {dof: scatter(dof, 2e-3, 5e-3) for dof in SENSORS}
     # Nothing was set on these seeds. On seeds 300 to 311 the intervals of FRFs cover 90 %; without the
     # scatter between tests it was 78 %.
-    scores = []
+    scores, stated = [], []
     for seed in range(first, first + 4):
         rng = np.random.default_rng(seed)
         found = of_list(
@@ -78,9 +91,11 @@ def test_intervals_cover_what_other_tests_would_give(kind, first):
         for dof in SENSORS:
             for value, std in zip(found[dof], found.std_hz[dof], strict=True):
                 off = truth(dof) - value
-                scores.append(off[np.argmin(np.abs(off))] / std)
+                at = np.argmin(np.abs(off))
+                scores.append(off[at] / std)
+                stated.append(std / value / between[dof][at])
     assert len(scores) >= 36
     # 90 % of values on 5 + 8 degrees of freedom; all values of a list share its shifts, so that lists differ.
     assert np.mean(np.abs(scores) < 1.77) >= 0.8
-    # And are no excuse: the scores of a normal value have the median 0.67.
-    assert np.median(np.abs(scores)) > 0.35
+    # And are no excuse: with the noise they are little more than the scatter that there is.
+    assert 0.7 < np.median(stated) < 1.7

@@ -10,7 +10,7 @@ import pytest
 import antires_rs as ar
 from antires_rs import cli
 from antires_rs.damage import result as damage_result
-from antires_rs.jobs import run
+from antires_rs.jobs import damage as damage_jobs
 from antires_rs.updating import results
 from tests.support.job_files import DAMAGE, UPDATE, write_measured
 from tests.support.signalled import ANTIRES, LONG, stopped
@@ -98,7 +98,7 @@ def test_ctrl_c_hands_back_the_best_so_far_and_a_checkpoint(tmp_path, capsys):
 def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, capsys):
     write_measured(tmp_path)
     (tmp_path / "job.toml").write_text(DAMAGE.replace("seed = 1", "seed = 1\ncheckpoint = false"))
-    complete = run.assess_damage
+    complete = damage_jobs.assess_damage
 
     def interrupted(*args, **options):
         result = complete(*args, **options)
@@ -108,7 +108,7 @@ def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, cap
     def slow(*args):
         raise AssertionError("computed")
 
-    monkeypatch.setattr(run, "assess_damage", interrupted)
+    monkeypatch.setattr(damage_jobs, "assess_damage", interrupted)
     monkeypatch.setattr(damage_result, "smallest_visible", slow)
     monkeypatch.setattr(results, "identifiability", slow)
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 130

@@ -28,6 +28,7 @@ pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, youngs_mo
 density_kg_per_m3 = 7850 }
 """,
 )
+BASELINE = DAMAGE.replace("[damage]", '[damage]\nbaseline = "measured.json"')
 RECORD = DAMAGE.replace('file = "measured.json"', 'file = "record.npz"\nexcitation = 0\nband_hz = [3, 100]')
 
 #: What is wrong: (the job, the line that must be named).
@@ -114,6 +115,27 @@ WRONG = {
     "a mass that is not there": (UPDATE.replace('terms = "all"', "terms = [0, 9]"), 11),
     "an element twice": (UPDATE.replace('elements = "all"', "elements = [0, 0]"), 16),
     "a candidate that is not there": (DAMAGE.replace("[damage]", "[damage]\nelements = [0, 17]"), 10),
+    "a baseline that is not there": (BASELINE.replace('baseline = "m', 'baseline = "n'), 10),
+    "a baseline with the force elsewhere": (
+        BASELINE.replace('baseline = "m', 'baseline = "other_force_m'),
+        10,
+    ),
+    "a baseline that is a number": (DAMAGE.replace("[damage]", "[damage]\nbaseline = 3"), 10),
+    "a price beside a baseline": (BASELINE.replace("[search]", "gamma1 = 0.1\n[search]"), 12),
+    "a search beside a baseline": (BASELINE.replace("seed = 1", "islands = 2"), 13),
+    "a rate of false alarms without a baseline": (
+        DAMAGE.replace("[damage]", "[damage]\nfalse_alarm_rate = 0.05"),
+        10,
+    ),
+    "a rate of false alarms above a half": (
+        BASELINE.replace("[search]", "false_alarm_rate = 5\n[search]"),
+        12,
+    ),
+    "too much that moves all values": (BASELINE.replace("[search]", "std_common = 0.2\n[search]"), 12),
+    "a prior that is a number": (BASELINE.replace("[search]", "prior = 0.5\n[search]"), 12),
+    "a prior that does not add up": (BASELINE.replace("[search]", "prior = { nothing = 0.9 }\n[search]"), 12),
+    "a prior of something else": (BASELINE.replace("[search]", "prior = { none = 0.9 }\n[search]"), 12),
+    "a prior beyond certainty": (BASELINE.replace("[search]", "prior = { nothing = 1.5 }\n[search]"), 12),
     "parameters as a single table": (
         UPDATE.replace("[[parameters]]", "[parameters]", 1).replace(
             '[[parameters]]\nkind = "stiffness_factor"\nelements = "all"\nbounds = [0.9, 1.1]\n', ""
@@ -133,6 +155,7 @@ def messages(tmp_path_factory):
     """What ``antires`` says to each job, its exit code, and the error behind it."""
     folder = tmp_path_factory.mktemp("jobs")
     write_measured(folder)
+    ar.AntiresonanceSet(1, {0: [10.0]}).save(folder / "other_force_measured.json")
     write_record(folder)
     job = folder / "job.toml"
     said = {}
@@ -145,7 +168,12 @@ def messages(tmp_path_factory):
             patch.setattr("sys.stderr.write", written.append)
             code = cli.main([task, str(job)])
         said[case] = code, "".join(written).strip().replace(str(folder), "FOLDER"), *errors
-    assert sorted(p.name for p in folder.iterdir()) == ["job.toml", "measured.json", "record.npz"]
+    assert sorted(p.name for p in folder.iterdir()) == [
+        "job.toml",
+        "measured.json",
+        "other_force_measured.json",
+        "record.npz",
+    ]
     return said
 
 

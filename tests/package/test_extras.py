@@ -45,6 +45,7 @@ def study():
         "record": record,
         "zeros": zeros,
         "damage": ar.assess_damage(case.model, zeros, optimizer=search, rng=0),
+        "judged": ar.assess_damage(case.model, case.exact(1), baseline=case.exact(0)),
         "plan": ar.plan_test(case.model, n_sensors=2, excitations=0),
         "curves": ar.detectability(
             ar.MassSpringChain([1.0, 1.2, 1.0], [500.0, 450.0]), excitation=0, std=5e-4, n_tests=1, rng=0
@@ -58,6 +59,10 @@ def frame():
     return ar.FrameModel([(0.0, 0.0), (1.0, 0.0)], [(0, 1)], ar.Tube(0.04, 0.002, 2.1e11, 7800.0))
 
 
+def before_a_test(study):
+    return ar.identifiability(study["case"].updating_problem(), points=4, forces=[], sensors=[])
+
+
 #: A call of each function of ``plotting``.
 PICTURES = {
     "plot_chain": lambda s: plotting.plot_chain(s["case"].model),
@@ -65,11 +70,14 @@ PICTURES = {
     "plot_convergence": lambda s: plotting.plot_convergence(s["damage"]),
     "plot_damage": lambda s: plotting.plot_damage(s["damage"]),
     "plot_damages": lambda s: plotting.plot_damages({"one": s["damage"], "two": s["damage"]}),
+    "plot_hypotheses": lambda s: plotting.plot_hypotheses(s["judged"].hypotheses),
+    "Hypotheses.plot": lambda s: s["judged"].hypotheses.plot(),
     "plot_damping_clusters": lambda s: plotting.plot_damping_clusters(s["zeros"].diagrams[0]),
     "plot_detectability": lambda s: plotting.plot_detectability(s["curves"]),
     "plot_plan": lambda s: plotting.plot_plan(s["plan"]),
     "plot_differences": lambda s: plotting.plot_differences(s["damage"].table),
     "plot_frame": lambda s: plotting.plot_frame(frame()),
+    "plot_identifiability": lambda s: plotting.plot_identifiability(before_a_test(s)),
     "plot_singular_values": lambda s: plotting.plot_singular_values(s["check"]),
     "plot_stabilization": lambda s: plotting.plot_stabilization(s["zeros"].diagrams[0]),
     "plot_transmissibility": lambda s: plotting.plot_transmissibility(
@@ -83,6 +91,7 @@ PICTURES = {
     "Tracks.plot": lambda s: ar.track([s["zeros"], s["zeros"]]).plot(),
     "UpdateResult.plot": lambda s: ar.UpdateResult.plot(s["damage"]),
     "DamageResult.plot": lambda s: s["damage"].plot(),
+    "BoxIdentifiability.plot": lambda s: before_a_test(s).plot(),
     "DataCheck.plot": lambda s: s["check"].plot(),
     "AntiresonanceSet.plot": lambda s: s["zeros"].plot(0),
     "StabilizationDiagram.plot": lambda s: s["zeros"].diagrams[0].plot(),

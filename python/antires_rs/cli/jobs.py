@@ -97,6 +97,14 @@ def resume(args: argparse.Namespace) -> int:
 
         done = UpdateResult.load(folder.result)
         interrupted = folder.state == "interrupted"
+        if interrupted and job.section("damage").get("baseline"):
+            reject(
+                "JOB",
+                f"{str(args.target)!r}, whose assessment was interrupted",
+                "a search that is kept on disk",
+                f"Begin anew with 'antires {job.task} {_shown(job.path)}': with a baseline it takes seconds "
+                "and keeps no checkpoint.",
+            )
         if interrupted or out_of_time(done):
             how = "was interrupted" if interrupted else "ran out of time"
             reject(
@@ -159,7 +167,13 @@ def _run(job: Job, args: argparse.Namespace, **how: bool) -> int:
         waits = outcome.folder.unfinished
         print(
             "antires: interrupted, the best so far is kept; "
-            + (f"go on with: antires resume {_shown(job.path)}" if waits else "without a checkpoint"),
+            + (
+                f"go on with: antires resume {_shown(job.path)}"
+                if waits
+                else f"begin anew with: antires {job.task} {_shown(job.path)}"
+                if job.section("damage").get("baseline")
+                else "without a checkpoint"
+            ),
             file=sys.stderr,
         )
         return 130

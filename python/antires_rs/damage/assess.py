@@ -19,7 +19,7 @@ from ..support.validation import finite_scalar, reject, shape_of
 from ..updating.penalty import DamagePenalty
 from ..updating.problem import Measured, UpdatingProblem
 from ..updating.search import search
-from .inference import Inferred, infer
+from .inference import STD_COMMON, Inferred, infer
 from .prior import DamagePrior
 from .result import DamageResult
 
@@ -34,6 +34,7 @@ def assess_damage(
     elements: Any = None,
     prior: DamagePrior | None = None,
     false_alarm_rate: float | None = None,
+    std_common: float | None = None,
     gamma1: float | None = None,
     gamma2: float | None = None,
     snap: float | None = None,
@@ -71,6 +72,9 @@ def assess_damage(
     false_alarm_rate : float, optional
         Share of intact tests in which damage may be declared, in (0, 0.5]; with a baseline. Default: damage
         is declared where it is more probable than none, which happens more rarely.
+    std_common : float, optional
+        With a baseline: standard deviation of what moves all values alike between the two tests, relative,
+        such as temperature or a sampling clock. Default 0.0005, three kelvin of steel.
     gamma1, gamma2 : float, optional
         Penalties on the sum and the number of damages, without a baseline; small damage costs more than it
         explains, see ``DamageResult.detectable``. Default: as :meth:`DamagePenalty.scaled` gives them, 0.1
@@ -141,7 +145,8 @@ def assess_damage(
         "callback": callback, "x0": x0, "checkpoint": checkpoint,
     }  # fmt: skip
     if baseline is None:
-        _without({"prior": prior, "false_alarm_rate": false_alarm_rate}, "together with a baseline")
+        only = {"prior": prior, "false_alarm_rate": false_alarm_rate, "std_common": std_common}
+        _without(only, "together with a baseline")
         prices = (gamma1, gamma2, DamagePenalty.snap if snap is None else snap)
         problem = UpdatingProblem(
             model, stiffness_reduction(chosen), measured, penalty=prices, weights=weights
@@ -151,6 +156,7 @@ def assess_damage(
     _without(of_search, "without a baseline")
     if false_alarm_rate is not None:
         finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.5, low_open=True)
+    common = STD_COMMON if std_common is None else finite_scalar("std_common", std_common, low=0.0, high=0.1)
     if prior is not None and not isinstance(prior, DamagePrior):
         reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
     before, now = _sets("baseline", baseline), _sets("measured", measured)
@@ -165,6 +171,7 @@ def assess_damage(
             prior=prior or DamagePrior(),
             false_alarm_rate=false_alarm_rate,
             model_error=None,
+            std_common=common,
             rng=np.random.default_rng(seed),
             threads=thread_count(workers),
         )

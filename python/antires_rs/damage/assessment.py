@@ -41,6 +41,11 @@ class Assessment(Value):
         Severity of each candidate that nine of ten such tests would show.
     baseline : bool
         Whether there was one.
+    n_baselines : int
+        Tests of the intact structure.
+    scatter : float
+        Scatter between these over their standard deviations, by which all of them were multiplied; 1 where
+        there is one test only.
     assumed_std : bool
         Whether some values had no standard deviation.
     """
@@ -58,6 +63,8 @@ class Assessment(Value):
     detectable: tuple[float, ...]
     baseline: bool
     assumed_std: bool
+    n_baselines: int
+    scatter: float
     notes: tuple[str, ...] = field(default=())
 
     @property

@@ -82,6 +82,17 @@ class Hypotheses(Sequence[Hypothesis]):
     def __iter__(self) -> Iterator[Hypothesis]:
         return iter(self._rows)
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Hypotheses) and (self._rows, self._names) == (other._rows, other._names)
+
+    def __hash__(self) -> int:
+        return hash(self._rows)
+
+    @property
+    def names(self) -> dict[int, str]:
+        """What the model's elements are called, by number."""
+        return dict(self._names)
+
     def called(self, one: Hypothesis) -> str:
         """A hypothesis in words."""
         if one.unknown:
@@ -101,6 +112,12 @@ class Hypotheses(Sequence[Hypothesis]):
         from ..io.compared import hypotheses_frame
 
         return hypotheses_frame(self)
+
+    def plot(self, ax: Any = None, most: int = 8) -> Any:
+        """Bars of the probabilities; see :func:`antires_rs.plotting.plot_hypotheses`."""
+        from ..plotting import plot_hypotheses
+
+        return plot_hypotheses(self, ax=ax, most=most)
 
     def __str__(self) -> str:
         lines = []

@@ -21,7 +21,7 @@ from .factors import factors_of
 from .hypotheses import UNKNOWN, Hypotheses
 from .likelihood import Likelihood
 from .limits import intact_slopes, smallest_found
-from .measured_states import Responses, measured_states
+from .measured_states import Responses, measured_states, scatter_between
 from .model_error import learned
 from .posterior import log_weights, posterior, together
 from .prior import DamagePrior
@@ -30,10 +30,12 @@ from .search import Search
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-__all__ = ["Inferred", "infer"]
+__all__ = ["STD_COMMON", "Inferred", "infer"]
 
 #: Largest number of damaged elements in one hypothesis.
 MOST = 3
+#: Relative standard deviation of what moves all values alike between two tests.
+STD_COMMON = 5e-4
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,7 @@ def infer(
     prior: DamagePrior,
     false_alarm_rate: float | None,
     model_error: float | None,
+    std_common: float,
     rng: np.random.Generator,
     threads: int,
 ) -> Inferred:
@@ -73,7 +76,11 @@ def infer(
     core = _core.Objective.antiresonance(model._core, parts, responses.parts, "squared", None, 0.0, None)
     step("learning the model's errors")
     error = learned(core, len(numbers), len(factors), intact, model_error, threads)
-    likelihood = Likelihood(core, len(numbers), error, intact, now, threads)
+    between = scatter_between(intact, error.partner)
+    if between > 1.0:
+        intact, now = intact.noisier(between), now.noisier(between)
+        error = learned(core, len(numbers), len(factors), intact, model_error, threads)
+    likelihood = Likelihood(core, len(numbers), error, intact, now, std_common, threads)
     search = Search(likelihood, len(elements), MOST)
     search.run()
     weights = log_weights(search, likelihood, prior)
@@ -106,6 +113,8 @@ def infer(
         detectable=tuple(smallest_found(slopes, prior).tolist()),
         baseline=bool(baseline),
         assumed_std=responses.assumed,
+        n_baselines=len(baseline),
+        scatter=between,
         notes=responses.left_out,
     )
     found = next((one for one in rows if one.elements == declared), None)

@@ -1,11 +1,13 @@
 r"""How probable the values of now are, for given severities.
 
-.. math:: \ln f_D \sim N\big(\ln r(\beta, \hat\theta) + \mu, \; C(\beta) + \sigma^2 + \kappa^2 g g^T\big)
+.. math:: \ln f_D \sim N\big(\ln r(\beta, \hat\theta) + \mu, \;
+          C(\beta) + \sigma^2 + \kappa^2 g^2 + c^2 1 1^T\big)
 
 mu and C come from :mod:`~antires_rs.damage.model_error`: what the baseline says about the model and the
 roots, and what it leaves open. kappa is the error of a predicted change g that no factor of the model
 explains, a multiple of the share of the baseline's misfit that no factor explained (tau / s); it is summed
-over ``KAPPA``. Values and roots are associated anew at every beta (:mod:`~antires_rs.damage.association`).
+over ``KAPPA``. c moves all values alike, as another temperature does. Values and roots are associated anew
+at every beta (:mod:`~antires_rs.damage.association`).
 """
 
 from __future__ import annotations
@@ -78,9 +80,12 @@ class Likelihood:
         error: ModelError,
         intact: Values,
         now: Values,
+        common: float,
         threads: int,
     ) -> None:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
+        #: Standard deviation of what moves all values alike between the two states, ln f.
+        self.common = common
         both = np.concatenate([now.log_f, intact.log_f])
         self.low, self.high = float(both.min()), float(both.max())
         self._alone = -float(np.log(FALSE / max(self.high - self.low, _LEAST_BAND)))
@@ -132,12 +137,13 @@ class Likelihood:
         mean, spread = self.error.predicted(slopes[:, self.n :] * self._factors, identity)
         place = log_f + mean
         change = np.where(identity >= 0, log_f - self.error.intact.log_f[identity], _NEW)
-        variance = np.maximum(np.diag(spread), 0.0) + (_FIRST_KAPPA * change) ** 2 + extra**2
+        variance = np.maximum(np.diag(spread), 0.0) + (_FIRST_KAPPA * change) ** 2
+        variance += extra**2 + self.common**2
         partner, price = self._associated(roots.response[near], place, np.sqrt(variance), identity)
         has = np.flatnonzero(partner >= 0)
         root = partner[has]
         residual = self.now.log_f[has] - place[root]
-        noise = spread[np.ix_(root, root)] + np.diag(self.now.std[has] ** 2 + extra**2)
+        noise = spread[np.ix_(root, root)] + np.diag(self.now.std[has] ** 2 + extra**2) + self.common**2
         size = np.sqrt(change[root] ** 2 + _COMMON * np.mean(change[root] ** 2)) if root.size else np.empty(0)
         # Two tests of one state share the error of a root's change.
         unmodelled = (root[:, None] == root) * np.outer(size, size)

@@ -37,7 +37,7 @@ def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
     # Values of now have about the errors of those of the same response.
     own = [now.std[now.response == error.intact.response[r]] for r in root]
     std = np.array([float(np.median(each)) if each.size else usual for each in own])
-    triangle = np.linalg.cholesky(spread + np.diag(std**2))
+    triangle = np.linalg.cholesky(spread + np.diag(std**2) + likelihood.common**2)
     return np.asarray(solve_triangular(triangle, slopes[:, :n_candidates], lower=True))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,12 +16,14 @@ from ..updating.antiresonance_targets import AntiresonanceTargets
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-__all__ = ["ASSUMED_STD", "Responses", "Values", "measured_states"]
+__all__ = ["ASSUMED_STD", "Responses", "Values", "measured_states", "scatter_between"]
 
 #: Relative standard deviation of a value that has none.
 ASSUMED_STD = 5e-4
-#: No value is known better: sampling clocks, temperature and the sensors' masses differ between two tests.
-LEAST_STD = 2e-5
+#: No value is known better.
+LEAST_STD = 2e-6
+#: So many repeated values tell how much tests scatter.
+_LEAST_REPEATS = 5
 
 #: Response dof, force dof, frequencies (Hz), what they see, number of those measured together.
 Part = tuple[int, int, FloatArray, str | None, int]
@@ -43,6 +45,25 @@ class Values:
     def size(self) -> int:
         """How many."""
         return int(self.log_f.size)
+
+    def noisier(self, times: float) -> Values:
+        """The same with larger standard deviations."""
+        return replace(self, std=times * self.std)
+
+
+def scatter_between(values: Values, root: NDArray[np.intp]) -> float:
+    """Scatter of several tests of one state over what their standard deviations say; at least 1.
+
+    ``root`` tells which values are of one root. 1 where fewer than ``_LEAST_REPEATS`` repeats tell.
+    """
+    total, spare = 0.0, 0
+    for number in np.unique(root[root >= 0]):
+        own = np.flatnonzero(root == number)
+        weight = values.std[own] ** -2
+        mean = np.sum(weight * values.log_f[own]) / weight.sum()
+        total += float(np.sum(weight * (values.log_f[own] - mean) ** 2))
+        spare += own.size - 1
+    return float(max(np.sqrt(total / spare), 1.0)) if spare >= _LEAST_REPEATS else 1.0
 
 
 @dataclass(frozen=True)

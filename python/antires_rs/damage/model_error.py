@@ -32,7 +32,7 @@ __all__ = ["ModelError", "learned"]
 #: Median and logarithmic standard deviation of the priors of s and tau.
 S, TAU = (0.05, 1.5), (1e-3, 1.5)
 _S_GRID = np.geomspace(5e-4, 0.6, 22)
-_TAU_GRID = np.geomspace(1e-5, 0.15, 16)
+_TAU_GRID = np.geomspace(2e-6, 0.15, 18)
 #: Without a baseline the roots' own errors are this share of what is assumed of the factors.
 _TAU_SHARE = 0.2
 #: Errors with which values and roots are associated, step by step; later ones are multiples of tau.

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from ..optimize.arguments import thread_count
-from ..support.validation import reject
+from ..support.validation import FloatArray, reject
 from ..updating.identifiability import smallest_visible
 from ..updating.results import UpdateResult
 from .inference import infer
 from .prior import DamagePrior
+from .residuals import largest_left
 from .words import headline, reservations
 
 if TYPE_CHECKING:
@@ -20,11 +21,14 @@ if TYPE_CHECKING:
 
     from ..optimize.outcome import OptimizeResult
     from ..updating.problem import UpdatingProblem
+    from ..updating.tables import FrequencyTable
     from .assessment import Assessment
     from .hypotheses import Hypotheses
 
 __all__ = ["ASSUMED_MODEL_ERROR", "DamageResult"]
 
+#: Width of the 90 % interval of a Gaussian, in standard deviations.
+_WIDTH_90 = 2.0 * 1.6448536269514722
 #: Elements that a note calls by name.
 _NAMED = 4
 #: Relative scatter of stiffnesses and masses that probabilities without a baseline assume.
@@ -77,9 +81,27 @@ class DamageResult(UpdateResult):
             prior=DamagePrior(),
             false_alarm_rate=None,
             model_error=ASSUMED_MODEL_ERROR,
+            std_common=0.0,
             rng=rng,
             threads=thread_count(None),
         ).assessment
+
+    @property
+    def has_baseline(self) -> bool:
+        """Whether changes were compared with changes, or one state with the model."""
+        return self._assessment is not None
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviation of each severity, (n,); NaN where it is 0.
+
+        With a baseline: that of a Gaussian with the 90 % interval, errors of the model considered. Without
+        one: of the values' errors alone, to first order.
+        """
+        if self._assessment is None:
+            return super().std
+        width = np.array([high - low for low, high in self.interval.values()])
+        return np.where(width > 0.0, width / _WIDTH_90, np.nan)
 
     @property
     def hypotheses(self) -> Hypotheses:
@@ -174,6 +196,9 @@ class DamageResult(UpdateResult):
         else:
             notes = [] if self.success else [f"The search did not finish: {self.message}"]
             notes += reservations(self._assessment, label)
+            left = "" if self._assessment.explained else largest_left(cast("FrequencyTable", self.table))
+            if left:
+                notes.append(f"Left unexplained, in the values corrected by the baseline: {left}.")
             if self._visible():
                 notes.append(f"Smallest damage that nine of ten such tests would show: {self._visible()}.")
         others = [label(e) for e in self.problem.model._springs if e not in self.severity]
@@ -213,7 +238,8 @@ class DamageResult(UpdateResult):
         """Where least and most damage is needed to be seen."""
         visible = sorted((b, e) for e, b in self.detectable.items() if np.isfinite(b))
         label = self.problem.model.element_label
-        spans = [f"{100 * beta:.{0 if beta >= 0.095 else 1}f} % ({label(e)})" for beta, e in visible]
+        digits = [0 if beta >= 0.095 else 1 if beta >= 9.5e-4 else 2 for beta, _ in visible]
+        spans = [f"{100 * beta:.{n}f} % ({label(e)})" for n, (beta, e) in zip(digits, visible, strict=True)]
         return " to ".join(dict.fromkeys([spans[0], spans[-1]])) if spans else ""
 
     def summary(self) -> str:
@@ -222,6 +248,12 @@ class DamageResult(UpdateResult):
             return super().summary()
         head = [self.headline, "", str(self.hypotheses), "", str(self.table), ""]
         return "\n".join([*head, *(f"note: {note}" for note in self.notes)])
+
+    def __repr__(self) -> str:
+        if self._assessment is None:
+            return super().__repr__()
+        best = self.hypotheses[0]
+        return f"{type(self).__name__}({self.hypotheses.called(best)}, probability {best.probability:.3f})"
 
     def plot(self, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
         """Damage bar chart; see :func:`antires_rs.plotting.plot_damage`."""

@@ -35,6 +35,8 @@ _LONGEST = 0.7
 _GAIN = 7.0
 #: Chi-square so many standard deviations above what is expected is too much.
 _TOO_MUCH = 3.0
+#: Share of values without a partner that is usual.
+_LOST = 0.05
 #: Places of the responses on one line, so that one search in it serves all.
 _APART = 100.0
 
@@ -55,9 +57,10 @@ class Search:
         try:
             for size in range(1, min(self.most, self.n_candidates) + 1):
                 step(f"sets of {size}")
-                parents = self._parents(size - 1)
-                if parents and self._explained(parents[0]):
+                likeliest = max(self.fits.values(), key=lambda fit: fit.log_evidence)
+                if self._explained(likeliest):
                     return
+                parents = self._parents(size - 1)
                 self._refine(self._starts(parents, size))
         except KeyboardInterrupt:
             self.interrupted = True
@@ -92,7 +95,8 @@ class Search:
         gains[list(parent.elements)] = 0.0
         count = int(view.matched.sum())
         fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
-        return bool(fits and view.matched.size - count <= 1 and gains.max() < _GAIN)
+        all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
+        return bool(fits and all_there and gains.max() < _GAIN)
 
     def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""

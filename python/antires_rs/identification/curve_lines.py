@@ -63,8 +63,13 @@ def curve_lines(
     snr = np.sum(np.abs(directions[: len(values)]) ** 2 / row[:, None], axis=0) / line
     if force is not None:
         scaled = np.vstack([scaled, _weighty(force, scaled)])
-        snr = snr / len(values)
-        size = np.linalg.norm(scaled, axis=0)
+        responses, size = size, np.linalg.norm(scaled, axis=0)
+        if std is None:
+            # What roughness tells is a start, careful by the number of responses; residuals replace it.
+            snr = snr / len(values)
+        else:
+            # Noise that is known counts as it is, over a vector that the force, without noise, makes longer.
+            snr = snr * (size / np.where(responses > 0.0, responses, 1.0)) ** 2
     return Lines(
         freq_hz,
         unit(scaled),

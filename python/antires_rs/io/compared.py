@@ -1,4 +1,4 @@
-"""Comparisons, tracks and hypotheses of damage for pandas and xarray."""
+"""Comparisons, tracks, hypotheses of damage and intervals for pandas and xarray."""
 
 from __future__ import annotations
 
@@ -9,9 +9,17 @@ import numpy as np
 from ..damage.hypotheses import Hypotheses
 from ..measured.compare import Comparison
 from ..measured.tracks import Tracks
+from ..updating.parameter_intervals import ParameterIntervals
 from ._common import missing_package
 
-__all__ = ["comparison_dataset", "comparison_frame", "hypotheses_frame", "tracks_dataset", "tracks_frame"]
+__all__ = [
+    "comparison_dataset",
+    "comparison_frame",
+    "hypotheses_frame",
+    "intervals_frame",
+    "tracks_dataset",
+    "tracks_frame",
+]
 
 #: Columns of a comparison, in the order in which they are read.
 COLUMNS = (
@@ -46,6 +54,13 @@ def comparison_dataset(compared: Comparison) -> Any:
             "alpha": compared.alpha,
         },
     )
+
+
+def intervals_frame(found: ParameterIntervals) -> Any:
+    """A pandas.DataFrame, one row a parameter."""
+    columns = ("low", "high", "center", "std", "words")
+    index = _pandas().Index(found.names, name="parameter")
+    return _pandas().DataFrame({name: np.array(getattr(found, name)) for name in columns}, index=index)
 
 
 def tracks_frame(tracks: Tracks) -> Any:

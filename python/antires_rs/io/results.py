@@ -1,8 +1,9 @@
 """Results of updating and damage assessment as one file: what was asked, how it went, what came out.
 
-A NumPy archive with a JSON text, version 2: model, parameters, measured sets, penalty, weights, the
-optimizer's options, seed, x, history, final populations and the versions it was made with. No pickle; every
-part has a checksum. Version 1 kept an updated model as the problem it came from; it is read as well.
+A NumPy archive with a JSON text, version 3: model, parameters, measured sets, penalty, weights, the
+optimizer's options, seed, x, history, final populations, the assessment against a baseline and the versions
+it was made with. No pickle; every part has a checksum. Older ones are read as well: version 1 kept an updated
+model as the problem it came from, version 2 had no assessment.
 """
 
 from __future__ import annotations
@@ -21,11 +22,12 @@ from ..support.validation import reject
 from ..updating.results import UpdateResult
 from ._common import unsuitable, warn
 from ._store import Store, read_store, write_store
+from .assessments import describe_assessment, made_assessment
 from .problems import describe_problem, made_problem
 
 __all__ = ["load_result", "save_result"]
 
-FORMAT, VERSION = "antires_rs.result", 2
+FORMAT, VERSION = "antires_rs.result", 3
 _ARRAYS = ("x", "populations", "population_costs")
 _PLAIN = ("fun", "success", "status", "message", "nfev", "njev", "nit")
 _CLASSES = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}
@@ -36,6 +38,7 @@ def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
     if Path(path).suffix != ".npz":
         reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
     store, search = Store(), result.search
+    assessment = result._assessment if isinstance(result, DamageResult) else None
     data = {
         "format": FORMAT,
         "version": VERSION,
@@ -50,6 +53,7 @@ def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
             },
             "options": search.options,
         },
+        "assessment": None if assessment is None else describe_assessment(assessment, store),
         "made_with": {
             "antires_rs": __version__,
             "numpy": np.__version__,
@@ -73,6 +77,8 @@ def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateR
         problem = made_problem(data["problem"], str(file))
         raw = {"njev": None, **data["search"]}  # version 1 did not count linearizations
         search = OptimizeResult(history=History(**raw.pop("history")), **raw)
+        kept = data.get("assessment")
+        more = () if kept is None else (made_assessment(kept),)
     except (KeyError, TypeError, IndexError) as exc:
         unsuitable(
             file,
@@ -87,4 +93,4 @@ def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateR
             f"path: {str(file)!r} was made by antires_rs {maker}; its objective was {search.fun:.9g} where "
             f"this version computes {cost:.9g}."
         )
-    return made(problem, search, data["seed"])
+    return made(problem, search, data["seed"], *more)

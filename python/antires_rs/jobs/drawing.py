@@ -63,6 +63,7 @@ def report(result: UpdateResult, file: Path, folder: RunFolder, drawn: Drawings,
         origin=origin_of(folder),
         measurement=about if about and len(about) == len(sets) else None,
         warnings=record.get("warnings"),
+        baseline=record.get("baseline"),
         drawn=drawn,
     )
 

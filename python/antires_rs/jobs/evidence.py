@@ -101,9 +101,10 @@ def evidence_of(job: Job, measured: list[Measured]) -> Evidence:
 
 
 def measurement_of(job: Job, measured: list[Measured]) -> list[dict[str, list[str]]]:
-    """What was measured and how it was identified, in words, for each [data]."""
+    """What was measured and how it was identified, in words, for each measurement."""
     facts = []
-    for table, each in zip(job.data, measured, strict=True):
+    for each in measured:
+        table = each.table
         own = {"File": [path.name for path in (each.file, *each.repeats)]}
         if isinstance(table.get("dofs"), dict):
             own["Dofs"] = [

@@ -41,6 +41,10 @@ class RunFolder:
         """File of the identified set of one [data], numbered from 0."""
         return self.folder / (f"antiresonances_{number + 1}.json" if number else "antiresonances.json")
 
+    def baseline(self, number: int) -> Path:
+        """File of a set of the intact structure, numbered from 0."""
+        return self.folder / (f"baseline_{number + 1}.json" if number else "baseline.json")
+
     def prepare(self) -> None:
         """Make the folder; remove what a process that was killed left half-written."""
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -100,10 +104,10 @@ class RunFolder:
 
 #: As write_atomically and Checkpoint name what is not whole yet.
 _HALF_WRITTEN = re.compile(
-    r"\.(antiresonances(_\d+)?\.json|(result|evidence)\.npz|(summary|run)\.json|"
+    r"\.((antiresonances|baseline)(_\d+)?\.json|(result|evidence)\.npz|(summary|run)\.json|"
     r"report\.html|\w+\.png)\.\d+\.tmp|search\.ckpt\.tmp"
 )
-_PICTURE = re.compile(r"(differences|convergence|damage|model|response|stabilization_.*)\.png")
+_PICTURE = re.compile(r"(differences|convergence|damage|hypotheses|model|response|stabilization_.*)\.png")
 
 
 def picture_name(name: str) -> str:

@@ -24,11 +24,45 @@ DAMAGE = Section(
     "damage",
     "Where damage is looked for.",
     (
+        Key(
+            "baseline",
+            "texts",
+            "The intact structure: measurements as in [data], identified with the same options, or the .json "
+            "of 'antires identify'; with several [[data]] one for each; * takes records of one test. With it "
+            "changes are compared, and errors of the model do not count as damage.",
+        ),
         Key("elements", "terms", 'Candidates: "all" or a list such as [0, 1, 2].', '"all"'),
-        Key("gamma1", "number", "Price of a unit of stiffness loss; by default 0.1 for 28 values."),
-        Key("gamma2", "number", "Price of each damaged element; by default 0.1 for 28 values."),
-        Key("snap", "number", "Losses below it are exactly 0.", "0.001"),
-        Key("weights", "text", '"std": what is known badly counts less.'),
+        Key(
+            "false_alarm_rate",
+            "number",
+            "With a baseline: share of intact tests in which damage may be declared, up to 0.5; by default "
+            "damage is declared where it is more probable than none.",
+        ),
+        Key(
+            "std_common",
+            "number",
+            "With a baseline: relative standard deviation of what moves all values alike between two tests, "
+            "such as temperature; up to 0.1.",
+            "0.0005",
+        ),
+        Key(
+            "prior",
+            "shares",
+            "With a baseline: probabilities before the test that add up to one, { nothing = 0.5, one = 0.3, "
+            "two = 0.1, three = 0.03, elsewhere = 0.05, unknown = 0.02 } by default.",
+        ),
+        Key(
+            "gamma1",
+            "number",
+            "Without a baseline: price of a unit of stiffness loss; by default 0.1 for 28 values.",
+        ),
+        Key(
+            "gamma2",
+            "number",
+            "Without a baseline: price of each damaged element; by default 0.1 for 28 values.",
+        ),
+        Key("snap", "number", "Without a baseline: losses below it are exactly 0.", "0.001"),
+        Key("weights", "text", 'Without a baseline: "std", so that what is known badly counts less.'),
     ),
 )
 

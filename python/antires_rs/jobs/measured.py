@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from .model import dof_finder
 from .reading import Signal, read_signal, relabelled
 from .values import shown
 
-__all__ = ["Measured", "measured_of"]
+__all__ = ["Measured", "files_of", "measured_of", "one_measured"]
 
 Finder = Callable[[Keys, Any], Any]
 #: What identify_antiresonances calls otherwise than the job.
@@ -28,7 +28,7 @@ _OPTIONS = {key.name: ("identification", key.name) for key in IDENTIFICATION.key
 
 @dataclass(frozen=True)
 class Measured:
-    """One [data] of a job.
+    """One [data] of a job, or its intact counterpart.
 
     Attributes
     ----------
@@ -39,12 +39,15 @@ class Measured:
         What it was identified from; None where the file held antiresonances.
     repeats : tuple of pathlib.Path
         Further files of the same test.
+    table : mapping of str to Any
+        The keys by which it was read.
     """
 
     file: Path
     found: AntiresonanceSet
     signal: Signal | None = None
     repeats: tuple[Path, ...] = ()
+    table: Mapping[str, Any] = field(default_factory=dict)
 
 
 def measured_of(job: Job, model: StructuralModel | None, say: Callable[[str], Any]) -> list[Measured]:
@@ -59,10 +62,14 @@ def measured_of(job: Job, model: StructuralModel | None, say: Callable[[str], An
         Receives a line before each stage.
     """
     find: Finder = (lambda place, name: name) if model is None else dof_finder(job, model)
-    measured = [
-        _one(job, place, table, model, find, say)
-        for place, table in zip(job.data_places, job.data, strict=True)
-    ]
+    measured = []
+    for place, table in zip(job.data_places, job.data, strict=True):
+        file = job.file(table["file"])
+        if not file.is_dir():
+            kind_of(job, place, table, file)  # an unknown ending is told before a file that is not there
+            job.existing((*place, "file"), table["file"])
+        further = _further(job, place, table, file)
+        measured.append(one_measured(job, place, table, model, find, say, ((*place, "file"), file), further))
     if job.section("identification") and all(each.signal is None for each in measured):
         job.reject(
             ("identification",),
@@ -73,16 +80,9 @@ def measured_of(job: Job, model: StructuralModel | None, say: Callable[[str], An
     return measured
 
 
-def _one(
-    job: Job,
-    place: Keys,
-    table: dict[str, Any],
-    model: StructuralModel | None,
-    find: Finder,
-    say: Callable[[str], Any],
-) -> Measured:
-    folder = job.file(table["file"]).is_dir()
-    kind = FOLDER if folder else format_of(table["file"], table.get("format"))
+def kind_of(job: Job, place: Keys, table: dict[str, Any], file: Path) -> str:
+    """Format of a measurement."""
+    kind = FOLDER if file.is_dir() else format_of(file.name, table.get("format"))
     if kind is None:
         at = "format" if "format" in table else "file"
         job.reject(
@@ -91,21 +91,38 @@ def _one(
             f"a format out of {', '.join(FORMATS)}",
             'Say which by format = "uff" or another, where the ending does not tell.',
         )
+    return kind
+
+
+def one_measured(
+    job: Job,
+    place: Keys,
+    table: dict[str, Any],
+    model: StructuralModel | None,
+    find: Finder,
+    say: Callable[[str], Any],
+    first: tuple[Keys, Path],
+    further: list[tuple[Keys, Path]],
+) -> Measured:
+    """Read and identify a file, and those that repeat it, as the keys of a [data] say.
+
+    ``first`` and ``further`` are files that exist, each with its place in the job.
+    """
+    file_at, file = first
+    kind = kind_of(job, place, table, file)
     job.only(place, table, kind)
-    file = job.file(table["file"]) if folder else job.existing((*place, "file"), table["file"])
-    further = _further(job, place, table, file)
     say(f"reading {file.name}" + (f" and {len(further)} more" if further else ""))
     names = _dofs(table.get("dofs"), place, find)
     if kind == "antiresonances":
-        with job.blame(place, {"path": (*place, "file")}):
+        with job.blame(place, {"path": file_at}):
             found = AntiresonanceSet.load(file)
-        return Measured(file, _renamed(job, place, found, names, find, model))
+        return Measured(file, _renamed(job, place, found, names, find, model), table=table)
     for key in ("excitation", "band_hz"):
         if key not in table:
             job.missing(place, key)
     options = table if names is None else {**table, "dofs": names}
     signals = []
-    places: list[Keys] = [(*place, "file"), *(at for at, _ in further)]
+    places: list[Keys] = [file_at, *(at for at, _ in further)]
     for own, each in zip(places, [file, *(path for _, path in further)], strict=True):
         with job.blame(place, {"path": own, "files": own, "signal": own}):
             signal = read_signal(each, kind, options)
@@ -127,9 +144,20 @@ def _one(
     chosen = dict(job.section("identification"))
     if "dofs" in chosen:
         chosen["dofs"] = [find(("identification", "dofs"), dof) for dof in chosen["dofs"]]
-    with job.blame(place, {"source": (*place, "file"), **_OPTIONS}):
+    with job.blame(place, {"source": file_at, **_OPTIONS}):
         found = identify_antiresonances(signal, excitation=force, band_hz=table["band_hz"], **chosen)
-    return Measured(file, found, signal, tuple(path for _, path in further))
+    return Measured(file, found, signal, tuple(path for _, path in further), table)
+
+
+def files_of(job: Job, at: Keys, name: str, *, folders: bool = False) -> list[Path]:
+    """The files that a name stands for: one, or all of a pattern, in the order of their names."""
+    pattern = job.file(name)
+    if "*" not in pattern.name:
+        return [pattern if folders and pattern.is_dir() else job.existing(at, name)]
+    files = sorted(pattern.parent.glob(pattern.name))
+    if not files:
+        job.reject(at, shown(name), "files that exist", "Paths are relative to the folder of the job file.")
+    return files
 
 
 def _further(job: Job, place: Keys, table: dict[str, Any], first: Path) -> list[tuple[Keys, Path]]:
@@ -138,12 +166,7 @@ def _further(job: Job, place: Keys, table: dict[str, Any], first: Path) -> list[
     given = table.get("repeats", [])
     for i, name in enumerate([given] if isinstance(given, str) else given):
         at: Keys = (*place, "repeats", i)
-        pattern = job.file(name)
-        files = sorted(pattern.parent.glob(pattern.name)) if "*" in pattern.name else [job.existing(at, name)]
-        if not files:
-            job.reject(
-                at, shown(name), "files that exist", "Paths are relative to the folder of the job file."
-            )
+        files = files_of(job, at, name)
         known = {first.resolve(), *(path.resolve() for _, path in found)}
         found += [(at, path) for path in files if path.resolve() not in known]
     return found

@@ -14,23 +14,22 @@ from typing import Any
 import numpy as np
 
 from .._core import __version__
-from ..damage.assess import assess_damage
 from ..exceptions import UnsuitableDataError
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
-from ..updating.penalty import DamagePenalty
+from ..report.facts import of_set
 from ..updating.problem import UpdatingProblem
 from ..updating.results import UpdateResult
 from ..updating.search import update
+from .baseline import baseline_of, check_options
+from .damage import damage_search
 from .evidence import evidence_of, heard, measurement_of
 from .files import RunFolder, sha256_of
 from .job import Job
-from .lines import Path as Keys
 from .measured import Measured, measured_of
 from .model import model_of, term_files
 from .summary import summary_of
-from .unknowns import elements_of, parameters_of, search_of
+from .unknowns import parameters_of, search_of
 
 __all__ = ["Outcome", "out_of_time", "run"]
 
@@ -107,22 +106,27 @@ def _carried_out(
     import scipy  # slow to load
 
     begun = time.perf_counter()
+    check_options(job)
     folder = _checked(job, resume, fresh)
     ga, seed, threads = search_of(job, workers)
     model = model_of(job)
     parameters, places = parameters_of(job, model)
     measured = measured_of(job, model, say)
-    inputs = {_named(job, file): sha256_of(file) for file in _inputs(job, measured)}
-    sets = _kept_sets(job, folder, measured, inputs) if resume else [m.found for m in measured]
-    search = _search(job, model, (parameters, places), sets[0] if len(sets) == 1 else sets)
+    intact = baseline_of(job, model, say)
+    inputs = {_named(job, file): sha256_of(file) for file in _inputs(job, [*measured, *intact])}
+    sets, before = ([m.found for m in each] for each in (measured, intact))
+    if resume:
+        _same_inputs(job, folder, inputs)
+        sets = _kept_sets(measured, folder.antiresonances)
+        before = _kept_sets(intact, folder.baseline)
+    search = _search(job, model, (parameters, places), sets[0] if len(sets) == 1 else sets, before)
     folder.prepare()  # not before: a job that cannot run leaves nothing behind
     if not resume:
         folder.forget_record()
     if fresh:
         folder.forget_search()
-    for i, each in enumerate(sets):
-        if folder.antiresonances(i).resolve() != measured[i].file.resolve():
-            each.save(folder.antiresonances(i))
+    _keep(sets, measured, folder.antiresonances)
+    _keep(before, intact, folder.baseline)
     evidence = evidence_of(job, measured)
     if evidence:
         evidence.save(folder.evidence)
@@ -136,6 +140,10 @@ def _carried_out(
         "state": "searching",
         "title": job.section("output").get("title"),
         "measurement": measurement_of(job, measured),
+        "baseline": [
+            facts | of_set(each, model)
+            for facts, each in zip(measurement_of(job, intact), before, strict=True)
+        ],
         "warnings": said,
         "versions": {
             "antires_rs": __version__,
@@ -146,7 +154,7 @@ def _carried_out(
         },
     }
     folder.write_json(folder.record, record)
-    say("searching")
+    say("judging hypotheses" if before else "searching")
     kept = folder.checkpoint if job.section("search").get("checkpoint", True) else None
     with job.blame(("search",), {"checkpoint": ("output", "folder"), "rng": ("search", "seed")}):
         result = search(optimizer=ga, rng=seed, workers=threads, checkpoint=kept, progress=progress)
@@ -200,35 +208,19 @@ def _checked(job: Job, resume: bool, fresh: bool) -> RunFolder:
     return folder
 
 
-def _search(job: Job, model: StructuralModel, parameters: Any, measured: Any) -> Callable[..., UpdateResult]:
+def _search(
+    job: Job, model: StructuralModel, parameters: Any, measured: Any, baseline: list[AntiresonanceSet]
+) -> Callable[..., UpdateResult]:
     """The search of the job, its problem found valid."""
     if job.task == "damage":
-        table = job.section("damage")
-        options = {key: table[key] for key in ("gamma1", "gamma2", "snap", "weights") if key in table}
-        elements = elements_of(job)
-        chosen = (
-            model.default_elements
-            if elements is None
-            else [elements]
-            if isinstance(elements, int)
-            else elements
-        )
-        prices = (options.get("gamma1"), options.get("gamma2"), options.get("snap", DamagePenalty.snap))
-        places: list[Keys] = [("damage", "elements", i) for i in range(len(chosen))]
-        with job.blame(("damage",), {"measured": ("data",), "parameters": places}):
-            UpdatingProblem(
-                model, stiffness_reduction(chosen), measured, penalty=prices, weights=options.get("weights")
-            )
-        return partial(assess_damage, model, measured, elements=elements, **options)
+        return damage_search(job, model, measured, baseline)
     made, places = parameters
     with job.blame(("updating",), {"measured": ("data",), "parameters": places, "sections": ("parameters",)}):
         return partial(update, UpdatingProblem(model, made, measured, **job.section("updating")))
 
 
-def _kept_sets(
-    job: Job, folder: RunFolder, measured: list[Measured], inputs: dict[str, str]
-) -> list[AntiresonanceSet]:
-    """The sets that the search began with, bit for bit, whatever libraries are here now."""
+def _same_inputs(job: Job, folder: RunFolder, inputs: dict[str, str]) -> None:
+    """Refuse to go on with files that are not what they were."""
     record = folder.read_record() or {}
     # What changed in the job itself the checkpoint finds, as far as it matters to the search.
     changed = [
@@ -243,14 +235,25 @@ def _kept_sets(
             "the files as they were",
             f"Put them back, or begin anew with 'antires {job.task} {job.path.name} --fresh'.",
         )
+
+
+def _kept_sets(measured: list[Measured], file_of: Callable[[int], Path]) -> list[AntiresonanceSet]:
+    """The sets that the search began with, bit for bit, whatever libraries are here now."""
     sets = []
     for i, each in enumerate(measured):
-        file = folder.antiresonances(i)
+        file = file_of(i)
         kept = AntiresonanceSet.load(file) if file.is_file() else each.found
         same = kept == each.found
         # The one just identified carries its diagrams, for the report.
         sets.append(each.found if same else kept)
     return sets
+
+
+def _keep(sets: list[AntiresonanceSet], measured: list[Measured], file_of: Callable[[int], Path]) -> None:
+    """Write the sets, unless they were read from there."""
+    for i, each in enumerate(sets):
+        if file_of(i).resolve() != measured[i].file.resolve():
+            each.save(file_of(i))
 
 
 def _inputs(job: Job, measured: list[Measured]) -> list[Path]:

@@ -14,6 +14,10 @@ from .measured import Measured
 __all__ = ["summary_of", "text_of"]
 
 
+#: Hypotheses below this probability are left out.
+_LEAST = 1e-6
+
+
 def number(value: Any) -> float | None:
     """A number as JSON knows it; None where there is none."""
     plain = float(value)
@@ -28,7 +32,7 @@ def summary_of(
     What the data cannot tell takes seconds on a large model, so it is left out, as null, after Ctrl-C.
     """
     table = result.table
-    at_once = result.status == "interrupted"
+    at_once = result.status == "interrupted" and not _judged(result)
     checks = [m.found.data_check for m in measured if m.found.data_check is not None]
     return {
         "antires_rs": record["versions"]["antires_rs"],
@@ -64,7 +68,7 @@ def summary_of(
 
 def text_of(result: UpdateResult) -> str:
     """A run in words; after Ctrl-C without the notes that take time."""
-    if result.status != "interrupted":
+    if result.status != "interrupted" or _judged(result):
         return result.summary()
     head = f"J = {result.fun:.6g} after {result.nfev:,} evaluations: interrupted, the best so far"
     width = max(map(len, result.problem.names))
@@ -77,12 +81,21 @@ def text_of(result: UpdateResult) -> str:
     return "\n".join([head, "", *values, "", str(result.table)])
 
 
+def _judged(result: UpdateResult) -> bool:
+    """Whether hypotheses were judged against a baseline, so that nothing takes time any more."""
+    return isinstance(result, DamageResult) and result.has_baseline
+
+
 def _values(result: UpdateResult, at_once: bool) -> dict[str, Any]:
     std = [None] * len(result.x) if at_once else [number(value) for value in result.std]
     if isinstance(result, DamageResult):
         label = result.problem.model.element_label
+        judged = result.has_baseline
+        chance = result.probability if judged else {}
+        limits = result.interval if judged else {}
         seen = {} if at_once else result.detectable
         return {
+            **_hypotheses(result, judged),
             "damaged": result.damaged,
             "elements": [
                 {
@@ -90,6 +103,9 @@ def _values(result: UpdateResult, at_once: bool) -> dict[str, Any]:
                     "name": label(e),
                     "stiffness_loss": number(beta),
                     "std": own,
+                    "probability": chance.get(e),
+                    "low_90": limits.get(e, (None, None))[0],
+                    "high_90": limits.get(e, (None, None))[1],
                     "smallest_visible": number(seen.get(e, math.nan)),
                 }
                 for (e, beta), own in zip(result.severity.items(), std, strict=True)
@@ -112,6 +128,32 @@ def _values(result: UpdateResult, at_once: bool) -> dict[str, Any]:
             }
             for name, value, nominal, own, (low, high) in columns
         ]
+    }
+
+
+def _hypotheses(result: DamageResult, judged: bool) -> dict[str, Any]:
+    """What was judged against a baseline; null without one."""
+    found = result.hypotheses if judged else None
+    return {
+        "headline": result.headline if judged else None,
+        "probability_of_damage": number(result.probability_of_damage) if judged else None,
+        "probability_elsewhere": number(result.probability_elsewhere) if judged else None,
+        "chi_square": number(result.chi_square) if judged else None,
+        "hypotheses": None
+        if found is None
+        else [
+            {
+                "name": found.called(one),
+                "elements": list(one.elements),
+                "probability": one.probability,
+                "stiffness_loss": list(one.severities),
+                "low_90": list(one.low),
+                "high_90": list(one.high),
+                "candidate": one.candidate,
+            }
+            for one in found
+            if one.probability >= _LEAST
+        ],
     }
 
 

@@ -80,6 +80,11 @@ KINDS = {
         'Write it as in "all" or [0, 1, 2].',
     ),
     "list": Kind("a list that is not empty", lambda v: _list(v, lambda item: True), "Put it in [ ]."),
+    "shares": Kind(
+        "a table name = number",
+        lambda v: isinstance(v, dict) and bool(v) and all(map(_number, v.values())),
+        "Write it as in { nothing = 0.9, one = 0.1 }.",
+    ),
     "table": Kind("a table, name = { ... }", lambda v: isinstance(v, dict) and bool(v), "Put it in { }."),
 }
 

@@ -17,6 +17,8 @@ from .damping_clusters import plot_damping_clusters
 from .detectability import plot_detectability
 from .differences import plot_differences
 from .frame import plot_frame
+from .hypotheses import plot_hypotheses
+from .identifiability import plot_identifiability
 from .plan import plot_plan
 from .spectra import plot_coherence, plot_singular_values
 from .stabilization import plot_stabilization
@@ -36,6 +38,8 @@ __all__ = [
     "plot_differences",
     "plot_singular_values",
     "plot_frame",
+    "plot_hypotheses",
+    "plot_identifiability",
     "plot_plan",
     "plot_stabilization",
     "plot_tracks",

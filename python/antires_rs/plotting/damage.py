@@ -9,6 +9,7 @@ import numpy as np
 
 from ..support.validation import FloatArray
 from .canvas import COLOURS, below, fit_across, new_axes, offer, text_width_pt
+from .judged import alternatives, draw_alternatives, draw_intervals, draw_probabilities, verdict
 
 if TYPE_CHECKING:
     from ..damage.result import DamageResult
@@ -38,7 +39,9 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     matplotlib.axes.Axes
         One bar an element. The ticks across are ``result.detectable``: damage below would come out as none; a
         triangle at the upper edge gives those that lie above the axis. A hatched background marks elements
-        whose damage no value could show.
+        whose damage no value could show. Against a baseline bars have their 90 % intervals, the row above
+        them is the probability of each element, and empty bars are losses of elements that may be the damaged
+        ones instead.
 
     Raises
     ------
@@ -60,18 +63,61 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     ax = new_axes(ax, (max(6.0, 0.32 * len(names) + 1.5), 4.4))
     upright = not fit_across(ax, names)
     x = np.arange(len(names), dtype=np.float64)
+    more = _judged(result) if result.has_baseline else {}
+    nowhere = np.full(len(names), np.nan)
+    high, instead = more.get("high_percent", nowhere), more.get("instead_percent", nowhere)
+    draw_alternatives(ax, x, instead)
     ax.bar(x, severity, width=0.62, color=COLOURS["blue"], edgecolor="black", linewidth=0.6, label="found")
     visible = 100.0 * np.array([result.detectable[e] for e in result.elements])
     known = 100.0 * np.array([(truth or {}).get(e, np.nan) for e in result.elements])
-    percent_axis(ax, np.concatenate([severity, known, np.minimum(visible, MOST_VISIBLE)]), upright)
+    shown = (severity, known, high, instead, np.minimum(visible, MOST_VISIBLE))
+    percent_axis(ax, np.concatenate(shown), upright)
     _smallest_seen(ax, x, visible)
     if truth is not None:
         mark_truth(ax, x, known, 8)
+    if more:
+        draw_intervals(ax, x, severity, more["low_percent"], high)
+        draw_probabilities(ax, x, more["probability"], upright)
+    _numbers(ax, severity, (severity, known, visible, high), known, upright)
+    if not severity.any():
+        if more:
+            ax.text(0.5, 0.6, verdict(result), transform=ax.transAxes, ha="center", fontsize="medium")
+        else:
+            ax.set_title("no damage found", fontsize="medium")
+    element_axis(ax, names, upright, first=("found", "90 % interval", "truth"))
+    offer(
+        ax,
+        bars={
+            "element": result.elements,
+            "name": names,
+            "loss_percent": severity,
+            **({} if truth is None else {"truth_percent": known}),
+            **more,
+            "smallest_seen_percent": visible,
+        },
+    )
+    return ax
+
+
+def _judged(result: DamageResult) -> dict[str, FloatArray]:
+    """Columns beside the losses: 90 % intervals, probabilities, losses of what may be damaged instead."""
+    low, high = 100.0 * np.array(list(result.interval.values())).T
+    return {
+        "low_percent": low,
+        "high_percent": high,
+        "probability": np.array(list(result.probability.values())),
+        "instead_percent": alternatives(result.assessment, result.elements),
+    }
+
+
+def _numbers(
+    ax: Any, severity: FloatArray, marks: tuple[FloatArray, ...], known: FloatArray, upright: bool
+) -> None:
+    """Losses over their bars, and over marks close above, which would strike them out."""
     for i, value in enumerate(severity):
         if value > 0.0:
-            # A diamond or a tick close above the bar would strike the number out: it goes above them.
             reach = value + 0.12 * ax.get_ylim()[1]
-            over = max(m for m in (value, known[i], visible[i]) if value <= m <= reach)
+            over = max(mark[i] for mark in marks if value <= mark[i] <= reach)
             diamond = abs(over - known[i]) < 0.05 * ax.get_ylim()[1]
             ax.annotate(
                 f"{value:.1f} %",
@@ -83,21 +129,6 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
                 fontsize="small",
                 rotation=90 if upright else 0,
             )
-    if not severity.any():
-        ax.set_title("no damage found", fontsize="medium")
-    element_axis(ax, names, upright, first=("found", "truth"))
-    shown = {} if truth is None else {"truth_percent": known}
-    offer(
-        ax,
-        bars={
-            "element": result.elements,
-            "name": names,
-            "loss_percent": severity,
-            **shown,
-            "smallest_seen_percent": visible,
-        },
-    )
-    return ax
 
 
 def _smallest_seen(ax: Any, x: FloatArray, visible: FloatArray) -> None:

@@ -19,6 +19,7 @@ import numpy as np
 
 from .._core import __version__
 from ..damage.result import DamageResult
+from ..damage.words import headline
 from ..exceptions import MissingDependencyError
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
@@ -27,7 +28,7 @@ from ..support.validation import reject
 from ..updating.results import UpdateResult
 from .facts import Facts, dof_name, of_model, of_search, of_set, of_signal
 from .figures import Drawings, drawings_of, fitting, largest, states
-from .rows import damage_rows, frequency_rows, parameter_rows
+from .rows import damage_rows, frequency_rows, hypothesis_rows, parameter_rows
 
 if TYPE_CHECKING:
     from ..order_sweep.diagram import StabilizationDiagram
@@ -49,6 +50,7 @@ def write_report(
     truth: Mapping[int, float] | None = None,
     origin: Mapping[str, str | Sequence[str]] | None = None,
     warnings: Sequence[str] | None = None,
+    baseline: Sequence[Mapping[str, str | Sequence[str]]] | None = None,
     drawn: Drawings | None = None,
 ) -> Path:
     """Write a result with its tables, pictures and caveats into one HTML file below 3 MB.
@@ -75,6 +77,8 @@ def write_report(
         What repeats the run, such as its command and the checksums of its files; shown beside the seed.
     warnings : sequence of str, optional
         What was warned of in the run. Default: what the data checks of the measured sets say.
+    baseline : sequence of mapping of str to str, optional
+        Facts by name about each measurement of the intact structure.
     drawn : Drawings, optional
         Pictures that are wanted elsewhere too, so that none is drawn twice. Default: those of ``diagrams``,
         ``response`` and ``truth``.
@@ -128,6 +132,7 @@ def write_report(
             f"Make the folder {str(Path(path).parent)!r} first.",
         )
     damage = result if isinstance(result, DamageResult) else None
+    judged = damage if damage is not None and damage.has_baseline else None
     problem = result.problem
     modal = problem.objective == "modal"
     if modal and response is not None:
@@ -154,13 +159,16 @@ def write_report(
         title=title
         or ("Damage assessment" if damage else "Model updating")
         + (" with resonances and mode shapes" if modal else " with antiresonances"),
-        answer=_answer_damage(damage) if damage else _answer_update(result),
+        answer=_answer_damage(damage) if damage else [_answer_update(result)],
         lead=_lead(result),
         result=result,
         damage=damage is not None,
         modal=modal,
         states=states(result),
         parameters=damage_rows(damage, truth) if damage else parameter_rows(result),
+        judged=judged is not None,
+        hypotheses=None if judged is None else hypothesis_rows(judged.hypotheses),
+        intact=[_lines(each) for each in baseline or ()],
         known=truth is not None,
         rows=frequency_rows(result),
         figures=drawn.figures,
@@ -174,11 +182,13 @@ def write_report(
     return write_atomically(path, html.encode("utf-8"))
 
 
-def _answer_damage(result: DamageResult) -> str:
-    """The first thing to know."""
+def _answer_damage(result: DamageResult) -> list[str]:
+    """The first things to know."""
     label = result.problem.model.element_label
+    if result.has_baseline:
+        return headline(result.assessment, label)
     found = [f"{label(e)} has lost {100 * result.severity[e]:.1f} % of its stiffness" for e in result.damaged]
-    return f"{'; '.join(found)}.".capitalize() if found else "No damage found."
+    return [f"{'; '.join(found)}.".capitalize() if found else "No damage found."]
 
 
 def _answer_update(result: UpdateResult) -> str:
@@ -203,6 +213,16 @@ def _lead(result: UpdateResult) -> str:
         given = f"{count} measured antiresonances, force at {kind} {forces}"
     if not isinstance(result, DamageResult):
         return f"{given}; {len(result.x)} parameters."
+    if result.has_baseline:
+        seen = [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]
+        would = (
+            f" Smallest loss that nine of ten such tests would show: {min(seen):.2g} to {max(seen):.2g} %, "
+            "depending on the element."
+            if seen
+            else ""
+        )
+        among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}"
+        return f"{given}, compared with those of the intact structure; {among}.{would}"
     before, after = (
         largest(p) for p in (result.table.largest_before_percent, result.table.largest_after_percent)
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..damage.result import DamageResult
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
@@ -246,6 +247,8 @@ def of_model(model: StructuralModel) -> Facts:
 def of_search(result: UpdateResult) -> Facts:
     """The objective, the options of the search and where it ended."""
     problem, history = result.problem, result.history
+    if isinstance(result, DamageResult) and result.has_baseline:
+        return _of_assessment(result)
     penalty = problem.penalty
     price = (
         ""
@@ -263,6 +266,28 @@ def of_search(result: UpdateResult) -> Facts:
         "Ended": [f"{result.status}: {result.message}"],
         "Objective": [f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"],
         "Search": [f"{result.search.effort}, {count} islands", "; ".join(options)],
+        "Seed": [f"{result.seed}"],
+    }
+
+
+def _of_assessment(result: DamageResult) -> Facts:
+    """How hypotheses were judged against a baseline."""
+    found = result.assessment
+    threshold = (
+        "damage is declared where it is more probable than none"
+        if found.threshold is None
+        else f"damage is declared from log odds of {found.threshold:.2f} on, for the false_alarm_rate given"
+    )
+    return {
+        "Ended": [f"{result.status}: {result.message}"],
+        "Model errors": [
+            f"learned from the baseline: stiffnesses and masses off by {100 * found.factor_std:.2g} %, "
+            f"{100 * found.root_std:.2g} % of a frequency beyond them, {100 * found.kappa:.2g} % of a change"
+        ],
+        "Values": [
+            f"{found.n_matched} of {found.n_values} compared, reduced chi-square {found.chi_square:.2f}"
+        ],
+        "Rule": [threshold],
         "Seed": [f"{result.seed}"],
     }
 

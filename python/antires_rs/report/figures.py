@@ -21,6 +21,7 @@ from ..plotting import (
     plot_damage,
     plot_differences,
     plot_frame,
+    plot_hypotheses,
     plot_transmissibility,
 )
 from ..plotting.canvas import picture
@@ -110,22 +111,9 @@ def _figures(
     """All pictures but the diagrams, by name."""
     problem, names = result.problem, states(result)
     what = "resonance" if problem.objective == "modal" else "antiresonance"
-    figures = {}
+    figures: dict[str, Figure] = {}
     if isinstance(result, DamageResult):
-        width = max(7.0, 0.32 * len(result.x) + 1.5)
-        figures["damage"] = Figure(
-            partial(plot_damage, result, truth=truth),
-            (width, 4.4),
-            "Stiffness loss by element, and the smallest that would have been seen.",
-            "Bar chart: "
-            + (
-                ", ".join(
-                    f"{problem.model.element_label(e)} {100 * result.severity[e]:.1f} %"
-                    for e in result.damaged
-                )
-                or "no damage in any element"
-            ),
-        )
+        figures |= _damage(result, truth)
     drawn = _model_picture(result)
     if drawn is not None:
         figures["model"] = Figure(*drawn)
@@ -157,13 +145,40 @@ def _figures(
             f"{names[0]} and {names[1]}",
         )
     history = result.history
-    figures["convergence"] = Figure(
-        partial(plot_convergence, result),
-        (9.0, 4.2),
-        "The search: best objective of each island.",
-        f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, from "
-        f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}",
-    )
+    if history.cost.size:  # nothing is searched against a baseline
+        figures["convergence"] = Figure(
+            partial(plot_convergence, result),
+            (9.0, 4.2),
+            "The search: best objective of each island.",
+            f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, from "
+            f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}",
+        )
+    return figures
+
+
+def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str, Figure]:
+    """Losses by element, and where they were judged the hypotheses."""
+    label, judged = result.problem.model.element_label, result.has_baseline
+    width = max(7.0, 0.32 * len(result.x) + 1.5)
+    more = ", with 90 % intervals; above, the probability of each; empty bars, what may have it instead"
+    losses = ", ".join(f"{label(e)} {100 * result.severity[e]:.1f} %" for e in result.damaged)
+    figures = {
+        "damage": Figure(
+            partial(plot_damage, result, truth=truth),
+            (width, 4.7 if judged else 4.4),
+            f"Stiffness loss by element{more if judged else ''}. Ticks: the smallest that would be seen.",
+            "Bar chart: " + (losses or "no damage in any element"),
+        )
+    }
+    if judged:
+        hypotheses = result.hypotheses
+        rows = min(len(hypotheses), 9)
+        figures["hypotheses"] = Figure(
+            partial(plot_hypotheses, hypotheses),
+            (8.0, 1.3 + 0.5 * rows),
+            "Probabilities of all explanations that were judged, with losses and their 90 % intervals.",
+            "Bar chart of the table above",
+        )
     return figures
 
 

@@ -7,11 +7,15 @@ from typing import Any
 
 import numpy as np
 
+from ..damage.hypotheses import Hypotheses
 from ..damage.result import DamageResult
 from ..updating.results import UpdateResult
 from ..updating.tables import ModalTable, signed
 
-__all__ = ["damage_rows", "frequency_rows", "parameter_rows"]
+__all__ = ["damage_rows", "frequency_rows", "hypothesis_rows", "parameter_rows"]
+
+#: Hypotheses that have a row in any case, those above this probability, and how many at most.
+_LEAST_ROWS, _WORTH_A_ROW, _MOST_ROWS = 3, 0.005, 12
 
 
 def parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
@@ -40,15 +44,25 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     def percent(value: float | None) -> str:
         if value is None:
             return ""
-        return "none" if not np.isfinite(value) else "0" if value == 0.0 else f"{100 * value:.1f}"
+        return (
+            "none"
+            if not np.isfinite(value)
+            else "0"
+            if value == 0.0
+            else f"{100 * value:.{1 if value >= 9.5e-4 else 2}f}"
+        )
 
-    label, on_bound = result.problem.model.element_label, set(result.at_bound)
+    label, judged = result.problem.model.element_label, result.has_baseline
+    on_bound = set() if judged else set(result.at_bound)
+    chance, limits = (result.probability, result.interval) if judged else ({}, {})
     columns = zip(result.elements, result.problem.names, result.std, result.problem.bounds, strict=True)
     return [
         {
             "name": label(e),
             "value": percent(result.severity[e]),
             "std": _deviation(100.0 * std) if result.severity[e] > 0.0 else "",
+            "interval": _interval(*limits.get(e, (0.0, 0.0))),
+            "probability": _probability(chance.get(e, 0.0)),
             "visible": percent(result.detectable[e]),
             "truth": percent((truth or {}).get(e)),
             "bounds": f"{100 * low:g} to {100 * high:g}",
@@ -57,6 +71,25 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
         }
         for e, name, std, (low, high) in columns
     ]
+
+
+def hypothesis_rows(hypotheses: Hypotheses) -> tuple[list[dict[str, str]], str]:
+    """Probability, name and losses of the hypotheses worth a row, and a sentence on the others."""
+    rows = [
+        {
+            "name": hypotheses.called(one),
+            "probability": _probability(one.probability),
+            "losses": ", ".join(
+                f"{100 * s:.1f} ({100 * low:.1f} to {100 * high:.1f})"
+                for s, low, high in zip(one.severities, one.low, one.high, strict=True)
+            ),
+        }
+        for nth, one in enumerate(hypotheses)
+        if nth < _LEAST_ROWS or (one.probability >= _WORTH_A_ROW and nth < _MOST_ROWS)
+    ]
+    others = len(hypotheses) - len(rows)
+    rest = float(np.sum(hypotheses.probability[len(rows) :]))
+    return rows, f"{others} others, together {_probability(rest)} %." if others else ""
 
 
 def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
@@ -105,6 +138,15 @@ def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
         )
         last = (dof, force)
     return rows
+
+
+def _interval(low: float, high: float) -> str:
+    return f"{100 * low:.1f} to {100 * high:.1f}" if high > 0.0 else ""
+
+
+def _probability(p: float) -> str:
+    """In percent; what is nearly 0 or 100 is not rounded to it."""
+    return "< 0.1" if p < 0.001 else "> 99.9" if p > 0.999 else f"{100 * p:.1f}"
 
 
 def _deviation(value: float) -> str:

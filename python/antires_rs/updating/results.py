@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
-from ..support.pickling import ReadOnly
 from ..support.validation import FloatArray
 from .identifiability import Identifiability, identifiability
 from .tables import FrequencyTable, ModalTable
+from .with_intervals import WithIntervals
 
 if TYPE_CHECKING:
     import os
@@ -29,7 +29,7 @@ _ON_BOUND = 1e-6
 _EXPLAINED, _NOISE_PERCENT = 0.5, 1.0
 
 
-class UpdateResult(ReadOnly):
+class UpdateResult(WithIntervals):
     """An updated model and how it came about. Read-only.
 
     Attributes

@@ -23,7 +23,7 @@ from .weights import residual_weights
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-__all__ = ["AntiresonanceTargets", "ModalTargets", "Targets", "targets_of"]
+__all__ = ["AntiresonanceTargets", "ModalTargets", "Targets", "targets_of", "unit_shapes"]
 
 #: A shape smaller than this at the measured dofs, relative to its largest entry, cannot be measured there.
 _AT_REST = 1e-9
@@ -133,7 +133,7 @@ class ModalTargets:
         for freq, dofs, _ in self._parts:
             rows = slice(first, first + len(freq))
             first += len(freq)
-            u, v = (_unit(shapes[rows][:, dofs]) for shapes in (shapes0, shapes1))
+            u, v = (unit_shapes(shapes[rows][:, dofs]) for shapes in (shapes0, shapes1))
             sign = np.where(np.sum(u * v, axis=1, keepdims=True) < 0.0, -1.0, 1.0)
             changes.append((sign * v - u).ravel())
         return np.concatenate(changes)
@@ -193,6 +193,7 @@ def targets_of(model: StructuralModel, measured: Any, objective: str | None) -> 
     return made
 
 
-def _unit(shapes: FloatArray) -> FloatArray:
+def unit_shapes(shapes: FloatArray) -> FloatArray:
+    """Shapes at unit length, a row each; zero stays zero."""
     size = np.linalg.norm(shapes, axis=1, keepdims=True)
     return np.asarray(shapes / np.where(size > 0.0, size, 1.0))

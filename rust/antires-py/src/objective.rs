@@ -54,6 +54,9 @@ type PyState<'py> = (
     Bound<'py, PyArray2<f64>>,
 );
 
+/// J, residuals (m,) and their slopes (m, n).
+type PyLinearized<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
+
 enum Core {
     Antiresonance(AntiresonanceObjective),
     Modal(ModalObjective),
@@ -199,6 +202,25 @@ impl Objective {
         let pairs = run(py, || o.pairs(&x, &mut o.workspace()))?;
         let e: Vec<f64> = pairs.into_iter().map(|p| p.residual).collect();
         Ok(Some(e.into_pyarray(py)))
+    }
+
+    /// J, residuals (m,) and their slopes (m, n) at x (n,), weighted; none where they cannot be had.
+    fn linearized<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Option<PyLinearized<'py>>> {
+        let x = x.as_array().to_vec();
+        let found = run(py, || {
+            Ok::<_, Error>(with!(&self.core, o => o.linearize(&x, &mut o.workspace())))
+        })?;
+        Ok(found.map(|at| {
+            let rows = at.residuals.len();
+            let slopes =
+                Array2::from_shape_fn((rows, x.len()), |(m, p)| at.jacobian[m * x.len() + p]);
+            let slopes = slopes.into_pyarray(py);
+            (at.cost, at.residuals.into_pyarray(py), slopes)
+        }))
     }
 
     /// All roots at each row of (m, n), one tuple a row: number of the target, Hz and how much is shown of each

@@ -20,6 +20,7 @@ from ...updating.penalty import DamagePenalty
 from ...updating.problem import UpdatingProblem
 from . import experiment, geometry
 from .truth import true_antiresonances, truth
+from .unfollowed import Unfollowed
 
 __all__ = ["Exhaust", "exhaust"]
 
@@ -54,9 +55,12 @@ class Exhaust:
         Zero-based: element 31 to the user, behind the weld at its joint with element 30.
     sections, masses, bends : list of str
         Names, in the order of the updating parameters.
+    unfollowed : Unfollowed
+        Errors of the model that no updating parameter follows.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, unfollowed: Unfollowed = experiment.USUAL) -> None:
+        self.unfollowed = unfollowed
         self.model = geometry.nominal_model()
         self.excitation = self.model.dof(*geometry.SHAKER)
         self.responses = [self.model.dof(*sensor) for sensor in geometry.SENSORS]
@@ -101,7 +105,7 @@ class Exhaust:
         Recording
             Channels named by the dofs of ``model``; the force is kept, unused by default.
         """
-        tested = experiment.TestedStructure(integer("level", level, low=0, high=3))
+        tested = experiment.TestedStructure(integer("level", level, low=0, high=3), self.unfollowed)
         # The slowest mode decides how long the lead-in is; each mode's own damping is in ``tested.frf``.
         return simulate(
             tested,
@@ -120,16 +124,18 @@ class Exhaust:
     def truth(self, level: int = 0) -> dict[str, Any]:
         """What was tested, by name.
 
-        ``thickness``, ``youngs_modulus``, ``point_mass``, ``inertia``, ``hanger`` (factors), ``angle``
-        (degrees); ``crack_share``, ``equivalent_loss``, ``severity``; ``freq_hz`` by dof, ``resonances_hz``
-        and ``damping_ratio``.
+        ``thickness``, ``youngs_modulus``, ``point_mass``, ``inertia``, ``hanger`` (factors), ``unfollowed``,
+        ``angle`` (degrees); ``crack_share``, ``equivalent_loss``, ``severity``; ``freq_hz`` by dof,
+        ``resonances_hz`` and ``damping_ratio``.
         """
-        return truth(integer("level", level, low=0, high=3), self.responses)
+        return truth(integer("level", level, low=0, high=3), self.responses, self.unfollowed)
 
     def exact(self, level: int = 0, *, band_hz: tuple[float, float] | None = None) -> AntiresonanceSet:
         """Antiresonances of the tested structure in a band (default: the damage band), without a test."""
         band = self.damage_band_hz if band_hz is None else band_hz
-        found = true_antiresonances(integer("level", level, low=0, high=3), self.responses, band[1])
+        found = true_antiresonances(
+            integer("level", level, low=0, high=3), self.responses, band[1], self.unfollowed
+        )
         return self._within(AntiresonanceSet(self.excitation, found), band)
 
     def updating_parameters(self) -> list[Parameter]:
@@ -229,16 +235,40 @@ class Exhaust:
         return f"Exhaust({self.model!r}, force at {self.model.dof_name(self.excitation)})"
 
 
-def exhaust() -> Exhaust:
+def exhaust(
+    *,
+    wall_scatter: float = experiment.USUAL.wall_scatter,
+    joint_m: float = 0.0,
+    shear_coefficient: float | str | None = None,
+    cord_kg: float = 0.0,
+) -> Exhaust:
     """A car's exhaust system, its virtual experiment and its truth.
 
     A documented surrogate of the second case of Meruane, J. Sound Vib. 332 (2013) 807-820: a plane frame of
     2.3 m x 0.45 m on soft cords, 47 beams, 5 lumped inertias, 144 dofs, 16 accelerometers, one shaker. The
     experiment comes from another, finer model, with a crack in the pipe at three levels.
 
+    Parameters
+    ----------
+    wall_scatter : float
+        Relative standard deviation of the wall thickness from one element's pipe to the next; [0, 0.1].
+    joint_m : float
+        Flexibility of the joints at catalyst, mufflers and flange: that of so many metres of pipe;
+        [0, 0.2].
+    shear_coefficient : 'cowper' or float, optional
+        The tested pipe as Timoshenko beams; the model's are Euler-Bernoulli beams.
+    cord_kg : float
+        Mass of each of three cords that the model does not have, with 1500 N/m across; [0, 1]. No updating
+        parameter follows any of these four.
+
     Returns
     -------
     Exhaust
+
+    Raises
+    ------
+    InvalidInputError
+        A value out of range.
 
     Examples
     --------
@@ -249,4 +279,4 @@ def exhaust() -> Exhaust:
     >>> [round(100 * case.truth(level)["equivalent_loss"], 1) for level in (1, 2, 3)]
     [88.1, 93.4, 97.3]
     """
-    return Exhaust()
+    return Exhaust(Unfollowed(wall_scatter, joint_m, shear_coefficient, cord_kg))

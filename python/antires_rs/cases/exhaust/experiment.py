@@ -1,8 +1,9 @@
 """The exhaust that is tested: not the model that is updated.
 
-Its mesh is four times finer. Wall thicknesses, moduli, masses, bends, inertias and cords differ from nominal,
-wall thicknesses also from one piece of pipe to the next; every mode has its own damping. Cracked, it has a
-rotational spring in the pipe 2 cm behind a weld, between two nodes of the coarse mesh.
+Its mesh is four times finer. Wall thicknesses, moduli, masses, bends, inertias and cords differ from
+nominal, wall thicknesses also from one piece of pipe to the next; every mode has its own damping. More
+errors that the model cannot follow are in :mod:`.unfollowed`. Cracked, it has a rotational spring in the
+pipe 2 cm behind a weld, between two nodes of the coarse mesh.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from ...models.sections import Section, Tube
 from ...support.validation import ComplexArray, FloatArray
 from . import geometry
 from .crack import crack_compliance
+from .unfollowed import Unfollowed
 
 #: Beams of the tested structure for each of the model.
 PIECES = 4
@@ -42,8 +44,10 @@ INERTIA = {
     "rear muffler": 0.97,
 }
 HANGER = 0.9
-#: Standard deviation of the wall thickness from one coarse element's pipe to the next, a fixed draw.
-WALL_SCATTER, WALL_SEED = 0.005, 332
+#: Seed of the wall thickness from one coarse element's pipe to the next.
+WALL_SEED = 332
+#: What no updating parameter can follow, unless a case says otherwise.
+USUAL = Unfollowed()
 
 #: Modal damping: rubber cords, then the elastic modes cyclically, 0.3 to 1 %.
 RIGID_DAMPING = 0.01
@@ -69,42 +73,50 @@ def true_nodes() -> FloatArray:
     return found
 
 
-def walls_m() -> FloatArray:
+def walls_m(errors: Unfollowed = USUAL) -> FloatArray:
     """True wall thickness of each coarse element's pipe, (47,)."""
-    scatter = WALL_SCATTER * np.random.default_rng(WALL_SEED).standard_normal(len(geometry.beams()))
+    scatter = errors.wall_scatter * np.random.default_rng(WALL_SEED).standard_normal(len(geometry.beams()))
     nominal = [geometry.SECTIONS[section][0] * THICKNESS[section] for _, _, section in geometry.beams()]
     return np.array(nominal) * (1.0 + scatter)
 
 
-def compliance(level: int) -> float:
+def compliance(level: int, errors: Unfollowed = USUAL) -> float:
     """Rotation per moment of the crack, rad/(N m); 0 at level 0."""
     if level == 0:
         return 0.0
     return crack_compliance(
         SHARES[level - 1],
         outer_diameter_m=geometry.DIAMETER_M,
-        thickness_m=float(walls_m()[CRACKED_ELEMENT]),
+        thickness_m=float(walls_m(errors)[CRACKED_ELEMENT]),
         youngs_modulus_pa=_modulus(),
     )
 
 
-def equivalent_loss(level: int) -> float:
+def equivalent_loss(level: int, errors: Unfollowed = USUAL) -> float:
     """Stiffness loss of the whole element 31 with the same rotation under a moment as with the crack."""
     first, second, _ = geometry.beams()[CRACKED_ELEMENT]
     nodes = true_nodes()
-    added = compliance(level) * _modulus() * _inertia(float(walls_m()[CRACKED_ELEMENT]))
+    wall = float(walls_m(errors)[CRACKED_ELEMENT])
+    added = compliance(level, errors) * _modulus() * _inertia(wall)
     return float(added / (added + np.linalg.norm(nodes[second] - nodes[first])))
 
 
-def true_model(level: int) -> FrameModel:
+def true_model(level: int, errors: Unfollowed = USUAL) -> FrameModel:
     """The tested structure; its first 48 nodes are those of the model."""
     coarse = true_nodes()
     nodes = list(coarse)
     beams: list[tuple[int, int, int]] = []
     sections: list[Tube | Section] = []
-    for element, ((first, second, name), wall) in enumerate(zip(geometry.beams(), walls_m(), strict=True)):
+    walls = walls_m(errors)
+    for element, ((first, second, name), wall) in enumerate(zip(geometry.beams(), walls, strict=True)):
         _, modulus, density = geometry.SECTIONS[name]
-        tube = Tube(geometry.DIAMETER_M, float(wall), modulus * MODULUS[name], density)
+        tube = Tube(
+            geometry.DIAMETER_M,
+            float(wall),
+            modulus * MODULUS[name],
+            density,
+            shear_coefficient=errors.shear_coefficient,
+        )
         span = coarse[second] - coarse[first]
         cuts, soft = _cuts(element, float(np.linalg.norm(span)))
         ends = [first]
@@ -118,16 +130,23 @@ def true_model(level: int) -> FrameModel:
             beams.append((*pair, tube_index))
             if level and piece == soft:
                 beams[-1] = (*pair, len(sections))
-                sections.append(_soft(tube, compliance(level)))
+                sections.append(_soft(tube, CRACK_PIECE_M, compliance(level, errors)))
+        if errors.joined(second):
+            length_m = float(np.linalg.norm(span)) / PIECES
+            beams[-1] = (*beams[-1][:2], len(sections))
+            turns = errors.joint_m / (tube.youngs_modulus_pa * _inertia(tube.thickness_m))
+            sections.append(_soft(tube, length_m, turns))
     masses = [
         PointMass(node, mass * MASS[name], inertia * INERTIA[name])
         for name, node, mass, inertia in geometry.MASSES
     ]
+    masses += errors.masses
     springs = [
         GroundSpring(node, direction, stiffness * HANGER)
         for node, across, along in geometry.HANGERS
         for direction, stiffness in (("v", across), ("u", along))
     ]
+    springs += errors.springs
     return FrameModel(np.array(nodes), beams, sections, point_masses=masses, ground_springs=springs)
 
 
@@ -142,12 +161,12 @@ def _cuts(element: int, length_m: float) -> tuple[list[float], int | None]:
     return edges + [edges[1] + (1.0 - edges[1]) * share for share in (0.25, 0.5, 0.75)], 1
 
 
-def _soft(tube: Tube, extra: float) -> Section:
-    """Section of the spring's piece: bends by the crack's rotation more than the pipe does."""
+def _soft(tube: Tube, length_m: float, extra: float) -> Section:
+    """Section of a piece that turns by so much more than the pipe does, under a moment of one (rad/(N m))."""
     modulus = tube.youngs_modulus_pa
-    bent = extra + CRACK_PIECE_M / (modulus * _inertia(tube.thickness_m))
+    bent = extra + length_m / (modulus * _inertia(tube.thickness_m))
     area = np.pi * tube.thickness_m * (tube.outer_diameter_m - tube.thickness_m)
-    return Section(float(area), float(CRACK_PIECE_M / (modulus * bent)), modulus, tube.density_kg_per_m3)
+    return Section(float(area), float(length_m / (modulus * bent)), modulus, tube.density_kg_per_m3)
 
 
 def _inertia(wall: float) -> float:
@@ -168,11 +187,11 @@ class TestedStructure:
 
     __test__ = False  # no test class, whatever its name
 
-    def __init__(self, level: int) -> None:
+    def __init__(self, level: int, errors: Unfollowed = USUAL) -> None:
         from scipy.sparse import csc_array
         from scipy.sparse.linalg import eigsh, splu
 
-        self.model = true_model(level)
+        self.model = true_model(level, errors)
         self.excitation = self.model.dof(*geometry.SHAKER)
         stiffness, mass = csc_array(self.model.stiffness()), csc_array(self.model.mass())
         shift = -((2 * np.pi * 5.0) ** 2)

@@ -15,14 +15,14 @@ use super::migration::exchange;
 use super::objective::Evaluator;
 use super::options::IslandOptions;
 use super::outcome::{History, Hooks, Interrupt, IslandProgress, Outcome, Progress, Status};
-use super::polish::{Point, Polish};
+use super::polish::{Path, Point, Polish};
 use super::selection::GeometricSelection;
 use super::tape::{Tape, pass_bounds};
 use super::termination::Consensus;
 use crate::error::{Error, Result};
 
 /// The first bytes of a snapshot: a name and the version of the layout.
-const HEADER: u64 = u64::from_le_bytes(*b"antires2");
+const HEADER: u64 = u64::from_le_bytes(*b"antires3");
 
 /// A search under way.
 pub(super) struct Archipelago<'a, E: Evaluator> {
@@ -158,7 +158,10 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
             cost: island.best_cost(),
         };
         let mut points: Vec<Point> = self.islands.iter().map(best).collect();
-        let flow = polish.run(&mut points, &mut self.ledger, hooks);
+        // Until they exchange, islands but the first, which has the start's optimum, find their own way.
+        let alone = self.history.migrations.is_empty();
+        let path = |i: usize| if alone && i > 0 { Path::Own } else { Path::Any };
+        let flow = polish.run(&mut points, path, &mut self.ledger, hooks);
         for (island, point) in self.islands.iter_mut().zip(&points) {
             island.refine_best(&point.x, point.cost);
         }

@@ -259,15 +259,20 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The status in a sentence, and what it does not say: bests that agree before any exchange.
+    /// The status in a sentence, and what it does not say: whether bests that agree were found independently.
     #[must_use]
     pub fn message(&self) -> String {
         let message = self.status.message();
-        if self.status != Status::Agreed || self.migrations > 0 {
+        if self.status != Status::Agreed {
             return message.to_string();
         }
+        if self.migrations > 0 {
+            return format!(
+                "{message} They had exchanged their bests, so not all found it on their own."
+            );
+        }
         let how = if self.polished {
-            "each was reached by a local search of its own, which may favour the same point"
+            "each was reached by a local search from a random start of its own"
         } else {
             "each island found it on its own"
         };
@@ -334,12 +339,10 @@ mod tests {
                 .message()
                 .contains("on its own")
         );
-        for (status, migrations) in [(Status::Agreed, 1), (Status::MaxEvaluations, 0)] {
-            assert_eq!(
-                outcome(status, migrations, true).message(),
-                status.message()
-            );
-        }
+        let late = outcome(Status::Agreed, 1, true).message();
+        assert!(late.starts_with(Status::Agreed.message()) && late.contains("not all"));
+        let budget = Status::MaxEvaluations;
+        assert_eq!(outcome(budget, 0, true).message(), budget.message());
     }
 
     #[test]

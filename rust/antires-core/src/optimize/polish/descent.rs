@@ -5,6 +5,10 @@
 //! where it did not. A sparse gene at its lower bound stays there. Several descents run in step, so that
 //! their evaluations form one batch.
 //!
+//! From a point far off, where many sparse genes are raised, the sum of absolute residuals and its prices have local
+//! minima everywhere. `relax` first descends on Σ e² of all genes, sparse ones at rest among them, without prices: a
+//! smooth problem that leads near the optimum from most starts.
+//!
 //! R. Fletcher & E. Sainz de la Maza, Nonlinear programming and nonsmooth optimization by successive
 //! linear programming, Math. Program. 43 (1989) 235-256.
 
@@ -24,6 +28,29 @@ const LEAST_GAIN: f64 = 1e-9;
 
 /// Gains foretold below this, relative to J, are not worth a second try when the first failed.
 const DOUBTFUL_GAIN: f64 = 1e-6;
+
+/// Of squares: most steps, and the foretold relative gain that ends them; what is near is for others to refine.
+const SQUARES_STEPS: usize = 25;
+const SQUARES_GAIN: f64 = 1e-3;
+
+/// What is brought down.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Goal {
+    /// J, whose residuals have this norm.
+    Cost(Norm),
+    /// Σ e² of all genes, without a price.
+    Squares,
+}
+
+impl Goal {
+    /// Its value at a linearization.
+    fn of(self, at: &Linearization) -> f64 {
+        match self {
+            Self::Cost(_) => at.cost,
+            Self::Squares => at.residuals.iter().map(|e| e * e).sum(),
+        }
+    }
+}
 
 /// One descent under way.
 struct Descent {
@@ -46,6 +73,29 @@ pub(super) fn descend<E: Evaluator>(
     ledger: &mut Ledger<'_, E>,
     hooks: &mut Hooks<'_>,
 ) -> Result<(), Stop<E::Fault>> {
+    let goal = Goal::Cost(norm);
+    bring_down(points, goal, composition, most_steps, ledger, hooks)
+}
+
+/// Moves each of `points` to where Σ e² is small, whatever J is there.
+pub(super) fn relax<E: Evaluator>(
+    points: &mut [Point],
+    composition: &Composition,
+    ledger: &mut Ledger<'_, E>,
+    hooks: &mut Hooks<'_>,
+) -> Result<(), Stop<E::Fault>> {
+    let goal = Goal::Squares;
+    bring_down(points, goal, composition, SQUARES_STEPS, ledger, hooks)
+}
+
+fn bring_down<E: Evaluator>(
+    points: &mut [Point],
+    goal: Goal,
+    composition: &Composition,
+    most_steps: usize,
+    ledger: &mut Ledger<'_, E>,
+    hooks: &mut Hooks<'_>,
+) -> Result<(), Stop<E::Fault>> {
     let batch: Vec<f64> = points.iter().flat_map(|point| point.x.clone()).collect();
     let found = ledger.linearizations(&batch, hooks)?;
     let mut descents: Vec<Descent> = points
@@ -55,7 +105,7 @@ pub(super) fn descend<E: Evaluator>(
         .collect();
     for _ in 0..most_steps {
         for descent in &mut descents {
-            descent.propose(norm, composition, ledger);
+            descent.propose(goal, composition, ledger);
         }
         let batch: Vec<f64> = descents
             .iter()
@@ -67,9 +117,13 @@ pub(super) fn descend<E: Evaluator>(
         }
         let mut found = ledger.linearizations(&batch, hooks)?.into_iter();
         for (descent, point) in descents.iter_mut().zip(points.iter_mut()) {
-            if !descent.done {
-                descent.accept(found.next().flatten());
-                point.take(&descent.x, descent.here.cost);
+            if descent.done {
+                continue;
+            }
+            descent.accept(goal, found.next().flatten());
+            match goal {
+                Goal::Cost(_) => point.take(&descent.x, descent.here.cost),
+                Goal::Squares => point.settle(&descent.x, descent.here.cost),
             }
         }
     }
@@ -93,7 +147,7 @@ impl Descent {
     /// Writes the next trial, or is done.
     fn propose<E: Evaluator>(
         &mut self,
-        norm: Norm,
+        goal: Goal,
         composition: &Composition,
         ledger: &Ledger<'_, E>,
     ) {
@@ -104,7 +158,8 @@ impl Descent {
         let width = |gene: usize| upper[gene] - lower[gene];
         self.free.clear();
         self.free.extend((0..self.x.len()).filter(|&gene| {
-            width(gene) > 0.0 && !(composition.sparse[gene] && self.x[gene] == lower[gene])
+            let rests = composition.sparse[gene] && self.x[gene] == lower[gene];
+            width(gene) > 0.0 && !(rests && goal != Goal::Squares)
         }));
         if self.free.is_empty() {
             self.done = true;
@@ -128,11 +183,15 @@ impl Descent {
             .iter()
             .map(|&gene| room(gene, upper[gene]).min(self.radius));
         let (low, high): (Vec<f64>, Vec<f64>) = (low.collect(), high.collect());
+        let (norm, price, least_gain) = match goal {
+            Goal::Cost(norm) => (norm, scaled(&composition.price), LEAST_GAIN),
+            Goal::Squares => (Norm::Squared, vec![0.0; self.free.len()], SQUARES_GAIN),
+        };
         let problem = Subproblem {
             norm,
             residuals: &self.here.residuals,
             jacobian: &scaled(&self.here.jacobian),
-            price: &scaled(&composition.price),
+            price: &price,
             low: &low,
             high: &high,
         };
@@ -148,22 +207,24 @@ impl Descent {
         }
         ledger.repair(&mut self.trial);
         // Written so that NaN, of residuals that are not finite, ends the descent too.
-        self.done = !(self.foretold > LEAST_GAIN * self.here.cost.abs()) || self.trial == self.x;
+        self.done =
+            !(self.foretold > least_gain * goal.of(&self.here).abs()) || self.trial == self.x;
     }
 
-    fn accept(&mut self, there: Option<Linearization>) {
+    fn accept(&mut self, goal: Goal, there: Option<Linearization>) {
         let Some(there) = there else {
             self.done = true;
             return;
         };
-        let share = (self.here.cost - there.cost) / self.foretold;
+        let (before, after) = (goal.of(&self.here), goal.of(&there));
+        let share = (before - after) / self.foretold;
         if share > 0.75 {
             self.radius = (2.0 * self.radius).min(1.0);
         } else if !(share >= 0.25) {
             self.radius *= 0.25;
-            self.done = self.foretold < DOUBTFUL_GAIN * self.here.cost.abs();
+            self.done = self.foretold < DOUBTFUL_GAIN * before.abs();
         }
-        if there.cost < self.here.cost {
+        if after < before {
             self.x.copy_from_slice(&self.trial);
             self.here = there;
         }

@@ -10,6 +10,10 @@
 //! From an intact structure, adding is matching pursuit: the single damage that explains most, then the
 //! next. Swaps mend what a greedy choice, or an island, got wrong.
 //!
+//! A path of its own never puts the last raised gene to rest before its moves have ended. Else every point
+//! that is worse than no damage falls back to it, and what follows is one pursuit from one point for all islands,
+//! whose agreement says nothing.
+//!
 //! S. Mallat & Z. Zhang, Matching pursuits with time-frequency dictionaries, IEEE Trans. Signal Process. 41
 //! (1993) 3397-3415.
 
@@ -32,6 +36,25 @@ const FOLLOWED_FAR: (usize, usize) = (6, 20);
 /// A gain counts where it exceeds this fraction of J.
 const GAIN: f64 = 1e-7;
 
+/// Where moves may lead through.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in super::super) enum Path {
+    /// Anywhere.
+    Any,
+    /// Not through the point where no sparse gene is raised, from which every search may start.
+    Own,
+}
+
+impl Path {
+    /// Fewest raised genes on the way.
+    fn fewest(self) -> usize {
+        match self {
+            Self::Any => 0,
+            Self::Own => 1,
+        }
+    }
+}
+
 /// What came of adding a gene to a point.
 struct Scan {
     base: Vec<f64>,
@@ -52,15 +75,16 @@ impl Moves {
         &mut self,
         local: &LocalSearch,
         point: &mut Point,
+        path: Path,
         ledger: &mut Ledger<'_, E>,
         hooks: &mut Hooks<'_>,
     ) -> Result<(), Stop<E::Fault>> {
         let end = ledger.evaluations.saturating_add(local.allowance);
-        prune(local, point, ledger, hooks)?;
-        while let Some(better) = self.neighbour(local, point, end, ledger, hooks)? {
+        prune(local, point, path, ledger, hooks)?;
+        while let Some(better) = self.neighbour(local, point, path, end, ledger, hooks)? {
             *point = better;
         }
-        Ok(())
+        prune(local, point, Path::Any, ledger, hooks)
     }
 
     /// The best point that swapping or adding a gene leads to, where it gains.
@@ -68,6 +92,7 @@ impl Moves {
         &mut self,
         local: &LocalSearch,
         point: &Point,
+        path: Path,
         end: usize,
         ledger: &mut Ledger<'_, E>,
         hooks: &mut Hooks<'_>,
@@ -75,10 +100,13 @@ impl Moves {
         let lower = ledger.bounds.lower();
         // Swaps first: they keep the count.
         let mut bases: Vec<Vec<f64>> = Vec::new();
-        for gene in local.raised(&point.x, lower) {
-            let mut base = point.x.clone();
-            base[gene] = lower[gene];
-            bases.push(base);
+        let raised = local.raised(&point.x, lower);
+        if raised.len() > path.fewest() {
+            for gene in raised {
+                let mut base = point.x.clone();
+                base[gene] = lower[gene];
+                bases.push(base);
+            }
         }
         bases.push(point.x.clone());
         for base in bases {
@@ -115,7 +143,8 @@ impl Moves {
             local.descend(&mut tried, steps, ledger, hooks)?;
         }
         for candidate in &mut tried {
-            prune(local, candidate, ledger, hooks)?;
+            // Of any path, so that what is remembered serves all; none of them ends without a last pruning.
+            prune(local, candidate, Path::Own, ledger, hooks)?;
         }
         let best = tried.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
         self.scanned.push(Scan {
@@ -186,9 +215,10 @@ fn additions<E: Evaluator>(
 }
 
 /// Drops raised genes as long as that lowers J, each time followed by a descent of the rest.
-fn prune<E: Evaluator>(
+pub(super) fn prune<E: Evaluator>(
     local: &LocalSearch,
     point: &mut Point,
+    path: Path,
     ledger: &mut Ledger<'_, E>,
     hooks: &mut Hooks<'_>,
 ) -> Result<(), Stop<E::Fault>> {
@@ -197,6 +227,10 @@ fn prune<E: Evaluator>(
     let mut costs = Vec::new();
     loop {
         let raised = local.raised(&point.x, lower);
+        let most = raised.len().saturating_sub(path.fewest());
+        if most == 0 {
+            return Ok(());
+        }
         let mut batch = Vec::new();
         for &gene in &raised {
             let mut trial = point.x.clone();
@@ -213,7 +247,7 @@ fn prune<E: Evaluator>(
         let mut order: Vec<usize> = (0..raised.len()).collect();
         order.sort_by(|&a, &b| costs[a].total_cmp(&costs[b]));
         batch.clear();
-        for (nth, &i) in order.iter().enumerate() {
+        for (nth, &i) in order.iter().take(most).enumerate() {
             trial[raised[i]] = lower[raised[i]];
             // The first alone was among the single drops.
             if nth > 0 {

@@ -13,11 +13,16 @@ pub(in crate::optimize) struct Point {
 }
 
 impl Point {
+    /// Moves to `x`, whatever it costs.
+    pub(super) fn settle(&mut self, x: &[f64], cost: f64) {
+        self.x.copy_from_slice(x);
+        self.cost = cost;
+    }
+
     /// Moves to `x` where that costs less.
     pub(super) fn take(&mut self, x: &[f64], cost: f64) {
         if cost < self.cost {
-            self.x.copy_from_slice(x);
-            self.cost = cost;
+            self.settle(x, cost);
         }
     }
 }

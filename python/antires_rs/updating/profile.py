@@ -1,0 +1,192 @@
+"""Profile likelihood: how the fit falls when one parameter is held and all others are fitted again.
+
+A. Raue et al., Bioinformatics 25 (2009) 1923-1929: a parameter is bounded on the side where the sum of
+squares over the errors' variances rises by the chi-square quantile. The others are fitted within their
+bounds, so that a side may be closed only because another one runs into a bound of its own; that is told.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..support.one_thread import one_blas_thread
+from ..support.progress import patient, step
+from ..support.validation import FloatArray, finite_scalar, integer, reject
+from ..support.values import Value
+from .fit import UNSEEN, Fit, fitted, least_squares
+from .sides import Kind, covariance, kind_of, squares, threshold
+
+if TYPE_CHECKING:
+    from .problem import UpdatingProblem
+
+__all__ = ["ProfileLikelihood", "profile"]
+
+#: This near to a bound, as a share of the bounds' distance, a parameter is on it.
+_ON_BOUND = 1e-6
+#: Standard deviations within which most points of a profile lie.
+_REACH = 4.0
+#: Points that are added on each side, until those around the end differ by this share of the limit's root.
+_REFINED, _NEAR = 8, 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class ProfileLikelihood(Value):
+    """Likelihood of one parameter, all others fitted again at every value.
+
+    Attributes
+    ----------
+    name : str
+    values : ndarray, (k,)
+        Values at which the parameter was held, rising, in its unit.
+    rise : ndarray, (k,)
+        Rise of the sum of squares over the errors' variances above its least, at least 0.
+    threshold : float
+        Rise up to which a value is within the interval.
+    level : float
+    low, high : float
+        Interval; a bound where the profile does not close on that side.
+    kind : {'two-sided', 'one-sided', 'flat'}
+    others_on_bound : tuple of tuple of str, (k,)
+        Other parameters that rest on a bound at each value.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> hz = dict(enumerate(true.antiresonances([0, 1, 2], 0)))
+    >>> measured = ar.AntiresonanceSet(0, hz, std_hz={dof: 1e-3 * f for dof, f in hz.items()})
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
+    >>> held = ar.update(problem, rng=0).profile("stiffness of spring 1")
+    >>> held.kind, bool(held.low < 1.1 < held.high)
+    ('two-sided', True)
+    """
+
+    name: str
+    values: FloatArray
+    rise: FloatArray
+    threshold: float
+    level: float
+    low: float
+    high: float
+    kind: Kind
+    others_on_bound: tuple[tuple[str, ...], ...]
+
+    def __str__(self) -> str:
+        lines = [f"{self.name}: {self.kind}, {100 * self.level:g} % within [{self.low:.6g}, {self.high:.6g}]"]
+        lines += [
+            f"{value:12.6g} {rise:12.4g}{'  ' + ', '.join(names) + ' on a bound' if names else ''}"
+            for value, rise, names in zip(self.values, self.rise, self.others_on_bound, strict=True)
+        ]
+        return "\n".join(lines)
+
+
+@patient("profile")
+@one_blas_thread
+def profile(
+    problem: UpdatingProblem,
+    x: FloatArray,
+    name: str,
+    *,
+    level: float = 0.9,
+    points: int = 21,
+    progress: bool | None = None,
+) -> ProfileLikelihood:
+    """Profile around the least-squares solution near ``x``; see ``UpdateResult.profile``."""
+    finite_scalar("level", level, low=0.5, high=0.999)
+    integer("points", points, low=5, high=1001)
+    if name not in problem.names:
+        reject("name", repr(name), "a parameter of the problem", f"One of {', '.join(problem.names)}.")
+    fit = fitted(problem, x)
+    where = np.flatnonzero(fit.residuals.free == problem.names.index(name))
+    if where.size == 0:
+        reject(
+            "name",
+            repr(name),
+            "a parameter that may move",
+            "Its bounds are equal, or it was decided to be 0.",
+        )
+    j, center = int(where[0]), float(fit.u[where[0]])
+    std = np.sqrt(covariance(fit)[j, j])
+    below = _places(center, 0.0, std, points // 2)
+    above = _places(center, 1.0, std, points - points // 2)
+    found: dict[float, tuple[float, FloatArray]] = {center: (squares(fit, fit.u), fit.u)}
+    for side in (below, above):
+        u = fit.u
+        for place in side:
+            u = u.copy()
+            u[j] = place
+            step(f"{name} held at {_value(fit, j, u):.5g}")
+            u = least_squares(fit.residuals, u, fit.sigma, held=[j])
+            found[float(place)] = (squares(fit, u), u)
+    limit = threshold(level)
+    ends = [_end(fit, found, j, side, limit) for side in (-1.0, 1.0)]
+    (low, low_open), (high, high_open) = ends
+    places = np.array(sorted(found))
+    rise = np.array([found[place][0] for place in places])
+    rise -= rise.min()
+    at = [_value(fit, j, np.where(np.arange(fit.u.size) == j, end, fit.u)) for end in (low, high)]
+    return ProfileLikelihood(
+        name,
+        np.array([_value(fit, j, found[place][1]) for place in places]),
+        rise,
+        limit,
+        level,
+        at[0],
+        at[1],
+        kind_of(low_open, high_open),
+        tuple(_on_bound(fit, found[place][1], j) for place in places),
+    )
+
+
+def _value(fit: Fit, j: int, u: FloatArray) -> float:
+    """Free parameter j at u, in its unit."""
+    return float(fit.residuals.vector(u)[fit.residuals.free[j]])
+
+
+def _places(center: float, bound: float, std: float, count: int) -> FloatArray:
+    """Values away from the center: most within a few standard deviations, then the bound."""
+    reach = min(_REACH * std, abs(bound - center))
+    if reach < 1e-9:
+        return np.empty(0)
+    near = center + np.sign(bound - center) * reach * np.arange(1, count + 1) / count
+    return near if abs(near[-1] - bound) < 1e-9 else np.append(near, bound)
+
+
+def _end(
+    fit: Fit, found: dict[float, tuple[float, FloatArray]], j: int, side: float, limit: float
+) -> tuple[float, bool]:
+    """Where the rise passes the limit on one side, and whether it never does.
+
+    Points are added to ``found`` until one of the two around the passage is near it.
+    """
+    for _ in range(_REFINED):
+        best = min(found, key=lambda place: found[place][0])
+        places = sorted((place for place in found if (place - best) * side >= 0.0), key=lambda p: p * side)
+        rise = np.array([found[place][0] for place in places]) - found[best][0]
+        over = np.flatnonzero(rise > limit)
+        if over.size == 0:
+            return places[-1], True
+        k = int(over[0])
+        root = np.sqrt(rise[k - 1 : k + 1])  # a parabola's root is a line
+        share = float((np.sqrt(limit) - root[0]) / (root[1] - root[0]))
+        end = places[k - 1] + share * (places[k] - places[k - 1])
+        if root[1] - root[0] < _NEAR * np.sqrt(limit):
+            break
+        u = found[places[k - 1]][1].copy()
+        # A rise that begins late is no parabola: not too near to the side that is known to be within.
+        u[j] = places[k - 1] + max(share, 0.3) * (places[k] - places[k - 1])
+        u = least_squares(fit.residuals, u, fit.sigma, held=[j])
+        found[float(u[j])] = (squares(fit, u), u)
+    return end, False
+
+
+def _on_bound(fit: Fit, u: FloatArray, held: int) -> tuple[str, ...]:
+    names = np.array(fit.residuals.problem.names)[fit.residuals.free]
+    on = (u <= _ON_BOUND) | (u >= 1.0 - _ON_BOUND)
+    on &= np.linalg.norm(fit.jacobian, axis=0) > UNSEEN  # where an unseen parameter rests means nothing
+    on[held] = False
+    return tuple(names[on].tolist())

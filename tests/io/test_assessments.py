@@ -1,0 +1,80 @@
+"""Damage against a baseline as a file: every field of the assessment comes back bit for bit."""
+
+import copy
+import hashlib
+import json
+import pickle
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.damage.assessment import Assessment
+from antires_rs.damage.hypotheses import UNKNOWN, Hypotheses, Hypothesis
+from tests.support.four_masses import chain, exact
+
+
+@pytest.fixture(scope="module")
+def made():
+    """Springs off the model by a few per cent, the second softened; the third is no candidate."""
+    intact, damaged = chain([510.0, 441.0, 525.0]), chain([510.0, 331.0, 525.0])
+    return ar.assess_damage(
+        chain(), exact(damaged), baseline=exact(intact), elements=[0, 1], false_alarm_rate=0.05, rng=0
+    )
+
+
+def test_every_field_comes_back(tmp_path, made):
+    made.save(tmp_path / "damage.npz")
+    back = ar.DamageResult.load(tmp_path / "damage.npz")
+    mine, theirs = made.assessment, back.assessment
+    for field in fields(Assessment):
+        assert getattr(mine, field.name) == getattr(theirs, field.name), field.name
+        assert repr(getattr(mine, field.name)) == repr(getattr(theirs, field.name)), field.name
+    assert mine == theirs
+    assert any(len(one.elements) > 1 for one in theirs.hypotheses)
+    for name in ("headline", "severity", "interval", "probability", "detectable", "notes"):
+        assert getattr(back, name) == getattr(made, name), name
+    assert back.summary() == made.summary()
+    made.save(tmp_path / "again.npz")
+    assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "damage.npz").read_bytes()
+
+
+def test_what_a_field_may_be(tmp_path, made):
+    """Infinity, no threshold, no group, notes, something else."""
+    rows = [*made.hypotheses, Hypothesis(UNKNOWN, 1e-8, (), (), (), candidate=False)]
+    rare = replace(
+        made.assessment,
+        hypotheses=Hypotheses(rows, made.hypotheses.names),
+        detectable=(float("inf"), 0.1),
+        threshold=None,
+        group=(),
+        notes=("left out",),
+    )
+    result = ar.DamageResult(made.problem, made.search, made.seed, rare)
+    result.save(tmp_path / "rare.npz")
+    assert ar.DamageResult.load(tmp_path / "rare.npz").assessment == rare
+
+
+def test_a_file_without_an_assessment_is_of_the_search(tmp_path, made):
+    """As version 2 wrote them; probabilities are worked out anew."""
+    found = ar.assess_damage(chain(), exact(chain([500.0, 330.0, 520.0])), rng=0)
+    found.save(tmp_path / "search.npz")
+    arrays = dict(np.load(tmp_path / "search.npz"))
+    data = json.loads(bytes(arrays["antires_rs"]))
+    assert data.pop("assessment") is None
+    text = json.dumps(data | {"version": 2}).encode()
+    arrays["antires_rs"] = np.frombuffer(text, dtype=np.uint8)
+    arrays["text_sha256"] = np.frombuffer(hashlib.sha256(text).digest(), dtype=np.uint8)
+    np.savez(tmp_path / "search.npz", **arrays)
+    back = ar.DamageResult.load(tmp_path / "search.npz")
+    assert back.severity == found.severity
+    assert not back.assessment.baseline
+    assert back.headline == found.headline
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda r: pickle.loads(pickle.dumps(r))])
+def test_copies_say_the_same(made, copied):
+    other = copied(made)
+    assert other.assessment == made.assessment
+    assert other.summary() == made.summary()
