@@ -7,7 +7,8 @@ import pytest
 
 from antires_rs.damage.assessment import Assessment
 from antires_rs.damage.hypotheses import UNKNOWN, Hypotheses, Hypothesis
-from antires_rs.damage.words import headline, percent, reservations, span
+from antires_rs.damage.percent import percent, span
+from antires_rs.damage.words import headline, reservations
 
 
 def one(elements, probability, severities=None, *, candidate=True):

@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 from .assessment import Assessment
 from .hypotheses import Hypothesis
+from .percent import percent, span
 
-__all__ = ["headline", "percent", "reservations", "span"]
+__all__ = ["headline", "reservations"]
 
 Label = Callable[[int], str]
 #: From this probability on something is said without reserve.
@@ -176,22 +177,3 @@ def _lost(one: Hypothesis, label: Label) -> str:
 def _intervals(one: Hypothesis) -> str:
     spans = [span(low, high) for low, high in zip(one.low, one.high, strict=True)]
     return f"90 % interval{'s' if len(spans) > 1 else ''} of the loss {' and '.join(spans)} %"
-
-
-def span(low: float, high: float) -> str:
-    """An interval in percent; ends that are not the same do not look the same.
-
-    Examples
-    --------
-    >>> span(0.389, 0.412), span(0.3998, 0.4003)
-    ('38.9 to 41.2', '39.98 to 40.03')
-    """
-    digits = 1 if high - low >= 2e-3 or high == low else 2
-    return f"{100 * low:.{digits}f} to {100 * high:.{digits}f}"
-
-
-def percent(probability: float) -> str:
-    """A probability in percent; what is nearly 0 or 1 is not rounded to it."""
-    if probability > 0.999:
-        return "above 99.9 %"
-    return "below 0.1 %" if probability < 0.001 else f"{100 * probability:.1f} %"

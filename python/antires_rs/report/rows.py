@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..damage.hypotheses import Hypotheses
+from ..damage.percent import span
 from ..damage.result import DamageResult
 from ..updating.results import UpdateResult
 from ..updating.tables import ModalTable, signed
@@ -80,7 +81,7 @@ def hypothesis_rows(hypotheses: Hypotheses) -> tuple[list[dict[str, str]], str]:
             "name": hypotheses.called(one),
             "probability": _probability(one.probability),
             "losses": ", ".join(
-                f"{100 * s:.1f} ({100 * low:.1f} to {100 * high:.1f})"
+                f"{100 * s:.1f} ({span(low, high)})"
                 for s, low, high in zip(one.severities, one.low, one.high, strict=True)
             ),
         }
@@ -141,7 +142,7 @@ def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
 
 
 def _interval(low: float, high: float) -> str:
-    return f"{100 * low:.1f} to {100 * high:.1f}" if high > 0.0 else ""
+    return span(low, high) if high > 0.0 else ""
 
 
 def _probability(p: float) -> str:
