@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..damage.association import FALSE, FOUND
 from ..damage.calibration import log_odds_threshold
 from ..damage.evidence import HIGHEST
+from ..damage.inference import STD_COMMON
 from ..damage.likelihood import KAPPA, KAPPA_RANGE, Likelihood
 from ..damage.limits import intact_slopes
 from ..damage.measured_states import Values
@@ -72,7 +73,7 @@ class Judge:
         self._tabulate(error, found)
         self.threshold = None
         if self.false_alarm_rate is not None:
-            likelihood = Likelihood(core, n, error, self.baseline, self.baseline, self.threads)
+            likelihood = Likelihood(core, n, error, self.baseline, self.baseline, STD_COMMON, self.threads)
             slopes = intact_slopes(likelihood, len(self.test.elements))
             self.threshold = log_odds_threshold(slopes, self.prior, self.false_alarm_rate, self.rng)
 
@@ -97,6 +98,7 @@ class Judge:
             change = roots.log_f[root] - error.intact.log_f[identity[root]]
             size = change**2 + _COMMON * np.mean(change**2) if root.size else change
             spread[np.diag_indices(root.size)] += self.baseline.std[has] ** 2 + kappa**2 * size
+            spread += STD_COMMON**2
             triangle = np.linalg.cholesky(spread)
             self.white[h][np.ix_(has, has)] = np.linalg.inv(triangle)
             self.log_det[h] = float(np.log(np.diag(triangle)).sum())
