@@ -54,9 +54,9 @@ class SensorPlan(ReadOnly):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=0)
+    >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=0, std=5e-4)
     >>> plan.sensors, plan.excitation, plan.n_values
-    ((0, 1, 4), 0, 16)
+    ((0, 3, 1), 0, 17)
     """
 
     sensors: tuple[int, ...]
