@@ -26,10 +26,23 @@ from .roots import Roots, follow, roots_at
 
 __all__ = ["Likelihood", "View"]
 
-#: Multiples of the share of the model's error that no factor explains, with their prior probabilities; least
-#: and largest such share. Set on the chain and the exhaust, seeds 0 to 3.
-KAPPA = ((0.0, 0.35), (0.5, 0.25), (1.0, 0.25), (1.6, 0.15))
-KAPPA_RANGE = (0.01, 0.25)
+#: Errors of predictions and of values, each with a prior probability: multiples of the share of the model's
+#: error that no factor explains, and of the values' standard deviations, which are estimates themselves. Set
+#: on chain8 and the exhaust, seeds 0 to 3.
+ERRORS = (
+    (0.0, 0.7, 0.08),
+    (0.0, 1.0, 0.20),
+    (0.0, 1.6, 0.10),
+    (0.0, 3.0, 0.05),
+    (0.5, 1.0, 0.15),
+    (0.5, 2.0, 0.06),
+    (1.0, 1.0, 0.15),
+    (1.0, 2.0, 0.06),
+    (1.6, 1.0, 0.10),
+    (1.6, 2.0, 0.05),
+)
+#: Least and largest share; and what it is where the baseline has no value to spare that would tell.
+OUTSIDE, UNTOLD = (0.01, 0.25), 0.08
 #: Share of the mean square of all changes that counts in the error of each one, however small its own.
 _COMMON = 0.5
 #: Changes (standard deviations of ln f) that something else may make.
@@ -38,6 +51,8 @@ ANY_CHANGE = np.geomspace(3e-4, 0.3, 10)
 _FIRST_KAPPA, _NEW = 0.1, 0.1
 #: Roots so far outside of what was measured (ln f) are not looked at.
 _MARGIN = 0.3
+#: Over so much of ln f from the edges of what was measured on, a root is ever more surely found.
+_EDGE = 0.06
 #: The band has at least this width in ln f.
 _LEAST_BAND = 0.1
 
@@ -51,7 +66,7 @@ class View:
     beta : (n,) severities there.
     log_likelihood : of the values.
     gain, curvature : gradient (n,) and Gauss-Newton Hessian (n, n) of the log-likelihood by all severities.
-    kappa : the most probable one.
+    kappa, times : the most probable error of predictions, and multiple of the standard deviations.
     matched : (m,) whether each value has a root.
     beside : (m,) how far that root lies beside the model's in the measured structure, ln f; 0 without one.
     residual, std : of those that have, in ln f.
@@ -63,6 +78,7 @@ class View:
     gain: FloatArray
     curvature: FloatArray
     kappa: float
+    times: float
     matched: NDArray[np.bool_]
     beside: FloatArray
     residual: FloatArray
@@ -90,8 +106,8 @@ class Likelihood:
         self.low, self.high = float(both.min()), float(both.max())
         self._alone = -float(np.log(FALSE / max(self.high - self.low, _LEAST_BAND)))
         self._factors = np.exp(error.theta)
-        outside = float(np.clip(error.tau / error.s, *KAPPA_RANGE))
-        self._kappa = tuple((multiple * outside, share) for multiple, share in KAPPA)
+        outside = np.clip(np.hypot(error.tau / error.s, UNTOLD / (1.0 + error.spare)), *OUTSIDE)
+        self._errors = tuple((float(outside) * kappa, times, p) for kappa, times, p in ERRORS)
         by_theta = error.intact.slopes[:, n_elements:] * self._factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size))[0]
         #: Evaluations of the model.
@@ -143,15 +159,19 @@ class Likelihood:
         has = np.flatnonzero(partner >= 0)
         root = partner[has]
         residual = self.now.log_f[has] - place[root]
-        noise = spread[np.ix_(root, root)] + np.diag(self.now.std[has] ** 2 + extra**2) + self.common**2
+        model = spread[np.ix_(root, root)] + extra**2 * np.eye(root.size) + self.common**2
+        noise = np.diag(self.now.std[has] ** 2)
         size = np.sqrt(change[root] ** 2 + _COMMON * np.mean(change[root] ** 2)) if root.size else np.empty(0)
         # Two tests of one state share the error of a root's change.
         unmodelled = (root[:, None] == root) * np.outer(size, size)
-        triangles = [np.linalg.cholesky(noise + kappa**2 * unmodelled) for kappa, _ in self._kappa]
+        triangles = [
+            np.linalg.cholesky(model + times**2 * noise + kappa**2 * unmodelled)
+            for kappa, times, _ in self._errors
+        ]
         white = [solve_triangular(t, residual, lower=True) for t in triangles]
         logs = [
-            float(np.log(share) - 0.5 * w @ w - np.sum(np.log(np.diag(t))))
-            for (_, share), t, w in zip(self._kappa, triangles, white, strict=True)
+            float(np.log(p) - 0.5 * w @ w - np.sum(np.log(np.diag(t))))
+            for (_, _, p), t, w in zip(self._errors, triangles, white, strict=True)
         ]
         best = int(np.argmax(logs))
         slope = solve_triangular(triangles[best], slopes[root][:, : self.n], lower=True)
@@ -160,7 +180,8 @@ class Likelihood:
             log_likelihood=float(logsumexp(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
             gain=slope.T @ white[best],
             curvature=slope.T @ slope,
-            kappa=self._kappa[best][0],
+            kappa=self._errors[best][0],
+            times=self._errors[best][1],
             matched=partner >= 0,
             beside=np.where(partner >= 0, mean[partner], 0.0),
             residual=residual,
@@ -174,8 +195,9 @@ class Likelihood:
         """Root of each value, and what those without a partner cost."""
         seen = (identity >= 0) & self.error.seen[identity]
         found = np.where(seen, FOUND, FOUND_ONCE)
-        inside = (place > self.low) & (place < self.high)
-        missed, present = np.where(inside, -np.log([1.0 - found, found]), 0.0)
+        # Near the edges of the band nobody knows whether a root would have been found.
+        inside = np.clip(np.minimum(place - self.low, self.high - place) / _EDGE, 0.0, 1.0)
+        missed, present = -inside * np.log([1.0 - found, found])
         partner, price = np.full(self.now.size, -1), 0.0
         for test in np.unique(self.now.test):
             own = np.flatnonzero(self.now.test == test)

@@ -53,6 +53,7 @@ class ModelError:
     s, tau : scatter of the factors, and of the roots' own errors.
     intact : the undamaged model's roots there.
     partner : root of each baseline value, -1 without one.
+    spare : values beyond those that the factors took to be explained.
     mean : (p + r,) what is expected of the factors beyond ``theta``, and of the roots' own errors.
     """
 
@@ -61,6 +62,7 @@ class ModelError:
     tau: float
     intact: Roots
     partner: NDArray[np.intp]
+    spare: float
     mean: FloatArray
     _rows: FloatArray = field(repr=False)
     _prior: FloatArray = field(repr=False)
@@ -112,7 +114,7 @@ def learned(
         prior = np.concatenate([np.full(n_factors, s**2), np.full(intact.size, tau**2)])
         nothing = np.empty((0, prior.size))
         partner = np.empty(0, dtype=np.intp)
-        return ModelError(theta, s, tau, intact, partner, np.zeros(prior.size), nothing, prior, None)
+        return ModelError(theta, s, tau, intact, partner, 0.0, np.zeros(prior.size), nothing, prior, None)
     for nth in range(_ITERATIONS):
         spread = _FIRST[nth] if nth < len(_FIRST) else _MULTIPLE * tau
         partner = _partners(values, intact, spread)
@@ -131,7 +133,9 @@ def learned(
     factor, prior = _factored(rows, values.std[partner >= 0], s, tau, n_factors)
     mean = prior * (rows.T @ cho_solve(factor, y))
     mean[:n_factors] -= theta
-    return ModelError(theta, s, tau, intact, partner, mean, rows, prior, factor)
+    by_factors = (rows[:, :n_factors] * s) @ (rows[:, :n_factors] * s).T
+    spare = y.size - float(np.trace(cho_solve(factor, by_factors)))
+    return ModelError(theta, s, tau, intact, partner, spare, mean, rows, prior, factor)
 
 
 def _partners(values: Values, intact: Roots, spread: float) -> NDArray[np.intp]:

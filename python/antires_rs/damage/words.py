@@ -12,6 +12,8 @@ __all__ = ["headline", "percent", "reservations"]
 Label = Callable[[int], str]
 #: From this probability on something is said without reserve.
 _SURE = 0.9
+#: Intervals wider than this tell nothing.
+_UNSEEN = 0.8
 
 
 def headline(found: Assessment, label: Label) -> list[str]:
@@ -97,6 +99,9 @@ def _alternatives(found: Assessment, label: Label) -> str:
     return ", ".join(
         "a change that no element explains"
         if one.unknown
+        else f"damage of {label(one.elements[0])}, which these values do not show "
+        f"({percent(one.probability)})"
+        if one.high[0] - one.low[0] > _UNSEEN
         else f"{_loss(one, label)} ({percent(one.probability)})"
         for one in others
     )
