@@ -27,7 +27,7 @@ from benchmarks.study_tools import print_table
 SCATTER = 5e-4
 #: Name, options of the case.
 ERRORS = (
-    ("as published", {}),
+    ("as the case is", {}),
     ("wall scatter 2 %", {"wall_scatter": 0.02}),
     ("wall scatter 3.5 %", {"wall_scatter": 0.035}),
     ("wall scatter 5 %", {"wall_scatter": 0.05}),

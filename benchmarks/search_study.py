@@ -1,6 +1,6 @@
 """Which search finds the damage? Ours, plain rivals, and other packages' optimizers on the same objective.
 
-    python -m benchmarks.search_study --quick               # a few minutes: two draws of each kind
+    python -m benchmarks.search_study --quick               # some ten minutes: two draws of each kind
     python -m benchmarks.search_study --least 95            # as in the campaign: five draws, fails below 95 %
     python -m benchmarks.search_study --packages --draws 1  # other packages' optimizers besides
 

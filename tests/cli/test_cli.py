@@ -122,6 +122,12 @@ def test_demo_tells_the_story_and_writes_the_files(monkeypatch, tmp_path, capsys
     assert numbers["damage"]["severity"]["spring 5"] == pytest.approx(0.55, abs=0.02)
     assert f"{100 * numbers['damage']['severity']['spring 5']:.1f}" in said
     assert "Spring 5 has lost" in (out / "damage.html").read_text()
+    changed = numbers["damage"]["against_baseline"]
+    assert [name for name, beta in changed["severity"].items() if beta > 0] == ["spring 5"]
+    assert changed["severity"]["spring 5"] == pytest.approx(0.55, abs=0.005)
+    assert changed["probability"]["spring 5"] > 0.99
+    assert changed["headline"].startswith("Damage: spring 5 has lost")
+    assert " ".join(changed["headline"].split()) in " ".join(said.split())
 
 
 def test_demo_without_matplotlib_still_gives_the_numbers_as_json(monkeypatch, tmp_path, capsys):

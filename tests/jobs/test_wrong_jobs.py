@@ -131,6 +131,7 @@ WRONG = {
         BASELINE.replace("[search]", "false_alarm_rate = 5\n[search]"),
         12,
     ),
+    "too much that moves all values": (BASELINE.replace("[search]", "std_common = 0.2\n[search]"), 12),
     "a prior that is a number": (BASELINE.replace("[search]", "prior = 0.5\n[search]"), 12),
     "a prior that does not add up": (BASELINE.replace("[search]", "prior = { nothing = 0.9 }\n[search]"), 12),
     "a prior of something else": (BASELINE.replace("[search]", "prior = { none = 0.9 }\n[search]"), 12),

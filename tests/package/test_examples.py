@@ -55,6 +55,22 @@ def test_brake_reuss_beam_without_data(monkeypatch, tmp_path, capsys):
     assert "ANTIRES_DATA" in capsys.readouterr().out
 
 
+def test_six_damage_reports():
+    """Is it damaged, where, how sure: told right from the first line; two of the six cannot be decided."""
+    example = load("six_damage_reports")
+    first = {case.name: example.assessed(case) for case in example.CASES}
+    said = {name: result.headline for name, result in first.items()}
+    assert said["clear"].startswith("Damage: spring 5 has lost 40.0 % of its stiffness. Probability above 99")
+    assert said["none"].startswith("No damage found: nothing has changed (probability above 99")
+    assert said["two"].startswith("Damage: spring 2 has lost 30.0 % of its stiffness and spring 5 20.0 %.")
+    assert said["elsewhere"].startswith("Something has changed that none of the candidates explains (probab")
+    assert "was no candidate: spring 5 has lost 40.0 %" in said["elsewhere"]
+    assert "element 3 or element 4. The values cannot tell which." in said["alike"]
+    assert said["small"].startswith("It cannot be told whether there is damage")
+    for element in (2, 3):
+        assert 0.45 < first["alike"].probability[element] < 0.55
+
+
 @campaign
 def test_from_file_to_report(tmp_path, capsys):
     """A newcomer's path: the damaged spring at the end, in a report that says what repeats it."""

@@ -192,3 +192,52 @@ def test_missing_packages_name_the_extra(updated, tmp_path, monkeypatch, package
 
 def test_the_template_is_part_of_the_package():
     assert files(report).joinpath("template.html").is_file()
+
+
+@pytest.fixture(scope="module")
+def judged():
+    """Springs off the model, the second softened by 40 %; the third is no candidate."""
+    model = ar.MassSpringChain(np.ones(4), np.full(3, 500.0))
+    before, now = (
+        exact(ar.MassSpringChain(np.ones(4), springs))
+        for springs in ([510.0, 490.0, 505.0], [510.0, 294.0, 505.0])
+    )
+    return ar.assess_damage(model, now, baseline=before, elements=[0, 1])
+
+
+def test_a_report_against_a_baseline_begins_with_the_answer(judged, tmp_path):
+    intact = [{"File": "intact.uff"}]
+    html, sources, text = read(write_report(judged, tmp_path / "r.html", baseline=intact))
+    assert re.search(r'<p class="answer">Damage: spring 2 has lost 40.0 % of its stiffness.</p>', html)
+    wanted = [
+        "Damage: spring 2",
+        "Probability",
+        "compared with those of the intact structure; 2 candidate elements",
+        "Smallest loss that nine of ten such tests would show",
+        "What may explain the measurement",
+        "What to know before trusting this",
+        "probability of damage (%)",
+        "measured, corrected by the baseline (Hz)",
+        "The intact structure",
+        "intact.uff",
+        "learned from the baseline",
+    ]
+    places = [text.index(words) for words in wanted]
+    assert places == sorted(places)
+    assert (
+        text.index("What may explain") < text.index("What to know") < text.index("Stiffness loss by element")
+    )
+    assert "best objective" not in text  # nothing was searched
+    pictures = [source for source in sources if source.startswith("data:image/png")]
+    assert len(pictures) == 4  # losses, hypotheses, model, differences
+
+
+def test_a_report_says_first_that_no_candidate_explains_the_change(tmp_path):
+    model = ar.MassSpringChain(np.ones(4), np.full(3, 500.0))
+    now = exact(ar.MassSpringChain(np.ones(4), [500.0, 300.0, 500.0]))
+    result = ar.assess_damage(model, now, baseline=exact(model), elements=[0])
+    html, _, text = read(write_report(result, tmp_path / "r.html"))
+    assert '<p class="answer">Something has changed that none of the candidates explains' in html
+    assert "What would explain it, and was no candidate: spring 2 has lost 40.0 % of its stiffness" in text
+    assert "Left unexplained, in the values corrected by the baseline" in text
+    assert "spring 2 (no candidate)" in text

@@ -75,14 +75,17 @@ def text(story: Story) -> str:
         "3. Damaged: recorded and identified again, searched with the updated model",
         _matches(story.damaged, story.case.truth(1)["freq_hz"]),
         "",
-        "   stiffness loss in %     found    truth    smallest    found without",
-        "                                              visible     the updating",
+        "   stiffness loss in %     found    truth    smallest    found without    against the undamaged",
+        "                                              visible     the updating    record, no updating",
     ]
     lines += [
         f"   {label(e):<20} {_percent(story.damage.severity[e]):>8} {_percent(severity[e]):>8}"
         f" {_percent(story.damage.detectable[e]):>11} {_percent(story.damage_nominal.severity[e]):>16}"
+        f" {_percent(story.damage_baseline.severity[e]):>22}"
         for e in story.damage.elements
     ]
+    lines += ["", "   Against the undamaged record:"]
+    lines += [fill(story.damage_baseline.headline, 100, initial_indent="   ", subsequent_indent="   ")]
     return "\n".join(lines)
 
 
@@ -156,5 +159,11 @@ def summary(story: Story) -> dict[str, Any]:
             "truth": {label(e): beta for e, beta in severity.items()},
             "smallest_visible": {label(e): number(beta) for e, beta in story.damage.detectable.items()},
             "severity_without_updating": losses(story.damage_nominal),
+            "against_baseline": {
+                "headline": story.damage_baseline.headline,
+                "severity": losses(story.damage_baseline),
+                "probability": {label(e): p for e, p in story.damage_baseline.probability.items()},
+                "probability_of_damage": story.damage_baseline.probability_of_damage,
+            },
         },
     }

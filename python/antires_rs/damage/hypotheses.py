@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..support.validation import FloatArray
+from .percent import span
 
 __all__ = ["UNKNOWN", "Hypotheses", "Hypothesis"]
 
@@ -123,7 +124,7 @@ class Hypotheses(Sequence[Hypothesis]):
         lines = []
         for one in self._rows[:_SHOWN]:
             losses = ", ".join(
-                f"{100 * s:.1f} % ({100 * low:.1f} to {100 * high:.1f})"
+                f"{100 * s:.1f} % ({span(low, high)})"
                 for s, low, high in zip(one.severities, one.low, one.high, strict=True)
             )
             lines.append((f"{one.probability:.3f}", self.called(one), losses))

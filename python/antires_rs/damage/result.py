@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from ..updating.identifiability import smallest_visible
 from ..updating.results import UpdateResult
 from .inference import infer
 from .prior import DamagePrior
+from .residuals import largest_left
 from .words import headline, reservations
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from ..optimize.outcome import OptimizeResult
     from ..updating.problem import UpdatingProblem
+    from ..updating.tables import FrequencyTable
     from .assessment import Assessment
     from .hypotheses import Hypotheses
 
@@ -194,6 +196,9 @@ class DamageResult(UpdateResult):
         else:
             notes = [] if self.success else [f"The search did not finish: {self.message}"]
             notes += reservations(self._assessment, label)
+            left = "" if self._assessment.explained else largest_left(cast("FrequencyTable", self.table))
+            if left:
+                notes.append(f"Left unexplained, in the values corrected by the baseline: {left}.")
             if self._visible():
                 notes.append(f"Smallest damage that nine of ten such tests would show: {self._visible()}.")
         others = [label(e) for e in self.problem.model._springs if e not in self.severity]
@@ -233,7 +238,8 @@ class DamageResult(UpdateResult):
         """Where least and most damage is needed to be seen."""
         visible = sorted((b, e) for e, b in self.detectable.items() if np.isfinite(b))
         label = self.problem.model.element_label
-        spans = [f"{100 * beta:.{0 if beta >= 0.095 else 1}f} % ({label(e)})" for beta, e in visible]
+        digits = [0 if beta >= 0.095 else 1 if beta >= 9.5e-4 else 2 for beta, _ in visible]
+        spans = [f"{100 * beta:.{n}f} % ({label(e)})" for n, (beta, e) in zip(digits, visible, strict=True)]
         return " to ".join(dict.fromkeys([spans[0], spans[-1]])) if spans else ""
 
     def summary(self) -> str:
@@ -242,6 +248,12 @@ class DamageResult(UpdateResult):
             return super().summary()
         head = [self.headline, "", str(self.hypotheses), "", str(self.table), ""]
         return "\n".join([*head, *(f"note: {note}" for note in self.notes)])
+
+    def __repr__(self) -> str:
+        if self._assessment is None:
+            return super().__repr__()
+        best = self.hypotheses[0]
+        return f"{type(self).__name__}({self.hypotheses.called(best)}, probability {best.probability:.3f})"
 
     def plot(self, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
         """Damage bar chart; see :func:`antires_rs.plotting.plot_damage`."""

@@ -6,50 +6,94 @@ from collections.abc import Callable
 
 from .assessment import Assessment
 from .hypotheses import Hypothesis
+from .percent import percent, span
 
-__all__ = ["headline", "percent", "reservations"]
+__all__ = ["headline", "reservations"]
 
 Label = Callable[[int], str]
 #: From this probability on something is said without reserve.
-_SURE = 0.9
+_SURE, _EVEN = 0.9, 0.5
+#: Alternatives from this probability on are named, so many of them.
+_WORTH_A_WORD, _MOST_WORDS = 0.01, 3
 #: Intervals wider than this tell nothing.
 _UNSEEN = 0.8
 
 
 def headline(found: Assessment, label: Label) -> list[str]:
-    """The first lines of a report."""
+    """The first lines of a report: is there damage, where, how sure, how much, and what else it may be."""
     best = found.best
-    changed = 1.0 - found.probability_of_nothing
     if not best.candidate:
-        lines = [
-            "Something changed that none of the candidates explains "
-            f"(probability {percent(found.probability_elsewhere)})."
-        ]
-        if not best.unknown:
-            lines.append(f"{_loss(best, label, capital=True)}, which was no candidate, would explain it.")
-        return lines
+        return _unexplained(found, label)
     if not found.declared:
-        none = found.probability_of_nothing
-        if not best.elements:
-            lines = [f"No damage found: probability of no damage {percent(none)}."]
-        else:
-            lines = [
-                f"No damage declared: its odds do not reach the threshold (probability {percent(changed)})."
-            ]
-        if none < _SURE:
-            lines.append(f"Not excluded: {_alternatives(found, label)}.")
-        return lines
+        return _nothing(found, label)
     declared = next(one for one in found.hypotheses if one.elements == found.declared)
-    if declared.probability >= _SURE or len(found.group) == 1:
-        return [f"Damage: {_loss(declared, label)}; probability {percent(declared.probability)}."]
-    sure = f"Damage is {'certain' if changed > 0.995 else 'probable'} ({percent(changed)})"
+    lines = _damage(found, declared, label)
+    if not found.explained:
+        lines.append("But it does not explain all of the values; something else may have changed as well.")
+    return lines
+
+
+def _unexplained(found: Assessment, label: Label) -> list[str]:
+    best = found.best
+    lines = [
+        "Something has changed that none of the candidates explains "
+        f"(probability {percent(found.probability_elsewhere)})."
+    ]
+    if not best.unknown:
+        lines.append(
+            f"What would explain it, and was no candidate: {_lost(best, label)} ({_intervals(best)})."
+        )
+    return lines
+
+
+def _nothing(found: Assessment, label: Label) -> list[str]:
+    none = found.probability_of_nothing
+    if found.best.elements:
+        lines = [
+            f"No damage declared: it is probable ({percent(1.0 - none)}), but not enough for the rate of "
+            "false alarms asked for."
+        ]
+    elif none >= _SURE:
+        return [f"No damage found: nothing has changed (probability {percent(none)})."]
+    else:
+        lines = [
+            "It cannot be told whether there is damage; probably nothing has changed "
+            f"(probability {percent(none)})."
+        ]
+    return [*lines, f"What else it may be: {_alternatives(found, label)}."]
+
+
+def _damage(found: Assessment, declared: Hypothesis, label: Label) -> list[str]:
+    changed = 1.0 - found.probability_of_nothing
+    sized = f"Probability {percent(declared.probability)}; {_intervals(declared)}."
+    lost = _lost(declared, label)
+    if changed < _EVEN:
+        return [
+            f"Damage is declared for the rate of false alarms asked for, though it is improbable: {lost}.",
+            f"{sized} Probability that nothing has changed: {percent(1.0 - changed)}.",
+        ]
+    if changed < _SURE:
+        first = f"Perhaps damage ({percent(changed)}): {lost}."
+        return [first, f"{sized} Probability that nothing has changed: {percent(1.0 - changed)}."]
+    if declared.probability >= _SURE:
+        return [f"Damage: {lost}.", sized]
+    sure = f"There is damage (probability {percent(changed)})"
     if not found.group:
-        return [f"{sure}, but the values cannot tell where.", f"First of many: {_loss(declared, label)}."]
-    where = " or ".join(" and ".join(label(e) for e in one.elements) for one in found.group)
+        return [f"{sure}, but the values cannot tell where.", f"First of many: {lost}. {sized}"]
+    if len(found.group) == 1:
+        return [
+            f"{sure}, probably this: {lost}.",
+            f"{sized} What else it may be: {_others(found, declared, label)}.",
+        ]
+    where = " or ".join(_named(one, label) for one in found.group)
     share = sum(one.probability for one in found.group)
     return [
-        f"{sure}: {where} (together {percent(share)}).",
-        f"Most probable: {_loss(declared, label)}; probability {percent(declared.probability)}.",
+        f"{sure}: {where}. The values cannot tell which.",
+        f"Together {percent(share)}. "
+        + "; ".join(
+            f"{percent(one.probability)}: {_lost(one, label)} ({_intervals(one)})" for one in found.group
+        )
+        + ".",
     ]
 
 
@@ -93,30 +137,47 @@ def reservations(found: Assessment, label: Label) -> list[str]:
 
 
 def _alternatives(found: Assessment, label: Label) -> str:
-    others = [one for one in found.hypotheses if one.elements and one.probability > 0.01][:3]
-    if not others:
-        return "many small damages, none of them probable"
-    return ", ".join(
-        "a change that no element explains"
-        if one.unknown
-        else f"damage of {label(one.elements[0])}, which these values do not show "
-        f"({percent(one.probability)})"
-        if one.high[0] - one.low[0] > _UNSEEN
-        else f"{_loss(one, label)} ({percent(one.probability)})"
-        for one in others
+    return _in_words([one for one in found.hypotheses if one.elements], label)
+
+
+def _others(found: Assessment, declared: Hypothesis, label: Label) -> str:
+    return _in_words([one for one in found.hypotheses if one is not declared], label)
+
+
+def _in_words(hypotheses: list[Hypothesis], label: Label) -> str:
+    """Those worth a word, each with its probability."""
+    worth = [one for one in hypotheses if one.probability > _WORTH_A_WORD][:_MOST_WORDS]
+    if not worth:
+        return "many explanations, none of them probable"
+    return "; ".join(
+        (
+            "nothing"
+            if not one.elements
+            else "a change that no element explains"
+            if one.unknown
+            else f"damage of {label(one.elements[0])}, which these values do not show"
+            if one.high[0] - one.low[0] > _UNSEEN
+            else _lost(one, label)
+        )
+        + f" ({percent(one.probability)})"
+        for one in worth
     )
 
 
-def _loss(one: Hypothesis, label: Label, *, capital: bool = False) -> str:
-    words = " and ".join(
-        f"{label(e)} has lost {100 * s:.1f} % of its stiffness (90 %: {100 * low:.1f} to {100 * high:.1f} %)"
-        for e, s, low, high in zip(one.elements, one.severities, one.low, one.high, strict=True)
+def _named(one: Hypothesis, label: Label) -> str:
+    return " and ".join(label(e) for e in one.elements)
+
+
+def _lost(one: Hypothesis, label: Label) -> str:
+    """Losses in words, without intervals."""
+    first, *rest = (
+        (label(e), f"{100 * severity:.1f} %")
+        for e, severity in zip(one.elements, one.severities, strict=True)
     )
-    return words[0].upper() + words[1:] if capital else words
+    more = [f"{name} {loss}" for name, loss in rest]
+    return " and ".join([f"{first[0]} has lost {first[1]} of its stiffness", *more])
 
 
-def percent(probability: float) -> str:
-    """A probability in percent; what is nearly 0 or 1 is not rounded to it."""
-    if probability > 0.999:
-        return "above 99.9 %"
-    return "below 0.1 %" if probability < 0.001 else f"{100 * probability:.1f} %"
+def _intervals(one: Hypothesis) -> str:
+    spans = [span(low, high) for low, high in zip(one.low, one.high, strict=True)]
+    return f"90 % interval{'s' if len(spans) > 1 else ''} of the loss {' and '.join(spans)} %"

@@ -20,7 +20,7 @@ _KEY: Keys = ("damage", "baseline")
 #: Keys of [damage] without a baseline, and with one; and those of [search] that count with one.
 _ALONE, _TOGETHER, _SEARCH = (
     ("gamma1", "gamma2", "snap", "weights"),
-    ("prior", "false_alarm_rate"),
+    ("prior", "false_alarm_rate", "std_common"),
     ("seed", "workers"),
 )
 

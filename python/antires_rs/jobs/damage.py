@@ -42,16 +42,26 @@ def damage_search(
         )
     if not baseline:
         return partial(assess_damage, model, measured, elements=elements, **options)
-    prior, rate = _prior(job), table.get("false_alarm_rate")
+    prior = _prior(job)
+    rate, common = table.get("false_alarm_rate"), table.get("std_common")
     with job.blame(("damage",), {"measured": ("data",)}):  # known before anything is written
         if rate is not None:
             finite_scalar("false_alarm_rate", rate, low=0.0, high=0.5, low_open=True)
+        if common is not None:
+            finite_scalar("std_common", common, low=0.0, high=0.1)
         measured_states(model, baseline, measured if isinstance(measured, list) else [measured])
 
     def judged(*, optimizer: Any, checkpoint: Any, **how: Any) -> DamageResult:
         """Nothing is searched, so that there is nothing to keep."""
         return assess_damage(
-            model, measured, baseline=baseline, elements=elements, prior=prior, false_alarm_rate=rate, **how
+            model,
+            measured,
+            baseline=baseline,
+            elements=elements,
+            prior=prior,
+            false_alarm_rate=rate,
+            std_common=common,
+            **how,
         )
 
     return judged

@@ -39,6 +39,13 @@ DAMAGE = Section(
             "damage is declared where it is more probable than none.",
         ),
         Key(
+            "std_common",
+            "number",
+            "With a baseline: relative standard deviation of what moves all values alike between two tests, "
+            "such as temperature; up to 0.1.",
+            "0.0005",
+        ),
+        Key(
             "prior",
             "shares",
             "With a baseline: probabilities before the test that add up to one, { nothing = 0.5, one = 0.3, "

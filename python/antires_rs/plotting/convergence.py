@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..support.validation import reject
 from .canvas import COLOURS, LINES, below, new_axes, offer, plain_log
 
 if TYPE_CHECKING:
@@ -32,6 +33,8 @@ def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> A
     ------
     MissingDependencyError
         matplotlib is not installed.
+    InvalidInputError
+        A result without a search: one against a baseline.
 
     Examples
     --------
@@ -42,9 +45,16 @@ def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> A
     >>> plot_convergence(found, ax=Figure().subplots()).get_xlabel()
     'Evaluations of all islands (-)'
     """
-    ax = new_axes(ax, (9.0, 4.4))
     history = result.history
     cost = np.asarray(history.cost)
+    if not cost.size:
+        reject(
+            "result",
+            "one that was judged against a baseline, without a search",
+            "the result of a search",
+            "See result.hypotheses.plot() instead.",
+        )
+    ax = new_axes(ax, (9.0, 4.4))
     colours = list(COLOURS.values())
     for island in range(cost.shape[1]):
         # Different widths keep islands apart that run on top of each other.

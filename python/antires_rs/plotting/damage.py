@@ -80,8 +80,10 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
         draw_probabilities(ax, x, more["probability"], upright)
     _numbers(ax, severity, (severity, known, visible, high), known, upright)
     if not severity.any():
-        said = verdict(result) if more else "no damage found"
-        ax.set_title(said, fontsize="medium", pad=36 if more else None)
+        if more:
+            ax.text(0.5, 0.6, verdict(result), transform=ax.transAxes, ha="center", fontsize="medium")
+        else:
+            ax.set_title("no damage found", fontsize="medium")
     element_axis(ax, names, upright, first=("found", "90 % interval", "truth"))
     offer(
         ax,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..damage.percent import span
 from ..support.validation import integer
 from .canvas import COLOURS, new_axes, offer
 
@@ -101,7 +102,7 @@ def _look(one: Hypothesis) -> dict[str, Any]:
 
 def _label(name: str, one: Hypothesis) -> str:
     losses = ", ".join(
-        f"{100 * s:.1f} % ({100 * low:.1f} to {100 * high:.1f})"
+        f"{100 * s:.1f} % ({span(low, high)})"
         for s, low, high in zip(one.severities, one.low, one.high, strict=True)
     )
     return f"{name}\n{losses}" if losses else name

@@ -43,7 +43,7 @@ def draw_alternatives(ax: Any, x: FloatArray, losses: FloatArray) -> None:
             edgecolor="black",
             linewidth=0.9,
             linestyle="--",
-            label="if it is this one instead",
+            label="what else it may be",
         )
 
 
@@ -89,8 +89,9 @@ def verdict(result: DamageResult) -> str:
     """Why there is no bar."""
     elsewhere = result.probability_elsewhere
     if not result.assessment.best.candidate:
-        return f"something changed that no candidate explains (probability {_percent(elsewhere)} %)"
-    return f"no damage declared (probability of any change {_percent(result.probability_of_damage)} %)"
+        return f"something has changed that no candidate explains\n(probability {_percent(elsewhere)} %)"
+    changed = _percent(result.probability_of_damage)
+    return f"no damage declared\n(probability that anything has changed: {changed} %)"
 
 
 def _percent(p: float) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 
 from .._core import __version__
 from ..damage.result import DamageResult
-from ..damage.words import headline, percent
+from ..damage.words import headline
 from ..exceptions import MissingDependencyError
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
@@ -214,11 +214,15 @@ def _lead(result: UpdateResult) -> str:
     if not isinstance(result, DamageResult):
         return f"{given}; {len(result.x)} parameters."
     if result.has_baseline:
-        none = result.assessment.probability_of_nothing
-        return (
-            f"{given}, compared with the intact structure; {len(result.x)} candidate elements. "
-            f"Probability of no change at all: {percent(none)}."
+        seen = [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]
+        would = (
+            f" Smallest loss that nine of ten such tests would show: {min(seen):.2g} to {max(seen):.2g} %, "
+            "depending on the element."
+            if seen
+            else ""
         )
+        among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}"
+        return f"{given}, compared with those of the intact structure; {among}.{would}"
     before, after = (
         largest(p) for p in (result.table.largest_before_percent, result.table.largest_after_percent)
     )

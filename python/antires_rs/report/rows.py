@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..damage.hypotheses import Hypotheses
+from ..damage.percent import span
 from ..damage.result import DamageResult
 from ..updating.results import UpdateResult
 from ..updating.tables import ModalTable, signed
@@ -44,7 +45,13 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     def percent(value: float | None) -> str:
         if value is None:
             return ""
-        return "none" if not np.isfinite(value) else "0" if value == 0.0 else f"{100 * value:.1f}"
+        return (
+            "none"
+            if not np.isfinite(value)
+            else "0"
+            if value == 0.0
+            else f"{100 * value:.{1 if value >= 9.5e-4 else 2}f}"
+        )
 
     label, judged = result.problem.model.element_label, result.has_baseline
     on_bound = set() if judged else set(result.at_bound)
@@ -74,7 +81,7 @@ def hypothesis_rows(hypotheses: Hypotheses) -> tuple[list[dict[str, str]], str]:
             "name": hypotheses.called(one),
             "probability": _probability(one.probability),
             "losses": ", ".join(
-                f"{100 * s:.1f} ({100 * low:.1f} to {100 * high:.1f})"
+                f"{100 * s:.1f} ({span(low, high)})"
                 for s, low, high in zip(one.severities, one.low, one.high, strict=True)
             ),
         }
@@ -135,7 +142,7 @@ def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
 
 
 def _interval(low: float, high: float) -> str:
-    return f"{100 * low:.1f} to {100 * high:.1f}" if high > 0.0 else ""
+    return span(low, high) if high > 0.0 else ""
 
 
 def _probability(p: float) -> str:

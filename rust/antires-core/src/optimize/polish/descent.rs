@@ -6,7 +6,7 @@
 //! their evaluations form one batch.
 //!
 //! From a point far off, where many sparse genes are raised, the sum of absolute residuals and its prices have local
-//! minima everywhere. [`relax`] first descends on Σ e² of all genes, sparse ones at rest among them, without prices: a
+//! minima everywhere. `relax` first descends on Σ e² of all genes, sparse ones at rest among them, without prices: a
 //! smooth problem that leads near the optimum from most starts.
 //!
 //! R. Fletcher & E. Sainz de la Maza, Nonlinear programming and nonsmooth optimization by successive

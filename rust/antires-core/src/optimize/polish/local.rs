@@ -42,8 +42,8 @@ impl LocalSearch {
             .try_for_each(|point| compass::descend(point, &self.composition, limits, ledger, hooks))
     }
 
-    /// From far off, where more than [`FEW`] sparse genes are raised, each point goes to what a [relaxed](descent::relax)
-    /// descent, a threshold and a descent on the rest lead to, where that is better.
+    /// From far off, where more than [`FEW`] sparse genes are raised, each point goes to what a
+    /// [relaxed](descent::relax) descent, a threshold and a descent on the rest lead to, where that is better.
     pub(super) fn approach<E: Evaluator>(
         &self,
         points: &mut [Point],

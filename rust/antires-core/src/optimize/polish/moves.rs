@@ -10,7 +10,7 @@
 //! From an intact structure, adding is matching pursuit: the single damage that explains most, then the
 //! next. Swaps mend what a greedy choice, or an island, got wrong.
 //!
-//! A [path](Path) of its own never puts the last raised gene to rest before its moves have ended. Else every point
+//! A path of its own never puts the last raised gene to rest before its moves have ended. Else every point
 //! that is worse than no damage falls back to it, and what follows is one pursuit from one point for all islands,
 //! whose agreement says nothing.
 //!
