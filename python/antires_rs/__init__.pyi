@@ -65,6 +65,11 @@ from .models.sections import Rectangle, Section, Tube
 from .optimize.island_ga import IslandGA
 from .optimize.outcome import History, OptimizeResult
 from .order_sweep.diagram import StabilizationDiagram, stabilization
+from .planning.detectability import detectability
+from .planning.detection_curves import DetectionCurves
+from .planning.placement import Round
+from .planning.plan import plan_test
+from .planning.sensor_plan import SensorPlan
 from .rational.fit import RationalFit, fit_rational
 from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
@@ -88,6 +93,7 @@ __all__ = [
     "DamagePrior",
     "DamageResult",
     "DataCheck",
+    "DetectionCurves",
     "Finding",
     "FrameModel",
     "FrequencyResponse",
@@ -115,7 +121,9 @@ __all__ = [
     "RationalFit",
     "Recording",
     "Rectangle",
+    "Round",
     "Section",
+    "SensorPlan",
     "StabilizationDiagram",
     "TrackEvent",
     "Tracks",
@@ -130,6 +138,7 @@ __all__ = [
     "check_data",
     "compare",
     "density",
+    "detectability",
     "diameter",
     "fit_rational",
     "frf",
@@ -141,6 +150,7 @@ __all__ = [
     "length",
     "mass_factor",
     "merge_setups",
+    "plan_test",
     "point_mass",
     "position",
     "read_csv",

@@ -46,6 +46,10 @@ def study():
         "zeros": zeros,
         "damage": ar.assess_damage(case.model, zeros, optimizer=search, rng=0),
         "judged": ar.assess_damage(case.model, case.exact(1), baseline=case.exact(0)),
+        "plan": ar.plan_test(case.model, n_sensors=2, excitations=0),
+        "curves": ar.detectability(
+            ar.MassSpringChain([1.0, 1.2, 1.0], [500.0, 450.0]), excitation=0, std=5e-4, n_tests=1, rng=0
+        ),
         "check": ar.check_data(record, excitation=0, band_hz=(3, 130)),
         "lines": ar.transmissibility(record, 0, nperseg=4096),
     }
@@ -69,6 +73,8 @@ PICTURES = {
     "plot_hypotheses": lambda s: plotting.plot_hypotheses(s["judged"].hypotheses),
     "Hypotheses.plot": lambda s: s["judged"].hypotheses.plot(),
     "plot_damping_clusters": lambda s: plotting.plot_damping_clusters(s["zeros"].diagrams[0]),
+    "plot_detectability": lambda s: plotting.plot_detectability(s["curves"]),
+    "plot_plan": lambda s: plotting.plot_plan(s["plan"]),
     "plot_differences": lambda s: plotting.plot_differences(s["damage"].table),
     "plot_frame": lambda s: plotting.plot_frame(frame()),
     "plot_identifiability": lambda s: plotting.plot_identifiability(before_a_test(s)),
@@ -79,6 +85,8 @@ PICTURES = {
     ),
     "plot_comparison": lambda s: plotting.plot_comparison(ar.compare(s["zeros"], s["zeros"])),
     "plot_tracks": lambda s: plotting.plot_tracks(ar.track([s["zeros"], s["zeros"]])),
+    "DetectionCurves.plot": lambda s: s["curves"].plot(),
+    "SensorPlan.plot": lambda s: s["plan"].plot(),
     "Comparison.plot": lambda s: ar.compare(s["zeros"], s["zeros"]).plot(),
     "Tracks.plot": lambda s: ar.track([s["zeros"], s["zeros"]]).plot(),
     "UpdateResult.plot": lambda s: ar.UpdateResult.plot(s["damage"]),

@@ -34,6 +34,8 @@ def drawn(record, damage, diagram):
         [(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], ar.Tube(0.038, 0.0015, 2.1e11, 7850.0), fixed=[0]
     )
     known = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
+    plan = ar.plan_test(chain(), n_sensors=2, excitations=0)
+    curves = ar.detectability(chain(), excitation=0, std=5e-4, n_tests=1, rng=0)
     t, check = ar.transmissibility(record, 0, nperseg=512), check_data(record, band_hz=BAND)
     return [
         (["poles", "values", "curve"], lambda ax: plotting.plot_stabilization(diagram, ax=ax)),
@@ -53,6 +55,8 @@ def drawn(record, damage, diagram):
         (["islands", "migrations"], lambda ax: plotting.plot_convergence(damage, ax=ax)),
         (["pairs"], lambda ax: plotting.plot_comparison(ar.compare(*sets), ax=ax)),
         (["parameters"], lambda ax: plotting.plot_identifiability(known, ax=ax)),
+        (["elements"], lambda ax: plotting.plot_plan(plan, ax=ax)),
+        (["curves"], lambda ax: plotting.plot_detectability(curves, ax=ax)),
         (["tracks"], lambda ax: plotting.plot_tracks(ar.track(sets), ax=ax)),
     ]
 

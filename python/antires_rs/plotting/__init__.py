@@ -14,10 +14,12 @@ from .convergence import plot_convergence
 from .damage import plot_damage
 from .damages import plot_damages
 from .damping_clusters import plot_damping_clusters
+from .detectability import plot_detectability
 from .differences import plot_differences
 from .frame import plot_frame
 from .hypotheses import plot_hypotheses
 from .identifiability import plot_identifiability
+from .plan import plot_plan
 from .spectra import plot_coherence, plot_singular_values
 from .stabilization import plot_stabilization
 from .tracks import plot_tracks
@@ -32,11 +34,13 @@ __all__ = [
     "plot_damage",
     "plot_damages",
     "plot_damping_clusters",
+    "plot_detectability",
     "plot_differences",
     "plot_singular_values",
     "plot_frame",
     "plot_hypotheses",
     "plot_identifiability",
+    "plot_plan",
     "plot_stabilization",
     "plot_tracks",
     "plot_transmissibility",

@@ -1,0 +1,76 @@
+"""Probability of detection: predictions against whole assessments, bits, Ctrl-C, what is never found."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.planning import simulated as simulated_tests
+
+#: Not among the structures of the study (benchmarks/detectability_study.py).
+CHAIN = ar.MassSpringChain([0.9, 1.1, 0.8, 1.3, 1.0], [5e4, 6e4, 4.5e4, 7e4])
+TEST = {"excitation": 0, "std": 5e-4, "rng": 4}
+
+
+def test_a_prediction_is_what_assessments_find():
+    predicted = ar.detectability(CHAIN, [2], **TEST)
+    simulated = ar.detectability(CHAIN, [2], **TEST, method="simulated", n_tests=40)
+    for e in [2]:
+        # 40 tests tell a90 to about 14 %.
+        assert simulated.a90[e] == pytest.approx(predicted.a90[e], rel=0.35)
+        assert simulated.a50[e] < simulated.a90[e] <= simulated.a90_95[e]
+        assert np.all(np.diff(predicted.pod[e]) >= 0.0)
+    assert simulated.false_call_rate <= 0.04
+    assert predicted.false_call_rate <= 0.02
+
+
+def test_noise_a_worse_model_and_a_threshold_cost_detection():
+    def worst(**options):
+        return max(ar.detectability(CHAIN, **{**TEST, "n_tests": 4, **options}).a90.values())
+
+    base = worst()
+    assert worst(std=2e-3) > 2.5 * base
+    # More false calls are allowed, so less is missed.
+    assert worst(false_alarm_rate=0.3) < base
+
+
+def test_the_same_seed_gives_the_same_bits():
+    runs = [ar.detectability(CHAIN, **TEST, n_tests=2, workers=n) for n in (1, 2)]
+    for e in range(4):
+        assert runs[0].pod[e].tobytes() == runs[1].pod[e].tobytes()
+    options = {**TEST, "method": "simulated", "n_tests": 10, "severities": [0.003, 0.05]}
+    with ThreadPoolExecutor(2) as executor:
+        one, two = (ar.detectability(CHAIN, [2], **options, workers=w) for w in (1, executor))
+    assert one.tests[2].tobytes() == two.tests[2].tobytes()
+    assert one.a90 == two.a90
+    assert one.tests[2][0, 0] == pytest.approx(0.003)
+    assert one.tests[2][0, -1] == pytest.approx(0.05)
+
+
+def test_ctrl_c_leaves_what_is_there(monkeypatch):
+    count = 0
+
+    def judged(task):
+        nonlocal count
+        count += 1
+        if count > 31:
+            raise KeyboardInterrupt
+        return () if task.place is None else ((2,) if task.severity > 0.02 else ())
+
+    monkeypatch.setattr(simulated_tests, "judged", judged)
+    options = {**TEST, "method": "simulated", "n_tests": 40, "severities": [0.003, 0.2]}
+    curves = ar.detectability(CHAIN, [2], **options)
+    assert curves.interrupted
+    assert curves.n_tests == 31
+    assert 0.015 < curves.a90[2] < 0.03
+    assert "stopped before the end" in str(curves)
+
+
+def test_a_spring_under_the_force_is_never_found():
+    held = ar.MassSpringChain([1.0, 1.1, 0.9], [5e4, 6e4], ground_first_n_per_m=3e4)
+    curves = ar.detectability(held, [0, 1, 2], **TEST, n_tests=2)
+    never = [e for e, a in curves.a90.items() if a == np.inf]
+    assert [curves.names[e] for e in never] == ["first ground spring"]
+    assert "never" in str(curves)
+    assert min(a for a in curves.a90.values()) < 0.02
