@@ -23,9 +23,6 @@ from .view import ERRORS, Band, Foreseen, View, viewed
 
 __all__ = ["Likelihood"]
 
-#: Least and largest share of the model's error that no factor explains; and what it is where the baseline
-#: has no value to spare that would tell.
-OUTSIDE, UNTOLD = (0.01, 0.25), 0.08
 #: Changes (standard deviations of ln f) that something else may make.
 ANY_CHANGE = np.geomspace(3e-4, 0.3, 10)
 #: Change of a root that has just appeared.
@@ -53,8 +50,7 @@ class Likelihood:
         both = np.concatenate([now.log_f, intact.log_f])
         self.band = Band(float(both.min()), float(both.max()))
         self._factors = np.exp(error.theta)
-        outside = np.clip(np.hypot(error.tau / error.s, UNTOLD / (1.0 + error.spare)), *OUTSIDE)
-        self._errors = tuple((float(outside) * kappa, times, p) for kappa, times, p in ERRORS)
+        self._errors = tuple((error.outside * kappa, times, p) for kappa, times, p in ERRORS)
         by_theta = error.intact.slopes[:, n_elements:] * self._factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size))[0]
         #: Evaluations of the model.

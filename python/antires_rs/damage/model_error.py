@@ -38,6 +38,9 @@ _TAU_SHARE = 0.2
 #: Errors with which values and roots are associated, step by step; later ones are multiples of tau.
 _FIRST = (0.1, 0.03, 0.01, 0.004)
 _MULTIPLE = 3.0
+#: Least and largest share of the model's error that no factor explains; and what it is where the baseline
+#: has no value to spare that would tell.
+_OUTSIDE, _UNTOLD = (0.01, 0.25), 0.08
 _ITERATIONS, _SETTLED = 12, 1e-4
 #: Largest step of ln factor in one iteration, and its bound.
 _STEP, _REACH = 0.3, 1.6
@@ -74,6 +77,12 @@ class ModelError:
         found = np.zeros(self.intact.size, dtype=bool)
         found[self.partner[self.partner >= 0]] = True
         return found
+
+    @property
+    def outside(self) -> float:
+        """Share of the model's error that no factor explains."""
+        share = np.hypot(self.tau / self.s, _UNTOLD / (1.0 + self.spare))
+        return float(np.clip(share, *_OUTSIDE))
 
     def predicted(self, slopes: FloatArray, identity: NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
         """Mean (m,) and covariance (m, m) of ln f of roots, beyond the model's.
