@@ -16,7 +16,7 @@ import numpy as np
 
 from ..support.validation import FloatArray
 from .box import in_box
-from .likelihood import View
+from .view import View
 
 __all__ = ["HIGHEST", "Fit", "fitted"]
 

@@ -12,62 +12,23 @@ at every beta (:mod:`~antires_rs.damage.association`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..support.validation import FloatArray
-from .association import FALSE, FOUND, FOUND_ONCE, associate
 from .measured_states import Values
 from .model_error import ModelError
 from .roots import Roots, follow, roots_at
+from .view import ERRORS, Band, Foreseen, View, viewed
 
-__all__ = ["Likelihood", "View"]
+__all__ = ["Likelihood"]
 
-#: Multiples of the share of the model's error that no factor explains, with their prior probabilities; least
-#: and largest such share. Set on the chain and the exhaust, seeds 0 to 3.
-KAPPA = ((0.0, 0.35), (0.5, 0.25), (1.0, 0.25), (1.6, 0.15))
-KAPPA_RANGE = (0.01, 0.25)
-#: Share of the mean square of all changes that counts in the error of each one, however small its own.
-_COMMON = 0.5
 #: Changes (standard deviations of ln f) that something else may make.
 ANY_CHANGE = np.geomspace(3e-4, 0.3, 10)
-#: In the association, before anything is known of kappa; and change of a root that has just appeared.
-_FIRST_KAPPA, _NEW = 0.1, 0.1
+#: Change of a root that has just appeared.
+_NEW = 0.1
 #: Roots so far outside of what was measured (ln f) are not looked at.
 _MARGIN = 0.3
-#: The band has at least this width in ln f.
-_LEAST_BAND = 0.1
-
-
-@dataclass(frozen=True)
-class View:
-    """The values of now, seen from one point: all that is linear from there.
-
-    Attributes
-    ----------
-    beta : (n,) severities there.
-    log_likelihood : of the values.
-    gain, curvature : gradient (n,) and Gauss-Newton Hessian (n, n) of the log-likelihood by all severities.
-    kappa : the most probable one.
-    matched : (m,) whether each value has a root.
-    beside : (m,) how far that root lies beside the model's in the measured structure, ln f; 0 without one.
-    residual, std : of those that have, in ln f.
-    chi_square : of all together.
-    """
-
-    beta: FloatArray
-    log_likelihood: float
-    gain: FloatArray
-    curvature: FloatArray
-    kappa: float
-    matched: NDArray[np.bool_]
-    beside: FloatArray
-    residual: FloatArray
-    std: FloatArray
-    chi_square: float
 
 
 class Likelihood:
@@ -87,11 +48,9 @@ class Likelihood:
         #: Standard deviation of what moves all values alike between the two states, ln f.
         self.common = common
         both = np.concatenate([now.log_f, intact.log_f])
-        self.low, self.high = float(both.min()), float(both.max())
-        self._alone = -float(np.log(FALSE / max(self.high - self.low, _LEAST_BAND)))
+        self.band = Band(float(both.min()), float(both.max()))
         self._factors = np.exp(error.theta)
-        outside = float(np.clip(error.tau / error.s, *KAPPA_RANGE))
-        self._kappa = tuple((multiple * outside, share) for multiple, share in KAPPA)
+        self._errors = tuple((error.outside * kappa, times, p) for kappa, times, p in ERRORS)
         by_theta = error.intact.slopes[:, n_elements:] * self._factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size))[0]
         #: Evaluations of the model.
@@ -125,62 +84,18 @@ class Likelihood:
         return float(logsumexp(found) - np.log(len(found)))
 
     def _view(self, beta: FloatArray, roots: Roots, extra: float) -> View:
-        from scipy.linalg import solve_triangular
-        from scipy.special import logsumexp
-
-        near = (roots.log_f > self.low - _MARGIN) & (roots.log_f < self.high + _MARGIN)
-        identity, log_f, slopes = (
-            follow(self.error.intact, roots)[near],
-            roots.log_f[near],
-            roots.slopes[near],
+        near = (roots.log_f > self.band.low - _MARGIN) & (roots.log_f < self.band.high + _MARGIN)
+        identity = follow(self.error.intact, roots)[near]
+        log_f, slopes = roots.log_f[near], roots.slopes[near]
+        beside, spread = self.error.predicted(slopes[:, self.n :] * self._factors, identity)
+        old = identity >= 0
+        foreseen = Foreseen(
+            response=roots.response[near],
+            place=log_f + beside,
+            beside=beside,
+            spread=spread + extra**2 * np.eye(log_f.size) + self.common**2,
+            change=np.where(old, log_f - self.error.intact.log_f[identity], _NEW),
+            slopes=slopes[:, : self.n],
+            seen=old & self.error.seen[identity],
         )
-        mean, spread = self.error.predicted(slopes[:, self.n :] * self._factors, identity)
-        place = log_f + mean
-        change = np.where(identity >= 0, log_f - self.error.intact.log_f[identity], _NEW)
-        variance = np.maximum(np.diag(spread), 0.0) + (_FIRST_KAPPA * change) ** 2
-        variance += extra**2 + self.common**2
-        partner, price = self._associated(roots.response[near], place, np.sqrt(variance), identity)
-        has = np.flatnonzero(partner >= 0)
-        root = partner[has]
-        residual = self.now.log_f[has] - place[root]
-        noise = spread[np.ix_(root, root)] + np.diag(self.now.std[has] ** 2 + extra**2) + self.common**2
-        size = np.sqrt(change[root] ** 2 + _COMMON * np.mean(change[root] ** 2)) if root.size else np.empty(0)
-        # Two tests of one state share the error of a root's change.
-        unmodelled = (root[:, None] == root) * np.outer(size, size)
-        triangles = [np.linalg.cholesky(noise + kappa**2 * unmodelled) for kappa, _ in self._kappa]
-        white = [solve_triangular(t, residual, lower=True) for t in triangles]
-        logs = [
-            float(np.log(share) - 0.5 * w @ w - np.sum(np.log(np.diag(t))))
-            for (_, share), t, w in zip(self._kappa, triangles, white, strict=True)
-        ]
-        best = int(np.argmax(logs))
-        slope = solve_triangular(triangles[best], slopes[root][:, : self.n], lower=True)
-        return View(
-            beta=beta,
-            log_likelihood=float(logsumexp(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
-            gain=slope.T @ white[best],
-            curvature=slope.T @ slope,
-            kappa=self._kappa[best][0],
-            matched=partner >= 0,
-            beside=np.where(partner >= 0, mean[partner], 0.0),
-            residual=residual,
-            std=np.linalg.norm(triangles[best], axis=1),
-            chi_square=float(white[best] @ white[best]),
-        )
-
-    def _associated(
-        self, response: NDArray[np.intp], place: FloatArray, sigma: FloatArray, identity: NDArray[np.intp]
-    ) -> tuple[NDArray[np.intp], float]:
-        """Root of each value, and what those without a partner cost."""
-        seen = (identity >= 0) & self.error.seen[identity]
-        found = np.where(seen, FOUND, FOUND_ONCE)
-        inside = (place > self.low) & (place < self.high)
-        missed, present = np.where(inside, -np.log([1.0 - found, found]), 0.0)
-        partner, price = np.full(self.now.size, -1), 0.0
-        for test in np.unique(self.now.test):
-            own = np.flatnonzero(self.now.test == test)
-            value = (self.now.response[own], self.now.log_f[own], self.now.std[own])
-            partner[own] = associate(value, (response, place, sigma), self._alone, missed - present)
-            taken = partner[own][partner[own] >= 0]
-            price += self._alone * (own.size - taken.size) + missed.sum() - (missed - present)[taken].sum()
-        return partner, float(price)
+        return viewed(beta, self.now, foreseen, self.band, self._errors)

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ASSUMED_STD", "Responses", "Values", "measured_states", "scatter_between"]
 
-#: Relative standard deviation of a value that has none.
+#: Relative standard deviation of a value that has none, and the least of one from a single curve: its noise
+#: tells little of how another test would come out.
 ASSUMED_STD = 5e-4
 #: No value is known better.
 LEAST_STD = 2e-6
@@ -147,10 +148,13 @@ def _same_forces(
 def _values(targets: list[AntiresonanceTargets], numbers: dict[tuple[int, int], int]) -> Values:
     rows: list[tuple[int, int, float, float]] = []
     for nth, target in enumerate(targets):
-        for (dof, force, freq, _, _), std in zip(target.parts, target.stds, strict=True):
+        for (dof, force, freq, _, _), std, single in zip(
+            target.parts, target.stds, target.single, strict=True
+        ):
+            least = ASSUMED_STD if single else LEAST_STD
             relative = np.where(np.isfinite(std), std / freq, ASSUMED_STD)
             rows += [
-                (nth, numbers[dof, force], float(np.log(f)), max(float(s), LEAST_STD))
+                (nth, numbers[dof, force], float(np.log(f)), max(float(s), least))
                 for f, s in zip(freq, relative, strict=True)
             ]
     rows.sort()

@@ -38,6 +38,9 @@ _TAU_SHARE = 0.2
 #: Errors with which values and roots are associated, step by step; later ones are multiples of tau.
 _FIRST = (0.1, 0.03, 0.01, 0.004)
 _MULTIPLE = 3.0
+#: Least and largest share of the model's error that no factor explains; and what it is where the baseline
+#: has no value to spare that would tell.
+_OUTSIDE, _UNTOLD = (0.01, 0.25), 0.08
 _ITERATIONS, _SETTLED = 12, 1e-4
 #: Largest step of ln factor in one iteration, and its bound.
 _STEP, _REACH = 0.3, 1.6
@@ -53,6 +56,7 @@ class ModelError:
     s, tau : scatter of the factors, and of the roots' own errors.
     intact : the undamaged model's roots there.
     partner : root of each baseline value, -1 without one.
+    spare : values beyond those that the factors took to be explained.
     mean : (p + r,) what is expected of the factors beyond ``theta``, and of the roots' own errors.
     """
 
@@ -61,6 +65,7 @@ class ModelError:
     tau: float
     intact: Roots
     partner: NDArray[np.intp]
+    spare: float
     mean: FloatArray
     _rows: FloatArray = field(repr=False)
     _prior: FloatArray = field(repr=False)
@@ -72,6 +77,12 @@ class ModelError:
         found = np.zeros(self.intact.size, dtype=bool)
         found[self.partner[self.partner >= 0]] = True
         return found
+
+    @property
+    def outside(self) -> float:
+        """Share of the model's error that no factor explains."""
+        share = np.hypot(self.tau / self.s, _UNTOLD / (1.0 + self.spare))
+        return float(np.clip(share, *_OUTSIDE))
 
     def predicted(self, slopes: FloatArray, identity: NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
         """Mean (m,) and covariance (m, m) of ln f of roots, beyond the model's.
@@ -112,7 +123,7 @@ def learned(
         prior = np.concatenate([np.full(n_factors, s**2), np.full(intact.size, tau**2)])
         nothing = np.empty((0, prior.size))
         partner = np.empty(0, dtype=np.intp)
-        return ModelError(theta, s, tau, intact, partner, np.zeros(prior.size), nothing, prior, None)
+        return ModelError(theta, s, tau, intact, partner, 0.0, np.zeros(prior.size), nothing, prior, None)
     for nth in range(_ITERATIONS):
         spread = _FIRST[nth] if nth < len(_FIRST) else _MULTIPLE * tau
         partner = _partners(values, intact, spread)
@@ -131,7 +142,9 @@ def learned(
     factor, prior = _factored(rows, values.std[partner >= 0], s, tau, n_factors)
     mean = prior * (rows.T @ cho_solve(factor, y))
     mean[:n_factors] -= theta
-    return ModelError(theta, s, tau, intact, partner, mean, rows, prior, factor)
+    by_factors = (rows[:, :n_factors] * s) @ (rows[:, :n_factors] * s).T
+    spare = y.size - float(np.trace(cho_solve(factor, by_factors)))
+    return ModelError(theta, s, tau, intact, partner, spare, mean, rows, prior, factor)
 
 
 def _partners(values: Values, intact: Roots, spread: float) -> NDArray[np.intp]:

@@ -42,9 +42,9 @@ class DamagePrior:
     """
 
     nothing: float = 0.50
-    one: float = 0.30
-    two: float = 0.10
-    three: float = 0.03
+    one: float = 0.36
+    two: float = 0.06
+    three: float = 0.01
     elsewhere: float = 0.05
     unknown: float = 0.02
 

@@ -15,8 +15,9 @@ import numpy as np
 from ..support.progress import step
 from ..support.validation import FloatArray
 from .evidence import HIGHEST, Fit, fitted
-from .likelihood import Likelihood, View
+from .likelihood import Likelihood
 from .roots import Roots
+from .view import View
 
 __all__ = ["Search"]
 

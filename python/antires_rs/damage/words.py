@@ -15,6 +15,8 @@ Label = Callable[[int], str]
 _SURE, _EVEN = 0.9, 0.5
 #: Alternatives from this probability on are named, so many of them.
 _WORTH_A_WORD, _MOST_WORDS = 0.01, 3
+#: Intervals wider than this tell nothing.
+_UNSEEN = 0.8
 
 
 def headline(found: Assessment, label: Label) -> list[str]:
@@ -153,6 +155,8 @@ def _in_words(hypotheses: list[Hypothesis], label: Label) -> str:
             if not one.elements
             else "a change that no element explains"
             if one.unknown
+            else f"damage of {label(one.elements[0])}, which these values do not show"
+            if one.high[0] - one.low[0] > _UNSEEN
             else _lost(one, label)
         )
         + f" ({percent(one.probability)})"

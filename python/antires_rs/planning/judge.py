@@ -19,12 +19,13 @@ from ..damage.association import FALSE, FOUND
 from ..damage.calibration import log_odds_threshold
 from ..damage.evidence import HIGHEST
 from ..damage.inference import STD_COMMON
-from ..damage.likelihood import KAPPA, KAPPA_RANGE, Likelihood
+from ..damage.likelihood import Likelihood
 from ..damage.limits import intact_slopes
 from ..damage.measured_states import Values
 from ..damage.model_error import ModelError, learned
 from ..damage.prior import DamagePrior
 from ..damage.roots import Roots, roots_at
+from ..damage.view import ERRORS
 from ..support.validation import FloatArray
 from .virtual_test import VirtualTest, along
 
@@ -80,7 +81,7 @@ class Judge:
     def _tabulate(self, error: ModelError, found: list[Roots]) -> None:
         """Place, covariance and slope of every value under every hypothesis."""
         m, count = self.baseline.size, len(found)
-        kappa = float(np.clip(error.tau / error.s, *KAPPA_RANGE)) * sum(a * b for a, b in KAPPA)
+        kappa = error.outside * sum(multiple * p for multiple, _, p in ERRORS)
         self.place, self.present = np.zeros((count, m)), np.zeros((count, m), dtype=bool)
         self.white, self.raw, self.scale = np.zeros((count, m, m)), np.zeros((count, m)), np.ones((count, m))
         self.log_det = np.zeros(count)

@@ -40,6 +40,8 @@ class AntiresonanceTargets:
         self._steady: tuple[StructuralModel, list[Any]] | None = None
         self._kept = np.concatenate([np.empty(0, dtype=bool), *(mask for masks in kept for mask in masks)])
         self.parts: list[tuple[int, int, FloatArray, str | None, int]] = []
+        #: Whether each part was identified from one curve, without averages that tell its scatter.
+        self.single: list[bool] = []
         #: Standard deviations (Hz) of the values of each part.
         self.stds: list[FloatArray] = []
         for number, (s, dofs, force, masks) in enumerate(
@@ -54,6 +56,7 @@ class AntiresonanceTargets:
             self.parts += [(dof, force, np.empty(0), sees, number) for dof in others]
             std = [t.std_hz[mask] for t, mask in zip(s.tables.values(), masks, strict=True)]
             self.stds += [*std, *(np.empty(0) for _ in others)]
+            self.single += [bool("share" in t.scores) for t in s.tables.values()] + [False] * len(others)
         counts = [len(freq) for _, _, freq, _, _ in self.parts]
         self.hz = np.concatenate([np.empty(0), *(part[2] for part in self.parts)])
         self.dofs = np.repeat([part[0] for part in self.parts], counts)

@@ -1,0 +1,185 @@
+"""The values of now, seen from one point of the severities: which root each belongs to, and what it says.
+
+Values and roots are associated twice, as their errors are stated and three times as large, and the more
+probable way counts: a value that is off by many standard deviations is lost, or all of them are too small.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..support.validation import FloatArray
+from .association import FALSE, FOUND, FOUND_ONCE, associate
+from .measured_states import Values
+
+__all__ = ["ERRORS", "Band", "Foreseen", "View", "viewed"]
+
+#: Errors of predictions and of values, each with a prior probability: multiples of the share of the model's
+#: error that no factor explains, and of the values' standard deviations, which are estimates themselves. Set
+#: on chain8 and the exhaust, seeds 0 to 3.
+ERRORS = (
+    (0.0, 0.7, 0.08),
+    (0.0, 1.0, 0.20),
+    (0.0, 1.6, 0.10),
+    (0.0, 3.0, 0.05),
+    (0.5, 1.0, 0.15),
+    (0.5, 2.0, 0.06),
+    (1.0, 1.0, 0.15),
+    (1.0, 2.0, 0.06),
+    (1.6, 1.0, 0.10),
+    (1.6, 2.0, 0.05),
+)
+#: Share of the mean square of all changes that counts in the error of each one, however small its own.
+_COMMON = 0.5
+#: In the association, before anything is known of kappa; and by how much all errors are widened.
+_FIRST_KAPPA, _WIDER = 0.1, (1.0, 3.0)
+#: Over so much of ln f from the edges of what was measured on, a root is ever more surely found.
+_EDGE = 0.06
+#: The band has at least this width in ln f.
+_LEAST_BAND = 0.1
+
+
+@dataclass(frozen=True)
+class View:
+    """The values of now, seen from one point: all that is linear from there.
+
+    Attributes
+    ----------
+    beta : (n,) severities there.
+    log_likelihood : of the values.
+    gain, curvature : gradient (n,) and Gauss-Newton Hessian (n, n) of the log-likelihood by all severities.
+    kappa, times : the most probable error of predictions, and multiple of the standard deviations.
+    matched : (m,) whether each value has a root.
+    beside : (m,) how far that root lies beside the model's in the measured structure, ln f; 0 without one.
+    residual, std : of those that have, in ln f.
+    chi_square : of all together.
+    """
+
+    beta: FloatArray
+    log_likelihood: float
+    gain: FloatArray
+    curvature: FloatArray
+    kappa: float
+    times: float
+    matched: NDArray[np.bool_]
+    beside: FloatArray
+    residual: FloatArray
+    std: FloatArray
+    chi_square: float
+
+
+@dataclass(frozen=True)
+class Band:
+    """Where values were looked for, ln f."""
+
+    low: float
+    high: float
+
+    @property
+    def alone(self) -> float:
+        """Price of a value without a root: a false one, anywhere in the band."""
+        return -float(np.log(FALSE / max(self.high - self.low, _LEAST_BAND)))
+
+    def prices(self, place: FloatArray, seen: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+        """Prices of roots that are missed, and of those that are found; ``seen`` in the other state."""
+        found = np.where(seen, FOUND, FOUND_ONCE)
+        # Near the edges of the band nobody knows whether a root would have been found.
+        inside = np.clip(np.minimum(place - self.low, self.high - place) / _EDGE, 0.0, 1.0)
+        missed, present = -inside * np.log([1.0 - found, found])
+        return missed, present
+
+
+@dataclass(frozen=True)
+class Foreseen:
+    """Roots as they are expected in the measured structure at some severities; (r,) each.
+
+    ``place`` ln f with covariance ``spread``, ``beside`` the model's, ``change`` from the intact state,
+    with ``slopes`` (r, n) by the severities; ``seen`` in the intact state.
+    """
+
+    response: NDArray[np.intp]
+    place: FloatArray
+    beside: FloatArray
+    spread: FloatArray
+    change: FloatArray
+    slopes: FloatArray
+    seen: NDArray[np.bool_]
+
+
+def viewed(
+    beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: tuple[tuple[float, float, float], ...]
+) -> View:
+    """The more probable of the two ways to associate values and roots."""
+    variance = np.maximum(np.diag(roots.spread), 0.0) + (_FIRST_KAPPA * roots.change) ** 2
+    found: list[View] = []
+    before: NDArray[np.intp] | None = None
+    for wider in _WIDER:
+        partner, price = _associated(now, roots, band, np.sqrt(variance), wider)
+        if before is None or not np.array_equal(partner, before):
+            found.append(_judged(beta, now, roots, partner, price, errors))
+        before = partner
+    return max(found, key=lambda view: view.log_likelihood)
+
+
+def _associated(
+    now: Values, roots: Foreseen, band: Band, sigma: FloatArray, wider: float
+) -> tuple[NDArray[np.intp], float]:
+    """Root of each value, and what those without a partner cost."""
+    missed, present = band.prices(roots.place, roots.seen)
+    partner, price = np.full(now.size, -1), 0.0
+    for test in np.unique(now.test):
+        own = np.flatnonzero(now.test == test)
+        value = (now.response[own], now.log_f[own], wider * now.std[own])
+        root = (roots.response, roots.place, wider * sigma)
+        partner[own] = associate(value, root, band.alone, missed - present)
+        taken = partner[own][partner[own] >= 0]
+        price += band.alone * (own.size - taken.size) + missed.sum() - (missed - present)[taken].sum()
+    return partner, float(price)
+
+
+def _judged(
+    beta: FloatArray,
+    now: Values,
+    roots: Foreseen,
+    partner: NDArray[np.intp],
+    price: float,
+    errors: tuple[tuple[float, float, float], ...],
+) -> View:
+    """Likelihood and slopes, for one way to associate."""
+    from scipy.linalg import solve_triangular
+    from scipy.special import logsumexp
+
+    has = np.flatnonzero(partner >= 0)
+    root = partner[has]
+    residual = now.log_f[has] - roots.place[root]
+    model, noise = roots.spread[np.ix_(root, root)], np.diag(now.std[has] ** 2)
+    change = roots.change[root]
+    size = np.sqrt(change**2 + _COMMON * np.mean(change**2)) if root.size else change
+    # Two tests of one state share the error of a root's change.
+    unmodelled = (root[:, None] == root) * np.outer(size, size)
+    triangles = [
+        np.linalg.cholesky(model + times**2 * noise + kappa**2 * unmodelled) for kappa, times, _ in errors
+    ]
+    white = [solve_triangular(t, residual, lower=True) for t in triangles]
+    logs = [
+        float(np.log(p) - 0.5 * w @ w - np.sum(np.log(np.diag(t))))
+        for (_, _, p), t, w in zip(errors, triangles, white, strict=True)
+    ]
+    best = int(np.argmax(logs))
+    slope = solve_triangular(triangles[best], roots.slopes[root], lower=True)
+    return View(
+        beta=beta,
+        log_likelihood=float(logsumexp(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
+        gain=slope.T @ white[best],
+        curvature=slope.T @ slope,
+        kappa=errors[best][0],
+        times=errors[best][1],
+        matched=partner >= 0,
+        beside=np.where(partner >= 0, roots.beside[partner], 0.0),
+        residual=residual,
+        std=np.linalg.norm(triangles[best], axis=1),
+        chi_square=float(white[best] @ white[best]),
+    )
