@@ -1,5 +1,6 @@
 """Probability of detection: predictions against whole assessments, bits, Ctrl-C, what is never found."""
 
+import pickle
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -46,6 +47,19 @@ def test_the_same_seed_gives_the_same_bits():
     assert one.a90 == two.a90
     assert one.tests[2][0, 0] == pytest.approx(0.003)
     assert one.tests[2][0, -1] == pytest.approx(0.05)
+
+
+class Pickles:
+    """An executor that sends its tasks as another process would get them."""
+
+    def map(self, run, tasks):
+        return [run(pickle.loads(pickle.dumps(task))) for task in tasks]
+
+
+def test_tasks_can_be_sent_to_other_processes():
+    options = {**TEST, "method": "simulated", "n_tests": 10}
+    sent, kept = (ar.detectability(CHAIN, [2], **options, workers=w) for w in (Pickles(), 1))
+    assert sent.tests[2].tobytes() == kept.tests[2].tobytes()
 
 
 def test_ctrl_c_leaves_what_is_there(monkeypatch):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -44,6 +44,10 @@ class VirtualTest:
     sees: Sees
     std: tuple[tuple[FloatArray, FloatArray], ...]
     model_error: float
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Without the core's objective, which each process makes again.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def numbers(self) -> list[int]:
