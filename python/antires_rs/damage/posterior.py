@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from .box import quantiles
-from .evidence import HIGHEST, Fit
 from .hypotheses import UNKNOWN, Hypothesis
 from .likelihood import Likelihood
 from .prior import DamagePrior
@@ -47,7 +45,7 @@ def posterior(search: Search, weights: dict[Elements, float], numbers: list[int]
             rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))
             continue
         fit = search.fits[elements]
-        limits = [_interval(fit, nth) for nth in range(len(elements))]
+        limits = [fit.interval(nth, _SHARES) for nth in range(len(elements))]
         rows.append(
             Hypothesis(
                 tuple(numbers[e] for e in elements),
@@ -80,7 +78,3 @@ def together(hypotheses: list[Hypothesis]) -> list[Hypothesis]:
 
 def _outside(elements: Elements, n_candidates: int) -> bool:
     return any(e >= n_candidates for e in elements)
-
-
-def _interval(fit: Fit, nth: int) -> tuple[float, float]:
-    return quantiles(float(fit.mean[nth]), float(np.sqrt(fit.covariance[nth, nth])), 0.0, HIGHEST, _SHARES)
