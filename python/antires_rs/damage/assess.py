@@ -133,6 +133,7 @@ def assess_damage(
         if elements is None
         else ([elements] if shape_of(elements) == () else list(elements))
     )
+    chosen = [int(e) if isinstance(e, np.integer) else e for e in chosen]
     if not chosen:
         reject(
             "elements",
@@ -157,9 +158,18 @@ def assess_damage(
     if false_alarm_rate is not None:
         finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.5, low_open=True)
     common = STD_COMMON if std_common is None else finite_scalar("std_common", std_common, low=0.0, high=0.1)
+    if false_alarm_rate is not None and prior is not None and getattr(prior, "nothing", 1.0) == 0.0:
+        reject(
+            "false_alarm_rate",
+            false_alarm_rate,
+            "None: by this prior there is always damage",
+            "Give prior.nothing more than 0.",
+        )
     if prior is not None and not isinstance(prior, DamagePrior):
         reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
     before, now = _sets("baseline", baseline), _sets("measured", measured)
+    if not any(len(each[dof]) for each in before for dof in each):
+        reject("baseline", "no antiresonance", "those of the intact structure", "Identify in a wider band.")
     UpdatingProblem(model, stiffness_reduction(chosen), now)  # speaks up where they do not fit together
     seed = seed_of(rng)
     with waiting("assessing damage", progress):

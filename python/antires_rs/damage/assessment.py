@@ -13,6 +13,8 @@ __all__ = ["Assessment"]
 
 #: Below this probability of so large a chi-square, the best explanation does not explain.
 _HARDLY = 1e-3
+#: A model that finds fewer of the intact values, or needs factors that scatter more, is of another structure.
+_MATCHED, _FAR_OFF = 0.7, 0.45
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +43,8 @@ class Assessment(Value):
         Severity of each candidate that nine of ten such tests would show.
     baseline : bool
         Whether there was one.
+    n_intact, n_intact_matched : int
+        Values of the baseline, and those with a partner in the model.
     n_baselines : int
         Tests of the intact structure.
     scatter : float
@@ -63,6 +67,8 @@ class Assessment(Value):
     detectable: tuple[float, ...]
     baseline: bool
     assumed_std: bool
+    n_intact: int
+    n_intact_matched: int
     n_baselines: int
     scatter: float
     notes: tuple[str, ...] = field(default=())
@@ -82,6 +88,12 @@ class Assessment(Value):
     def probability_elsewhere(self) -> float:
         """That something has changed which none of the candidates explains."""
         return sum(one.probability for one in self.hypotheses if not one.candidate)
+
+    @property
+    def model_fits(self) -> bool:
+        """Whether the model, its factors adjusted, explains the intact structure."""
+        matched = self.n_intact_matched >= _MATCHED * self.n_intact
+        return not self.baseline or bool(matched and self.factor_std <= _FAR_OFF)
 
     @property
     def explained(self) -> bool:

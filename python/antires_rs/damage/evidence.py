@@ -45,6 +45,8 @@ class Fit:
     def interval(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
         """Quantiles of one severity, given the set."""
         std = float(np.sqrt(self.covariance[nth, nth]))
+        if self.beta[nth] <= 0.0:  # at the bound: from there on
+            shares = (0.0, shares[1] - shares[0])
         low, high = quantiles(float(self.mean[nth]), std, 0.0, _FURTHEST, shares)
         return -float(np.expm1(-low)), -float(np.expm1(-high))
 

@@ -14,7 +14,7 @@ from ..models.parameter import Parameter
 from ..models.parameters import stiffness_reduction
 from ..support.one_thread import one_blas_thread
 from ..support.progress import step
-from ..support.validation import FloatArray
+from ..support.validation import FloatArray, reject
 from .assessment import Assessment
 from .calibration import log_odds_threshold
 from .factors import factors_of
@@ -76,6 +76,13 @@ def infer(
     core = _core.Objective.antiresonance(model._core, parts, responses.parts, "squared", None, 0.0, None)
     step("learning the model's errors")
     error = learned(core, len(numbers), len(factors), intact, model_error, threads)
+    if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
+        reject(
+            "model",
+            "one without antiresonances near the measured ones",
+            "a model of the tested structure",
+            "Check units, dofs and supports of the model, and the band of the measurement.",
+        )
     between = scatter_between(intact, error.partner)
     if between > 1.0:
         intact, now = intact.noisier(between), now.noisier(between)
@@ -84,15 +91,15 @@ def infer(
     search = Search(likelihood, len(elements), MOST)
     search.run()
     weights = log_weights(search, likelihood, prior)
-    rows = posterior(search, weights, numbers)
+    damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and max(s) < len(elements)}
+    likeliest = max(damage, key=lambda s: damage[s], default=())
+    rows = posterior(search, weights, numbers, likeliest)
     names = {e: model.element_label(e) for e in numbers}
     threshold, slopes = None, intact_slopes(likelihood, len(elements))
     declared = rows[0].elements if rows[0].candidate else ()
     if false_alarm_rate is not None:
         threshold = log_odds_threshold(slopes, prior, false_alarm_rate, rng)
-        damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and max(s) < len(elements)}
-        odds = float(np.logaddexp.reduce(list(damage.values()))) - weights[()]
-        likeliest = max(damage, key=lambda s: damage[s])
+        odds = float(np.logaddexp.reduce([-np.inf, *damage.values()])) - weights[()]
         declared = tuple(numbers[e] for e in likeliest) if odds > threshold else ()
         if not rows[0].candidate:
             declared = ()
@@ -113,7 +120,9 @@ def infer(
         detectable=tuple(smallest_found(slopes, prior).tolist()),
         baseline=bool(baseline),
         assumed_std=responses.assumed,
-        n_baselines=len(baseline),
+        n_intact=intact.size,
+        n_intact_matched=int((error.partner >= 0).sum()),
+        n_baselines=_most_tests(baseline),
         scatter=between,
         notes=responses.left_out,
     )
@@ -131,6 +140,12 @@ def infer(
         search.interrupted,
         _corrected(likelihood, betas, responses, measured),
     )
+
+
+def _most_tests(baseline: Sequence[AntiresonanceSet]) -> int:
+    """Tests of the intact structure with the same force."""
+    forces = [each.excitation for each in baseline]
+    return max((forces.count(force) for force in forces), default=0)
 
 
 def _corrected(

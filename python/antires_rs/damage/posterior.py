@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..support.validation import reject
 from .hypotheses import UNKNOWN, Hypothesis
 from .likelihood import Likelihood
 from .prior import DamagePrior
@@ -31,15 +32,25 @@ def log_weights(search: Search, likelihood: Likelihood, prior: DamagePrior) -> d
     return found
 
 
-def posterior(search: Search, weights: dict[Elements, float], numbers: list[int]) -> list[Hypothesis]:
-    """Hypotheses with their probabilities, the most probable first; ``numbers`` are the elements' own."""
+def posterior(
+    search: Search, weights: dict[Elements, float], numbers: list[int], kept: Elements = ()
+) -> list[Hypothesis]:
+    """Hypotheses with their probabilities, the most probable first; ``numbers`` are the elements' own.
+    Those that are all but impossible are dropped, but for ``kept``."""
     from scipy.special import logsumexp
 
     total = float(logsumexp(list(weights.values())))
+    if not np.isfinite(total):
+        reject(
+            "prior",
+            "one that allows none of the hypotheses that were judged",
+            "some probability for no damage or one element",
+            "Leave the prior out, or give nothing, one and unknown more than 0.",
+        )
     rows = []
     for elements, weight in weights.items():
-        probability = float(np.exp(weight - total))
-        if probability < _LEAST and elements:
+        probability = min(float(np.exp(weight - total)), 1.0)
+        if probability < _LEAST and elements and elements != kept:
             continue
         if elements == UNKNOWN:
             rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))

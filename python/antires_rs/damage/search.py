@@ -25,7 +25,7 @@ Elements = tuple[int, ...]
 
 _GRID = np.array([0.02, 0.05, 0.1, 0.16, 0.23, 0.31, 0.4, 0.5, 0.6, 0.7, 0.79, 0.87, 0.93, 0.97])
 #: Sets of each size that get another element; and new sets that are refined.
-_PARENTS, _REFINED = (1, 4, 4), (10, 12, 10)
+_PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
 #: Distance in ln f beyond which a value counts as unexplained in the scan.
 _FAR = 0.2
 #: Errors added on the way to the most probable severities.
@@ -36,6 +36,8 @@ _LONGEST = 0.7
 _GAIN = 7.0
 #: Chi-square so many standard deviations above what is expected is too much.
 _TOO_MUCH = 3.0
+#: Sets so near to the likeliest (log evidence), and so many of them, are judged from their own severities.
+_NEAR, _RENEWED = 12.0, 24
 #: Share of values without a partner that is usual.
 _LOST = 0.05
 #: Places of the responses on one line, so that one search in it serves all.
@@ -59,12 +61,30 @@ class Search:
             for size in range(1, min(self.most, self.n_candidates) + 1):
                 step(f"sets of {size}")
                 likeliest = max(self.fits.values(), key=lambda fit: fit.log_evidence)
-                if self._explained(likeliest):
-                    return
+                # No single element may be missing from the answer because it was not looked at.
+                singles = all((e,) in self.fits for e in range(self.likelihood.n))
+                if self._explained(likeliest) and singles:
+                    break
                 parents = self._parents(size - 1)
                 self._refine(self._starts(parents, size))
+            self._renew()
         except KeyboardInterrupt:
             self.interrupted = True
+
+    def _renew(self) -> None:
+        """Judge the likeliest sets anew, each from its own severities."""
+        top = max(fit.log_evidence for fit in self.fits.values())
+        near = [s for s, fit in self.fits.items() if s and fit.log_evidence > top - _NEAR]
+        sets = sorted(near, key=lambda s: -self.fits[s].log_evidence)[:_RENEWED]
+        if not sets:
+            return
+        betas = np.zeros((len(sets), self.likelihood.n))
+        for row, elements in enumerate(sets):
+            betas[row, list(elements)] = np.minimum(self.fits[elements].beta, HIGHEST)
+        for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
+            fit = fitted(view, elements)
+            if fit:
+                self.fits[elements] = fit
 
     def _parents(self, size: int) -> list[Fit]:
         own = [
@@ -97,7 +117,8 @@ class Search:
         count = int(view.matched.sum())
         fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
         all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
-        return bool(fits and all_there and gains.max() < _GAIN)
+        # Errors as they are stated: larger ones would explain anything.
+        return bool(fits and all_there and gains.max() < _GAIN and view.times <= 1.0)
 
     def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""
@@ -114,8 +135,9 @@ class Search:
                 at = nth * _GRID.size + int(np.argmin(left[nth * _GRID.size : (nth + 1) * _GRID.size]))
                 found.append((left[at], tuple(sorted((*parent.elements, e))), rows[at]))
         chosen: dict[Elements, FloatArray] = {}
+        most = _REFINED[min(size, len(_REFINED)) - 1]
         for _, elements, beta in sorted(found, key=lambda each: each[0]):
-            if elements not in chosen and len(chosen) < _REFINED[min(size, len(_REFINED)) - 1]:
+            if elements not in chosen and (len(chosen) < most or (size == 1 and elements not in self.fits)):
                 chosen[elements] = beta
         return chosen
 

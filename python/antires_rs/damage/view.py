@@ -170,6 +170,8 @@ def _judged(
     ]
     best = int(np.argmax(logs))
     slope = solve_triangular(triangles[best], roots.slopes[root], lower=True)
+    beside = np.zeros(now.size)
+    beside[has] = roots.beside[root]
     return View(
         beta=beta,
         log_likelihood=float(logsumexp(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
@@ -178,7 +180,9 @@ def _judged(
         kappa=errors[best][0],
         times=errors[best][1],
         matched=partner >= 0,
-        beside=np.where(partner >= 0, roots.beside[partner], 0.0),
+        beside=np.where(partner >= 0, roots.beside[partner], 0.0)
+        if roots.beside.size
+        else np.zeros(now.size),
         residual=residual,
         std=np.linalg.norm(triangles[best], axis=1),
         chi_square=float(white[best] @ white[best]),

@@ -17,12 +17,20 @@ _SURE, _EVEN = 0.9, 0.5
 _WORTH_A_WORD, _MOST_WORDS = 0.01, 3
 #: Intervals wider than this tell nothing.
 _UNSEEN = 0.8
+_NO_MODEL = (
+    "The model does not explain the intact structure, so that what follows is worth little: check its units, "
+    "dofs and supports."
+)
 
 
 def headline(found: Assessment, label: Label) -> list[str]:
     """The first lines of a report: is there damage, where, how sure, how much, and what else it may be."""
-    best = found.best
-    if not best.candidate:
+    lines = [] if found.model_fits else [_NO_MODEL]
+    return [*lines, *_answer(found, label)]
+
+
+def _answer(found: Assessment, label: Label) -> list[str]:
+    if not found.best.candidate:
         return _unexplained(found, label)
     if not found.declared:
         return _nothing(found, label)
