@@ -56,7 +56,7 @@ class Hypothesis:
         return self.elements == UNKNOWN
 
 
-class Hypotheses(Sequence[Hypothesis]):
+class Hypotheses:
     """All hypotheses that were judged, the most probable first; a sequence that prints as a table.
 
     Examples

@@ -1,7 +1,7 @@
 r"""How probable the values of now are, for given severities.
 
-.. math:: \ln f_D \sim N\big(\ln r(\beta, \hat\theta) + \mu, \;
-          C(\beta) + \sigma^2 + \kappa^2 g^2 + c^2 1 1^T\big)
+.. math:: \ln f_D \sim N(\ln r(\beta, \hat\theta) + \mu, \;
+          C(\beta) + \sigma^2 + \kappa^2 g^2 + c^2 1 1^T)
 
 mu and C come from :mod:`~antires_rs.damage.model_error`: what the baseline says about the model and the
 roots, and what it leaves open. kappa is the error of a predicted change g that no factor of the model

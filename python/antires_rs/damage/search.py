@@ -38,6 +38,8 @@ _GAIN = 7.0
 _TOO_MUCH = 3.0
 #: Sets so near to the likeliest (log evidence), and so many of them, are judged from their own severities.
 _NEAR, _RENEWED = 12.0, 24
+#: Multiple of the stated errors up to which a damage explains the values.
+_WIDER = 2.0
 #: Share of values without a partner that is usual.
 _LOST = 0.05
 #: Places of the responses on one line, so that one search in it serves all.
@@ -118,7 +120,8 @@ class Search:
         fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
         all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
         # Errors as they are stated: larger ones would explain anything.
-        return bool(fits and all_there and gains.max() < _GAIN and view.times <= 1.0)
+        stated = view.times <= (_WIDER if parent.elements else 1.0)
+        return bool(fits and all_there and gains.max() < _GAIN and stated)
 
     def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""

@@ -93,14 +93,13 @@ def _damage(found: Assessment, declared: Hypothesis, label: Label) -> list[str]:
             f"{sure}, probably this: {lost}.",
             f"{sized} What else it may be: {_others(found, declared, label)}.",
         ]
-    where = " or ".join(_named(one, label) for one in found.group)
+    group = sorted(found.group, key=lambda one: one.elements)
+    where = " or ".join(_named(one, label) for one in group)
     share = sum(one.probability for one in found.group)
     return [
         f"{sure}: {where}. The values cannot tell which.",
         f"Together {percent(share)}. "
-        + "; ".join(
-            f"{percent(one.probability)}: {_lost(one, label)} ({_intervals(one)})" for one in found.group
-        )
+        + "; ".join(f"{percent(one.probability)}: {_lost(one, label)} ({_intervals(one)})" for one in group)
         + ".",
     ]
 
