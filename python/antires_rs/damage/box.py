@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..support.validation import FloatArray
 
-__all__ = ["in_box", "quantiles"]
+__all__ = ["in_box", "log_between", "quantiles"]
 
 
 def in_box(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> tuple[FloatArray, float]:
@@ -22,8 +24,8 @@ def in_box(mean: FloatArray, covariance: FloatArray, low: float, high: float) ->
         below, above = (low - best) / sd, (best - high) / sd
         worst = max(free, key=lambda i: max(below[i], above[i]))
         if max(below[worst], above[worst]) <= 0.0:
-            return best, log_p + sum(_log_between(below[i], -above[i]) for i in free)
-        log_p += _log_between(below[worst], -above[worst])
+            return best, log_p + sum(float(log_between(below[i], -above[i])) for i in free)
+        log_p += float(log_between(below[worst], -above[worst]))
         gain = spread[:, worst] / spread[worst, worst]
         best = best + gain * ((low if below[worst] > above[worst] else high) - best[worst])
         spread = spread - np.outer(gain, spread[worst])
@@ -49,11 +51,11 @@ def quantiles(
     return first, second
 
 
-def _log_between(low: float, high: float) -> float:
-    """ln of the standard normal probability between two limits."""
+def log_between(low: Any, high: Any) -> FloatArray:
+    """ln of the standard normal probability between two limits, element by element."""
     from scipy.special import log_ndtr
 
-    if low > 0.0:
-        low, high = -high, -low
-    top, bottom = float(log_ndtr(high)), float(log_ndtr(low))
-    return top + float(np.log1p(-np.exp(min(bottom - top, -1e-15))))
+    flip = np.asarray(low) > 0.0  # the tail is resolved on the negative side
+    low, high = np.where(flip, -high, low), np.where(flip, -low, high)
+    top, bottom = log_ndtr(high), log_ndtr(low)
+    return np.asarray(top + np.log1p(-np.exp(np.minimum(bottom - top, -1e-15))))

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..damage.association import FALSE, FOUND
+from ..damage.box import log_between
 from ..damage.calibration import log_odds_threshold
 from ..damage.evidence import HIGHEST
 from ..damage.inference import STD_COMMON
@@ -183,7 +184,7 @@ class Judge:
         gain = (slope[:, None, :] @ left)[:, 0, :]
         curvature, beta = (slope**2).sum(axis=1)[:, None] + _BLIND, self.beta[at][:, None]
         mean, sd = beta + gain / curvature, 1.0 / np.sqrt(curvature)
-        inside = _log_between(-mean / sd, (HIGHEST - mean) / sd)
+        inside = log_between(-mean / sd, (HIGHEST - mean) / sd)
         volume = np.log(np.sqrt(2.0 * np.pi) * sd / HIGHEST)
         far = self._too_far(np.clip(mean, 0.0, HIGHEST), beta)
         return np.asarray(likelihood + 0.5 * gain**2 / curvature + volume + inside - _FAR * far)
@@ -200,13 +201,3 @@ def _places(identity: NDArray[np.intp], n_intact: int) -> NDArray[np.intp]:
     old = np.flatnonzero(identity >= 0)
     at[identity[old]] = old
     return at
-
-
-def _log_between(low: FloatArray, high: FloatArray) -> FloatArray:
-    """ln of the standard normal probability between two limits."""
-    from scipy.special import log_ndtr
-
-    flip = low > 0.0
-    low, high = np.where(flip, -high, low), np.where(flip, -low, high)
-    top, bottom = log_ndtr(high), log_ndtr(low)
-    return np.asarray(top + np.log1p(-np.exp(np.minimum(bottom - top, -1e-15))))
