@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,22 +42,21 @@ def roots_at(core: _core.Objective, candidates: FloatArray, *, slopes: bool, thr
     return found
 
 
-def follow(before: Roots, after: Roots, step: Any = None) -> NDArray[np.intp]:
+def follow(before: Roots, after: Roots) -> NDArray[np.intp]:
     """Number of the root of ``before`` that each root of ``after`` has been; ``ALONE`` for a new one.
 
     Where a response has as many roots as before they keep their order; otherwise those that moved least are
-    the same. ``step`` (parameters,) is the change, with which the slopes of ``before`` foretell the moves.
+    the same.
     """
     if before.response.size == after.response.size and np.array_equal(before.response, after.response):
         return np.arange(before.size)
-    expected = before.log_f if step is None else before.log_f + before.slopes @ step
     found = np.full(after.size, ALONE)
     for number in np.unique(after.response):
         own, old = np.flatnonzero(after.response == number), np.flatnonzero(before.response == number)
         if own.size == old.size:
             found[own] = old
         elif old.size:
-            cost = np.abs(after.log_f[own][:, None] - expected[old])
+            cost = np.abs(after.log_f[own][:, None] - before.log_f[old])
             columns = align(cost, np.full(own.size, _BORN), np.full(old.size, _BORN))
             found[own] = np.where(columns >= 0, old[columns], ALONE)
     return found
