@@ -15,8 +15,10 @@ from ..models.parameters import stiffness_reduction
 from ..support.one_thread import one_blas_thread
 from ..support.progress import step
 from ..support.validation import FloatArray, reject
+from ..updating.model_dofs import model_dof
 from .assessment import Assessment
 from .calibration import log_odds_threshold
+from .contradiction import contradiction
 from .factors import factors_of
 from .hypotheses import UNKNOWN, Hypotheses
 from .likelihood import Likelihood
@@ -83,6 +85,7 @@ def infer(
             "a model of the tested structure",
             "Check units, dofs and supports of the model, and the band of the measurement.",
         )
+    odd = contradiction(intact, [model_dof(model, "excitation", each.excitation) for each in baseline])
     between = scatter_between(intact, error.partner)
     if between > 1.0:
         intact, now = intact.noisier(between), now.noisier(between)
@@ -125,6 +128,9 @@ def infer(
         n_baselines=_most_tests(baseline),
         scatter=between,
         notes=responses.left_out,
+        odd_baselines=odd.tests if odd else (),
+        baseline_gap=odd.apart if odd else 0.0,
+        usual_gap=odd.usual if odd else 0.0,
     )
     found = next((one for one in rows if one.elements == declared), None)
     severities = dict(zip(declared, found.severities, strict=True)) if found else {}

@@ -9,6 +9,7 @@ too, as far as the linear model goes. Elements that are no candidates are judged
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -42,6 +43,8 @@ _NEAR, _RENEWED = 12.0, 24
 _WIDER = 2.0
 #: Share of values without a partner that is usual.
 _LOST = 0.05
+#: With fewer values to spare two damages are looked at, however well one explains the values.
+_MANY = 8
 #: Places of the responses on one line, so that one search in it serves all.
 _APART = 100.0
 
@@ -55,6 +58,11 @@ class Search:
     most: int = 3
     fits: dict[Elements, Fit] = field(default_factory=dict)
     interrupted: bool = False
+
+    @cached_property
+    def something_else(self) -> float:
+        """Log evidence of a change that no element explains."""
+        return self.likelihood.something_else()
 
     def run(self) -> None:
         """Judge sets of up to ``most`` elements; after Ctrl-C those judged so far stay."""
@@ -121,7 +129,10 @@ class Search:
         all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
         # Errors as they are stated: larger ones would explain anything.
         stated = view.times <= (_WIDER if parent.elements else 1.0)
-        return bool(fits and all_there and gains.max() < _GAIN and stated)
+        # A few values are explained by much that is not so, and what is no damage may explain them better.
+        many = not parent.elements or count >= _MANY + len(parent.elements)
+        explained = bool(fits and all_there and gains.max() < _GAIN and stated and many)
+        return explained and parent.log_evidence > self.something_else
 
     def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""
