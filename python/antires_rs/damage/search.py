@@ -31,6 +31,8 @@ _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
 _FAR = 0.2
 #: Errors added on the way to the most probable severities.
 _TEMPERED = (0.03, 0.01, 0.003, 0.0, 0.0)
+#: Sets so far below the likeliest of their size (log-likelihood) are given up on the way, but for so many.
+_HOPELESS, _KEPT = 30.0, 8
 #: Largest step of ln(1 - beta).
 _LONGEST = 0.7
 #: Gain of the log-likelihood below which no further element can win against its prior.
@@ -172,6 +174,9 @@ class Search:
         sets, betas = list(chosen), np.array(list(chosen.values()))
         for extra in _TEMPERED:
             views = self.likelihood.views(betas, extra)
+            if not extra:
+                near = _worth(sets, views)
+                sets, views, betas = [sets[n] for n in near], [views[n] for n in near], betas[near]
             for row, (elements, view) in enumerate(zip(sets, views, strict=True)):
                 at = np.array(elements)
                 matrix = view.curvature[np.ix_(at, at)]
@@ -183,3 +188,11 @@ class Search:
                 betas[row, at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
         for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
             self._judge(elements, view)
+
+
+def _worth(sets: list[Elements], views: list[View]) -> list[int]:
+    """Those that may still win, and all single elements."""
+    logs = np.array([view.log_likelihood for view in views])
+    order = np.argsort(-logs, kind="stable")
+    kept = [n for rank, n in enumerate(order) if rank < _KEPT or logs[n] > logs[order[0]] - _HOPELESS]
+    return sorted({*kept, *(n for n, elements in enumerate(sets) if len(elements) == 1)})
