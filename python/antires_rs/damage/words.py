@@ -176,16 +176,16 @@ def reservations(found: Assessment, label: Label) -> list[str]:
     lost = found.n_values - found.n_matched
     if lost:
         notes.append(
-            f"{lost} of {found.n_values} values {'has' if lost == 1 else 'have'} no partner in the model: new "
-            "or false."
+            f"{lost} of {found.n_values} values {'has' if lost == 1 else 'have'} no partner in the model: "
+            "new or false."
         )
     spare = found.n_matched - len(found.best.severities)
-    if 0 < found.n_values and spare < _FEW:
+    if found.n_values and spare < _FEW:
         notes.append(
             f"Only {found.n_matched} value{'s are' if found.n_matched != 1 else ' is'} compared, "
             f"{max(spare, 0)} more than there are losses to tell: the answer rests on what the prior says of "
-            "how many elements are damaged, and hardly anything is left to check it by. Measure at more dofs, "
-            "or in a wider band."
+            "how many elements are damaged, and hardly anything is left to check it by. Measure at more "
+            "dofs, or in a wider band."
         )
     if found.baseline and found.kappa > 0.0:
         notes.append(
