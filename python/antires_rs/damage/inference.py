@@ -52,7 +52,7 @@ def infer(
     elements, prior, baseline = question.elements, question.prior, question.baseline
     prepared = question.prepared(threads)
     likelihood, error, numbers = prepared.likelihood, prepared.error, list(prepared.numbers)
-    intact, now, responses = prepared.intact, prepared.now, prepared.responses
+    intact, now, responses, odd = prepared.intact, prepared.now, prepared.responses, prepared.odd
     search = Search(likelihood, len(elements), MOST)
     search.run()
     weights = log_weights(search, likelihood, prior)
@@ -90,6 +90,9 @@ def infer(
         n_baselines=_most_tests(baseline),
         scatter=prepared.scatter,
         notes=responses.left_out,
+        odd_baselines=odd.tests if odd else (),
+        baseline_gap=odd.apart if odd else 0.0,
+        usual_gap=odd.usual if odd else 0.0,
     )
     found = next((one for one in rows if one.elements == declared), None)
     severities = dict(zip(declared, found.severities, strict=True)) if found else {}

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import FloatArray, reject
 from ..updating.antiresonance_targets import AntiresonanceTargets
+from .common_responses import not_in_both
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -88,7 +89,8 @@ def measured_states(
     Raises
     ------
     InvalidInputError
-        A set of now whose force no intact one has, dofs outside the model, nothing measured.
+        A set of now whose force no intact one has, dofs outside the model, nothing measured, no response in
+        both states.
     """
     before = [AntiresonanceTargets(model, (each,)) for each in baseline]
     after = [AntiresonanceTargets(model, (each,)) for each in measured]
@@ -118,7 +120,10 @@ def measured_states(
             }
             for each, target in zip(measured, after, strict=True)
         ],
-        tuple(note for target in (*before, *after) for note in target.left_out),
+        (
+            *(note for target in (*before, *after) for note in target.left_out),
+            *not_in_both(model, before, after),
+        ),
         any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds),
     )
     return responses, _values(before, numbers), _values(after, numbers)

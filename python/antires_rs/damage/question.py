@@ -11,6 +11,8 @@ from ..models.parameter import Parameter
 from ..models.parameters import stiffness_reduction
 from ..support.progress import step
 from ..support.validation import reject
+from ..updating.model_dofs import model_dof
+from .contradiction import Contradiction, contradiction
 from .factors import factors_of
 from .likelihood import Likelihood
 from .measured_states import Responses, Values, measured_states, scatter_between
@@ -28,7 +30,7 @@ class Prepared:
     """The likelihood after the baseline, and what it was made of.
 
     ``numbers`` are the elements in the order of the severities, candidates first; ``scatter`` that between
-    tests of the intact state, over the stated errors.
+    tests of the intact state, over the stated errors; ``odd`` those that contradict each other.
     """
 
     likelihood: Likelihood
@@ -39,6 +41,7 @@ class Prepared:
     now: Values
     error: ModelError
     scatter: float
+    odd: Contradiction | None
 
 
 @dataclass(frozen=True)
@@ -73,9 +76,11 @@ class Question:
                 "a model of the tested structure",
                 "Check units, dofs and supports of the model, and the band of the measurement.",
             )
+        forces = [model_dof(model, "excitation", each.excitation) for each in self.baseline]
+        odd = contradiction(intact, forces)
         scatter = scatter_between(intact, error.partner)
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
             error = learned(core, len(numbers), len(factors), intact, self.model_error, threads)
         likelihood = Likelihood(core, len(numbers), error, intact, now, self.std_common, threads)
-        return Prepared(likelihood, numbers, factors, responses, intact, now, error, scatter)
+        return Prepared(likelihood, numbers, factors, responses, intact, now, error, scatter, odd)
