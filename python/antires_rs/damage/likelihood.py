@@ -19,6 +19,7 @@ from ..support.validation import FloatArray
 from .measured_states import Values
 from .model_error import ModelError
 from .roots import Roots, follow, roots_at
+from .vanished import and_vanished, vanished
 from .view import ERRORS, Band, Foreseen, View, viewed
 
 __all__ = ["Likelihood"]
@@ -85,7 +86,8 @@ class Likelihood:
 
     def _view(self, beta: FloatArray, roots: Roots, extra: float) -> View:
         near = (roots.log_f > self.band.low - _MARGIN) & (roots.log_f < self.band.high + _MARGIN)
-        identity = follow(self.error.intact, roots)[near]
+        followed = follow(self.error.intact, roots)
+        identity = followed[near]
         log_f, slopes = roots.log_f[near], roots.slopes[near]
         beside, spread = self.error.predicted(slopes[:, self.n :] * self._factors, identity)
         old = identity >= 0
@@ -98,4 +100,5 @@ class Likelihood:
             slopes=slopes[:, : self.n],
             seen=old & self.error.seen[identity],
         )
-        return viewed(beta, self.now, foreseen, self.band, self._errors)
+        gone = vanished(self.error, self._beside, followed)
+        return viewed(beta, self.now, and_vanished(foreseen, gone), self.band, self._errors)
