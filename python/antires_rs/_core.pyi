@@ -118,6 +118,9 @@ class Objective:
     def states(
         self, candidates: _Floats, with_slopes: bool, threads: int
     ) -> list[tuple[NDArray[np.uint32], _Floats, _Floats, _Floats]]: ...
+    def modal_states(
+        self, candidates: _Floats, with_slopes: bool, threads: int
+    ) -> list[tuple[_Floats, _Floats, _Floats, _Floats]]: ...
     def evaluate_many(self, candidates: _Floats, threads: int) -> _Floats: ...
     def minimize(
         self,

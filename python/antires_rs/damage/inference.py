@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
 from ..models.parameter import Parameter
 from ..models.parameters import stiffness_reduction
 from ..support.one_thread import one_blas_thread
@@ -21,6 +21,7 @@ from .factors import factors_of
 from .hypotheses import UNKNOWN, Hypotheses
 from .likelihood import Likelihood
 from .limits import intact_slopes, smallest_found
+from .measured_modes import ModeResponses, measured_modes
 from .measured_states import Responses, measured_states, scatter_between
 from .model_error import learned
 from .posterior import log_weights, posterior, together
@@ -50,14 +51,14 @@ class Inferred:
     interrupted: bool
     #: The values of now as the model after the baseline would have them: what is wrong in both states taken
     #: out.
-    corrected: list[AntiresonanceSet]
+    corrected: list[Any]
 
 
 @one_blas_thread
 def infer(
     model: StructuralModel,
-    baseline: Sequence[AntiresonanceSet],
-    measured: Sequence[AntiresonanceSet],
+    baseline: Sequence[AntiresonanceSet] | Sequence[ModalSet],
+    measured: Sequence[AntiresonanceSet] | Sequence[ModalSet],
     elements: Sequence[int],
     *,
     prior: DamagePrior,
@@ -68,22 +69,22 @@ def infer(
     threads: int,
 ) -> Inferred:
     """Judge all hypotheses; ``elements`` are the candidates, zero-based."""
-    responses, intact, now = measured_states(model, baseline, measured)
+    responses, intact, now = _states(model, baseline, measured)
     others = [e for e in model._springs if e not in elements]
     numbers = [*elements, *others]
     reductions, factors = tuple(stiffness_reduction(numbers)), factors_of(model)
     parts = model.description.core_parameters((*reductions, *factors))
-    core = _core.Objective.antiresonance(model._core, parts, responses.parts, "squared", None, 0.0, None)
+    core = responses.source(model, parts)
     step("learning the model's errors")
     error = learned(core, len(numbers), len(factors), intact, model_error, threads)
     if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
         reject(
             "model",
-            "one without antiresonances near the measured ones",
+            f"one without {responses.noun} near the measured ones",
             "a model of the tested structure",
             "Check units, dofs and supports of the model, and the band of the measurement.",
         )
-    between = scatter_between(intact, error.partner)
+    between = scatter_between(intact, error.place, error.partner)
     if between > 1.0:
         intact, now = intact.noisier(between), now.noisier(between)
         error = learned(core, len(numbers), len(factors), intact, model_error, threads)
@@ -122,7 +123,7 @@ def infer(
         assumed_std=responses.assumed,
         n_intact=intact.size,
         n_intact_matched=int((error.partner >= 0).sum()),
-        n_baselines=_most_tests(baseline),
+        n_baselines=responses.n_tests,
         scatter=between,
         notes=responses.left_out,
     )
@@ -138,30 +139,17 @@ def infer(
         severities,
         likelihood.nfev,
         search.interrupted,
-        _corrected(likelihood, betas, responses, measured),
+        _corrected(likelihood, betas, responses),
     )
 
 
-def _most_tests(baseline: Sequence[AntiresonanceSet]) -> int:
-    """Tests of the intact structure with the same force."""
-    forces = [each.excitation for each in baseline]
-    return max((forces.count(force) for force in forces), default=0)
+def _states(model: StructuralModel, baseline: Sequence[Any], measured: Sequence[Any]) -> Any:
+    """What was measured with, and the values of both states."""
+    modes = isinstance(measured[0], ModalSet)
+    return (measured_modes if modes else measured_states)(model, baseline, measured)
 
 
-def _corrected(
-    likelihood: Likelihood, betas: FloatArray, responses: Responses, measured: Sequence[AntiresonanceSet]
-) -> list[AntiresonanceSet]:
-    now, beside = likelihood.now, likelihood.views(betas)[0].beside
-    sets = []
-    for nth, (each, labels) in enumerate(zip(measured, responses.labels, strict=True)):
-        freq, std = {}, {}
-        for label, number in labels.items():
-            own = (now.test == nth) & (now.response == number)
-            freq[label] = np.sort(np.exp(now.log_f[own] - beside[own]))
-            std[label] = now.std[own] * freq[label]
-        sets.append(
-            AntiresonanceSet(
-                each.excitation, freq, std_hz=std, sees=each.sees, channels=each.channels or None
-            )
-        )
-    return sets
+def _corrected(likelihood: Likelihood, betas: FloatArray, responses: Responses | ModeResponses) -> list[Any]:
+    view, roots = likelihood.views(betas)[0], likelihood.near(likelihood.roots(betas, slopes=False)[0])[0]
+    now: Any = likelihood.now
+    return list(responses.corrected(now, roots, view.partner, view.beside))

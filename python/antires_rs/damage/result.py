@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..optimize.arguments import thread_count
-from ..support.validation import FloatArray, reject
+from ..support.validation import FloatArray
 from ..updating.identifiability import smallest_visible
 from ..updating.results import UpdateResult
 from .inference import infer
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from ..optimize.outcome import OptimizeResult
     from ..updating.problem import UpdatingProblem
-    from ..updating.tables import FrequencyTable
     from .assessment import Assessment
     from .hypotheses import Hypotheses
 
@@ -65,13 +64,6 @@ class DamageResult(UpdateResult):
         """Hypotheses and what they rest on; without a baseline with an assumed error of the model."""
         if self._assessment is not None:
             return self._assessment
-        if self.problem.objective == "modal":
-            reject(
-                "measured",
-                "modes",
-                "antiresonances, for probabilities",
-                "Use severity and detectable, which modes have.",
-            )
         rng = np.random.default_rng(self.seed)
         return infer(
             self.problem.model,
@@ -196,7 +188,7 @@ class DamageResult(UpdateResult):
         else:
             notes = [] if self.success else [f"The search did not finish: {self.message}"]
             notes += reservations(self._assessment, label)
-            left = "" if self._assessment.explained else largest_left(cast("FrequencyTable", self.table))
+            left = "" if self._assessment.explained else largest_left(self.table)
             if left:
                 notes.append(f"Left unexplained, in the values corrected by the baseline: {left}.")
             if self._visible():

@@ -15,6 +15,9 @@ from .models import describe_model, describe_parameters, made_model, made_parame
 
 __all__ = ["describe_problem", "made_problem"]
 
+#: What a set of modes may tell of each.
+_BY_MODE = ("damping_ratio", "std_hz", "std_shapes")
+
 
 def describe_problem(problem: UpdatingProblem, store: Store) -> dict[str, Any]:
     """All that the constructor takes."""
@@ -51,11 +54,12 @@ def _describe_measured(measured: AntiresonanceSet | ModalSet, store: Store) -> d
         "freq_hz": store.put(measured.freq_hz),
         "shapes": store.put(measured.shapes),
         "dofs": list(measured.dofs),
-        "damping_ratio": None if measured.damping_ratio is None else store.put(measured.damping_ratio),
+        **{name: None if (own := getattr(measured, name)) is None else store.put(own) for name in _BY_MODE},
     }
 
 
 def _made_measured(data: dict[str, Any], name: str) -> AntiresonanceSet | ModalSet:
     if data["kind"] == "antiresonances":
         return AntiresonanceSet.from_json(json.dumps(data["set"]), name)
-    return ModalSet(data["freq_hz"], data["shapes"], data["dofs"], data["damping_ratio"])
+    by_mode = {name: data.get(name) for name in _BY_MODE}  # older files have no standard deviations
+    return ModalSet(data["freq_hz"], data["shapes"], data["dofs"], **by_mode)

@@ -8,13 +8,16 @@ use antires_core::modal::modes::hertz;
 use antires_core::optimize::{Candidates, Objective as _, ObjectiveEvaluator, evaluate_many};
 use antires_core::update::misfit::Misfit;
 use antires_core::update::modal_objective::{MeasuredMode, ModalObjective};
+use antires_core::update::modal_state::modal_states;
 use antires_core::update::objective::{AntiresonanceObjective, Target};
 use antires_core::update::pairing::Partner;
 use antires_core::update::penalties::Penalty;
 use antires_core::update::sight::Sees;
 use antires_core::update::state::states;
-use numpy::ndarray::Array2;
-use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::ndarray::{Array2, Array3};
+use numpy::{
+    Complex64, IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2,
+};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -52,6 +55,14 @@ type PyState<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray2<f64>>,
+);
+
+/// Frequencies, shapes, and the slopes of both, of the modes of one candidate.
+type PyModalState<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray3<f64>>,
 );
 
 /// J, residuals (m,) and their slopes (m, n).
@@ -261,6 +272,54 @@ impl Objective {
                     state.freq_hz.into_pyarray(py),
                     state.shown.into_pyarray(py),
                     slopes.into_pyarray(py),
+                ))
+            })
+            .collect()
+    }
+
+    /// All modes at each row of (m, n), one tuple a row: Hz, shapes (modes, dofs) of unit length at all measured
+    /// dofs in ascending order, and if asked for d ln f / dp (modes, n) and du/dp (modes, dofs, n).
+    fn modal_states<'py>(
+        &self,
+        py: Python<'py>,
+        candidates: PyReadonlyArray2<'_, f64>,
+        with_slopes: bool,
+        threads: usize,
+    ) -> PyResult<Vec<PyModalState<'py>>> {
+        let Core::Modal(objective) = &self.core else {
+            return Err(to_python(
+                Error::input("objective", "of antiresonances", "one of modes")
+                    .remedy("Ask for its states."),
+            ));
+        };
+        let genes: Vec<f64> = candidates.as_array().iter().copied().collect();
+        let (n, d) = (objective.unknowns().len(), objective.sensors().len());
+        let mut watch = Watch::start(None);
+        let found = guarded(py, || {
+            let rows = Candidates::new(&genes, n);
+            modal_states(objective, rows, with_slopes, threads, &mut || watch.poll())
+                .map_err(to_python)
+        })?;
+        let ControlFlow::Continue(found) = found else {
+            return Err(watch
+                .raised
+                .unwrap_or_else(|| PyKeyboardInterrupt::new_err(())));
+        };
+        found
+            .into_iter()
+            .map(|state| {
+                let modes = state.freq_hz.len();
+                let rows = if with_slopes { modes } else { 0 };
+                let shapes = Array2::from_shape_fn((modes, d), |(r, s)| state.shapes[r * d + s]);
+                let slopes = Array2::from_shape_fn((rows, n), |(r, p)| state.slopes[r * n + p]);
+                let shape_slopes = Array3::from_shape_fn((rows, d, n), |(r, s, p)| {
+                    state.shape_slopes[(r * d + s) * n + p]
+                });
+                Ok((
+                    state.freq_hz.into_pyarray(py),
+                    shapes.into_pyarray(py),
+                    slopes.into_pyarray(py),
+                    shape_slopes.into_pyarray(py),
                 ))
             })
             .collect()
