@@ -175,8 +175,8 @@ def test_a_saved_assessment_of_modes_is_the_same(tmp_path):
     rng, factors = truth(60)
     now, before = measured(chain(factors, [0, 0.3, 0, 0, 0]), rng), measured(chain(factors), rng)
     result = ar.assess_damage(NOMINAL, now, baseline=before, false_alarm_rate=0.05, rng=0)
-    result.save(tmp_path / "damage.json")
-    again = ar.DamageResult.load(tmp_path / "damage.json")
+    result.save(tmp_path / "damage.npz")
+    again = ar.DamageResult.load(tmp_path / "damage.npz")
     assert again.assessment == result.assessment
     assert again.problem.measured[0].std_shapes.tolist() == result.problem.measured[0].std_shapes.tolist()
     assert str(again.headline) == result.headline
@@ -192,3 +192,20 @@ def test_kinds_and_sensors_that_do_not_fit_are_refused():
         ar.assess_damage(NOMINAL, modes, baseline=measured(chain(factors), rng, dofs=[0, 1]))
     with pytest.raises(ar.InvalidInputError, match="std_shapes"):
         ar.ModalSet([1.0], [[1.0, 2.0]], std_shapes=[-0.1])
+
+
+def test_a_report_tells_of_modes(tmp_path):
+    rng, factors = truth(61)
+    now, before = measured(chain(factors, [0, 0.3, 0, 0, 0]), rng), measured(chain(factors), rng)
+    result = ar.assess_damage(NOMINAL, now, baseline=before)
+    result.report(tmp_path / "damage.html")
+    text = (tmp_path / "damage.html").read_text()
+    assert "Spring 2" in text or "spring 2" in text
+    assert "MAC" in text
+    assert "spring 2" in result.summary().lower()
+
+
+def test_without_a_baseline_modes_have_probabilities_too():
+    rng = np.random.default_rng(62)
+    result = ar.assess_damage(NOMINAL, measured(chain(np.ones(2 * N), [0, 0.4, 0, 0, 0]), rng), rng=0)
+    assert result.probability[1] > 0.9

@@ -173,7 +173,9 @@ def assess_damage(
     if type(before[0]) is not type(now[0]):
         kinds = [type(each[0]).__name__ for each in (before, now)]
         reject("baseline", f"a {kinds[0]}", f"a {kinds[1]}, as measured", "Compare what is of one kind.")
-    if not any(each.freq_hz.any() if isinstance(each, ModalSet) else len(each.freq_hz) for each in before):
+    if not any(
+        any(each.freq_hz) if isinstance(each, ModalSet) else any(map(len, each.values())) for each in before
+    ):
         reject("baseline", f"no {problem.noun}", "those of the intact structure", "Identify in a wider band.")
     seed = seed_of(rng)
     with waiting("assessing damage", progress):

@@ -17,6 +17,7 @@ from ..support.progress import step
 from ..support.validation import FloatArray, reject
 from .assessment import Assessment
 from .calibration import log_odds_threshold
+from .contradiction import contradiction
 from .factors import factors_of
 from .hypotheses import UNKNOWN, Hypotheses
 from .likelihood import Likelihood
@@ -84,6 +85,7 @@ def infer(
             "a model of the tested structure",
             "Check units, dofs and supports of the model, and the band of the measurement.",
         )
+    odd = contradiction(intact.plain, responses.tests)
     between = scatter_between(intact, error.place, error.partner)
     if between > 1.0:
         intact, now = intact.noisier(between), now.noisier(between)
@@ -123,9 +125,12 @@ def infer(
         assumed_std=responses.assumed,
         n_intact=intact.size,
         n_intact_matched=int((error.partner >= 0).sum()),
-        n_baselines=responses.n_tests,
+        n_baselines=max(map(responses.tests.count, responses.tests), default=0),
         scatter=between,
         notes=responses.left_out,
+        odd_baselines=odd.tests if odd else (),
+        baseline_gap=odd.apart if odd else 0.0,
+        usual_gap=odd.usual if odd else 0.0,
     )
     found = next((one for one in rows if one.elements == declared), None)
     severities = dict(zip(declared, found.severities, strict=True)) if found else {}

@@ -64,7 +64,9 @@ class Likelihood:
         """The model's roots at each row of severities (m, n)."""
         self.nfev += len(betas)
         factors = np.broadcast_to(self._factors, (len(betas), self._factors.size))
-        return roots_at(self.core, np.hstack([betas, factors]), slopes=slopes, threads=self.threads)
+        band_hz = (np.exp(self.band.low - 2.0 * _MARGIN), np.exp(self.band.high + 2.0 * _MARGIN))
+        x = np.hstack([betas, factors])
+        return roots_at(self.core, x, slopes=slopes, threads=self.threads, band_hz=band_hz)
 
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
         """The values as seen from each row of severities, with an extra error of every value."""
@@ -85,11 +87,9 @@ class Likelihood:
 
     def something_else(self) -> float:
         """Log evidence of a change that has nothing to do with any element: of every value, by any amount."""
-        from scipy.special import logsumexp
-
         zero = np.zeros(self.n)
         found = [self._view(zero, self._undamaged, extra).log_likelihood for extra in ANY_CHANGE]
-        return float(logsumexp(found) - np.log(len(found)))
+        return float(np.logaddexp.reduce(found) - np.log(len(found)))
 
     def _view(self, beta: FloatArray, roots: Roots, extra: float) -> View:
         roots, identity = self.near(roots)

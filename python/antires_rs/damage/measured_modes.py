@@ -41,8 +41,8 @@ class ModeResponses:
     highest_hz: float
     left_out: tuple[str, ...]
     assumed: bool
-    #: Tests of the intact structure with the same sensors.
-    n_tests: int
+    #: Sensors of each test of the intact structure.
+    tests: tuple[int, ...]
     noun = "modes"
 
     def source(self, model: StructuralModel, parts: Any) -> ModeSource:
@@ -116,7 +116,6 @@ def measured_modes(
     highest = max((float(each.freq_hz.max(initial=0.0)) for each in both), default=0.0)
     if highest <= 0.0:
         reject("measured", "no mode", "at least one", "Identify in a wider band.")
-    counted = max((before.count(dofs) for dofs in before), default=0)
     unstated = any(each.std_shapes is None for each in both)
     responses = ModeResponses(
         groups,
@@ -130,7 +129,7 @@ def measured_modes(
         if unstated
         else (),
         any(each.std_hz is None for each in both),
-        counted,
+        tuple(groups[dofs] for dofs in before),
     )
     return (
         responses,

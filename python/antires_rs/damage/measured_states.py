@@ -14,6 +14,7 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import FloatArray, reject
 from ..updating.antiresonance_targets import AntiresonanceTargets
 from .association import ALONE, associate
+from .common_responses import not_in_both
 from .roots import Roots
 
 if TYPE_CHECKING:
@@ -61,6 +62,11 @@ class Values:
     def frequencies(self) -> FloatArray:
         """ln f of all that have a frequency."""
         return self.log_f
+
+    @property
+    def plain(self) -> Values:
+        """Frequencies alone."""
+        return self
 
     def associated(
         self,
@@ -121,8 +127,8 @@ class Responses:
     #: Whether standard deviations had to be assumed.
     assumed: bool
     measured: tuple[AntiresonanceSet, ...]
-    #: Tests of the intact structure with the same force.
-    n_tests: int
+    #: Force of each test of the intact structure.
+    tests: tuple[int, ...]
     noun = "antiresonances"
 
     def source(self, model: StructuralModel, parts: Any) -> _core.Objective:
@@ -155,7 +161,8 @@ def measured_states(
     Raises
     ------
     InvalidInputError
-        A set of now whose force no intact one has, dofs outside the model, nothing measured.
+        A set of now whose force no intact one has, dofs outside the model, nothing measured, no response in
+        both states.
     """
     before = [AntiresonanceTargets(model, (each,)) for each in baseline]
     after = [AntiresonanceTargets(model, (each,)) for each in measured]
@@ -176,7 +183,6 @@ def measured_states(
     ]
     if not any(part[2].size for part in parts):
         reject("measured", "no antiresonance", "at least one", "Identify in a wider band, or at more dofs.")
-    forces = [each.excitation for each in baseline]
     responses = Responses(
         parts,
         [
@@ -186,10 +192,13 @@ def measured_states(
             }
             for each, target in zip(measured, after, strict=True)
         ],
-        tuple(note for target in (*before, *after) for note in target.left_out),
+        (
+            *(note for target in (*before, *after) for note in target.left_out),
+            *not_in_both(model, before, after),
+        ),
         any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds),
         tuple(measured),
-        max((forces.count(force) for force in forces), default=0),
+        tuple(target.forces[0] for target in before),
     )
     return responses, _values(before, numbers), _values(after, numbers)
 

@@ -39,6 +39,12 @@ class ModeValues(Values):
         """ln f of each mode."""
         return self.log_f[self.start]
 
+    @property
+    def plain(self) -> Values:
+        """Frequencies alone."""
+        at = self.start
+        return Values(self.response[at], self.log_f[at], self.std[at], self.test[at])
+
     def own(self, mode: int) -> slice:
         """The values of a mode."""
         start = int(self.start[mode])

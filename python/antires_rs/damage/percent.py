@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["percent", "span"]
+__all__ = ["figure", "percent", "span"]
 
 
 def span(low: float, high: float) -> str:
@@ -22,3 +22,15 @@ def percent(probability: float) -> str:
     if probability > 0.999:
         return "above 99.9 %"
     return "below 0.1 %" if probability < 0.001 else f"{100 * probability:.1f} %"
+
+
+def figure(share: float) -> str:
+    """A share in percent with two digits that count, however small.
+
+    Examples
+    --------
+    >>> figure(0.0421), figure(0.00037), figure(0.6), figure(0.0)
+    ('4.2 %', '0.037 %', '60 %', '0 %')
+    """
+    value = 100.0 * share
+    return f"{value:.0f} %" if value >= 9.95 or value == 0.0 else f"{float(f'{value:.2g}'):g} %"

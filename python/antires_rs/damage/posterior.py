@@ -28,7 +28,7 @@ def log_weights(search: Search, likelihood: Likelihood, prior: DamagePrior) -> d
         + (prior.log_elsewhere(others) if _outside(elements, n) else prior.log_of(len(elements), n))
         for elements, fit in search.fits.items()
     }
-    found[UNKNOWN] = likelihood.something_else() + prior.log_unknown(others)
+    found[UNKNOWN] = search.something_else + prior.log_unknown(others)
     return found
 
 

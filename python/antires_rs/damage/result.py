@@ -188,9 +188,7 @@ class DamageResult(UpdateResult):
         else:
             notes = [] if self.success else [f"The search did not finish: {self.message}"]
             notes += reservations(self._assessment, label)
-            left = "" if self._assessment.explained else largest_left(self.table)
-            if left:
-                notes.append(f"Left unexplained, in the values corrected by the baseline: {left}.")
+            notes += self._of_the_values()
             if self._visible():
                 notes.append(f"Smallest damage that nine of ten such tests would show: {self._visible()}.")
         others = [label(e) for e in self.problem.model._springs if e not in self.severity]
@@ -204,13 +202,23 @@ class DamageResult(UpdateResult):
             notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
         return notes
 
+    def _of_the_values(self) -> list[str]:
+        """The largest changes, where no candidate explains them; else what the damage found leaves."""
+        found = self.assessment
+        largest = largest_left(self.table)
+        if not largest or (found.explained and found.best.candidate):
+            return []
+        if found.best.candidate:
+            return [f"Left unexplained, in the values corrected by the baseline: {largest}."]
+        by = "no element" if found.best.unknown else "no candidate"
+        return [f"Largest changes against the intact structure, which {by} explains: {largest}."]
+
     def _of_the_penalties(self) -> list[str]:
-        penalty, notes = self.problem.penalty, []
-        if self.problem.objective == "antiresonance":
-            notes.append(
-                "Without a baseline every error of the model may come out as damage: give the values of the "
-                "intact structure as baseline=, or see .probability."
-            )
+        penalty = self.problem.penalty
+        notes = [
+            "Without a baseline every error of the model may come out as damage: give the values of the "
+            "intact structure as baseline=, or see .probability."
+        ]
         if self._visible():
             notes.append(
                 f"Smallest damage that would be seen: {self._visible()}. An element with less than its own "

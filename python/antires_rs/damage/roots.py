@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..support.validation import FloatArray
-from .association import ALONE, align
 
 __all__ = ["Roots", "Source", "follow", "roots_at"]
 
@@ -61,33 +60,28 @@ class Source(Protocol):
 
 
 def roots_at(
-    core: _core.Objective | Source, candidates: FloatArray, *, slopes: bool, threads: int
+    core: _core.Objective | Source,
+    candidates: FloatArray,
+    *,
+    slopes: bool,
+    threads: int,
+    band_hz: tuple[float, float] = (0.0, np.inf),
 ) -> list[Roots]:
-    """The roots at each row of ``candidates`` (m, n)."""
+    """The roots at each row of ``candidates`` (m, n); slopes of those in the band, 0 for others."""
     if not isinstance(core, _core.Objective):
         return core.roots(candidates, slopes, threads)
     found = []
-    for target, hz, shown, slope in core.states(np.ascontiguousarray(candidates), slopes, threads):
+    states = core.states(np.ascontiguousarray(candidates), slopes, threads, *band_hz)
+    for target, hz, shown, slope in states:
         seen = (shown >= _SHOWN) & (hz > 0.0)
         found.append(Roots(target[seen].astype(np.intp), np.log(hz[seen]), slope[seen] if slopes else slope))
     return found
 
 
 def follow(before: Roots, after: Roots) -> NDArray[np.intp]:
-    """Number of the root of ``before`` that each root of ``after`` has been; ``ALONE`` for a new one.
+    """Number of the root of ``before`` that each root of ``after`` has been; -1 for a new one.
 
     Where a response has as many roots as before they keep their order; otherwise those that moved least are
     the same.
     """
-    if before.response.size == after.response.size and np.array_equal(before.response, after.response):
-        return np.arange(before.size)
-    found = np.full(after.size, ALONE)
-    for number in np.unique(after.response):
-        own, old = np.flatnonzero(after.response == number), np.flatnonzero(before.response == number)
-        if own.size == old.size:
-            found[own] = old
-        elif old.size:
-            cost = np.abs(after.log_f[own][:, None] - before.log_f[old])
-            columns = align(cost, np.full(own.size, _BORN), np.full(old.size, _BORN))
-            found[own] = np.where(columns >= 0, old[columns], ALONE)
-    return found
+    return _core.follow(before.response, before.log_f, after.response, after.log_f, _BORN)

@@ -154,7 +154,6 @@ def _judged(
 ) -> View:
     """Likelihood and slopes, for one way to associate."""
     from scipy.linalg import solve_triangular
-    from scipy.special import logsumexp
 
     has = np.flatnonzero(partner >= 0)
     root = partner[has]
@@ -164,21 +163,18 @@ def _judged(
     size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
-    triangles = [
-        np.linalg.cholesky(model + times**2 * noise + kappa**2 * unmodelled) for kappa, times, _ in errors
-    ]
-    white = [solve_triangular(t, residual, lower=True) for t in triangles]
-    logs = [
-        float(np.log(p) - 0.5 * w @ w - np.sum(np.log(np.diag(t))))
-        for (_, _, p), t, w in zip(errors, triangles, white, strict=True)
-    ]
+    kappa, times, share = np.array(errors).T[..., None, None]
+    triangles = np.linalg.cholesky(model + times**2 * noise + kappa**2 * unmodelled)
+    white = np.linalg.solve(triangles, np.broadcast_to(residual[:, None], (len(errors), has.size, 1)))[..., 0]
+    log_diagonal = np.log(np.diagonal(triangles, axis1=1, axis2=2)).sum(axis=1)
+    logs = np.log(share[:, 0, 0]) - 0.5 * np.einsum("ei,ei->e", white, white) - log_diagonal
     best = int(np.argmax(logs))
     slope = solve_triangular(triangles[best], roots.slopes[root], lower=True)
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
     return View(
         beta=beta,
-        log_likelihood=float(logsumexp(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
+        log_likelihood=float(np.logaddexp.reduce(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
         gain=slope.T @ white[best],
         curvature=slope.T @ slope,
         kappa=errors[best][0],

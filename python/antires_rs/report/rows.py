@@ -57,7 +57,7 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     on_bound = set() if judged else set(result.at_bound)
     chance, limits = (result.probability, result.interval) if judged else ({}, {})
     columns = zip(result.elements, result.problem.names, result.std, result.problem.bounds, strict=True)
-    return [
+    rows = [
         {
             "name": label(e),
             "value": percent(result.severity[e]),
@@ -71,6 +71,24 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
             "on_bound": name in on_bound,
         }
         for e, name, std, (low, high) in columns
+    ]
+    # Elements that were no candidates, and would explain the change.
+    others = [one for one in result.hypotheses if one.elements and not one.candidate] if judged else []
+    return rows + [
+        {
+            "name": f"{label(one.elements[0])}, no candidate",
+            "value": percent(one.severities[0]),
+            "std": "",
+            "interval": _interval(one.low[0], one.high[0]),
+            "probability": _probability(one.probability),
+            "visible": "",
+            "truth": percent((truth or {}).get(one.elements[0])),
+            "bounds": "",
+            "damaged": one is result.hypotheses[0],
+            "on_bound": False,
+        }
+        for one in others
+        if not one.unknown and one.probability >= _WORTH_A_ROW
     ]
 
 

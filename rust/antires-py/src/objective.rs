@@ -235,13 +235,16 @@ impl Objective {
     }
 
     /// All roots at each row of (m, n), one tuple a row: number of the target, Hz and how much is shown of each
-    /// root, and d ln f / dp (roots, n) if asked for.
+    /// root, and d ln f / dp (roots, n) if asked for: of the roots between two limits, 0 for others.
+    #[pyo3(signature = (candidates, with_slopes, threads, from_hz=0.0, to_hz=f64::INFINITY))]
     fn states<'py>(
         &self,
         py: Python<'py>,
         candidates: PyReadonlyArray2<'_, f64>,
         with_slopes: bool,
         threads: usize,
+        from_hz: f64,
+        to_hz: f64,
     ) -> PyResult<Vec<PyState<'py>>> {
         let Core::Antiresonance(objective) = &self.core else {
             return Err(to_python(
@@ -254,7 +257,11 @@ impl Objective {
         let mut watch = Watch::start(None);
         let found = guarded(py, || {
             let rows = Candidates::new(&genes, n);
-            states(objective, rows, with_slopes, threads, &mut || watch.poll()).map_err(to_python)
+            let band = with_slopes.then_some(from_hz..=to_hz);
+            states(objective, rows, band.as_ref(), threads, &mut || {
+                watch.poll()
+            })
+            .map_err(to_python)
         })?;
         let ControlFlow::Continue(found) = found else {
             return Err(watch
