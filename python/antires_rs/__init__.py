@@ -18,6 +18,7 @@ _NAMES = {
     "damage.assess": ("assess_damage",),
     "damage.hypotheses": ("Hypotheses", "Hypothesis"),
     "damage.prior": ("DamagePrior",),
+    "damage.severity_intervals": ("SampledSet", "SeverityIntervals"),
     "damage.result": ("DamageResult",),
     "data_check": ("DataCheck", "Finding", "check_data"),
     "exceptions": (

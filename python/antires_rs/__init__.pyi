@@ -10,6 +10,7 @@ from .damage.assess import assess_damage
 from .damage.hypotheses import Hypotheses, Hypothesis
 from .damage.prior import DamagePrior
 from .damage.result import DamageResult
+from .damage.severity_intervals import SampledSet, SeverityIntervals
 from .data_check import DataCheck, Finding, check_data
 from .exceptions import (
     AntiresError,
@@ -122,8 +123,10 @@ __all__ = [
     "Recording",
     "Rectangle",
     "Round",
+    "SampledSet",
     "Section",
     "SensorPlan",
+    "SeverityIntervals",
     "StabilizationDiagram",
     "TrackEvent",
     "Tracks",

@@ -22,6 +22,7 @@ from ..updating.problem import Measured, UpdatingProblem
 from ..updating.search import search
 from .inference import STD_COMMON, Inferred, infer
 from .prior import DamagePrior
+from .question import Question
 from .result import DamageResult
 
 __all__ = ["assess_damage"]
@@ -178,25 +179,21 @@ def assess_damage(
     ):
         reject("baseline", f"no {problem.noun}", "those of the intact structure", "Identify in a wider band.")
     seed = seed_of(rng)
+    question = Question(model, before, now, tuple(chosen), prior or DamagePrior(), common)
     with waiting("assessing damage", progress):
         inferred = infer(
-            model,
-            before,
-            now,
-            chosen,
-            prior=prior or DamagePrior(),
+            question,
             false_alarm_rate=false_alarm_rate,
-            model_error=None,
-            std_common=common,
             rng=np.random.default_rng(seed),
             threads=thread_count(workers),
         )
-    return _result(model, chosen, inferred, seed)
+    return _result(question, inferred, seed)
 
 
-def _result(model: StructuralModel, elements: list[int], inferred: Inferred, seed: int) -> DamageResult:
+def _result(question: Question, inferred: Inferred, seed: int) -> DamageResult:
     """The answer as a result: the model after the baseline, and the values as it would have them."""
-    learned = model.with_parameters(inferred.factors, inferred.values)
+    elements = question.elements
+    learned = question.model.with_parameters(inferred.factors, inferred.values)
     problem = UpdatingProblem(
         learned, stiffness_reduction(elements), inferred.corrected, penalty=DamagePenalty(0.0, 0.0, 0.0)
     )
@@ -216,7 +213,7 @@ def _result(model: StructuralModel, elements: list[int], inferred: Inferred, see
         populations=np.empty((0, 0, x.size)),
         population_costs=np.empty((0, 0)),
     )
-    return DamageResult(problem, search_result, seed, inferred.assessment)
+    return DamageResult(problem, search_result, seed, inferred.assessment, question)
 
 
 def _sets(name: str, given: Any) -> tuple[Any, ...]:

@@ -8,18 +8,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..optimize.arguments import thread_count
-from ..support.validation import FloatArray
+from ..support.validation import FloatArray, reject
 from ..updating.identifiability import smallest_visible
 from ..updating.results import UpdateResult
 from .inference import infer
 from .prior import DamagePrior
+from .question import Question
 from .residuals import largest_left
+from .sure import severity_intervals
 from .words import headline, reservations
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ..optimize.outcome import OptimizeResult
+    from ..updating.parameter_intervals import Method, ParameterIntervals
     from ..updating.problem import UpdatingProblem
     from .assessment import Assessment
     from .hypotheses import Hypotheses
@@ -48,6 +51,7 @@ class DamageResult(UpdateResult):
     """
 
     _assessment: Assessment | None
+    _question: Question | None
 
     def __init__(
         self,
@@ -55,28 +59,27 @@ class DamageResult(UpdateResult):
         search: OptimizeResult,
         seed: int,
         assessment: Assessment | None = None,
+        question: Question | None = None,
     ) -> None:
         super().__init__(problem, search, seed)
-        self._fill(_assessment=assessment)
+        self._fill(_assessment=assessment, _question=question)
 
     @cached_property
     def assessment(self) -> Assessment:
         """Hypotheses and what they rest on; without a baseline with an assumed error of the model."""
         if self._assessment is not None:
             return self._assessment
-        rng = np.random.default_rng(self.seed)
-        return infer(
+        question = Question(
             self.problem.model,
             (),
-            self.problem.measured,
-            self.elements,
-            prior=DamagePrior(),
-            false_alarm_rate=None,
-            model_error=ASSUMED_MODEL_ERROR,
-            std_common=0.0,
-            rng=rng,
-            threads=thread_count(None),
-        ).assessment
+            tuple(self.problem.measured),
+            tuple(self.elements),
+            DamagePrior(),
+            0.0,
+            ASSUMED_MODEL_ERROR,
+        )
+        rng = np.random.default_rng(self.seed)
+        return infer(question, false_alarm_rate=None, rng=rng, threads=thread_count(None)).assessment
 
     @property
     def has_baseline(self) -> bool:
@@ -154,6 +157,81 @@ class DamageResult(UpdateResult):
             {} if one is None else dict(zip(one.elements, zip(one.low, one.high, strict=True), strict=True))
         )
         return {e: limits.get(e, (0.0, 0.0)) for e in self.elements}
+
+    def intervals(
+        self,
+        method: Method = "laplace",
+        *,
+        level: float = 0.9,
+        draws: int = 1000,
+        rng: int | np.random.Generator | None = 0,
+        workers: int | None = None,
+        progress: bool | None = None,
+    ) -> ParameterIntervals:
+        """Intervals of the severities, given the elements declared damaged, with draws of their posterior.
+
+        With a baseline a :class:`SeverityIntervals`, errors of the model considered. Without one as
+        :meth:`UpdateResult.intervals`, from the errors of the values and what the residuals tell.
+
+        Parameters
+        ----------
+        method : {'laplace', 'ensemble'}
+            Quick, with ln f linear in ln(1 - severity) around the most probable severities, as
+            :attr:`interval`; or sure, with the model's antiresonances at every draw, values and
+            antiresonances associated anew there. The sure one estimates also how probable the hypotheses are,
+            without these approximations: some hundred evaluations of the model for the likeliest.
+        level : float
+            Probability of each interval, within [0.5, 0.999].
+        draws : int
+            At least 50.
+        rng : int or numpy.random.Generator, optional
+            The same seed gives the same bits for any number of ``workers``.
+        workers : int, optional
+            Threads; all processors by default.
+        progress : bool, optional
+            Show progress on standard error; by default on a terminal, after one second.
+
+        Raises
+        ------
+        InvalidInputError
+            A method, level or number out of range; a result of an older file, which lacks the values of the
+            baseline.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 495.0, 500.0])
+        >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 297.0, 500.0])
+        >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
+        ...                for m in (intact, damaged))
+        >>> model = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
+        >>> sure = ar.assess_damage(model, now, baseline=before).intervals("ensemble", draws=200)
+        >>> low, high = sure[1]
+        >>> bool(low < 0.4 < high), bool(sure.sets[0].confirmed > 0.99), sure.draws.shape
+        (True, True, (200, 3))
+        """
+        if self._assessment is None:
+            return super().intervals(
+                method, level=level, draws=draws, rng=rng, workers=workers, progress=progress
+            )
+        if self._question is None:
+            reject(
+                "result",
+                "one without the values of the baseline, of an older file",
+                "one that assess_damage has made, or a file of one",
+                "Assess the damage again; .interval has its 90 % intervals.",
+            )
+        return severity_intervals(
+            self._question,
+            self._assessment,
+            self.problem.names,
+            method=method,
+            level=level,
+            draws=draws,
+            rng=rng,
+            workers=workers,
+            progress=progress,
+        )
 
     @cached_property
     def _detectable(self) -> tuple[float, ...]:
