@@ -57,6 +57,7 @@ _NAMES = {
     "measured.track": ("track",),
     "measured.tracks": ("TrackEvent", "Tracks"),
     "models.chain": ("MassSpringChain",),
+    "models.constraints": ("Constrained", "eliminate_constraints", "lagrange_rows"),
     "models.frame": ("FrameModel",),
     "models.frame_parameters": (
         "density",

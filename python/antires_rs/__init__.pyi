@@ -48,6 +48,7 @@ from .measured.modal_set import ModalSet
 from .measured.track import track
 from .measured.tracks import TrackEvent, Tracks
 from .models.chain import MassSpringChain
+from .models.constraints import Constrained, eliminate_constraints, lagrange_rows
 from .models.frame import FrameModel
 from .models.frame_parameters import (
     density,
@@ -90,6 +91,7 @@ __all__ = [
     "AntiresonanceSet",
     "BoxIdentifiability",
     "Comparison",
+    "Constrained",
     "DamagePenalty",
     "DamagePrior",
     "DamageResult",
@@ -143,6 +145,7 @@ __all__ = [
     "density",
     "detectability",
     "diameter",
+    "eliminate_constraints",
     "fit_rational",
     "frf",
     "from_sep005",
@@ -150,6 +153,7 @@ __all__ = [
     "identify_antiresonances",
     "identify_modes",
     "inertia",
+    "lagrange_rows",
     "length",
     "mass_factor",
     "merge_setups",

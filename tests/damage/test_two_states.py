@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.report.rows import damage_rows
+from antires_rs.damage.percent import loss
+from antires_rs.report.rows import damage_rows, hypothesis_rows
 from tests.damage.test_baseline import NOMINAL, chain, measured, truth
 
 
@@ -94,3 +95,34 @@ def test_a_change_of_unknown_kind_is_not_called_unexplained_by_the_damage():
     assert not result.assessment.explained
     assert any("which no element explains" in note for note in result.notes)
     assert not any("Left unexplained" in note for note in result.notes)
+
+
+def test_what_cannot_be_told_apart_stands_side_by_side_in_the_tables():
+    """Two equal springs in parallel: none of them is printed as the answer with the other at 0."""
+    chain_of_four = ar.MassSpringChain(np.ones(4), np.full(3, 500.0))
+    halves = []
+    for n in range(3):
+        half = np.zeros((4, 4))
+        half[n : n + 2, n : n + 2] = 250.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        halves += [half, half]
+    model = ar.MatrixModel(chain_of_four.stiffness(), chain_of_four.mass(), stiffness_terms=halves)
+    hurt = ar.MassSpringChain(np.ones(4), [500.0, 400.0, 500.0])
+    before, now = (
+        ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances(range(4), 0)))) for m in (chain_of_four, hurt)
+    )
+    result = ar.assess_damage(model, now, baseline=before)
+    assert sorted(one.elements for one in result.assessment.group) == [(2,), (3,)]
+    rows = {row["name"]: row for row in damage_rows(result, None)}
+    first, other = rows["element 3"], rows["element 4"]
+    assert [first["damaged"], other["damaged"]] == [True, True]
+    assert sorted(row["value"].startswith("or ") for row in (first, other)) == [False, True]
+    assert first["interval"] == other["interval"] != ""
+    hits = [
+        row["name"] for row in hypothesis_rows(result.hypotheses, result.assessment.group)[0] if row["hit"]
+    ]
+    assert sorted(hits) == ["element 3", "element 4"]
+
+
+def test_a_loss_is_printed_within_its_interval():
+    assert loss(0.0004, 0.0001, 0.0011) == "0.04 (0.01 to 0.11)"
+    assert loss(0.3996, 0.3991, 0.4000, " %") == "39.96 % (39.91 to 40.00)"

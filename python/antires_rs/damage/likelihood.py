@@ -18,8 +18,10 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support.validation import FloatArray
 from .measured_states import Values
+from .mode_roots import ModeRoots
 from .model_error import ModelError
 from .roots import Roots, Source, roots_at
+from .vanished import and_vanished, vanished
 from .view import ERRORS, Band, Foreseen, View, viewed
 
 __all__ = ["Likelihood"]
@@ -79,11 +81,11 @@ class Likelihood:
         place = roots.log_f + np.where(identity >= 0, self._beside[identity], 0.0)
         return self.now.unexplained(roots, place)
 
-    def near(self, roots: Roots) -> tuple[Roots, NDArray[np.intp]]:
-        """The roots near the band, and which of the intact ones they have been."""
-        roots, identity = roots.since(self.error.intact)
+    def near(self, roots: Roots) -> tuple[Roots, NDArray[np.intp], NDArray[np.intp]]:
+        """The roots near the band, which of the intact ones these have been, and which all have been."""
+        roots, followed = roots.since(self.error.intact)
         kept = roots.between(self.band.low - _MARGIN, self.band.high + _MARGIN)
-        return roots.only(kept), identity[kept]
+        return roots.only(kept), followed[kept], followed
 
     def something_else(self) -> float:
         """Log evidence of a change that has nothing to do with any element: of every value, by any amount."""
@@ -92,18 +94,21 @@ class Likelihood:
         return float(np.logaddexp.reduce(found) - np.log(len(found)))
 
     def _view(self, beta: FloatArray, roots: Roots, extra: float) -> View:
-        roots, identity = self.near(roots)
+        roots, identity, followed = self.near(roots)
         log_f, slopes = roots.log_f, roots.slopes
         beside, spread = self.error.predicted(slopes[:, self.n :] * self._factors, identity, roots.kind)
         old = identity >= 0
         alike = self.common * (roots.kind == 0)
         foreseen = Foreseen(
-            roots=roots,
+            response=roots.response,
             place=log_f + beside,
             beside=beside,
             spread=spread + extra**2 * np.eye(log_f.size) + np.outer(alike, alike),
             change=np.where(old, log_f - self.error.intact.log_f[identity], _NEW),
             slopes=slopes[:, : self.n],
             seen=old & self.error.seen[identity],
+            modes=roots if isinstance(roots, ModeRoots) else None,
         )
+        if foreseen.modes is None:  # modes do not vanish
+            foreseen = and_vanished(foreseen, vanished(self.error, self._beside, followed))
         return viewed(beta, self.now, foreseen, self.band, self._errors)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["figure", "percent", "span"]
+__all__ = ["figure", "loss", "percent", "span"]
 
 
 def span(low: float, high: float) -> str:
@@ -13,8 +13,23 @@ def span(low: float, high: float) -> str:
     >>> span(0.389, 0.412), span(0.3998, 0.4003)
     ('38.9 to 41.2', '39.98 to 40.03')
     """
-    digits = 1 if high - low >= 2e-3 or high == low else 2
+    digits = _digits(low, high)
     return f"{100 * low:.{digits}f} to {100 * high:.{digits}f}"
+
+
+def loss(severity: float, low: float, high: float, unit: str = "") -> str:
+    """A loss with its interval, in the same digits: it does not look as if it lay outside.
+
+    Examples
+    --------
+    >>> loss(0.4, 0.389, 0.412), loss(0.0004, 0.0001, 0.0011, " %")
+    ('40.0 (38.9 to 41.2)', '0.04 % (0.01 to 0.11)')
+    """
+    return f"{100 * severity:.{_digits(low, high)}f}{unit} ({span(low, high)})"
+
+
+def _digits(low: float, high: float) -> int:
+    return 1 if high - low >= 2e-3 or high == low else 2
 
 
 def percent(probability: float) -> str:

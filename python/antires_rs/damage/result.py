@@ -12,6 +12,7 @@ from ..support.validation import FloatArray, reject
 from ..updating.identifiability import smallest_visible
 from ..updating.results import UpdateResult
 from .inference import infer
+from .percent import figure
 from .prior import DamagePrior
 from .question import Question
 from .residuals import largest_left
@@ -316,8 +317,7 @@ class DamageResult(UpdateResult):
         """Where least and most damage is needed to be seen."""
         visible = sorted((b, e) for e, b in self.detectable.items() if np.isfinite(b))
         label = self.problem.model.element_label
-        digits = [0 if beta >= 0.095 else 1 if beta >= 9.5e-4 else 2 for beta, _ in visible]
-        spans = [f"{100 * beta:.{n}f} % ({label(e)})" for n, (beta, e) in zip(digits, visible, strict=True)]
+        spans = [f"{figure(beta)} ({label(e)})" for beta, e in visible]
         return " to ".join(dict.fromkeys([spans[0], spans[-1]])) if spans else ""
 
     def summary(self) -> str:

@@ -15,8 +15,8 @@ __all__ = ["Roots", "Source", "follow", "roots_at"]
 
 #: A root that is shown by less than this share is not seen by the test.
 _SHOWN = 0.5
-#: Price of a root that appears or vanishes, in ln f.
-_BORN = 0.05
+#: Price of a root that appears or vanishes, in ln f: large damage moves roots by a fifth and more.
+_BORN = 0.15
 
 
 @dataclass(frozen=True)

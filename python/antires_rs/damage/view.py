@@ -102,17 +102,23 @@ class Band:
 class Foreseen:
     """Roots as they are expected in the measured structure at some severities; (r,) each.
 
-    ``place`` ln f with covariance ``spread``, ``beside`` the model's ``roots``, ``change`` from the intact
-    state, with ``slopes`` (r, n) by the severities; ``seen`` in the intact state.
+    ``place`` ln f with covariance ``spread``, ``beside`` the model's, ``change`` from the intact state, with
+    ``slopes`` (r, n) by the severities; ``seen`` in the intact state; ``modes`` where they are of modes.
     """
 
-    roots: Roots
+    response: NDArray[np.intp]
     place: FloatArray
     beside: FloatArray
     spread: FloatArray
     change: FloatArray
     slopes: FloatArray
     seen: NDArray[np.bool_]
+    modes: Roots | None = None
+
+    @property
+    def roots(self) -> Roots:
+        """What values are associated with."""
+        return self.modes or Roots(self.response, self.place, self.slopes)
 
 
 def viewed(
