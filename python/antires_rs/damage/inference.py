@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameter import Parameter
 from ..support.one_thread import one_blas_thread
 from ..support.validation import FloatArray
@@ -16,6 +15,7 @@ from .calibration import log_odds_threshold
 from .hypotheses import UNKNOWN, Hypotheses
 from .likelihood import Likelihood
 from .limits import intact_slopes, smallest_found
+from .measured_modes import ModeResponses
 from .measured_states import Responses
 from .posterior import log_weights, posterior, together
 from .question import Question
@@ -41,7 +41,7 @@ class Inferred:
     interrupted: bool
     #: The values of now as the model after the baseline would have them: what is wrong in both states taken
     #: out.
-    corrected: list[AntiresonanceSet]
+    corrected: list[Any]
 
 
 @one_blas_thread
@@ -87,7 +87,7 @@ def infer(
         assumed_std=responses.assumed,
         n_intact=intact.size,
         n_intact_matched=int((error.partner >= 0).sum()),
-        n_baselines=_most_tests(baseline),
+        n_baselines=max(map(responses.tests.count, responses.tests), default=0),
         scatter=prepared.scatter,
         notes=responses.left_out,
         odd_baselines=odd.tests if odd else (),
@@ -106,30 +106,11 @@ def infer(
         severities,
         likelihood.nfev,
         search.interrupted,
-        _corrected(likelihood, betas, responses, question.measured),
+        _corrected(likelihood, betas, responses),
     )
 
 
-def _most_tests(baseline: Sequence[AntiresonanceSet]) -> int:
-    """Tests of the intact structure with the same force."""
-    forces = [each.excitation for each in baseline]
-    return max((forces.count(force) for force in forces), default=0)
-
-
-def _corrected(
-    likelihood: Likelihood, betas: FloatArray, responses: Responses, measured: Sequence[AntiresonanceSet]
-) -> list[AntiresonanceSet]:
-    now, beside = likelihood.now, likelihood.views(betas)[0].beside
-    sets = []
-    for nth, (each, labels) in enumerate(zip(measured, responses.labels, strict=True)):
-        freq, std = {}, {}
-        for label, number in labels.items():
-            own = (now.test == nth) & (now.response == number)
-            freq[label] = np.sort(np.exp(now.log_f[own] - beside[own]))
-            std[label] = now.std[own] * freq[label]
-        sets.append(
-            AntiresonanceSet(
-                each.excitation, freq, std_hz=std, sees=each.sees, channels=each.channels or None
-            )
-        )
-    return sets
+def _corrected(likelihood: Likelihood, betas: FloatArray, responses: Responses | ModeResponses) -> list[Any]:
+    view, roots = likelihood.views(betas)[0], likelihood.near(likelihood.roots(betas, slopes=False)[0])[0]
+    now: Any = likelihood.now
+    return list(responses.corrected(now, roots, view.partner, view.beside))

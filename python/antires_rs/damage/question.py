@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
 from ..models.parameter import Parameter
 from ..models.parameters import stiffness_reduction
 from ..support.progress import step
 from ..support.validation import reject
-from ..updating.model_dofs import model_dof
 from .contradiction import Contradiction, contradiction
 from .factors import factors_of
 from .likelihood import Likelihood
+from .measured_modes import ModeResponses, measured_modes
 from .measured_states import Responses, Values, measured_states, scatter_between
 from .model_error import ModelError, learned
 from .prior import DamagePrior
@@ -36,7 +36,7 @@ class Prepared:
     likelihood: Likelihood
     numbers: tuple[int, ...]
     factors: tuple[Parameter, ...]
-    responses: Responses
+    responses: Responses | ModeResponses
     intact: Values
     now: Values
     error: ModelError
@@ -52,8 +52,8 @@ class Question:
     """
 
     model: StructuralModel
-    baseline: tuple[AntiresonanceSet, ...]
-    measured: tuple[AntiresonanceSet, ...]
+    baseline: tuple[AntiresonanceSet, ...] | tuple[ModalSet, ...]
+    measured: tuple[AntiresonanceSet, ...] | tuple[ModalSet, ...]
     elements: tuple[int, ...]
     prior: DamagePrior
     std_common: float
@@ -62,23 +62,29 @@ class Question:
     def prepared(self, threads: int) -> Prepared:
         """Learn the model's errors from the baseline."""
         model = self.model
-        responses, intact, now = measured_states(model, self.baseline, self.measured)
+        before: Any = self.baseline
+        after: Any = self.measured
+        both: tuple[Any, Any, Any] = (
+            measured_modes(model, before, after)
+            if isinstance(after[0], ModalSet)
+            else measured_states(model, before, after)
+        )
+        responses, intact, now = both
         numbers = (*self.elements, *(e for e in model._springs if e not in self.elements))
         factors = factors_of(model)
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
-        core = _core.Objective.antiresonance(model._core, parts, responses.parts, "squared", None, 0.0, None)
+        core = responses.source(model, parts)
         step("learning the model's errors")
         error = learned(core, len(numbers), len(factors), intact, self.model_error, threads)
         if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
             reject(
                 "model",
-                "one without antiresonances near the measured ones",
+                f"one without {responses.noun} near the measured ones",
                 "a model of the tested structure",
                 "Check units, dofs and supports of the model, and the band of the measurement.",
             )
-        forces = [model_dof(model, "excitation", each.excitation) for each in self.baseline]
-        odd = contradiction(intact, forces)
-        scatter = scatter_between(intact, error.partner)
+        odd = contradiction(intact.plain, responses.tests)
+        scatter = scatter_between(intact, error.place, error.partner)
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
             error = learned(core, len(numbers), len(factors), intact, self.model_error, threads)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from ..optimize.outcome import OptimizeResult
     from ..updating.parameter_intervals import Method, ParameterIntervals
     from ..updating.problem import UpdatingProblem
-    from ..updating.tables import FrequencyTable
     from .assessment import Assessment
     from .hypotheses import Hypotheses
 
@@ -71,13 +70,6 @@ class DamageResult(UpdateResult):
         """Hypotheses and what they rest on; without a baseline with an assumed error of the model."""
         if self._assessment is not None:
             return self._assessment
-        if self.problem.objective == "modal":
-            reject(
-                "measured",
-                "modes",
-                "antiresonances, for probabilities",
-                "Use severity and detectable, which modes have.",
-            )
         question = Question(
             self.problem.model,
             (),
@@ -292,7 +284,7 @@ class DamageResult(UpdateResult):
     def _of_the_values(self) -> list[str]:
         """The largest changes, where no candidate explains them; else what the damage found leaves."""
         found = self.assessment
-        largest = largest_left(cast("FrequencyTable", self.table))
+        largest = largest_left(self.table)
         if not largest or (found.explained and found.best.candidate):
             return []
         if found.best.candidate:
@@ -301,12 +293,11 @@ class DamageResult(UpdateResult):
         return [f"Largest changes against the intact structure, which {by} explains: {largest}."]
 
     def _of_the_penalties(self) -> list[str]:
-        penalty, notes = self.problem.penalty, []
-        if self.problem.objective == "antiresonance":
-            notes.append(
-                "Without a baseline every error of the model may come out as damage: give the values of the "
-                "intact structure as baseline=, or see .probability."
-            )
+        penalty = self.problem.penalty
+        notes = [
+            "Without a baseline every error of the model may come out as damage: give the values of the "
+            "intact structure as baseline=, or see .probability."
+        ]
         if self._visible():
             notes.append(
                 f"Smallest damage that would be seen: {self._visible()}. An element with less than its own "

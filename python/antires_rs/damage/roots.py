@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support.validation import FloatArray
 
-__all__ = ["Roots", "follow", "roots_at"]
+__all__ = ["Roots", "Source", "follow", "roots_at"]
 
 #: A root that is shown by less than this share is not seen by the test.
 _SHOWN = 0.5
@@ -31,9 +32,35 @@ class Roots:
         """How many."""
         return int(self.log_f.size)
 
+    @property
+    def kind(self) -> NDArray[np.intp]:
+        """0: all are frequencies."""
+        return np.zeros(self.size, dtype=np.intp)
+
+    def between(self, low: float, high: float) -> NDArray[np.bool_]:
+        """Which lie between two ln f."""
+        return (self.log_f > low) & (self.log_f < high)
+
+    def only(self, kept: NDArray[np.bool_]) -> Roots:
+        """Some of them."""
+        return Roots(
+            self.response[kept], self.log_f[kept], self.slopes[kept] if len(self.slopes) else self.slopes
+        )
+
+    def since(self, before: Roots) -> tuple[Roots, NDArray[np.intp]]:
+        """These, and which root of ``before`` each has been."""
+        return self, follow(before, self)
+
+
+class Source(Protocol):
+    """What has roots of its own kind."""
+
+    def roots(self, candidates: FloatArray, slopes: bool, threads: int) -> list[Roots]:
+        """The roots at each row of ``candidates`` (m, n)."""
+
 
 def roots_at(
-    core: _core.Objective,
+    core: _core.Objective | Source,
     candidates: FloatArray,
     *,
     slopes: bool,
@@ -41,6 +68,8 @@ def roots_at(
     band_hz: tuple[float, float] = (0.0, np.inf),
 ) -> list[Roots]:
     """The roots at each row of ``candidates`` (m, n); slopes of those in the band, 0 for others."""
+    if not isinstance(core, _core.Objective):
+        return core.roots(candidates, slopes, threads)
     found = []
     states = core.states(np.ascontiguousarray(candidates), slopes, threads, *band_hz)
     for target, hz, shown, slope in states:

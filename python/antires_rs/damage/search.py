@@ -17,7 +17,6 @@ from ..support.progress import step
 from ..support.validation import FloatArray
 from .evidence import HIGHEST, Fit, fitted
 from .likelihood import Likelihood
-from .roots import Roots
 from .view import View
 
 __all__ = ["Search"]
@@ -27,8 +26,6 @@ Elements = tuple[int, ...]
 _GRID = np.array([0.02, 0.05, 0.1, 0.16, 0.23, 0.31, 0.4, 0.5, 0.6, 0.7, 0.79, 0.87, 0.93, 0.97])
 #: Sets of each size that get another element; and new sets that are refined.
 _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
-#: Distance in ln f beyond which a value counts as unexplained in the scan.
-_FAR = 0.2
 #: Errors added on the way to the most probable severities.
 _TEMPERED = (0.03, 0.01, 0.003, 0.0, 0.0)
 #: Sets so far below the likeliest of their size (log-likelihood) are given up on the way, but for so many.
@@ -47,8 +44,6 @@ _WIDER = 2.0
 _LOST = 0.05
 #: With fewer values to spare two damages are looked at, however well one explains the values.
 _MANY = 8
-#: Places of the responses on one line, so that one search in it serves all.
-_APART = 100.0
 
 
 @dataclass
@@ -146,7 +141,7 @@ class Search:
             rows = np.repeat(base[None], len(further) * _GRID.size, axis=0)
             for nth, e in enumerate(further):
                 rows[nth * _GRID.size : (nth + 1) * _GRID.size, e] = _GRID
-            left = [self._unexplained(roots) for roots in self.likelihood.roots(rows, slopes=False)]
+            left = [self.likelihood.unexplained(roots) for roots in self.likelihood.roots(rows, slopes=False)]
             for nth, e in enumerate(further):
                 at = nth * _GRID.size + int(np.argmin(left[nth * _GRID.size : (nth + 1) * _GRID.size]))
                 found.append((left[at], tuple(sorted((*parent.elements, e))), rows[at]))
@@ -156,16 +151,6 @@ class Search:
             if elements not in chosen and (len(chosen) < most or (size == 1 and elements not in self.fits)):
                 chosen[elements] = beta
         return chosen
-
-    def _unexplained(self, roots: Roots) -> float:
-        """Sum of the distances of the values from the nearest roots of their responses."""
-        now = self.likelihood.now
-        place = np.sort(self.likelihood.expected(roots) + _APART * roots.response)
-        place = np.concatenate([[-np.inf], place, [np.inf]])
-        value = now.log_f + _APART * now.response
-        after = np.searchsorted(place, value)
-        near = np.minimum(value - place[after - 1], place[after] - value)
-        return float(np.minimum(near, _FAR).sum())
 
     def _refine(self, chosen: dict[Elements, FloatArray]) -> None:
         """Newton steps of all sets together, then their evidence."""

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from typing import Any
 
 from ..damage.prior import DamagePrior
 from ..damage.question import Question
-from ..measured.antiresonance_set import AntiresonanceSet
 from ._store import Store
 from .models import describe_model, made_model
+from .problems import describe_measured, made_measured
 
 __all__ = ["describe_question", "made_question"]
 
@@ -19,8 +18,8 @@ def describe_question(asked: Question, store: Store) -> dict[str, Any]:
     """The model before it was corrected, both states, and what was assumed."""
     return {
         "model": describe_model(asked.model, store),
-        "baseline": [json.loads(each.to_json()) for each in asked.baseline],
-        "measured": [json.loads(each.to_json()) for each in asked.measured],
+        "baseline": [describe_measured(each, store) for each in asked.baseline],
+        "measured": [describe_measured(each, store) for each in asked.measured],
         "elements": list(asked.elements),
         "prior": asdict(asked.prior),
         "std_common": asked.std_common,
@@ -29,14 +28,13 @@ def describe_question(asked: Question, store: Store) -> dict[str, Any]:
 
 def made_question(data: dict[str, Any], name: str) -> Question:
     """The question of a description; ``name`` is the file's, for messages."""
-    before, now = (
-        tuple(AntiresonanceSet.from_json(json.dumps(each), name) for each in data[state])
-        for state in ("baseline", "measured")
-    )
+    states: list[Any] = [
+        tuple(made_measured(each, name) for each in data[state]) for state in ("baseline", "measured")
+    ]
     return Question(
         made_model(data["model"], name),
-        before,
-        now,
+        states[0],
+        states[1],
         tuple(data["elements"]),
         DamagePrior(**data["prior"]),
         data["std_common"],

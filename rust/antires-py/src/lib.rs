@@ -19,6 +19,7 @@ mod optimizer;
 mod options;
 mod parameters;
 mod rational;
+mod states;
 
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {

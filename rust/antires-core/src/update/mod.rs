@@ -19,6 +19,7 @@ pub mod linearization;
 pub mod misfit;
 pub mod modal_linearization;
 pub mod modal_objective;
+pub mod modal_state;
 pub mod objective;
 pub mod pairing;
 pub mod penalties;
