@@ -87,7 +87,7 @@ def one_run(task):
 
 
 def told(rows):
-    """Sentences: false alarms, right answers above their a90, intervals, stated and observed probabilities."""
+    """Sentences: false alarms, right answers above a90, intervals, stated and observed probabilities."""
     intact = [row for row in rows if row["kind"] == 0]
     by_default, at_rate = (sum(bool(row[key]) for row in intact) for key in ("declared", "at_rate"))
     yield f"false alarms of {len(intact)}: {by_default} by default, {at_rate} with false_alarm_rate={RATE}"
