@@ -1,7 +1,8 @@
 //! A term: the sparse, symmetric contribution of one element (or group) to K or M.
 
-use faer::Mat;
 use nalgebra::SMatrix;
+
+use crate::linalg::sparse::Pattern;
 
 /// The matrix that a term is a part of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,17 +84,43 @@ impl Term {
         self.entries.iter().all(|e| e.2 == 0.0)
     }
 
-    /// Zeroes the target wherever the term has an entry.
-    pub fn clear_in(&self, target: &mut Mat<f64>) {
-        for &(row, col, _) in &self.entries {
-            target[(row as usize, col as usize)] = 0.0;
+    /// values += factor · term, at its `places`.
+    pub fn add_to(&self, values: &mut [f64], places: &[u32], factor: f64) {
+        for (entry, &at) in self.entries.iter().zip(places) {
+            values[at as usize] += factor * entry.2;
         }
     }
+}
 
-    /// target += factor · term.
-    pub fn add_to(&self, target: &mut Mat<f64>, factor: f64) {
-        for &(row, col, value) in &self.entries {
-            target[(row as usize, col as usize)] += factor * value;
+/// Where the entries of each of some terms are in a matrix of one pattern.
+#[derive(Debug, Clone, Default)]
+pub struct Places {
+    starts: Vec<usize>,
+    places: Vec<u32>,
+}
+
+impl Places {
+    /// Places of the entries of `terms`, all of which the pattern has.
+    ///
+    /// # Panics
+    /// If it has not.
+    #[must_use]
+    pub fn new(pattern: &Pattern, terms: &[Term]) -> Self {
+        let (mut starts, mut places) = (vec![0], Vec::new());
+        for term in terms {
+            places.extend(term.entries.iter().map(|&(i, j, _)| {
+                let at = pattern.find(i as usize, j as usize);
+                at.expect("a place of the pattern") as u32
+            }));
+            starts.push(places.len());
         }
+        places.shrink_to_fit();
+        Self { starts, places }
+    }
+
+    /// Those of term `index`.
+    #[must_use]
+    pub fn of(&self, index: usize) -> &[u32] {
+        &self.places[self.starts[index]..self.starts[index + 1]]
     }
 }

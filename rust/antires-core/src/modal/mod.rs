@@ -11,8 +11,8 @@
 //!
 //! | module | what it knows |
 //! |---|---|
-//! | [`structure`] | what stays while parameters change: the ordering, the band, the degrees of the determinants |
-//! | [`band`] | K and M as band matrices, factors of K − xM |
+//! | [`structure`] | what stays while parameters change: the ordering, band or sparse, the degrees of the determinants |
+//! | [`scaled`] | K and M in band or sparse form, factors of K − xM |
 //! | [`poles`](reduced), [`reduced`] | the poles of one load up to a limit, and the proof that none is missing |
 //! | [`solved`] | K and M of one evaluation with the solutions made of them |
 //! | [`receptance`] | H_ik as partial fractions |
@@ -23,7 +23,6 @@
 //!
 //! May use: `fem`, `linalg`.
 
-pub mod band;
 pub mod columns;
 pub mod frf;
 mod hidden_modes;
@@ -36,5 +35,6 @@ pub mod on_pole;
 mod poles;
 pub mod receptance;
 pub mod reduced;
+pub mod scaled;
 pub mod solved;
 pub mod structure;

@@ -69,8 +69,8 @@ impl SparseFactors {
         let (mut negative, mut growth) = (0, 0.0_f64);
         for block in blocks(&self.symbolic) {
             for c in 0..block.width {
-                let column = &self.values[block.values + c * block.height + c..]
-                    [..block.height - c];
+                let column =
+                    &self.values[block.values + c * block.height + c..][..block.height - c];
                 let pivot = column[0];
                 negative += usize::from(pivot < 0.0);
                 self.inverse[block.first + c] = pivot.recip();
@@ -86,16 +86,37 @@ impl SparseFactors {
         (negative, growth / a.norm_max().max(f64::MIN_POSITIVE))
     }
 
-    /// Entry `j` of D.
+    /// Whether `a`, whose pattern is the one analysed, is definite; it is factorized.
+    pub fn factorize_moved(&mut self, a: &SparseMatrix) -> Definiteness {
+        let mut moved = SparseMatrix::new(Arc::clone(self.symbolic.pattern()));
+        for (value, &at) in moved.values.iter_mut().zip(self.symbolic.origin()) {
+            *value = a.values[at];
+        }
+        match self.factorize(&moved) {
+            (0, growth) if growth.is_finite() => Definiteness::Positive,
+            _ => Definiteness::Not,
+        }
+    }
+
+    /// 1 / D.
     #[must_use]
-    pub fn pivot(&self, j: usize) -> f64 {
-        self.inverse[j].recip()
+    pub fn inverse_pivots(&self) -> &[f64] {
+        &self.inverse
     }
 
     /// x = A⁻¹ x.
     pub fn solve(&self, x: &mut [f64]) {
         wide::run(Solve { factors: self, x });
     }
+}
+
+/// Whether all pivots are above zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Definiteness {
+    /// They are.
+    Positive,
+    /// One is not.
+    Not,
 }
 
 /// A block of columns of one structure.
@@ -164,8 +185,8 @@ impl NullaryFnOnce for Solve<'_> {
             for c in (0..block.width).rev() {
                 let column = &factors.values[block.values + c * block.height..][..block.height];
                 let (head, rest) = own.split_at_mut(c + 1);
-                head[c] -= dot(&column[c + 1..block.width], rest)
-                    + dot(&column[block.width..], &below);
+                head[c] -=
+                    dot(&column[c + 1..block.width], rest) + dot(&column[block.width..], &below);
             }
         }
     }

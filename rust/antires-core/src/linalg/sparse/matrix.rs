@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use faer::Mat;
+use faer::{Mat, MatRef};
 
 use super::pattern::Pattern;
 
@@ -22,6 +22,20 @@ impl SparseMatrix {
         Self { pattern, values }
     }
 
+    /// A dense symmetric matrix, every place of it.
+    #[must_use]
+    pub fn full(dense: MatRef<'_, f64>) -> Self {
+        let n = dense.nrows() as u32;
+        let places = (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
+        let mut matrix = Self::new(Arc::new(Pattern::new(n as usize, places)));
+        for j in 0..dense.ncols() {
+            for i in 0..dense.nrows() {
+                matrix.add(i, j, dense[(i, j)]);
+            }
+        }
+        matrix
+    }
+
     /// The places of its entries.
     #[must_use]
     pub fn pattern(&self) -> &Arc<Pattern> {
@@ -32,12 +46,6 @@ impl SparseMatrix {
     #[must_use]
     pub fn n(&self) -> usize {
         self.pattern.n()
-    }
-
-    /// Number of rows.
-    #[must_use]
-    pub fn nrows(&self) -> usize {
-        self.n()
     }
 
     /// Entry (i, j), zero outside the pattern.
@@ -59,6 +67,17 @@ impl SparseMatrix {
     pub fn add(&mut self, i: usize, j: usize, value: f64) {
         let at = self.pattern.find(i, j).expect("a place of the pattern");
         self.values[at] += value;
+    }
+
+    /// Puts zeros into row and column `j`, and one on the diagonal.
+    pub fn pin(&mut self, j: usize) {
+        for at in self.pattern.starts()[j]..self.pattern.starts()[j + 1] {
+            let i = self.pattern.rows()[at] as usize;
+            self.values[at] = f64::from(u8::from(i == j));
+            if let Some(mirrored) = self.pattern.find(j, i).filter(|_| i != j) {
+                self.values[mirrored] = 0.0;
+            }
+        }
     }
 
     /// All places (row, column) with their values, column by column.

@@ -110,7 +110,10 @@ impl Pattern {
         }
         let mut starts = Vec::with_capacity(n + 1);
         starts.push(0);
-        let (mut rows, mut origin) = (Vec::with_capacity(self.len()), Vec::with_capacity(self.len()));
+        let (mut rows, mut origin) = (
+            Vec::with_capacity(self.len()),
+            Vec::with_capacity(self.len()),
+        );
         let mut column = Vec::new();
         for &old in order {
             column.clear();

@@ -3,6 +3,8 @@
 //! Approximate minimum degree (Amestoy, Davis & Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886-905), elimination
 //! tree, column counts and supernodes are faer's.
 
+use std::sync::Arc;
+
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
@@ -19,7 +21,7 @@ use super::pattern::Pattern;
 pub struct Symbolic {
     /// `order[new] = old`.
     order: Vec<usize>,
-    pattern: Pattern,
+    pattern: Arc<Pattern>,
     origin: Vec<usize>,
     /// Starts of the columns of the pattern, and its rows, as faer takes them.
     starts: Vec<u32>,
@@ -58,7 +60,7 @@ impl Symbolic {
         let flops = counts.iter().map(|&c| f64::from(c).powi(2)).sum();
         Some(Self {
             order,
-            pattern: permuted,
+            pattern: Arc::new(permuted),
             origin,
             starts,
             supernodes,
@@ -74,7 +76,7 @@ impl Symbolic {
 
     /// The pattern in the new order.
     #[must_use]
-    pub fn pattern(&self) -> &Pattern {
+    pub fn pattern(&self) -> &Arc<Pattern> {
         &self.pattern
     }
 

@@ -33,7 +33,7 @@ fn grid(m: usize, shift: f64) -> SparseMatrix {
 
 fn factors(a: &SparseMatrix) -> (SparseFactors, SparseMatrix) {
     let symbolic = Arc::new(Symbolic::new(a.pattern()).unwrap());
-    let mut moved = SparseMatrix::new(Arc::new(symbolic.pattern().clone()));
+    let mut moved = SparseMatrix::new(Arc::clone(symbolic.pattern()));
     for (value, &at) in moved.values.iter_mut().zip(symbolic.origin()) {
         *value = a.values[at];
     }
