@@ -18,6 +18,7 @@ _NAMES = {
     "damage.assess": ("assess_damage",),
     "damage.hypotheses": ("Hypotheses", "Hypothesis"),
     "damage.prior": ("DamagePrior",),
+    "damage.severity_intervals": ("SampledSet", "SeverityIntervals"),
     "damage.result": ("DamageResult",),
     "data_check": ("DataCheck", "Finding", "check_data"),
     "exceptions": (
@@ -56,6 +57,7 @@ _NAMES = {
     "measured.track": ("track",),
     "measured.tracks": ("TrackEvent", "Tracks"),
     "models.chain": ("MassSpringChain",),
+    "models.constraints": ("Constrained", "eliminate_constraints", "lagrange_rows"),
     "models.frame": ("FrameModel",),
     "models.frame_parameters": (
         "density",

@@ -10,6 +10,7 @@ from .damage.assess import assess_damage
 from .damage.hypotheses import Hypotheses, Hypothesis
 from .damage.prior import DamagePrior
 from .damage.result import DamageResult
+from .damage.severity_intervals import SampledSet, SeverityIntervals
 from .data_check import DataCheck, Finding, check_data
 from .exceptions import (
     AntiresError,
@@ -47,6 +48,7 @@ from .measured.modal_set import ModalSet
 from .measured.track import track
 from .measured.tracks import TrackEvent, Tracks
 from .models.chain import MassSpringChain
+from .models.constraints import Constrained, eliminate_constraints, lagrange_rows
 from .models.frame import FrameModel
 from .models.frame_parameters import (
     density,
@@ -89,6 +91,7 @@ __all__ = [
     "AntiresonanceSet",
     "BoxIdentifiability",
     "Comparison",
+    "Constrained",
     "DamagePenalty",
     "DamagePrior",
     "DamageResult",
@@ -122,8 +125,10 @@ __all__ = [
     "Recording",
     "Rectangle",
     "Round",
+    "SampledSet",
     "Section",
     "SensorPlan",
+    "SeverityIntervals",
     "StabilizationDiagram",
     "TrackEvent",
     "Tracks",
@@ -140,6 +145,7 @@ __all__ = [
     "density",
     "detectability",
     "diameter",
+    "eliminate_constraints",
     "fit_rational",
     "frf",
     "from_sep005",
@@ -147,6 +153,7 @@ __all__ = [
     "identify_antiresonances",
     "identify_modes",
     "inertia",
+    "lagrange_rows",
     "length",
     "mass_factor",
     "merge_setups",

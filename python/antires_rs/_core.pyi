@@ -121,8 +121,11 @@ class Objective:
     def residuals(self, x: _Floats) -> _Floats | None: ...
     def linearized(self, x: _Floats) -> tuple[float, _Floats, _Floats] | None: ...
     def states(
-        self, candidates: _Floats, with_slopes: bool, threads: int
+        self, candidates: _Floats, with_slopes: bool, threads: int, from_hz: float = 0.0, to_hz: float = ...
     ) -> list[tuple[NDArray[np.uint32], _Floats, _Floats, _Floats]]: ...
+    def modal_states(
+        self, candidates: _Floats, with_slopes: bool, threads: int
+    ) -> list[tuple[_Floats, _Floats, _Floats, _Floats]]: ...
     def evaluate_many(self, candidates: _Floats, threads: int) -> _Floats: ...
     def minimize(
         self,
@@ -137,6 +140,24 @@ class Objective:
         checkpoint: Checkpoint | None,
     ) -> dict[str, Any]: ...
 
+def align(cost: _Floats, alone_row: _Floats, alone_column: _Floats) -> NDArray[np.intp]: ...
+def associate(
+    response: NDArray[np.intp],
+    log_f: _Floats,
+    std: _Floats,
+    root_response: NDArray[np.intp],
+    root_log_f: _Floats,
+    root_std: _Floats,
+    alone: float,
+    alone_root: _Floats,
+) -> NDArray[np.intp]: ...
+def follow(
+    response: NDArray[np.intp],
+    log_f: _Floats,
+    response_after: NDArray[np.intp],
+    log_f_after: _Floats,
+    born: float,
+) -> NDArray[np.intp]: ...
 def minimize(
     function: Callable[[_Floats], _Floats],
     lower: _Floats,

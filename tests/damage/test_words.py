@@ -7,7 +7,7 @@ import pytest
 
 from antires_rs.damage.assessment import Assessment
 from antires_rs.damage.hypotheses import UNKNOWN, Hypotheses, Hypothesis
-from antires_rs.damage.percent import percent, span
+from antires_rs.damage.percent import figure, percent, span
 from antires_rs.damage.words import headline, reservations
 
 
@@ -36,6 +36,7 @@ def said(rows, declared=(), group=None, **fields):
         "detectable": (0.1,) * 7,
         "baseline": True,
         "assumed_std": False,
+        "odd_baselines": (),
     }
     table = Hypotheses(rows, {e: label(e) for e in range(7)})
     alike = tuple(group if group is not None else [row for row in rows if row.elements][:1])
@@ -49,6 +50,31 @@ def test_one_damaged_element():
         "Damage: spring 5 has lost 55.0 % of its stiffness.",
         "Probability 97.0 %; 90 % interval of the loss 54.0 to 57.0 %.",
     ]
+
+
+def test_few_values_are_answered_with_reserve():
+    rows = [one((4,), 0.97), one((), 0.03)]
+    lines, found = said(rows, (4,), n_values=2, n_matched=2)
+    assert lines == [
+        "Damage; if only one element is damaged: spring 5 has lost 20.0 % of its stiffness.",
+        "Probability 97.0 %; 90 % interval of the loss 19.0 to 22.0 %. 2 values cannot tell more.",
+    ]
+    assert any("Only 2 values are compared, 1 more than" in note for note in reservations(found, label))
+    lines, found = said(rows, (4,), n_values=5, n_matched=5)
+    assert lines[0].startswith("Damage: ")
+    assert not any("Only" in note for note in reservations(found, label))
+
+
+def test_an_unknown_change_that_is_not_sure_is_not_said_to_be():
+    rows = [one(UNKNOWN, 0.6, candidate=False), one((1,), 0.38), one((), 0.02)]
+    lines, _ = said(rows, (), [])
+    assert lines == [
+        "Something has changed (probability 98.0 %), perhaps what none of the candidates explains "
+        "(probability 60.0 %).",
+        "What else it may be: spring 2 has lost 20.0 % of its stiffness (38.0 %); nothing (2.0 %).",
+    ]
+    lines, _ = said([one(UNKNOWN, 0.6, candidate=False), one((), 0.4)], (), [])
+    assert lines[0].startswith("It cannot be told whether something has changed (probability 60.0 %)")
 
 
 def test_two_damaged_elements():
@@ -68,6 +94,59 @@ def test_elements_that_cannot_be_told_apart():
         "50.0 %: spring 3 has lost 20.0 % of its stiffness (90 % interval of the loss 19.0 to 22.0 %); "
         "48.0 %: spring 4 has lost 25.0 % of its stiffness (90 % interval of the loss 24.0 to 27.0 %).",
     ]
+
+
+def test_nested_sets_begin_with_what_they_share():
+    rows = [one((4,), 0.5), one((4, 5), 0.3), one((4, 6), 0.17), one((), 0.03)]
+    lines, _ = said(rows, (4,), rows[:3])
+    assert lines[0] == (
+        "There is damage (probability 97.0 %): spring 5 (97.0 %); perhaps spring 6 or spring 7 as well."
+    )
+    assert lines[1].startswith("Together 97.0 %. 50.0 %: spring 5 has lost")
+    lines, _ = said(rows[1:3] + [one((), 0.03)], (4, 5), rows[1:3])
+    assert "spring 5 (47.0 %); and spring 6 or spring 7, the values cannot tell which." in lines[0]
+
+
+def test_many_sets_with_one_element_in_all_of_them():
+    rows = [one(tuple(sorted({3, e})), 0.16) for e in (0, 1, 2, 4, 5, 6)] + [one((), 0.04)]
+    lines, _ = said(rows, (0, 3), [])
+    assert lines[0] == (
+        "There is damage (probability 96.0 %): spring 4 (96.0 %); perhaps others as well, the values cannot "
+        "tell which."
+    )
+
+
+def test_intact_tests_that_contradict_each_other_come_first():
+    rows = [one((4,), 0.97), one((), 0.03)]
+    lines, _ = said(rows, (4,), odd_baselines=(2,), baseline_gap=0.032, usual_gap=0.00097)
+    assert lines[0].startswith(
+        "The baseline contradicts itself: baseline set 3 differs from the others by 3.2 %, these among "
+        "themselves by 0.097 %."
+    )
+    assert lines[1].startswith("Damage: spring 5")
+    lines, _ = said(rows, (4,), odd_baselines=(0, 1), baseline_gap=0.05)
+    assert "baseline set 1 and baseline set 2 differ by up to 5 %" in lines[0]
+
+
+def test_errors_that_are_tiny_keep_their_digits():
+    _, found = said([one((4,), 0.99)], (4,), kappa=0.00042, root_std=3.2e-6)
+    told = " ".join(reservations(found, label))
+    assert "predicts changes to about 0.042 %: it explained the baseline to 0.00032 %" in told
+    assert (figure(0.05), figure(0.996), figure(0.0)) == ("5 %", "100 %", "0 %")
+
+
+def test_an_element_that_was_no_candidate_may_explain_and_an_unknown_change_does_not():
+    _, found = said([one((5,), 0.98, (0.4,), candidate=False)])
+    assert found.explained
+    _, found = said([one((5,), 0.98, (0.4,), candidate=False)], chi_square=9.0)
+    assert not found.explained
+    _, found = said([one(UNKNOWN, 0.98, candidate=False)])
+    assert not found.explained
+
+
+def test_an_alternative_that_loses_nothing_is_not_given_a_loss_of_zero():
+    lines, _ = said([one((), 0.6), one((0,), 0.4, (1e-5,))])
+    assert "lost 0.0 %" not in lines[1]
 
 
 def test_damage_nowhere_in_particular():

@@ -36,6 +36,7 @@ def test_every_field_comes_back(tmp_path, made):
     for name in ("headline", "severity", "interval", "probability", "detectable", "notes"):
         assert getattr(back, name) == getattr(made, name), name
     assert back.summary() == made.summary()
+    assert back.intervals("ensemble", draws=100) == made.intervals("ensemble", draws=100)
     made.save(tmp_path / "again.npz")
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "damage.npz").read_bytes()
 
@@ -54,6 +55,13 @@ def test_what_a_field_may_be(tmp_path, made):
     result = ar.DamageResult(made.problem, made.search, made.seed, rare)
     result.save(tmp_path / "rare.npz")
     assert ar.DamageResult.load(tmp_path / "rare.npz").assessment == rare
+
+
+def test_an_older_file_lacks_the_values_of_the_baseline(made):
+    older = ar.DamageResult(made.problem, made.search, made.seed, made.assessment)
+    assert older.interval == made.interval
+    with pytest.raises(ar.InvalidInputError, match="older file.*Assess the damage again"):
+        older.intervals()
 
 
 def test_a_file_without_an_assessment_is_of_the_search(tmp_path, made):

@@ -88,3 +88,12 @@ def test_a_spring_under_the_force_is_never_found():
     assert [curves.names[e] for e in never] == ["first ground spring"]
     assert "never" in str(curves)
     assert min(a for a in curves.a90.values()) < 0.02
+
+
+def test_values_known_very_well_leave_no_large_damage_unseen():
+    """Between the severities of its grid the quick judge is linear, which errors of 1e-5 do not forgive."""
+    chain = ar.MassSpringChain([1.1, 0.9, 1.0, 1.2, 0.8], [500.0, 450.0, 550.0, 480.0])
+    severities = [0.001, 0.01, 0.1, 0.2, 0.3, 0.45]
+    found = ar.detectability(chain, excitation=0, std=1e-5, severities=severities, n_tests=4, rng=3)
+    for element in (1, 2, 3):
+        assert found.pod[element].min() > 0.9, element

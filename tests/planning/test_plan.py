@@ -89,3 +89,17 @@ def test_threads_change_no_bit():
     assert one.std == two.std
     with pytest.raises(AttributeError, match="cannot assign"):
         one.value = 0.0
+
+
+def test_it_says_which_errors_of_the_values_it_rests_on():
+    bound = ar.plan_test(CHAIN, n_sensors=3, excitations=0)
+    assert sorted(bound.value_std) == sorted(bound.sensors)
+    assert sum(each.size for each in bound.value_std.values()) >= bound.n_values
+    assert "Cramer-Rao bound for 1 % noise, 200 s and 1 % damping" in str(bound)
+    noisier = ar.plan_test(CHAIN, n_sensors=6, excitations=0, noise=0.02)
+    quieter = ar.plan_test(CHAIN, n_sensors=6, excitations=0)
+    for dof, std in noisier.value_std.items():
+        assert np.all(std >= quieter.value_std[dof])
+    given = ar.plan_test(CHAIN, n_sensors=3, excitations=0, std=STD)
+    assert all(np.all(each == STD) for each in given.value_std.values())
+    assert "values known to 0.04 %: std as given" in str(given)

@@ -239,5 +239,6 @@ def test_a_report_says_first_that_no_candidate_explains_the_change(tmp_path):
     html, _, text = read(write_report(result, tmp_path / "r.html"))
     assert '<p class="answer">Something has changed that none of the candidates explains' in html
     assert "What would explain it, and was no candidate: spring 2 has lost 40.0 % of its stiffness" in text
-    assert "Left unexplained, in the values corrected by the baseline" in text
+    assert "Largest changes against the intact structure, which no candidate explains" in text
+    assert "spring 2, no candidate" in text
     assert "spring 2 (no candidate)" in text

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.arguments import seed_of, thread_count
@@ -21,6 +22,7 @@ from ..updating.problem import Measured, UpdatingProblem
 from ..updating.search import search
 from .inference import STD_COMMON, Inferred, infer
 from .prior import DamagePrior
+from .question import Question
 from .result import DamageResult
 
 __all__ = ["assess_damage"]
@@ -30,7 +32,7 @@ def assess_damage(
     model: StructuralModel,
     measured: Measured,
     *,
-    baseline: AntiresonanceSet | Sequence[AntiresonanceSet] | None = None,
+    baseline: Measured | None = None,
     elements: Any = None,
     prior: DamagePrior | None = None,
     false_alarm_rate: float | None = None,
@@ -60,9 +62,9 @@ def assess_damage(
         The undamaged structure. With a baseline it need not be updated; without, it must be.
     measured : AntiresonanceSet, ModalSet, or several of one kind
         The structure as it is now: antiresonances, one set for each position of the force (or several, from
-        repeated tests); or resonances with their shapes, for the comparison objective, without a baseline.
+        repeated tests); or resonances with their shapes, one set for each setup of sensors.
         See :class:`UpdatingProblem`.
-    baseline : AntiresonanceSet or sequence of AntiresonanceSet, optional
+    baseline : AntiresonanceSet, ModalSet, or several of one kind, optional
         The intact structure, identified with the same sensors and forces. Standard deviations of both count.
     elements : sequence of int, optional
         Candidate elements, zero-based. Default: all springs between masses, all beams,
@@ -168,29 +170,30 @@ def assess_damage(
     if prior is not None and not isinstance(prior, DamagePrior):
         reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
     before, now = _sets("baseline", baseline), _sets("measured", measured)
-    if not any(len(each[dof]) for each in before for dof in each):
-        reject("baseline", "no antiresonance", "those of the intact structure", "Identify in a wider band.")
-    UpdatingProblem(model, stiffness_reduction(chosen), now)  # speaks up where they do not fit together
+    problem = UpdatingProblem(model, stiffness_reduction(chosen), now)  # speaks up where they do not fit
+    if type(before[0]) is not type(now[0]):
+        kinds = [type(each[0]).__name__ for each in (before, now)]
+        reject("baseline", f"a {kinds[0]}", f"a {kinds[1]}, as measured", "Compare what is of one kind.")
+    if not any(
+        any(each.freq_hz) if isinstance(each, ModalSet) else any(map(len, each.values())) for each in before
+    ):
+        reject("baseline", f"no {problem.noun}", "those of the intact structure", "Identify in a wider band.")
     seed = seed_of(rng)
+    question = Question(model, before, now, tuple(chosen), prior or DamagePrior(), common)
     with waiting("assessing damage", progress):
         inferred = infer(
-            model,
-            before,
-            now,
-            chosen,
-            prior=prior or DamagePrior(),
+            question,
             false_alarm_rate=false_alarm_rate,
-            model_error=None,
-            std_common=common,
             rng=np.random.default_rng(seed),
             threads=thread_count(workers),
         )
-    return _result(model, chosen, inferred, seed)
+    return _result(question, inferred, seed)
 
 
-def _result(model: StructuralModel, elements: list[int], inferred: Inferred, seed: int) -> DamageResult:
+def _result(question: Question, inferred: Inferred, seed: int) -> DamageResult:
     """The answer as a result: the model after the baseline, and the values as it would have them."""
-    learned = model.with_parameters(inferred.factors, inferred.values)
+    elements = question.elements
+    learned = question.model.with_parameters(inferred.factors, inferred.values)
     problem = UpdatingProblem(
         learned, stiffness_reduction(elements), inferred.corrected, penalty=DamagePenalty(0.0, 0.0, 0.0)
     )
@@ -210,17 +213,18 @@ def _result(model: StructuralModel, elements: list[int], inferred: Inferred, see
         populations=np.empty((0, 0, x.size)),
         population_costs=np.empty((0, 0)),
     )
-    return DamageResult(problem, search_result, seed, inferred.assessment)
+    return DamageResult(problem, search_result, seed, inferred.assessment, question)
 
 
-def _sets(name: str, given: Any) -> tuple[AntiresonanceSet, ...]:
-    sets = (given,) if isinstance(given, AntiresonanceSet) else given
-    if not isinstance(sets, Sequence) or not sets or not all(isinstance(s, AntiresonanceSet) for s in sets):
+def _sets(name: str, given: Any) -> tuple[Any, ...]:
+    sets = (given,) if isinstance(given, AntiresonanceSet | ModalSet) else given
+    kinds = {type(each) for each in sets} if isinstance(sets, Sequence) else set()
+    if kinds not in ({AntiresonanceSet}, {ModalSet}):
         reject(
             name,
             given,
-            "an AntiresonanceSet or several",
-            "Identify the antiresonances of both states; modes have no baseline.",
+            "an AntiresonanceSet or a ModalSet, or several of one kind",
+            "Identify both states in the same way.",
         )
     return tuple(sets)
 

@@ -52,6 +52,11 @@ class Assessment(Value):
         there is one test only.
     assumed_std : bool
         Whether some values had no standard deviation.
+    odd_baselines : tuple of int
+        Positions of the baseline sets that contradict the others, zero-based: one, or all that disagree where
+        it cannot be told which is odd.
+    baseline_gap, usual_gap : float
+        Relative difference between these and the others, and between the others.
     """
 
     hypotheses: Hypotheses
@@ -72,6 +77,9 @@ class Assessment(Value):
     n_baselines: int
     scatter: float
     notes: tuple[str, ...] = field(default=())
+    odd_baselines: tuple[int, ...] = ()
+    baseline_gap: float = 0.0
+    usual_gap: float = 0.0
 
     @property
     def best(self) -> Hypothesis:
@@ -97,12 +105,15 @@ class Assessment(Value):
 
     @property
     def explained(self) -> bool:
-        """Whether the values are what the most probable hypothesis leads to expect, errors considered."""
+        """Whether the values are what the most probable hypothesis leads to expect, errors considered.
+
+        An element that was no candidate may explain them too; a change that no element explains never does.
+        """
         from scipy.special import chdtrc
 
         spare = max(self.n_matched - len(self.best.severities), 1)
         fits = float(chdtrc(spare, self.chi_square * spare)) > _HARDLY
-        return bool(fits and self.best.candidate)
+        return bool(fits and not self.best.unknown)
 
     def marginal(self, element: int) -> float:
         """Probability that a candidate is damaged."""

@@ -1,4 +1,4 @@
-"""Gaussians within bounds: the probability of a box, where in it the peak is, and quantiles."""
+"""Gaussians within bounds: where in the box the peak is, and quantiles of one coordinate."""
 
 from __future__ import annotations
 
@@ -8,30 +8,28 @@ import numpy as np
 
 from ..support.validation import FloatArray
 
-__all__ = ["in_box", "log_between", "quantiles"]
+__all__ = ["log_between", "peak_in_box", "quantiles"]
 
 
-def in_box(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> tuple[FloatArray, float]:
-    """Most probable point of a Gaussian in the box [low, high]^n, and about ln of the probability of the box.
+def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> FloatArray:
+    """Most probable point of a Gaussian in the box [low, high]^n.
 
-    Coordinates whose peak lies outside are taken one by one, the worst first, and put on their bound; given
-    these, the others follow. Exact for one coordinate, and where the others are far from their bounds.
+    Coordinates whose peak lies outside are put on their bound one by one, the worst first; given these, the
+    others follow.
     """
     best, spread, free = mean.copy(), covariance.copy(), list(range(mean.size))
-    log_p = 0.0
     while free:
         sd = np.sqrt(np.diag(spread))
         below, above = (low - best) / sd, (best - high) / sd
         worst = max(free, key=lambda i: max(below[i], above[i]))
         if max(below[worst], above[worst]) <= 0.0:
-            return best, log_p + sum(float(log_between(below[i], -above[i])) for i in free)
-        log_p += float(log_between(below[worst], -above[worst]))
+            break
         gain = spread[:, worst] / spread[worst, worst]
         best = best + gain * ((low if below[worst] > above[worst] else high) - best[worst])
         spread = spread - np.outer(gain, spread[worst])
         free.remove(worst)
         spread[worst, worst] = 1.0
-    return best, log_p
+    return best
 
 
 def quantiles(

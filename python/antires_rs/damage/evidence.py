@@ -17,18 +17,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..support.validation import FloatArray
-from .box import in_box, quantiles
+from .box import peak_in_box, quantiles
+from .truncated import log_inside
 from .view import View
 
-__all__ = ["HIGHEST", "Fit", "fitted"]
+__all__ = ["FURTHEST", "HIGHEST", "Fit", "fitted"]
 
 #: Largest severity.
 HIGHEST = 0.99
+#: The same as u.
+FURTHEST = -float(np.log1p(-HIGHEST))
 #: Change of u up to which the roots count as linear.
 _LINEAR = 0.12
 #: Precision of u where nothing sees it.
 _BLIND = 1e-2
-_FURTHEST = -float(np.log1p(-HIGHEST))
 
 
 @dataclass(frozen=True)
@@ -47,12 +49,12 @@ class Fit:
         std = float(np.sqrt(self.covariance[nth, nth]))
         if self.beta[nth] <= 0.0:  # at the bound: from there on
             shares = (0.0, shares[1] - shares[0])
-        low, high = quantiles(float(self.mean[nth]), std, 0.0, _FURTHEST, shares)
+        low, high = quantiles(float(self.mean[nth]), std, 0.0, FURTHEST, shares)
         return -float(np.expm1(-low)), -float(np.expm1(-high))
 
 
-def fitted(view: View, elements: tuple[int, ...]) -> Fit | None:
-    """A set as it is seen from one point; None where its severities are too far from there."""
+def fitted(view: View, elements: tuple[int, ...], reach: float = _LINEAR) -> Fit | None:
+    """A set as it is seen from one point; None where its severities are too far from there, in u."""
     at = np.array(elements, dtype=np.intp)
     if not at.size:
         none = np.empty(0)
@@ -64,14 +66,15 @@ def fitted(view: View, elements: tuple[int, ...]) -> Fit | None:
     # All severities are equally probable, so that large u are less.
     gain = view.gain[at] * room - 1.0
     step = covariance @ gain
-    best, log_inside = in_box(start + step, covariance, 0.0, _FURTHEST)
-    if np.any(np.abs(best - start) > _LINEAR):
+    best = peak_in_box(start + step, covariance, 0.0, FURTHEST)
+    if np.any(np.abs(best - start) > reach):
         return None
+    inside = log_inside(start + step, covariance, 0.0, FURTHEST)
     size = np.linalg.slogdet(covariance)[1]
     volume = 0.5 * (at.size * np.log(2.0 * np.pi) + size) - at.size * np.log(HIGHEST) - start.sum()
     return Fit(
         elements,
-        float(view.log_likelihood + 0.5 * gain @ step + volume + log_inside),
+        float(view.log_likelihood + 0.5 * gain @ step + volume + inside),
         -np.expm1(-best),
         start + step,
         covariance,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..support.validation import FloatArray
-from .percent import span
+from .percent import loss
 
 __all__ = ["UNKNOWN", "Hypotheses", "Hypothesis"]
 
@@ -124,7 +124,7 @@ class Hypotheses:
         lines = []
         for one in self._rows[:_SHOWN]:
             losses = ", ".join(
-                f"{100 * s:.1f} % ({span(low, high)})"
+                loss(s, low, high, " %")
                 for s, low, high in zip(one.severities, one.low, one.high, strict=True)
             )
             lines.append((f"{one.probability:.3f}", self.called(one), losses))

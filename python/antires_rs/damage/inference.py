@@ -2,33 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
-from .. import _core
-from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameter import Parameter
-from ..models.parameters import stiffness_reduction
 from ..support.one_thread import one_blas_thread
-from ..support.progress import step
-from ..support.validation import FloatArray, reject
+from ..support.validation import FloatArray
 from .assessment import Assessment
 from .calibration import log_odds_threshold
-from .factors import factors_of
 from .hypotheses import UNKNOWN, Hypotheses
 from .likelihood import Likelihood
 from .limits import intact_slopes, smallest_found
-from .measured_states import Responses, measured_states, scatter_between
-from .model_error import learned
+from .measured_modes import ModeResponses
+from .measured_states import Responses
 from .posterior import log_weights, posterior, together
-from .prior import DamagePrior
+from .question import Question
 from .search import Search
-
-if TYPE_CHECKING:
-    from ..models.structural_model import StructuralModel
 
 __all__ = ["STD_COMMON", "Inferred", "infer"]
 
@@ -50,51 +41,25 @@ class Inferred:
     interrupted: bool
     #: The values of now as the model after the baseline would have them: what is wrong in both states taken
     #: out.
-    corrected: list[AntiresonanceSet]
+    corrected: list[Any]
 
 
 @one_blas_thread
 def infer(
-    model: StructuralModel,
-    baseline: Sequence[AntiresonanceSet],
-    measured: Sequence[AntiresonanceSet],
-    elements: Sequence[int],
-    *,
-    prior: DamagePrior,
-    false_alarm_rate: float | None,
-    model_error: float | None,
-    std_common: float,
-    rng: np.random.Generator,
-    threads: int,
+    question: Question, *, false_alarm_rate: float | None, rng: np.random.Generator, threads: int
 ) -> Inferred:
-    """Judge all hypotheses; ``elements`` are the candidates, zero-based."""
-    responses, intact, now = measured_states(model, baseline, measured)
-    others = [e for e in model._springs if e not in elements]
-    numbers = [*elements, *others]
-    reductions, factors = tuple(stiffness_reduction(numbers)), factors_of(model)
-    parts = model.description.core_parameters((*reductions, *factors))
-    core = _core.Objective.antiresonance(model._core, parts, responses.parts, "squared", None, 0.0, None)
-    step("learning the model's errors")
-    error = learned(core, len(numbers), len(factors), intact, model_error, threads)
-    if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
-        reject(
-            "model",
-            "one without antiresonances near the measured ones",
-            "a model of the tested structure",
-            "Check units, dofs and supports of the model, and the band of the measurement.",
-        )
-    between = scatter_between(intact, error.partner)
-    if between > 1.0:
-        intact, now = intact.noisier(between), now.noisier(between)
-        error = learned(core, len(numbers), len(factors), intact, model_error, threads)
-    likelihood = Likelihood(core, len(numbers), error, intact, now, std_common, threads)
+    """Judge all hypotheses."""
+    elements, prior, baseline = question.elements, question.prior, question.baseline
+    prepared = question.prepared(threads)
+    likelihood, error, numbers = prepared.likelihood, prepared.error, list(prepared.numbers)
+    intact, now, responses, odd = prepared.intact, prepared.now, prepared.responses, prepared.odd
     search = Search(likelihood, len(elements), MOST)
     search.run()
     weights = log_weights(search, likelihood, prior)
     damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and max(s) < len(elements)}
     likeliest = max(damage, key=lambda s: damage[s], default=())
     rows = posterior(search, weights, numbers, likeliest)
-    names = {e: model.element_label(e) for e in numbers}
+    names = {e: question.model.element_label(e) for e in numbers}
     threshold, slopes = None, intact_slopes(likelihood, len(elements))
     declared = rows[0].elements if rows[0].candidate else ()
     if false_alarm_rate is not None:
@@ -122,9 +87,12 @@ def infer(
         assumed_std=responses.assumed,
         n_intact=intact.size,
         n_intact_matched=int((error.partner >= 0).sum()),
-        n_baselines=_most_tests(baseline),
-        scatter=between,
+        n_baselines=max(map(responses.tests.count, responses.tests), default=0),
+        scatter=prepared.scatter,
         notes=responses.left_out,
+        odd_baselines=odd.tests if odd else (),
+        baseline_gap=odd.apart if odd else 0.0,
+        usual_gap=odd.usual if odd else 0.0,
     )
     found = next((one for one in rows if one.elements == declared), None)
     severities = dict(zip(declared, found.severities, strict=True)) if found else {}
@@ -133,35 +101,16 @@ def infer(
         betas[0, numbers.index(e)] = beta
     return Inferred(
         assessment,
-        factors,
+        prepared.factors,
         np.exp(error.theta),
         severities,
         likelihood.nfev,
         search.interrupted,
-        _corrected(likelihood, betas, responses, measured),
+        _corrected(likelihood, betas, responses),
     )
 
 
-def _most_tests(baseline: Sequence[AntiresonanceSet]) -> int:
-    """Tests of the intact structure with the same force."""
-    forces = [each.excitation for each in baseline]
-    return max((forces.count(force) for force in forces), default=0)
-
-
-def _corrected(
-    likelihood: Likelihood, betas: FloatArray, responses: Responses, measured: Sequence[AntiresonanceSet]
-) -> list[AntiresonanceSet]:
-    now, beside = likelihood.now, likelihood.views(betas)[0].beside
-    sets = []
-    for nth, (each, labels) in enumerate(zip(measured, responses.labels, strict=True)):
-        freq, std = {}, {}
-        for label, number in labels.items():
-            own = (now.test == nth) & (now.response == number)
-            freq[label] = np.sort(np.exp(now.log_f[own] - beside[own]))
-            std[label] = now.std[own] * freq[label]
-        sets.append(
-            AntiresonanceSet(
-                each.excitation, freq, std_hz=std, sees=each.sees, channels=each.channels or None
-            )
-        )
-    return sets
+def _corrected(likelihood: Likelihood, betas: FloatArray, responses: Responses | ModeResponses) -> list[Any]:
+    view, roots = likelihood.views(betas)[0], likelihood.near(likelihood.roots(betas, slopes=False)[0])[0]
+    now: Any = likelihood.now
+    return list(responses.corrected(now, roots, view.partner, view.beside))

@@ -13,12 +13,15 @@ at every beta (:mod:`~antires_rs.damage.association`).
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import _core
 from ..support.validation import FloatArray
 from .measured_states import Values
+from .mode_roots import ModeRoots
 from .model_error import ModelError
-from .roots import Roots, follow, roots_at
+from .roots import Roots, Source, roots_at
+from .vanished import and_vanished, vanished
 from .view import ERRORS, Band, Foreseen, View, viewed
 
 __all__ = ["Likelihood"]
@@ -36,7 +39,7 @@ class Likelihood:
 
     def __init__(
         self,
-        core: _core.Objective,
+        core: Source | _core.Objective,
         n_elements: int,
         error: ModelError,
         intact: Values,
@@ -47,12 +50,12 @@ class Likelihood:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
         #: Standard deviation of what moves all values alike between the two states, ln f.
         self.common = common
-        both = np.concatenate([now.log_f, intact.log_f])
+        both = np.concatenate([now.frequencies, intact.frequencies])
         self.band = Band(float(both.min()), float(both.max()))
         self._factors = np.exp(error.theta)
         self._errors = tuple((error.outside * kappa, times, p) for kappa, times, p in ERRORS)
         by_theta = error.intact.slopes[:, n_elements:] * self._factors
-        self._beside = error.predicted(by_theta, np.arange(error.intact.size))[0]
+        self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
         #: Evaluations of the model.
         self.nfev = 0
         self._undamaged = self.roots(np.zeros((1, n_elements)), slopes=True)[0]
@@ -63,39 +66,49 @@ class Likelihood:
         """The model's roots at each row of severities (m, n)."""
         self.nfev += len(betas)
         factors = np.broadcast_to(self._factors, (len(betas), self._factors.size))
-        return roots_at(self.core, np.hstack([betas, factors]), slopes=slopes, threads=self.threads)
+        band_hz = (np.exp(self.band.low - 2.0 * _MARGIN), np.exp(self.band.high + 2.0 * _MARGIN))
+        x = np.hstack([betas, factors])
+        return roots_at(self.core, x, slopes=slopes, threads=self.threads, band_hz=band_hz)
 
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
         """The values as seen from each row of severities, with an extra error of every value."""
         found = self.roots(betas, slopes=True)
         return [self._view(beta, roots, extra) for beta, roots in zip(betas, found, strict=True)]
 
-    def expected(self, roots: Roots) -> FloatArray:
-        """ln f of roots in the measured structure, as far beside the model's as the intact ones lie."""
-        identity = follow(self.error.intact, roots)
-        return np.asarray(roots.log_f + np.where(identity >= 0, self._beside[identity], 0.0))
+    def unexplained(self, roots: Roots) -> float:
+        """Distance of the values from roots as far beside the model's as the intact ones lie."""
+        roots, identity = roots.since(self.error.intact)
+        place = roots.log_f + np.where(identity >= 0, self._beside[identity], 0.0)
+        return self.now.unexplained(roots, place)
+
+    def near(self, roots: Roots) -> tuple[Roots, NDArray[np.intp], NDArray[np.intp]]:
+        """The roots near the band, which of the intact ones these have been, and which all have been."""
+        roots, followed = roots.since(self.error.intact)
+        kept = roots.between(self.band.low - _MARGIN, self.band.high + _MARGIN)
+        return roots.only(kept), followed[kept], followed
 
     def something_else(self) -> float:
         """Log evidence of a change that has nothing to do with any element: of every value, by any amount."""
-        from scipy.special import logsumexp
-
         zero = np.zeros(self.n)
         found = [self._view(zero, self._undamaged, extra).log_likelihood for extra in ANY_CHANGE]
-        return float(logsumexp(found) - np.log(len(found)))
+        return float(np.logaddexp.reduce(found) - np.log(len(found)))
 
     def _view(self, beta: FloatArray, roots: Roots, extra: float) -> View:
-        near = (roots.log_f > self.band.low - _MARGIN) & (roots.log_f < self.band.high + _MARGIN)
-        identity = follow(self.error.intact, roots)[near]
-        log_f, slopes = roots.log_f[near], roots.slopes[near]
-        beside, spread = self.error.predicted(slopes[:, self.n :] * self._factors, identity)
+        roots, identity, followed = self.near(roots)
+        log_f, slopes = roots.log_f, roots.slopes
+        beside, spread = self.error.predicted(slopes[:, self.n :] * self._factors, identity, roots.kind)
         old = identity >= 0
+        alike = self.common * (roots.kind == 0)
         foreseen = Foreseen(
-            response=roots.response[near],
+            response=roots.response,
             place=log_f + beside,
             beside=beside,
-            spread=spread + extra**2 * np.eye(log_f.size) + self.common**2,
+            spread=spread + extra**2 * np.eye(log_f.size) + np.outer(alike, alike),
             change=np.where(old, log_f - self.error.intact.log_f[identity], _NEW),
             slopes=slopes[:, : self.n],
             seen=old & self.error.seen[identity],
+            modes=roots if isinstance(roots, ModeRoots) else None,
         )
+        if foreseen.modes is None:  # modes do not vanish
+            foreseen = and_vanished(foreseen, vanished(self.error, self._beside, followed))
         return viewed(beta, self.now, foreseen, self.band, self._errors)

@@ -32,12 +32,14 @@ def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
     if not root.size:
         root = np.arange(error.intact.size)
     slopes = error.intact.slopes[root]
-    _, spread = error.predicted(slopes[:, n:] * np.exp(error.theta), root)
+    kind = error.intact.kind[root]
+    _, spread = error.predicted(slopes[:, n:] * np.exp(error.theta), root, kind)
     usual = float(np.median(now.std))
     # Values of now have about the errors of those of the same response.
     own = [now.std[now.response == error.intact.response[r]] for r in root]
     std = np.array([float(np.median(each)) if each.size else usual for each in own])
-    triangle = np.linalg.cholesky(spread + np.diag(std**2) + likelihood.common**2)
+    alike = likelihood.common * (kind == 0)
+    triangle = np.linalg.cholesky(spread + np.diag(std**2) + np.outer(alike, alike))
     return np.asarray(solve_triangular(triangle, slopes[:, :n_candidates], lower=True))
 
 

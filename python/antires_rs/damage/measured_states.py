@@ -9,9 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import FloatArray, reject
 from ..updating.antiresonance_targets import AntiresonanceTargets
+from .association import ALONE, associate
+from .common_responses import not_in_both
+from .roots import Roots
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -25,6 +29,9 @@ ASSUMED_STD = 5e-4
 LEAST_STD = 2e-6
 #: So many repeated values tell how much tests scatter.
 _LEAST_REPEATS = 5
+#: In the scan: distance in ln f beyond which a value counts as unexplained; places of the responses on one
+#: line, so that one search in it serves all.
+_FAR, _APART = 0.2, 100.0
 
 #: Response dof, force dof, frequencies (Hz), what they see, number of those measured together.
 Part = tuple[int, int, FloatArray, str | None, int]
@@ -51,18 +58,59 @@ class Values:
         """The same with larger standard deviations."""
         return replace(self, std=times * self.std)
 
+    @property
+    def frequencies(self) -> FloatArray:
+        """ln f of all that have a frequency."""
+        return self.log_f
 
-def scatter_between(values: Values, root: NDArray[np.intp]) -> float:
+    @property
+    def plain(self) -> Values:
+        """Frequencies alone."""
+        return self
+
+    def associated(
+        self,
+        roots: Roots,
+        place: FloatArray,
+        sigma: FloatArray,
+        alone: float,
+        price: FloatArray,
+        wider: float = 1.0,
+    ) -> tuple[NDArray[np.intp], FloatArray, float]:
+        """Root of each value, test by test, the values as seen from there, and what those without one cost.
+
+        The roots are expected at ``place`` with errors ``sigma``; ``alone`` is the price of a value without
+        root, ``price`` that of each root without value; all errors count ``wider``.
+        """
+        found = np.full(self.size, ALONE)
+        for test in np.unique(self.test):
+            own = np.flatnonzero(self.test == test)
+            value = (self.response[own], self.log_f[own], wider * self.std[own])
+            found[own] = associate(value, (roots.response, place, wider * sigma), alone, price)
+        return found, self.log_f, alone * int(np.sum(found < 0))
+
+    def unexplained(self, roots: Roots, place: FloatArray) -> float:
+        """Sum of the distances of the values from the nearest roots of their responses."""
+        place = np.sort(place + _APART * roots.response)
+        place = np.concatenate([[-np.inf], place, [np.inf]])
+        value = self.log_f + _APART * self.response
+        after = np.searchsorted(place, value)
+        near = np.minimum(value - place[after - 1], place[after] - value)
+        return float(np.minimum(near, _FAR).sum())
+
+
+def scatter_between(values: Values, place: FloatArray, root: NDArray[np.intp]) -> float:
     """Scatter of several tests of one state over what their standard deviations say; at least 1.
 
-    ``root`` tells which values are of one root. 1 where fewer than ``_LEAST_REPEATS`` repeats tell.
+    ``root`` tells which values are of one root, ``place`` the values as seen from there. 1 where fewer than
+    ``_LEAST_REPEATS`` repeats tell.
     """
     total, spare = 0.0, 0
     for number in np.unique(root[root >= 0]):
         own = np.flatnonzero(root == number)
         weight = values.std[own] ** -2
-        mean = np.sum(weight * values.log_f[own]) / weight.sum()
-        total += float(np.sum(weight * (values.log_f[own] - mean) ** 2))
+        mean = np.sum(weight * place[own]) / weight.sum()
+        total += float(np.sum(weight * (place[own] - mean) ** 2))
         spare += own.size - 1
     return float(max(np.sqrt(total / spare), 1.0)) if spare >= _LEAST_REPEATS else 1.0
 
@@ -78,6 +126,31 @@ class Responses:
     left_out: tuple[str, ...]
     #: Whether standard deviations had to be assumed.
     assumed: bool
+    measured: tuple[AntiresonanceSet, ...]
+    #: Force of each test of the intact structure.
+    tests: tuple[int, ...]
+    noun = "antiresonances"
+
+    def source(self, model: StructuralModel, parts: Any) -> _core.Objective:
+        """The model's antiresonances, to be asked for."""
+        return _core.Objective.antiresonance(model._core, parts, self.parts, "squared", None, 0.0, None)
+
+    def corrected(
+        self, now: Values, roots: Roots, partner: NDArray[np.intp], beside: FloatArray
+    ) -> list[AntiresonanceSet]:
+        """The sets of now without what is wrong in both states."""
+        sets = []
+        for nth, (each, labels) in enumerate(zip(self.measured, self.labels, strict=True)):
+            freq, std = {}, {}
+            for label, number in labels.items():
+                own = (now.test == nth) & (now.response == number)
+                freq[label] = np.sort(np.exp(now.log_f[own] - beside[own]))
+                std[label] = now.std[own] * freq[label]
+            channels = each.channels or None
+            sets.append(
+                AntiresonanceSet(each.excitation, freq, std_hz=std, sees=each.sees, channels=channels)
+            )
+        return sets
 
 
 def measured_states(
@@ -88,7 +161,8 @@ def measured_states(
     Raises
     ------
     InvalidInputError
-        A set of now whose force no intact one has, dofs outside the model, nothing measured.
+        A set of now whose force no intact one has, dofs outside the model, nothing measured, no response in
+        both states.
     """
     before = [AntiresonanceTargets(model, (each,)) for each in baseline]
     after = [AntiresonanceTargets(model, (each,)) for each in measured]
@@ -118,8 +192,13 @@ def measured_states(
             }
             for each, target in zip(measured, after, strict=True)
         ],
-        tuple(note for target in (*before, *after) for note in target.left_out),
+        (
+            *(note for target in (*before, *after) for note in target.left_out),
+            *not_in_both(model, before, after),
+        ),
         any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds),
+        tuple(measured),
+        tuple(target.forces[0] for target in before),
     )
     return responses, _values(before, numbers), _values(after, numbers)
 

@@ -10,9 +10,10 @@ from .likelihood import Likelihood
 from .prior import DamagePrior
 from .search import Elements, Search
 
-__all__ = ["log_weights", "posterior", "together"]
+__all__ = ["LEVEL", "log_weights", "posterior", "together"]
 
-#: Shares between which the interval lies.
+#: Probability of the intervals, and the shares between which they lie.
+LEVEL = 0.9
 _SHARES = (0.05, 0.95)
 #: A group holds this share of the probability of its kind; and has at most so many hypotheses.
 _GROUPED, _MOST_ALTERNATIVES = 0.9, 4
@@ -28,7 +29,7 @@ def log_weights(search: Search, likelihood: Likelihood, prior: DamagePrior) -> d
         + (prior.log_elsewhere(others) if _outside(elements, n) else prior.log_of(len(elements), n))
         for elements, fit in search.fits.items()
     }
-    found[UNKNOWN] = likelihood.something_else() + prior.log_unknown(others)
+    found[UNKNOWN] = search.something_else + prior.log_unknown(others)
     return found
 
 

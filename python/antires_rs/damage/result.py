@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,16 +12,19 @@ from ..support.validation import FloatArray, reject
 from ..updating.identifiability import smallest_visible
 from ..updating.results import UpdateResult
 from .inference import infer
+from .percent import figure
 from .prior import DamagePrior
+from .question import Question
 from .residuals import largest_left
+from .sure import severity_intervals
 from .words import headline, reservations
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ..optimize.outcome import OptimizeResult
+    from ..updating.parameter_intervals import Method, ParameterIntervals
     from ..updating.problem import UpdatingProblem
-    from ..updating.tables import FrequencyTable
     from .assessment import Assessment
     from .hypotheses import Hypotheses
 
@@ -49,6 +52,7 @@ class DamageResult(UpdateResult):
     """
 
     _assessment: Assessment | None
+    _question: Question | None
 
     def __init__(
         self,
@@ -56,35 +60,27 @@ class DamageResult(UpdateResult):
         search: OptimizeResult,
         seed: int,
         assessment: Assessment | None = None,
+        question: Question | None = None,
     ) -> None:
         super().__init__(problem, search, seed)
-        self._fill(_assessment=assessment)
+        self._fill(_assessment=assessment, _question=question)
 
     @cached_property
     def assessment(self) -> Assessment:
         """Hypotheses and what they rest on; without a baseline with an assumed error of the model."""
         if self._assessment is not None:
             return self._assessment
-        if self.problem.objective == "modal":
-            reject(
-                "measured",
-                "modes",
-                "antiresonances, for probabilities",
-                "Use severity and detectable, which modes have.",
-            )
-        rng = np.random.default_rng(self.seed)
-        return infer(
+        question = Question(
             self.problem.model,
             (),
-            self.problem.measured,
-            self.elements,
-            prior=DamagePrior(),
-            false_alarm_rate=None,
-            model_error=ASSUMED_MODEL_ERROR,
-            std_common=0.0,
-            rng=rng,
-            threads=thread_count(None),
-        ).assessment
+            tuple(self.problem.measured),
+            tuple(self.elements),
+            DamagePrior(),
+            0.0,
+            ASSUMED_MODEL_ERROR,
+        )
+        rng = np.random.default_rng(self.seed)
+        return infer(question, false_alarm_rate=None, rng=rng, threads=thread_count(None)).assessment
 
     @property
     def has_baseline(self) -> bool:
@@ -163,6 +159,81 @@ class DamageResult(UpdateResult):
         )
         return {e: limits.get(e, (0.0, 0.0)) for e in self.elements}
 
+    def intervals(
+        self,
+        method: Method = "laplace",
+        *,
+        level: float = 0.9,
+        draws: int = 1000,
+        rng: int | np.random.Generator | None = 0,
+        workers: int | None = None,
+        progress: bool | None = None,
+    ) -> ParameterIntervals:
+        """Intervals of the severities, given the elements declared damaged, with draws of their posterior.
+
+        With a baseline a :class:`SeverityIntervals`, errors of the model considered. Without one as
+        :meth:`UpdateResult.intervals`, from the errors of the values and what the residuals tell.
+
+        Parameters
+        ----------
+        method : {'laplace', 'ensemble'}
+            Quick, with ln f linear in ln(1 - severity) around the most probable severities, as
+            :attr:`interval`; or sure, with the model's antiresonances at every draw, values and
+            antiresonances associated anew there. The sure one estimates also how probable the hypotheses are,
+            without these approximations: some hundred evaluations of the model for the likeliest.
+        level : float
+            Probability of each interval, within [0.5, 0.999].
+        draws : int
+            At least 50.
+        rng : int or numpy.random.Generator, optional
+            The same seed gives the same bits for any number of ``workers``.
+        workers : int, optional
+            Threads; all processors by default.
+        progress : bool, optional
+            Show progress on standard error; by default on a terminal, after one second.
+
+        Raises
+        ------
+        InvalidInputError
+            A method, level or number out of range; a result of an older file, which lacks the values of the
+            baseline.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 495.0, 500.0])
+        >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 297.0, 500.0])
+        >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
+        ...                for m in (intact, damaged))
+        >>> model = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
+        >>> sure = ar.assess_damage(model, now, baseline=before).intervals("ensemble", draws=200)
+        >>> low, high = sure[1]
+        >>> bool(low < 0.4 < high), bool(sure.sets[0].confirmed > 0.99), sure.draws.shape
+        (True, True, (200, 3))
+        """
+        if self._assessment is None:
+            return super().intervals(
+                method, level=level, draws=draws, rng=rng, workers=workers, progress=progress
+            )
+        if self._question is None:
+            reject(
+                "result",
+                "one without the values of the baseline, of an older file",
+                "one that assess_damage has made, or a file of one",
+                "Assess the damage again; .interval has its 90 % intervals.",
+            )
+        return severity_intervals(
+            self._question,
+            self._assessment,
+            self.problem.names,
+            method=method,
+            level=level,
+            draws=draws,
+            rng=rng,
+            workers=workers,
+            progress=progress,
+        )
+
     @cached_property
     def _detectable(self) -> tuple[float, ...]:
         if self._assessment is not None:
@@ -196,9 +267,7 @@ class DamageResult(UpdateResult):
         else:
             notes = [] if self.success else [f"The search did not finish: {self.message}"]
             notes += reservations(self._assessment, label)
-            left = "" if self._assessment.explained else largest_left(cast("FrequencyTable", self.table))
-            if left:
-                notes.append(f"Left unexplained, in the values corrected by the baseline: {left}.")
+            notes += self._of_the_values()
             if self._visible():
                 notes.append(f"Smallest damage that nine of ten such tests would show: {self._visible()}.")
         others = [label(e) for e in self.problem.model._springs if e not in self.severity]
@@ -212,13 +281,23 @@ class DamageResult(UpdateResult):
             notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
         return notes
 
+    def _of_the_values(self) -> list[str]:
+        """The largest changes, where no candidate explains them; else what the damage found leaves."""
+        found = self.assessment
+        largest = largest_left(self.table)
+        if not largest or (found.explained and found.best.candidate):
+            return []
+        if found.best.candidate:
+            return [f"Left unexplained, in the values corrected by the baseline: {largest}."]
+        by = "no element" if found.best.unknown else "no candidate"
+        return [f"Largest changes against the intact structure, which {by} explains: {largest}."]
+
     def _of_the_penalties(self) -> list[str]:
-        penalty, notes = self.problem.penalty, []
-        if self.problem.objective == "antiresonance":
-            notes.append(
-                "Without a baseline every error of the model may come out as damage: give the values of the "
-                "intact structure as baseline=, or see .probability."
-            )
+        penalty = self.problem.penalty
+        notes = [
+            "Without a baseline every error of the model may come out as damage: give the values of the "
+            "intact structure as baseline=, or see .probability."
+        ]
         if self._visible():
             notes.append(
                 f"Smallest damage that would be seen: {self._visible()}. An element with less than its own "
@@ -238,8 +317,7 @@ class DamageResult(UpdateResult):
         """Where least and most damage is needed to be seen."""
         visible = sorted((b, e) for e, b in self.detectable.items() if np.isfinite(b))
         label = self.problem.model.element_label
-        digits = [0 if beta >= 0.095 else 1 if beta >= 9.5e-4 else 2 for beta, _ in visible]
-        spans = [f"{100 * beta:.{n}f} % ({label(e)})" for n, (beta, e) in zip(digits, visible, strict=True)]
+        spans = [f"{figure(beta)} ({label(e)})" for beta, e in visible]
         return " to ".join(dict.fromkeys([spans[0], spans[-1]])) if spans else ""
 
     def summary(self) -> str:

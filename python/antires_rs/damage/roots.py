@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
 from ..support.validation import FloatArray
-from .association import ALONE, align
 
-__all__ = ["Roots", "follow", "roots_at"]
+__all__ = ["Roots", "Source", "follow", "roots_at"]
 
 #: A root that is shown by less than this share is not seen by the test.
 _SHOWN = 0.5
-#: Price of a root that appears or vanishes, in ln f.
-_BORN = 0.05
+#: Price of a root that appears or vanishes, in ln f: large damage moves roots by a fifth and more.
+_BORN = 0.15
 
 
 @dataclass(frozen=True)
@@ -32,31 +32,56 @@ class Roots:
         """How many."""
         return int(self.log_f.size)
 
+    @property
+    def kind(self) -> NDArray[np.intp]:
+        """0: all are frequencies."""
+        return np.zeros(self.size, dtype=np.intp)
 
-def roots_at(core: _core.Objective, candidates: FloatArray, *, slopes: bool, threads: int) -> list[Roots]:
-    """The roots at each row of ``candidates`` (m, n)."""
+    def between(self, low: float, high: float) -> NDArray[np.bool_]:
+        """Which lie between two ln f."""
+        return (self.log_f > low) & (self.log_f < high)
+
+    def only(self, kept: NDArray[np.bool_]) -> Roots:
+        """Some of them."""
+        return Roots(
+            self.response[kept], self.log_f[kept], self.slopes[kept] if len(self.slopes) else self.slopes
+        )
+
+    def since(self, before: Roots) -> tuple[Roots, NDArray[np.intp]]:
+        """These, and which root of ``before`` each has been."""
+        return self, follow(before, self)
+
+
+class Source(Protocol):
+    """What has roots of its own kind."""
+
+    def roots(self, candidates: FloatArray, slopes: bool, threads: int) -> list[Roots]:
+        """The roots at each row of ``candidates`` (m, n)."""
+
+
+def roots_at(
+    core: _core.Objective | Source,
+    candidates: FloatArray,
+    *,
+    slopes: bool,
+    threads: int,
+    band_hz: tuple[float, float] = (0.0, np.inf),
+) -> list[Roots]:
+    """The roots at each row of ``candidates`` (m, n); slopes of those in the band, 0 for others."""
+    if not isinstance(core, _core.Objective):
+        return core.roots(candidates, slopes, threads)
     found = []
-    for target, hz, shown, slope in core.states(np.ascontiguousarray(candidates), slopes, threads):
+    states = core.states(np.ascontiguousarray(candidates), slopes, threads, *band_hz)
+    for target, hz, shown, slope in states:
         seen = (shown >= _SHOWN) & (hz > 0.0)
         found.append(Roots(target[seen].astype(np.intp), np.log(hz[seen]), slope[seen] if slopes else slope))
     return found
 
 
 def follow(before: Roots, after: Roots) -> NDArray[np.intp]:
-    """Number of the root of ``before`` that each root of ``after`` has been; ``ALONE`` for a new one.
+    """Number of the root of ``before`` that each root of ``after`` has been; -1 for a new one.
 
     Where a response has as many roots as before they keep their order; otherwise those that moved least are
     the same.
     """
-    if before.response.size == after.response.size and np.array_equal(before.response, after.response):
-        return np.arange(before.size)
-    found = np.full(after.size, ALONE)
-    for number in np.unique(after.response):
-        own, old = np.flatnonzero(after.response == number), np.flatnonzero(before.response == number)
-        if own.size == old.size:
-            found[own] = old
-        elif old.size:
-            cost = np.abs(after.log_f[own][:, None] - before.log_f[old])
-            columns = align(cost, np.full(own.size, _BORN), np.full(old.size, _BORN))
-            found[own] = np.where(columns >= 0, old[columns], ALONE)
-    return found
+    return _core.follow(before.response, before.log_f, after.response, after.log_f, _BORN)

@@ -9,6 +9,7 @@ too, as far as the linear model goes. Elements that are no candidates are judged
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from ..support.progress import step
 from ..support.validation import FloatArray
 from .evidence import HIGHEST, Fit, fitted
 from .likelihood import Likelihood
-from .roots import Roots
 from .view import View
 
 __all__ = ["Search"]
@@ -26,10 +26,10 @@ Elements = tuple[int, ...]
 _GRID = np.array([0.02, 0.05, 0.1, 0.16, 0.23, 0.31, 0.4, 0.5, 0.6, 0.7, 0.79, 0.87, 0.93, 0.97])
 #: Sets of each size that get another element; and new sets that are refined.
 _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
-#: Distance in ln f beyond which a value counts as unexplained in the scan.
-_FAR = 0.2
 #: Errors added on the way to the most probable severities.
 _TEMPERED = (0.03, 0.01, 0.003, 0.0, 0.0)
+#: Sets so far below the likeliest of their size (log-likelihood) are given up on the way, but for so many.
+_HOPELESS, _KEPT = 30.0, 8
 #: Largest step of ln(1 - beta).
 _LONGEST = 0.7
 #: Gain of the log-likelihood below which no further element can win against its prior.
@@ -42,8 +42,8 @@ _NEAR, _RENEWED = 12.0, 24
 _WIDER = 2.0
 #: Share of values without a partner that is usual.
 _LOST = 0.05
-#: Places of the responses on one line, so that one search in it serves all.
-_APART = 100.0
+#: With fewer values to spare two damages are looked at, however well one explains the values.
+_MANY = 8
 
 
 @dataclass
@@ -55,6 +55,11 @@ class Search:
     most: int = 3
     fits: dict[Elements, Fit] = field(default_factory=dict)
     interrupted: bool = False
+
+    @cached_property
+    def something_else(self) -> float:
+        """Log evidence of a change that no element explains."""
+        return self.likelihood.something_else()
 
     def run(self) -> None:
         """Judge sets of up to ``most`` elements; after Ctrl-C those judged so far stay."""
@@ -121,7 +126,10 @@ class Search:
         all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
         # Errors as they are stated: larger ones would explain anything.
         stated = view.times <= (_WIDER if parent.elements else 1.0)
-        return bool(fits and all_there and gains.max() < _GAIN and stated)
+        # A few values are explained by much that is not so, and what is no damage may explain them better.
+        many = not parent.elements or count >= _MANY + len(parent.elements)
+        explained = bool(fits and all_there and gains.max() < _GAIN and stated and many)
+        return explained and parent.log_evidence > self.something_else
 
     def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""
@@ -133,7 +141,7 @@ class Search:
             rows = np.repeat(base[None], len(further) * _GRID.size, axis=0)
             for nth, e in enumerate(further):
                 rows[nth * _GRID.size : (nth + 1) * _GRID.size, e] = _GRID
-            left = [self._unexplained(roots) for roots in self.likelihood.roots(rows, slopes=False)]
+            left = [self.likelihood.unexplained(roots) for roots in self.likelihood.roots(rows, slopes=False)]
             for nth, e in enumerate(further):
                 at = nth * _GRID.size + int(np.argmin(left[nth * _GRID.size : (nth + 1) * _GRID.size]))
                 found.append((left[at], tuple(sorted((*parent.elements, e))), rows[at]))
@@ -144,16 +152,6 @@ class Search:
                 chosen[elements] = beta
         return chosen
 
-    def _unexplained(self, roots: Roots) -> float:
-        """Sum of the distances of the values from the nearest roots of their responses."""
-        now = self.likelihood.now
-        place = np.sort(self.likelihood.expected(roots) + _APART * roots.response)
-        place = np.concatenate([[-np.inf], place, [np.inf]])
-        value = now.log_f + _APART * now.response
-        after = np.searchsorted(place, value)
-        near = np.minimum(value - place[after - 1], place[after] - value)
-        return float(np.minimum(near, _FAR).sum())
-
     def _refine(self, chosen: dict[Elements, FloatArray]) -> None:
         """Newton steps of all sets together, then their evidence."""
         if not chosen:
@@ -161,6 +159,9 @@ class Search:
         sets, betas = list(chosen), np.array(list(chosen.values()))
         for extra in _TEMPERED:
             views = self.likelihood.views(betas, extra)
+            if not extra:
+                near = _worth(sets, views)
+                sets, views, betas = [sets[n] for n in near], [views[n] for n in near], betas[near]
             for row, (elements, view) in enumerate(zip(sets, views, strict=True)):
                 at = np.array(elements)
                 matrix = view.curvature[np.ix_(at, at)]
@@ -172,3 +173,11 @@ class Search:
                 betas[row, at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
         for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
             self._judge(elements, view)
+
+
+def _worth(sets: list[Elements], views: list[View]) -> list[int]:
+    """Those that may still win, and all single elements."""
+    logs = np.array([view.log_likelihood for view in views])
+    order = np.argsort(-logs, kind="stable")
+    kept = [n for rank, n in enumerate(order) if rank < _KEPT or logs[n] > logs[order[0]] - _HOPELESS]
+    return sorted({*kept, *(n for n, elements in enumerate(sets) if len(elements) == 1)})

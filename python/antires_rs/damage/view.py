@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support.validation import FloatArray
-from .association import FALSE, FOUND, FOUND_ONCE, associate
+from .association import FALSE, FOUND, FOUND_ONCE
 from .measured_states import Values
+from .roots import Roots
 
 __all__ = ["ERRORS", "Band", "Foreseen", "View", "viewed"]
 
@@ -52,7 +53,7 @@ class View:
     log_likelihood : of the values.
     gain, curvature : gradient (n,) and Gauss-Newton Hessian (n, n) of the log-likelihood by all severities.
     kappa, times : the most probable error of predictions, and multiple of the standard deviations.
-    matched : (m,) whether each value has a root.
+    partner : (m,) root of each value, -1 without one.
     beside : (m,) how far that root lies beside the model's in the measured structure, ln f; 0 without one.
     residual, std : of those that have, in ln f.
     chi_square : of all together.
@@ -64,11 +65,16 @@ class View:
     curvature: FloatArray
     kappa: float
     times: float
-    matched: NDArray[np.bool_]
+    partner: NDArray[np.intp]
     beside: FloatArray
     residual: FloatArray
     std: FloatArray
     chi_square: float
+
+    @property
+    def matched(self) -> NDArray[np.bool_]:
+        """Whether each value has a root, (m,)."""
+        return self.partner >= 0
 
 
 @dataclass(frozen=True)
@@ -96,8 +102,8 @@ class Band:
 class Foreseen:
     """Roots as they are expected in the measured structure at some severities; (r,) each.
 
-    ``place`` ln f with covariance ``spread``, ``beside`` the model's, ``change`` from the intact state,
-    with ``slopes`` (r, n) by the severities; ``seen`` in the intact state.
+    ``place`` ln f with covariance ``spread``, ``beside`` the model's, ``change`` from the intact state, with
+    ``slopes`` (r, n) by the severities; ``seen`` in the intact state; ``modes`` where they are of modes.
     """
 
     response: NDArray[np.intp]
@@ -107,6 +113,12 @@ class Foreseen:
     change: FloatArray
     slopes: FloatArray
     seen: NDArray[np.bool_]
+    modes: Roots | None = None
+
+    @property
+    def roots(self) -> Roots:
+        """What values are associated with."""
+        return self.modes or Roots(self.response, self.place, self.slopes)
 
 
 def viewed(
@@ -117,32 +129,30 @@ def viewed(
     found: list[View] = []
     before: NDArray[np.intp] | None = None
     for wider in _WIDER:
-        partner, price = _associated(now, roots, band, np.sqrt(variance), wider)
+        partner, place, price = _associated(now, roots, band, np.sqrt(variance), wider)
         if before is None or not np.array_equal(partner, before):
-            found.append(_judged(beta, now, roots, partner, price, errors))
+            found.append(_judged(beta, now, place, roots, partner, price, errors))
         before = partner
     return max(found, key=lambda view: view.log_likelihood)
 
 
 def _associated(
     now: Values, roots: Foreseen, band: Band, sigma: FloatArray, wider: float
-) -> tuple[NDArray[np.intp], float]:
-    """Root of each value, and what those without a partner cost."""
-    missed, present = band.prices(roots.place, roots.seen)
-    partner, price = np.full(now.size, -1), 0.0
-    for test in np.unique(now.test):
-        own = np.flatnonzero(now.test == test)
-        value = (now.response[own], now.log_f[own], wider * now.std[own])
-        root = (roots.response, roots.place, wider * sigma)
-        partner[own] = associate(value, root, band.alone, missed - present)
-        taken = partner[own][partner[own] >= 0]
-        price += band.alone * (own.size - taken.size) + missed.sum() - (missed - present)[taken].sum()
-    return partner, float(price)
+) -> tuple[NDArray[np.intp], FloatArray, float]:
+    """Root of each value, the values as seen from there, and what those without a partner cost."""
+    missed, present = (np.where(roots.roots.kind == 0, p, 0.0) for p in band.prices(roots.place, roots.seen))
+    partner, place, lost = now.associated(
+        roots.roots, roots.place, sigma, band.alone, missed - present, wider
+    )
+    taken = partner[partner >= 0]
+    price = lost + np.unique(now.test).size * missed.sum() - (missed - present)[taken].sum()
+    return partner, place, float(price)
 
 
 def _judged(
     beta: FloatArray,
     now: Values,
+    place: FloatArray,
     roots: Foreseen,
     partner: NDArray[np.intp],
     price: float,
@@ -150,36 +160,32 @@ def _judged(
 ) -> View:
     """Likelihood and slopes, for one way to associate."""
     from scipy.linalg import solve_triangular
-    from scipy.special import logsumexp
 
     has = np.flatnonzero(partner >= 0)
     root = partner[has]
-    residual = now.log_f[has] - roots.place[root]
+    residual = place[has] - roots.place[root]
     model, noise = roots.spread[np.ix_(root, root)], np.diag(now.std[has] ** 2)
     change = roots.change[root]
-    size = np.sqrt(change**2 + _COMMON * np.mean(change**2)) if root.size else change
+    size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
-    triangles = [
-        np.linalg.cholesky(model + times**2 * noise + kappa**2 * unmodelled) for kappa, times, _ in errors
-    ]
-    white = [solve_triangular(t, residual, lower=True) for t in triangles]
-    logs = [
-        float(np.log(p) - 0.5 * w @ w - np.sum(np.log(np.diag(t))))
-        for (_, _, p), t, w in zip(errors, triangles, white, strict=True)
-    ]
+    kappa, times, share = np.array(errors).T[..., None, None]
+    triangles = np.linalg.cholesky(model + times**2 * noise + kappa**2 * unmodelled)
+    white = np.linalg.solve(triangles, np.broadcast_to(residual[:, None], (len(errors), has.size, 1)))[..., 0]
+    log_diagonal = np.log(np.diagonal(triangles, axis1=1, axis2=2)).sum(axis=1)
+    logs = np.log(share[:, 0, 0]) - 0.5 * np.einsum("ei,ei->e", white, white) - log_diagonal
     best = int(np.argmax(logs))
     slope = solve_triangular(triangles[best], roots.slopes[root], lower=True)
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
     return View(
         beta=beta,
-        log_likelihood=float(logsumexp(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
+        log_likelihood=float(np.logaddexp.reduce(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
         gain=slope.T @ white[best],
         curvature=slope.T @ slope,
         kappa=errors[best][0],
         times=errors[best][1],
-        matched=partner >= 0,
+        partner=partner,
         beside=np.where(partner >= 0, roots.beside[partner], 0.0)
         if roots.beside.size
         else np.zeros(now.size),
@@ -187,3 +193,11 @@ def _judged(
         std=np.linalg.norm(triangles[best], axis=1),
         chi_square=float(white[best] @ white[best]),
     )
+
+
+def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
+    """The mean of those of the same kind, for each."""
+    found = np.zeros(squares.size)
+    for each in np.unique(kind):
+        found[kind == each] = np.mean(squares[kind == each])
+    return found

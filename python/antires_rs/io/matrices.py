@@ -1,4 +1,4 @@
-"""Stiffness and mass of any finite-element program: Matrix Market, npz, or matrices themselves.
+"""Stiffness and mass of any finite-element program: from its files, or matrices themselves.
 
 The rows are the model's dofs. :func:`read_dof_map` reads which node and direction each of them is; what it
 returns fits ``dofs=`` of :func:`~antires_rs.io.read_uff`.
@@ -7,22 +7,25 @@ returns fits ``dofs=`` of :func:`~antires_rs.io.read_uff`.
 from __future__ import annotations
 
 import os
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ..models.matrix_model import MatrixModel
 from ..models.recipes import MatrixRecipe
 from ..support.validation import part, reject
 from ._common import existing_file, unsuitable
 from ._store import Store, read_store, write_store
-from .npz import read_archive
+from .matrix_files import Labelled, choose, matrices_in
 from .uff_names import CODES, DIRECTIONS
 
 __all__ = ["read_dof_map", "read_matrices", "write_matrices"]
 
 FORMAT, VERSION = "antires_rs.matrices", 1
+#: Files that may hold stiffness and mass, by their names: K... and M...
+_OF_BOTH = (".op4", ".pch", ".bdf", ".dmig", ".full")
 #: As finite-element programs call directions.
 _NAMES = {
     **CODES,
@@ -44,8 +47,11 @@ def read_matrices(
     Parameters
     ----------
     stiffness, mass : path-like, array_like or scipy.sparse
-        Files in Matrix Market form (``.mtx``, ``.mtx.gz``) or of ``scipy.sparse.save_npz``; or the matrices
-        themselves. Without ``mass``, a file of :func:`write_matrices`.
+        Files, by their endings: Matrix Market (``.mtx``, ``.mtx.gz``), ``scipy.sparse.save_npz`` (``.npz``),
+        Nastran's OUTPUT4 (``.op4``) and DMIG cards (``.pch``, ``.bdf``), Abaqus's ``*MATRIX OUTPUT``
+        (``.mtx``), Harwell-Boeing (``.rsa``, ``.rua``, ``.hb``), ANSYS (``.full``, extra ``ansys``); or the
+        matrices themselves. Without ``mass``, a file of :func:`write_matrices`, or one that holds both: of
+        ANSYS, or of Nastran with one name that begins with K and one with M.
     stiffness_terms, mass_terms : sequence of the same
         Contribution of each element or group that a parameter may scale.
 
@@ -78,15 +84,20 @@ def read_matrices(
     """
     if mass is None:
         if not isinstance(stiffness, str | os.PathLike):
-            reject("mass", None, "the mass matrix", "Only a file of write_matrices holds both.")
-        return _own(stiffness)
+            reject("mass", None, "the mass matrix", "Only files of write_matrices, .op4 and .pch hold both.")
+        if not str(stiffness).lower().endswith(_OF_BOTH):
+            return _own(stiffness)
+        mass = stiffness
+    rows = _labelled("stiffness", stiffness, "K")
+
+    def placed(name: str, given: Any, letter: str) -> Any:
+        return _in_rows_of(name, _labelled(name, given, letter), rows)
+
     terms = [
-        [_matrix(part(name, i), term) for i, term in enumerate(each)]
-        for name, each in (("stiffness_terms", stiffness_terms), ("mass_terms", mass_terms))
+        [placed(part(name, i), term, letter) for i, term in enumerate(each)]
+        for name, each, letter in (("stiffness_terms", stiffness_terms, "K"), ("mass_terms", mass_terms, "M"))
     ]
-    return MatrixModel(
-        _matrix("stiffness", stiffness), _matrix("mass", mass), stiffness_terms=terms[0], mass_terms=terms[1]
-    )
+    return MatrixModel(rows.matrix, placed("mass", mass, "M"), stiffness_terms=terms[0], mass_terms=terms[1])
 
 
 def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
@@ -147,7 +158,8 @@ def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tu
         Text with one line for each row: ``node direction`` in the order of the rows, or ``row node
         direction`` as in the mapping file of ANSYS. Directions are X, UX, +X, T1, 1; rotations RX, ROTX, R1,
         4.
-        Other lines above the first of these are skipped.
+        Other lines above the first of these are skipped. Or a file of matrices that names them itself (DMIG
+        cards, Abaqus): the rows of its stiffness, if it holds several.
     first_row : int
         Number of the first row in files that number them.
 
@@ -170,7 +182,10 @@ def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tu
     ...     ar.io.read_dof_map(file)
     {(12, '+Y'): 0, (12, '+Z'): 1}
     """
-    file, wanted = existing_file(path), "a line 'node direction' or 'row node direction' for each row"
+    file = existing_file(path)
+    if file.name.lower().endswith((".mtx", *_OF_BOTH)):
+        return _own_map(file)
+    wanted = "a line 'node direction' or 'row node direction' for each row"
     found: dict[tuple[int, str], int] = {}
     for number, line in enumerate(file.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
         parts = line.replace(",", " ").replace(";", " ").split()
@@ -197,6 +212,20 @@ def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tu
     return found
 
 
+def _own_map(file: Path) -> dict[tuple[int, str], int]:
+    """Of a file of matrices."""
+    found = matrices_in("path", file)
+    points = (next(iter(found.values())) if len(found) == 1 else choose("path", file, "K")).points
+    if points is None:
+        unsuitable(
+            file,
+            "which does not name its rows",
+            "DMIG cards, Abaqus's *MATRIX OUTPUT, or a text with node and direction of each row",
+            "Write the table of equations beside the matrices.",
+        )
+    return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
+
+
 def _own(path: str | os.PathLike[str]) -> MatrixModel:
     _, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
     n = data["n_dof"]
@@ -212,103 +241,27 @@ def _sparse(entries: Any, n: int) -> Any:
     return coo_array((values, (rows, columns)), shape=(n, n))
 
 
-def _matrix(name: str, given: Any) -> Any:
+def _labelled(name: str, given: Any, letter: str) -> Labelled:
     """A matrix, or the one of a file."""
-    if not isinstance(given, str | os.PathLike):
-        return given
-    file = existing_file(given)
-    if file.suffix == ".npz":
-        return _sparse_npz(file)
-    if file.name.endswith((".mtx", ".mtx.gz", ".mm")):
-        return _matrix_market(file)
-    return reject(
-        name,
-        repr(str(file)),
-        "a file that ends in .mtx, .mtx.gz or .npz, or a matrix",
-        "Export the matrix in one of these formats, or pass it as a scipy.sparse array.",
-    )
+    return choose(name, given, letter) if isinstance(given, str | os.PathLike) else Labelled(given)
 
 
-def _sparse_npz(file: Path) -> Any:
-    from scipy.sparse import load_npz
+def _in_rows_of(name: str, each: Labelled, rows: Labelled) -> Any:
+    """A matrix with the rows of the stiffness: those of a file of another order, or without all of them."""
+    if each.points is None or rows.points is None or each.points == rows.points:
+        return each.matrix
+    from scipy.sparse import coo_array
 
-    arrays = read_archive(file)  # every checksum is compared before scipy sees it
-    if "format" not in arrays or "shape" not in arrays:
-        unsuitable(
-            file,
-            f"with the arrays {', '.join(arrays)}",
-            "a file of scipy.sparse.save_npz",
-            "Save it by scipy.sparse.save_npz.",
+    number = {point: nth for nth, point in enumerate(rows.points)}
+    unknown = [point for point in each.points if point not in number]
+    if unknown:
+        reject(
+            name,
+            f"entries at node {unknown[0][0]}, component {unknown[0][1]}",
+            "the nodes and components of the stiffness, or some of them",
+            "Export both matrices of one model, after the same constraints.",
         )
-    return load_npz(file)
-
-
-def _matrix_market(file: Path) -> Any:
-    """A Matrix Market file, its entries counted against its header."""
-    import gzip
-    from io import BytesIO
-
-    from scipy.io import mmread
-
-    wanted = "a whole Matrix Market file"
-    try:
-        with (gzip.open if file.suffix == ".gz" else open)(file, "rb") as opened:
-            text = opened.read()
-    except (OSError, EOFError) as exc:
-        unsuitable(file, f"which cannot be unpacked ({exc})", wanted, "It was cut or damaged.")
-    lines = [line for line in text.splitlines() if line.strip()]
-    numbers = [line for line in lines if not line.startswith(b"%")]
-    if not lines or not lines[0].lower().startswith(b"%%matrixmarket") or not numbers:
-        unsuitable(
-            file,
-            "which is cut in its head or of another kind",
-            wanted,
-            "Export it again as MatrixMarket, .mtx.",
-        )
-    try:
-        head, stated = _head(lines[0].lower().split(), numbers[0].split())
-    except ValueError:
-        unsuitable(
-            file, f"with the sizes {numbers[0]!r}", wanted, "Export it again: the matrix must be square."
-        )
-    if len(numbers) - 1 != stated or not text.endswith((b"\n", b"\r")):
-        end = "" if text.endswith((b"\n", b"\r")) else ", the last without a line end"
-        unsuitable(file, f"with {len(numbers) - 1} of {stated} entries{end}", wanted, "Copy it again.")
-    entry = _entry(head[0].split())
-    wrong = next((line for line in numbers[1:] if not entry.fullmatch(line)), None)
-    if wrong is not None:
-        unsuitable(file, f"with the entry {wrong[:40]!r}", wanted, "Export it again, as real numbers.")
-    try:
-        # Not the file: what SciPy reads is what was looked at here.
-        return mmread(BytesIO(b"\n".join([*head, *numbers[1:], b""])))
-    except (ValueError, OverflowError, TypeError) as exc:
-        unsuitable(
-            file,
-            f"which cannot be read ({exc})",
-            wanted,
-            "Export it again, as real numbers in MatrixMarket format.",
-        )
-
-
-def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[list[bytes], int]:
-    """Both lines of the head, and the entries that they state; ValueError for any other head."""
-    if len(words) != 5 or words[1] != b"matrix":
-        raise ValueError("unknown head")
-    if len(sizes) != {b"coordinate": 3, b"array": 2}.get(words[2]) or not all(map(bytes.isdigit, sizes)):
-        raise ValueError("no sizes")
-    n, columns, *entries = map(int, sizes)
-    if n != columns or n < 1:  # SciPy would write beyond its memory
-        raise ValueError("not square")
-    half = n * (n + 1) // 2
-    stored = {b"general": n * n, b"symmetric": half, b"hermitian": half, b"skew-symmetric": half - n}
-    if words[4] not in stored:
-        raise ValueError("unknown symmetry")
-    lines = [b" ".join([b"%%MatrixMarket", *words[1:]]), b" ".join(sizes)]
-    return lines, entries[0] if entries else stored[words[4]]
-
-
-def _entry(words: Sequence[bytes]) -> re.Pattern[bytes]:
-    """A line of numbers. At some others, a NUL behind one in a symmetric array, SciPy ends the process."""
-    places = 2 * (words[2] == b"coordinate") + {b"pattern": 0, b"complex": 2}.get(words[3], 1)
-    number = rb"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|inf|infinity|nan)"
-    return re.compile(rb"[ \t\r]*" + rb"[ \t]+".join([number] * places) + rb"[ \t\r]*", re.IGNORECASE)
+    places = np.array([number[point] for point in each.points])
+    entries = coo_array(each.matrix)
+    shape = (len(number), len(number))
+    return coo_array((entries.data, (places[entries.row], places[entries.col])), shape=shape)

@@ -1,9 +1,10 @@
 """Results of updating and damage assessment as one file: what was asked, how it went, what came out.
 
 A NumPy archive with a JSON text, version 3: model, parameters, measured sets, penalty, weights, the
-optimizer's options, seed, x, history, final populations, the assessment against a baseline and the versions
-it was made with. No pickle; every part has a checksum. Older ones are read as well: version 1 kept an updated
-model as the problem it came from, version 2 had no assessment.
+optimizer's options, seed, x, history, final populations, the assessment against a baseline with what was
+asked (some files of version 3 lack the question), and the versions it was made with. No pickle; every part
+has a checksum. Older ones are read as well: version 1 kept an updated model as the problem it came from,
+version 2 had no assessment.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from ._common import unsuitable, warn
 from ._store import Store, read_store, write_store
 from .assessments import describe_assessment, made_assessment
 from .problems import describe_problem, made_problem
+from .questions import describe_question, made_question
 
 __all__ = ["load_result", "save_result"]
 
@@ -39,6 +41,7 @@ def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
         reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
     store, search = Store(), result.search
     assessment = result._assessment if isinstance(result, DamageResult) else None
+    question = result._question if isinstance(result, DamageResult) else None
     data = {
         "format": FORMAT,
         "version": VERSION,
@@ -54,6 +57,7 @@ def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
             "options": search.options,
         },
         "assessment": None if assessment is None else describe_assessment(assessment, store),
+        "question": None if question is None else describe_question(question, store),
         "made_with": {
             "antires_rs": __version__,
             "numpy": np.__version__,
@@ -78,7 +82,9 @@ def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateR
         raw = {"njev": None, **data["search"]}  # version 1 did not count linearizations
         search = OptimizeResult(history=History(**raw.pop("history")), **raw)
         kept = data.get("assessment")
-        more = () if kept is None else (made_assessment(kept),)
+        asked = data.get("question")
+        question = None if asked is None else made_question(asked, str(file))
+        more = () if kept is None else (made_assessment(kept), question)
     except (KeyError, TypeError, IndexError) as exc:
         unsuitable(
             file,

@@ -29,16 +29,20 @@ class ModalSet(ReadOnly):
         Modal damping ratios.
     diagram : StabilizationDiagram, optional
         The evidence, where the modes were identified.
+    std_hz : array_like, (n_modes,), optional
+        Standard deviations of the frequencies in Hz.
+    std_shapes : array_like, (n_modes,), optional
+        Standard deviation of each component of a shape that is scaled to unit length.
 
     Attributes
     ----------
-    freq_hz, shapes, dofs, damping_ratio, diagram
+    freq_hz, shapes, dofs, damping_ratio, diagram, std_hz, std_shapes
         As given, read-only.
 
     Raises
     ------
     InvalidInputError
-        Shapes and frequencies that do not fit, or frequencies not ascending.
+        Shapes and frequencies that do not fit, frequencies not ascending, standard deviations below 0.
 
     Examples
     --------
@@ -55,6 +59,8 @@ class ModalSet(ReadOnly):
     dofs: tuple[Any, ...]
     damping_ratio: FloatArray | None
     diagram: Any
+    std_hz: FloatArray | None
+    std_shapes: FloatArray | None
 
     def __init__(
         self,
@@ -64,6 +70,8 @@ class ModalSet(ReadOnly):
         damping_ratio: Any = None,
         *,
         diagram: Any = None,
+        std_hz: Any = None,
+        std_shapes: Any = None,
     ) -> None:
         freq = frozen(_maybe_empty("freq_hz", freq_hz, "an array (n_modes,) in Hz"))
         if np.any(np.diff(freq) < 0):
@@ -95,22 +103,23 @@ class ModalSet(ReadOnly):
                 "finite shapes",
                 "Leave out the modes or dofs that were not measured.",
             )
-        damping = None
-        if damping_ratio is not None:
-            damping = frozen(_maybe_empty("damping_ratio", damping_ratio, "an array (n_modes,)"))
-            if damping.shape != freq.shape:
-                reject(
-                    "damping_ratio",
-                    f"{damping.size} values",
-                    f"{freq.size}, one a mode",
-                    "Give a damping ratio for each mode, or leave it out.",
-                )
+        damping, *stds = (
+            _each(name, given, freq.size)
+            for name, given in (
+                ("damping_ratio", damping_ratio), ("std_hz", std_hz), ("std_shapes", std_shapes)
+            )
+        )  # fmt: skip
+        for name, std in zip(("std_hz", "std_shapes"), stds, strict=True):
+            if std is not None and not (np.isfinite(std).all() and (std >= 0.0).all()):
+                reject(name, "numbers below 0, NaN or infinite", "standard deviations", "Leave it out.")
         self._fill(
             freq_hz=freq,
             shapes=frozen(array),
             dofs=dof_labels("dofs", dofs, array.shape[1]),
             damping_ratio=damping,
             diagram=diagram,
+            std_hz=stds[0],
+            std_shapes=stds[1],
         )
 
     def mac(self, other: ModalSet) -> FloatArray:
@@ -197,6 +206,8 @@ class ModalSet(ReadOnly):
             self.dofs,
             self.damping_ratio,
             diagram=self.diagram,
+            std_hz=self.std_hz,
+            std_shapes=self.std_shapes,
         )
 
     def __len__(self) -> int:
@@ -205,6 +216,21 @@ class ModalSet(ReadOnly):
     def __repr__(self) -> str:
         band = f", {self.freq_hz[0]:.4g} to {self.freq_hz[-1]:.4g} Hz" if len(self) else ""
         return f"ModalSet({len(self)} modes x {len(self.dofs)} dofs{band})"
+
+
+def _each(name: str, given: Any, n_modes: int) -> FloatArray | None:
+    """One number for each mode, or none."""
+    if given is None:
+        return None
+    values = frozen(_maybe_empty(name, given, "an array (n_modes,)"))
+    if values.shape != (n_modes,):
+        reject(
+            name,
+            f"{values.size} values",
+            f"{n_modes}, one a mode",
+            "Give one for each mode, or leave it out.",
+        )
+    return values
 
 
 def _maybe_empty(name: str, value: Any, wanted: str) -> FloatArray:

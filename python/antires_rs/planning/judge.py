@@ -11,6 +11,7 @@ costs there.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,8 @@ __all__ = ["GRID", "Judge"]
 GRID = -np.expm1(-np.array([0.0, 0.005, 0.015, 0.03, 0.05, *np.arange(0.1, 3.6, 0.1)]))
 #: Points of the grid that each element is judged at, and how far from one its linear model reaches.
 _POINTS, _LINEAR = 3, 0.12
+#: Points of each element that are judged under their own covariance to find these.
+_POOL = 6
 #: Log likelihood by which a point may lie below the best before any error is drawn: so much below this
 #: multiple of the best.
 _HOPELESS = (50.0, 3.0)
@@ -155,18 +158,32 @@ class Judge:
     def _near(self, log_f: FloatArray, paired: NDArray[np.bool_]) -> NDArray[np.intp]:
         """The points of each element's grid that explain the true values best, (n, points); -1 for hopeless.
 
-        Under the covariance of the intact state, which is never larger.
+        First under the covariance of the intact state for all; it is never larger, and where values are
+        known very well it condemns points a little beside the severity for what the linear model leaves. So
+        the best by it and those that explain most values are judged again, each under its own.
         """
+        residual = np.where(paired, log_f - self.place, 0.0)
+        raw = np.where(paired, self.raw, 0.0)
         white = self.white[0].T
-        left = np.where(paired, log_f - self.place, 0.0) @ white
-        slope = np.where(paired, self.raw, 0.0) @ white
-        gain, curvature = (left * slope).sum(axis=1), (slope**2).sum(axis=1) + _BLIND
-        step = np.clip(self.beta + gain / curvature, 0.0, HIGHEST) - self.beta
-        worth = -0.5 * (left**2).sum(axis=1) + gain * step - 0.5 * curvature * step**2
-        worth -= _FAR * self._too_far(self.beta + step, self.beta) + self.missed
-        order = np.argsort(-worth[1:].reshape(self.n, -1), axis=1)[:, :_POINTS]
+        intact = self._worth(residual @ white, raw @ white) - self.missed
+        shape = (self.n, GRID.size)
+        by_worth = np.argsort(-intact[1:].reshape(shape), axis=1)[:, :_POOL]
+        by_count = np.lexsort((-intact[1:].reshape(shape), self.missed[1:].reshape(shape)))[:, :_POOL]
+        at = 1 + np.hstack([by_worth, by_count]) + GRID.size * np.arange(self.n)[:, None]
+        every = np.unique(at)
+        left, slope = ((self.white[every] @ rows[every][:, :, None])[:, :, 0] for rows in (residual, raw))
+        worth = np.full(intact.size, -np.inf)
+        worth[every] = self._worth(left, slope, every) - self.missed[every] - self.log_det[every]
+        order = np.argsort(-worth[1:].reshape(shape), axis=1)[:, :_POINTS]
         at = 1 + order + GRID.size * np.arange(self.n)[:, None]
-        return np.where(worth[at] > _HOPELESS[1] * worth.max() - _HOPELESS[0], at, -1)
+        return np.where(worth[at] > _HOPELESS[1] * min(worth.max(), 0.0) - _HOPELESS[0], at, -1)
+
+    def _worth(self, left: FloatArray, slope: FloatArray, at: Any = slice(None)) -> FloatArray:
+        """Log likelihood at the best severity of each point; where that is too far, very little."""
+        gain, curvature = (left * slope).sum(axis=1), (slope**2).sum(axis=1) + _BLIND
+        step = np.clip(self.beta[at] + gain / curvature, 0.0, HIGHEST) - self.beta[at]
+        worth = -0.5 * (left**2).sum(axis=1) + gain * step - 0.5 * curvature * step**2
+        return np.asarray(worth - _FAR * self._too_far(self.beta[at] + step, self.beta[at]))
 
     def _plain(
         self, at: NDArray[np.intp], values: FloatArray, paired: NDArray[np.bool_]

@@ -11,8 +11,10 @@ on-orbit modal identification, J. Guidance 14 (1991) 251-259 (backwards).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, islice
 from math import comb
+
+import numpy as np
 
 from .information import Information
 
@@ -20,7 +22,7 @@ __all__ = ["Placed", "Round", "exhaustive", "greedy"]
 
 #: An exchange must add at least this share.
 _LEAST = 1e-10
-#: So many exchanges are tried at once.
+#: So many exchanges or sets are tried at once.
 _MOST_EXCHANGES = 20_000
 #: Above so many candidates the search goes forwards only.
 _MOST_BACKWARDS = 150
@@ -71,11 +73,13 @@ def greedy(information: Information, n: int, criterion: str) -> Placed:
 
 def exhaustive(information: Information, n: int, criterion: str) -> Placed:
     """Of all sets of n candidates the best."""
-    count = information.own.shape[0]
-    worth, chosen = max(
-        ((information.worth(each, criterion), each) for each in combinations(range(count), n)),
-        key=lambda one: one[0],
-    )
+    every = combinations(range(information.own.shape[0]), n)
+    worth, chosen = -np.inf, tuple(range(n))
+    while some := list(islice(every, _MOST_EXCHANGES)):
+        worths = information.worths(np.array(some), criterion)
+        best = int(np.argmax(worths))
+        if worths[best] > worth:
+            worth, chosen = float(worths[best]), some[best]
     return Placed(chosen, worth, ())
 
 
@@ -84,10 +88,10 @@ def _forwards(information: Information, n: int, criterion: str) -> Placed:
     rounds = []
     for _ in range(n):
         further = [c for c in range(information.own.shape[0]) if c not in chosen]
-        worths = [information.worth([*chosen, c], criterion) for c in further]
-        best = max(range(len(further)), key=worths.__getitem__)
+        worths = information.worths(np.array([[*chosen, c] for c in further]), criterion)
+        best = int(np.argmax(worths))
         chosen.append(further[best])
-        rounds.append(Round(further[best], None, worths[best]))
+        rounds.append(Round(further[best], None, float(worths[best])))
     return Placed(tuple(chosen), rounds[-1].worth, tuple(rounds))
 
 
@@ -96,9 +100,10 @@ def _backwards(information: Information, n: int, criterion: str) -> Placed:
     rounds = []
     worth = information.worth(chosen, criterion)
     while len(chosen) > n:
-        worths = [information.worth([other for other in chosen if other != c], criterion) for c in chosen]
-        best = max(range(len(chosen)), key=worths.__getitem__)
-        worth = worths[best]
+        sets = np.array([[other for other in chosen if other != c] for c in chosen])
+        worths = information.worths(sets, criterion)
+        best = int(np.argmax(worths))
+        worth = float(worths[best])
         rounds.append(Round(None, chosen.pop(best), worth))
     return Placed(tuple(chosen), worth, tuple(rounds))
 
@@ -123,12 +128,34 @@ def _better(
     for size in (1, 2):
         if comb(len(chosen), size) * comb(len(outside), size) > _MOST_EXCHANGES:
             return None
-        tried = (
-            (information.worth([c for c in chosen if c not in goes] + list(joins), criterion), joins, goes)
+        least = worth + _LEAST * abs(worth)
+        tried = [
+            (goes, joins)
             for goes in combinations(chosen, size)
-            for joins in combinations(outside, size)
-        )
-        best = max(tried, default=(worth, (), ()))
-        if best[0] > worth + _LEAST * abs(worth):
-            return best
+            for joins in _promising(
+                information, criterion, [c for c in chosen if c not in goes], outside, size, least
+            )
+        ]
+        if not tried:
+            continue
+        sets = np.array([[c for c in chosen if c not in goes] + list(joins) for goes, joins in tried])
+        worths = information.worths(sets, criterion)
+        best = int(np.argmax(worths))
+        if worths[best] > least:
+            goes, joins = tried[best]
+            return float(worths[best]), joins, goes
     return None
+
+
+def _promising(
+    information: Information, criterion: str, kept: list[int], outside: list[int], size: int, least: float
+) -> list[tuple[int, ...]]:
+    """What may join the kept ones and be worth more than ``least``: one or two, these by what each adds."""
+    if size == 1 or criterion != "determinant" or not kept:
+        return list(combinations(outside, size))
+    alone = information.worths(np.array([kept]), criterion, all_shown=True)[0]
+    sets = np.array([[*kept, c] for c in outside])
+    gain = information.worths(sets, criterion, all_shown=True) - alone
+    a, b = np.triu_indices(len(outside), 1)
+    enough = alone + gain[a] + gain[b] > least
+    return [(outside[i], outside[j]) for i, j in zip(a[enough].tolist(), b[enough].tolist(), strict=True)]

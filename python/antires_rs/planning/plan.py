@@ -11,7 +11,7 @@ from ..damage.prior import DamagePrior
 from ..models.structural_model import StructuralModel
 from ..optimize.arguments import thread_count
 from ..support.one_thread import one_blas_thread
-from ..support.pickling import FrozenDict
+from ..support.pickling import FrozenDict, frozen
 from ..support.progress import step, waiting
 from ..support.validation import FloatArray, choice, integer, reject
 from .information import CRITERIA, Information, information
@@ -89,7 +89,8 @@ def plan_test(
     -------
     SensorPlan
         ``.sensors``, ``.excitation``, ``.value``, ``.detectable`` {element: loss}, ``.excitations``
-        {dof: value}, ``.rounds``; prints as a table, ``.plot()``.
+        {dof: value}, ``.rounds``, ``.value_std`` {dof: errors that were assumed}; prints as a table,
+        ``.plot()``.
 
     Raises
     ------
@@ -121,6 +122,7 @@ def plan_test(
     threads = thread_count(workers)
     find = exhaustive if search == "exhaustive" else greedy
     plans: dict[int, tuple[Placed, Information, int]] = {}
+    stds: dict[int, list[FloatArray]] = {}
     with waiting("planning", progress):
         for nth, force in enumerate(forces):
             step(f"force {nth + 1} of {len(forces)}")
@@ -129,9 +131,10 @@ def plan_test(
             told = information(roots, len(sensors), unknowns.spread, unknowns.tests)
             placed = find(told, n, criterion)
             plans[force] = placed, told, _shown(roots.sensor, roots.common, placed.chosen)
+            stds[force] = [roots.std[roots.sensor == at] for at in placed.chosen]
     if not any(shown for _, _, shown in plans.values()):
         reject("band_hz", f"{band[0]:g} to {band[1]:g} Hz", "a band with antiresonances", "Widen it.")
-    return _plan(model, unknowns, sensors, band, criterion, prior or DamagePrior(), plans)
+    return _plan(model, unknowns, sensors, band, criterion, prior or DamagePrior(), plans, stds, str(errors))
 
 
 def _count(n_sensors: Any, n_candidates: int, sees: str) -> int:
@@ -160,6 +163,8 @@ def _plan(
     criterion: str,
     prior: DamagePrior,
     plans: dict[int, tuple[Placed, Information, int]],
+    stds: dict[int, list[FloatArray]],
+    errors: str,
 ) -> SensorPlan:
     """The best force and its plan in words and numbers of the user."""
     order = sorted(plans, key=lambda force: -plans[force][0].worth)
@@ -198,6 +203,10 @@ def _plan(
         band_hz=band_hz,
         names=FrozenDict(zip(elements, unknowns.names, strict=False)),
         labels=FrozenDict({dof: model.dof_label(dof) for dof in {*sensors, *order}}),
+        value_std=FrozenDict(
+            {sensors[at]: frozen(own) for at, own in zip(placed.chosen, stds[order[0]], strict=True)}
+        ),
+        errors=errors,
     )
 
 

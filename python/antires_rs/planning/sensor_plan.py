@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from ..measured.layout import aligned, number
-from ..support.pickling import ReadOnly
+from ..support.pickling import FrozenDict, ReadOnly
+from ..support.validation import FloatArray
 from .placement import Round
 
 __all__ = ["SensorPlan"]
@@ -50,6 +53,10 @@ class SensorPlan(ReadOnly):
         How the sensors were found, from the first one on.
     names, labels : dict
         What elements and dofs are called.
+    value_std : dict of int to (n,)
+        Relative standard deviation of each antiresonance of each sensor on which all this rests.
+    errors : str
+        Where these come from: given, or the Cramer-Rao bound for noise, duration and damping.
 
     Examples
     --------
@@ -74,6 +81,8 @@ class SensorPlan(ReadOnly):
     band_hz: tuple[float, float]
     names: Mapping[int, str]
     labels: Mapping[int, str]
+    value_std: Mapping[int, FloatArray] = field(default_factory=FrozenDict)
+    errors: str = ""
 
     def __repr__(self) -> str:
         return f"SensorPlan(sensors={self.sensors}, excitation={self.excitation}, {self._value(self.value)})"
@@ -86,6 +95,8 @@ class SensorPlan(ReadOnly):
             f"{self.n_values} antiresonances from {low:g} to {high:g} Hz; {self._value(self.value)}"
             f" (a sensor on every candidate: {self._value(self.value_of_all)})",
         ]
+        if self.errors:
+            lines.append(f"values known to {self._known()}: {self.errors}")
         if len(self.excitations) > 1:
             best = list(self.excitations.items())[:_FORCES]
             lines.append(
@@ -102,6 +113,12 @@ class SensorPlan(ReadOnly):
             rows = [[name, f"{std:.3g}"] for name, std in self.std.items()]
             lines += ["", *aligned(["parameter", "std"], rows, left=["parameter"])]
         return "\n".join(lines)
+
+    def _known(self) -> str:
+        """The least and the largest error of a value."""
+        std = np.concatenate([np.empty(0), *self.value_std.values()])
+        ends = [f"{100.0 * end:.2g}" for end in (std.min(initial=np.inf), std.max(initial=0.0))]
+        return " to ".join(dict.fromkeys(ends)) + " %"
 
     def _value(self, value: float) -> str:
         if self.criterion == "determinant":

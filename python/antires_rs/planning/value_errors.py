@@ -51,6 +51,14 @@ class ExpectedErrors:
         if self.std is not None:
             finite_scalar("std", self.std, low=0.0, high=0.5, low_open=True)
 
+    def __str__(self) -> str:
+        if self.std is not None:
+            return "std as given"
+        return (
+            f"the Cramer-Rao bound for {100.0 * self.noise:g} % noise, {self.duration_s:g} s and "
+            f"{100.0 * self.damping_ratio:g} % damping; tests repeat less well, say so by std="
+        )
+
     def of(
         self,
         model: StructuralModel,

@@ -167,7 +167,7 @@ def write_report(
         states=states(result),
         parameters=damage_rows(damage, truth) if damage else parameter_rows(result),
         judged=judged is not None,
-        hypotheses=None if judged is None else hypothesis_rows(judged.hypotheses),
+        hypotheses=None if judged is None else hypothesis_rows(judged.hypotheses, judged.assessment.group),
         intact=[_lines(each) for each in baseline or ()],
         known=truth is not None,
         rows=frequency_rows(result),

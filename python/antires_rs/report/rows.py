@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
 
-from ..damage.hypotheses import Hypotheses
-from ..damage.percent import span
+from ..damage.hypotheses import Hypotheses, Hypothesis
+from ..damage.percent import loss, span
 from ..damage.result import DamageResult
 from ..updating.results import UpdateResult
 from ..updating.tables import ModalTable, signed
@@ -56,33 +56,69 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     label, judged = result.problem.model.element_label, result.has_baseline
     on_bound = set() if judged else set(result.at_bound)
     chance, limits = (result.probability, result.interval) if judged else ({}, {})
+    instead = _instead(result) if judged else {}
     columns = zip(result.elements, result.problem.names, result.std, result.problem.bounds, strict=True)
-    return [
+    rows = [
         {
             "name": label(e),
-            "value": percent(result.severity[e]),
+            "value": f"or {percent(instead[e][0])}" if e in instead else percent(result.severity[e]),
             "std": _deviation(100.0 * std) if result.severity[e] > 0.0 else "",
-            "interval": _interval(*limits.get(e, (0.0, 0.0))),
+            "interval": _interval(*instead[e][1:] if e in instead else limits.get(e, (0.0, 0.0))),
             "probability": _probability(chance.get(e, 0.0)),
             "visible": percent(result.detectable[e]),
             "truth": percent((truth or {}).get(e)),
             "bounds": f"{100 * low:g} to {100 * high:g}",
-            "damaged": result.severity[e] > 0.0,
+            "damaged": result.severity[e] > 0.0 or e in instead,
             "on_bound": name in on_bound,
         }
         for e, name, std, (low, high) in columns
     ]
+    # Elements that were no candidates, and would explain the change.
+    others = [one for one in result.hypotheses if one.elements and not one.candidate] if judged else []
+    return rows + [
+        {
+            "name": f"{label(one.elements[0])}, no candidate",
+            "value": percent(one.severities[0]),
+            "std": "",
+            "interval": _interval(one.low[0], one.high[0]),
+            "probability": _probability(one.probability),
+            "visible": "",
+            "truth": percent((truth or {}).get(one.elements[0])),
+            "bounds": "",
+            "damaged": one is result.hypotheses[0],
+            "on_bound": False,
+        }
+        for one in others
+        if not one.unknown and one.probability >= _WORTH_A_ROW
+    ]
 
 
-def hypothesis_rows(hypotheses: Hypotheses) -> tuple[list[dict[str, str]], str]:
-    """Probability, name and losses of the hypotheses worth a row, and a sentence on the others."""
+def _instead(result: DamageResult) -> dict[int, tuple[float, float, float]]:
+    """Loss and interval of single elements that the values cannot tell from the one declared damaged."""
+    found = result.assessment
+    alike = found.group if found.declared in [one.elements for one in found.group] else ()
+    return {
+        one.elements[0]: (one.severities[0], one.low[0], one.high[0])
+        for one in alike
+        if len(one.elements) == 1 == len(found.declared) and one.elements != found.declared
+    }
+
+
+def hypothesis_rows(
+    hypotheses: Hypotheses, alike: Collection[Hypothesis] = ()
+) -> tuple[list[dict[str, Any]], str]:
+    """Probability, name and losses of the hypotheses worth a row, and a sentence on the others.
+
+    The first is the answer, and so are those ``alike`` that the values cannot tell from it.
+    """
+    answer = alike if hypotheses[0] in alike else hypotheses[:1]
     rows = [
         {
             "name": hypotheses.called(one),
             "probability": _probability(one.probability),
+            "hit": one in answer,
             "losses": ", ".join(
-                f"{100 * s:.1f} ({span(low, high)})"
-                for s, low, high in zip(one.severities, one.low, one.high, strict=True)
+                loss(s, low, high) for s, low, high in zip(one.severities, one.low, one.high, strict=True)
             ),
         }
         for nth, one in enumerate(hypotheses)

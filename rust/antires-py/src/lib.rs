@@ -8,6 +8,7 @@
 
 use pyo3::prelude::*;
 
+mod alignment;
 mod checkpoint;
 mod convert;
 mod doorway;
@@ -18,6 +19,7 @@ mod optimizer;
 mod options;
 mod parameters;
 mod rational;
+mod states;
 
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -25,6 +27,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Model>()?;
     module.add_class::<frame::Frame>()?;
     module.add_class::<objective::Objective>()?;
+    module.add_function(wrap_pyfunction!(alignment::align, module)?)?;
+    module.add_function(wrap_pyfunction!(alignment::associate, module)?)?;
+    module.add_function(wrap_pyfunction!(alignment::follow, module)?)?;
     module.add_function(wrap_pyfunction!(parameters::nominal_values, module)?)?;
     module.add_function(wrap_pyfunction!(parameters::check_bounds, module)?)?;
     module.add_function(wrap_pyfunction!(optimizer::minimize, module)?)?;

@@ -12,7 +12,6 @@ use antires_core::update::objective::{AntiresonanceObjective, Target};
 use antires_core::update::pairing::Partner;
 use antires_core::update::penalties::Penalty;
 use antires_core::update::sight::Sees;
-use antires_core::update::state::states;
 use numpy::ndarray::Array2;
 use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -23,6 +22,7 @@ use crate::doorway::{Watch, guarded, run, to_python};
 use crate::model::Model;
 use crate::optimizer::{Search, outcome_to_python};
 use crate::parameters::{ParameterParts, core_parameters};
+use crate::states::{PyModalState, PyState, mode_states, root_states};
 
 /// Frequencies (m,), dofs (k,) and shapes (m, k) of modes measured together.
 type ModeParts<'py> = (
@@ -44,14 +44,6 @@ type TargetParts<'py> = (
 type PyPairs<'py> = (
     Bound<'py, PyArray1<f64>>,
     Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)>,
-);
-
-/// Targets, frequencies, how much is shown, and slopes of the roots of one candidate.
-type PyState<'py> = (
-    Bound<'py, PyArray1<u32>>,
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray2<f64>>,
 );
 
 /// J, residuals (m,) and their slopes (m, n).
@@ -228,14 +220,16 @@ impl Objective {
         }))
     }
 
-    /// All roots at each row of (m, n), one tuple a row: number of the target, Hz and how much is shown of each
-    /// root, and d ln f / dp (roots, n) if asked for.
+    /// See [`root_states`].
+    #[pyo3(signature = (candidates, with_slopes, threads, from_hz=0.0, to_hz=f64::INFINITY))]
     fn states<'py>(
         &self,
         py: Python<'py>,
         candidates: PyReadonlyArray2<'_, f64>,
         with_slopes: bool,
         threads: usize,
+        from_hz: f64,
+        to_hz: f64,
     ) -> PyResult<Vec<PyState<'py>>> {
         let Core::Antiresonance(objective) = &self.core else {
             return Err(to_python(
@@ -243,32 +237,25 @@ impl Objective {
                     .remedy("Modes have no antiresonances."),
             ));
         };
-        let genes: Vec<f64> = candidates.as_array().iter().copied().collect();
-        let n = objective.unknowns().len();
-        let mut watch = Watch::start(None);
-        let found = guarded(py, || {
-            let rows = Candidates::new(&genes, n);
-            states(objective, rows, with_slopes, threads, &mut || watch.poll()).map_err(to_python)
-        })?;
-        let ControlFlow::Continue(found) = found else {
-            return Err(watch
-                .raised
-                .unwrap_or_else(|| PyKeyboardInterrupt::new_err(())));
+        let band = with_slopes.then_some(from_hz..=to_hz);
+        root_states(py, objective, &candidates, band.as_ref(), threads)
+    }
+
+    /// See [`mode_states`].
+    fn modal_states<'py>(
+        &self,
+        py: Python<'py>,
+        candidates: PyReadonlyArray2<'_, f64>,
+        with_slopes: bool,
+        threads: usize,
+    ) -> PyResult<Vec<PyModalState<'py>>> {
+        let Core::Modal(objective) = &self.core else {
+            return Err(to_python(
+                Error::input("objective", "of antiresonances", "one of modes")
+                    .remedy("Ask for its states."),
+            ));
         };
-        found
-            .into_iter()
-            .map(|state| {
-                let rows = if with_slopes { state.freq_hz.len() } else { 0 };
-                let slopes =
-                    Array2::from_shape_fn((rows, n), |(root, p)| state.slopes[root * n + p]);
-                Ok((
-                    state.target.into_pyarray(py),
-                    state.freq_hz.into_pyarray(py),
-                    state.shown.into_pyarray(py),
-                    slopes.into_pyarray(py),
-                ))
-            })
-            .collect()
+        mode_states(py, objective, &candidates, with_slopes, threads)
     }
 
     /// J of each row of (m, n), (m,).

@@ -14,10 +14,12 @@
 //!
 //! Source: Meruane, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021.
 
+pub mod alignment;
 pub mod linearization;
 pub mod misfit;
 pub mod modal_linearization;
 pub mod modal_objective;
+pub mod modal_state;
 pub mod objective;
 pub mod pairing;
 pub mod penalties;

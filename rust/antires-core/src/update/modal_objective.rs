@@ -159,8 +159,7 @@ impl ModalObjective {
 
     /// [`pairs`](Self::pairs) of a model that is formed.
     pub(super) fn pairs_of(&self, formed: &mut FormedModes<'_>) -> Result<Vec<Option<Partner>>> {
-        let start = self.measured[0].shape.dofs()[0];
-        formed.modes.find(&mut formed.solved, self.limit, start)?;
+        self.find_modes(formed)?;
         let modes = &*formed.modes;
         Ok(self
             .measured
@@ -171,6 +170,12 @@ impl ModalObjective {
                 least_apart(modes.eigenvalues(), modes.zero(), measured, mac)
             })
             .collect())
+    }
+
+    /// The modes up to 1.5 times the highest measured frequency.
+    pub(super) fn find_modes(&self, formed: &mut FormedModes<'_>) -> Result<()> {
+        let start = self.measured[0].shape.dofs()[0];
+        formed.modes.find(&mut formed.solved, self.limit, start)
     }
 
     /// Norm of the frequency residuals.

@@ -7,7 +7,7 @@
 //! An objective asks for the partners of what was measured. Who compares two states of a structure (intact and
 //! damaged) must follow the roots themselves, measured or not, from one state to the other.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, RangeInclusive};
 
 use super::objective::{AntiresonanceObjective, Workspace};
 use super::sight::shown;
@@ -16,6 +16,9 @@ use crate::error::Result;
 use crate::modal::modes::eigenvalue;
 use crate::optimize::outcome::Interrupt;
 use crate::optimize::{Candidates, Objective, parallel_map};
+
+/// Frequencies (Hz) between two limits.
+pub type Band = RangeInclusive<f64>;
 
 /// The roots of all targets at one x, target by target, ascending in each.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -26,24 +29,22 @@ pub struct State {
     pub freq_hz: Vec<f64>,
     /// How much the measurement shows of each, 0 to 1; see [`sight`](super::sight).
     pub shown: Vec<f64>,
-    /// d ln f / dp, a row for each root; empty where it was not asked for. 0 where a root has no derivative.
+    /// d ln f / dp, a row for each root; empty where it was not asked for. 0 where a root has no derivative, or
+    /// lies outside of the band of which slopes were asked for.
     pub slopes: Vec<f64>,
 }
 
 impl AntiresonanceObjective {
-    /// The roots at `x`, up to 1.5 times the highest measured frequency; none where the eigenproblem fails.
-    pub fn state(&self, x: &[f64], ws: &mut Workspace, with_slopes: bool) -> State {
-        self.state_of(x, ws, with_slopes).unwrap_or_default()
+    /// The roots at `x`, up to 1.5 times the highest measured frequency, with the slopes of those in the band
+    /// `slopes_hz`, if any; none where the eigenproblem fails.
+    pub fn state(&self, x: &[f64], ws: &mut Workspace, slopes_hz: Option<&Band>) -> State {
+        self.state_of(x, ws, slopes_hz).unwrap_or_default()
     }
 
-    fn state_of(&self, x: &[f64], ws: &mut Workspace, with_slopes: bool) -> Result<State> {
+    fn state_of(&self, x: &[f64], ws: &mut Workspace, slopes_hz: Option<&Band>) -> Result<State> {
         let mut formed = self.form(x, ws);
         self.find_roots(&mut formed)?;
-        let slopes = if with_slopes {
-            self.unknowns().slopes(x)
-        } else {
-            vec![]
-        };
+        let slopes = slopes_hz.map_or_else(Vec::new, |_| self.unknowns().slopes(x));
         let mut state = State::default();
         let mut zero = ZeroSensitivity::default();
         for nth in 0..formed.roots.len() {
@@ -53,7 +54,9 @@ impl AntiresonanceObjective {
                 state.target.push(u32::try_from(nth).unwrap_or(u32::MAX));
                 state.freq_hz.push(hz);
                 state.shown.push(visible);
-                if !with_slopes {
+                let Some(band) = slopes_hz else { continue };
+                if !band.contains(&hz) {
+                    state.slopes.resize(state.slopes.len() + slopes.len(), 0.0);
                     continue;
                 }
                 let (ends, x) = (self.ends(nth), eigenvalue(hz));
@@ -80,7 +83,7 @@ impl AntiresonanceObjective {
 pub fn states(
     objective: &AntiresonanceObjective,
     candidates: Candidates<'_>,
-    with_slopes: bool,
+    slopes_hz: Option<&Band>,
     threads: usize,
     should_stop: &mut dyn FnMut() -> Option<Interrupt>,
 ) -> Result<ControlFlow<Interrupt, Vec<State>>> {
@@ -88,14 +91,14 @@ pub fn states(
         candidates.len(),
         threads,
         || objective.workspace(),
-        |i, ws| objective.state(candidates.row(i), ws, with_slopes),
+        |i, ws| objective.state(candidates.row(i), ws, slopes_hz),
         should_stop,
     )
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{State, states};
+    use super::{Band, State, states};
     use crate::fem::chain::mass_spring_chain;
     use crate::fem::parameters::{Parameter, Quantity};
     use crate::optimize::Candidates;
@@ -133,10 +136,14 @@ mod tests {
     }
 
     fn at(rows: &[f64], threads: usize) -> Vec<State> {
+        within(0.0..=f64::INFINITY, rows, threads)
+    }
+
+    fn within(band: Band, rows: &[f64], threads: usize) -> Vec<State> {
         let found = states(
             &objective(),
             Candidates::new(rows, 3),
-            true,
+            Some(&band),
             threads,
             &mut || None,
         );
@@ -171,5 +178,20 @@ mod tests {
             .flat_map(|i| [0.04 * f64::from(i), 1.0, 1.0])
             .collect();
         assert_eq!(at(&rows, 1), at(&rows, 2));
+    }
+
+    #[test]
+    fn slopes_are_told_in_the_band_only() {
+        let (all, some) = (&at(&X, 1)[0], &within(30.0..=60.0, &X, 1)[0]);
+        assert_eq!(all.freq_hz, some.freq_hz);
+        for (nth, hz) in all.freq_hz.iter().enumerate() {
+            let own = &some.slopes[3 * nth..3 * nth + 3];
+            if (30.0..=60.0).contains(hz) {
+                assert_eq!(own, &all.slopes[3 * nth..3 * nth + 3]);
+            } else {
+                assert_eq!(own, [0.0; 3]);
+            }
+        }
+        assert!(all.freq_hz.iter().any(|hz| *hz > 60.0) && all.freq_hz.iter().any(|hz| *hz < 60.0));
     }
 }

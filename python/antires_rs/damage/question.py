@@ -1,0 +1,92 @@
+"""Two states of a structure and what is assumed of them: all that decides how probable the values are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
+from ..models.parameter import Parameter
+from ..models.parameters import stiffness_reduction
+from ..support.progress import step
+from ..support.validation import reject
+from .contradiction import Contradiction, contradiction
+from .factors import factors_of
+from .likelihood import Likelihood
+from .measured_modes import ModeResponses, measured_modes
+from .measured_states import Responses, Values, measured_states, scatter_between
+from .model_error import ModelError, learned
+from .prior import DamagePrior
+
+if TYPE_CHECKING:
+    from ..models.structural_model import StructuralModel
+
+__all__ = ["Prepared", "Question"]
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """The likelihood after the baseline, and what it was made of.
+
+    ``numbers`` are the elements in the order of the severities, candidates first; ``scatter`` that between
+    tests of the intact state, over the stated errors; ``odd`` those that contradict each other.
+    """
+
+    likelihood: Likelihood
+    numbers: tuple[int, ...]
+    factors: tuple[Parameter, ...]
+    responses: Responses | ModeResponses
+    intact: Values
+    now: Values
+    error: ModelError
+    scatter: float
+    odd: Contradiction | None
+
+
+@dataclass(frozen=True)
+class Question:
+    """What was asked; ``elements`` are the candidates, zero-based.
+
+    ``model_error`` is the scatter of the model's factors where it is not to be learned.
+    """
+
+    model: StructuralModel
+    baseline: tuple[AntiresonanceSet, ...] | tuple[ModalSet, ...]
+    measured: tuple[AntiresonanceSet, ...] | tuple[ModalSet, ...]
+    elements: tuple[int, ...]
+    prior: DamagePrior
+    std_common: float
+    model_error: float | None = None
+
+    def prepared(self, threads: int) -> Prepared:
+        """Learn the model's errors from the baseline."""
+        model = self.model
+        before: Any = self.baseline
+        after: Any = self.measured
+        both: tuple[Any, Any, Any] = (
+            measured_modes(model, before, after)
+            if isinstance(after[0], ModalSet)
+            else measured_states(model, before, after)
+        )
+        responses, intact, now = both
+        numbers = (*self.elements, *(e for e in model._springs if e not in self.elements))
+        factors = factors_of(model)
+        parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
+        core = responses.source(model, parts)
+        step("learning the model's errors")
+        error = learned(core, len(numbers), len(factors), intact, self.model_error, threads)
+        if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
+            reject(
+                "model",
+                f"one without {responses.noun} near the measured ones",
+                "a model of the tested structure",
+                "Check units, dofs and supports of the model, and the band of the measurement.",
+            )
+        odd = contradiction(intact.plain, responses.tests)
+        scatter = scatter_between(intact, error.place, error.partner)
+        if scatter > 1.0:
+            intact, now = intact.noisier(scatter), now.noisier(scatter)
+            error = learned(core, len(numbers), len(factors), intact, self.model_error, threads)
+        likelihood = Likelihood(core, len(numbers), error, intact, now, self.std_common, threads)
+        return Prepared(likelihood, numbers, factors, responses, intact, now, error, scatter, odd)

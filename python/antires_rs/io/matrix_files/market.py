@@ -1,0 +1,90 @@
+"""Matrix Market files, looked at before SciPy reads them: at some damaged ones it ends the process."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from .._common import unsuitable
+from .labelled import Labelled
+
+__all__ = ["is_matrix_market", "read_matrix_market"]
+
+
+def is_matrix_market(file: Path) -> bool:
+    """Whether a plain file says so of itself."""
+    with file.open("rb") as opened:
+        return opened.read(14).lower() == b"%%matrixmarket"
+
+
+def read_matrix_market(file: Path) -> dict[str, Labelled]:
+    """The matrix of a file, under its stem; its entries are counted against its header."""
+    import gzip
+    from io import BytesIO
+
+    from scipy.io import mmread
+
+    wanted = "a whole Matrix Market file"
+    try:
+        with (gzip.open if file.suffix == ".gz" else open)(file, "rb") as opened:
+            text = opened.read()
+    except (OSError, EOFError) as exc:
+        unsuitable(file, f"which cannot be unpacked ({exc})", wanted, "It was cut or damaged.")
+    lines = [line for line in text.splitlines() if line.strip()]
+    numbers = [line for line in lines if not line.startswith(b"%")]
+    if not lines or not lines[0].lower().startswith(b"%%matrixmarket") or not numbers:
+        unsuitable(
+            file,
+            "which is cut in its head or of another kind",
+            wanted,
+            "Export it again as MatrixMarket, .mtx.",
+        )
+    try:
+        head, stated = _head(lines[0].lower().split(), numbers[0].split())
+    except ValueError:
+        unsuitable(
+            file, f"with the sizes {numbers[0]!r}", wanted, "Export it again: the matrix must be square."
+        )
+    if len(numbers) - 1 != stated or not text.endswith((b"\n", b"\r")):
+        end = "" if text.endswith((b"\n", b"\r")) else ", the last without a line end"
+        unsuitable(file, f"with {len(numbers) - 1} of {stated} entries{end}", wanted, "Copy it again.")
+    entry = _entry(head[0].split())
+    wrong = next((line for line in numbers[1:] if not entry.fullmatch(line)), None)
+    if wrong is not None:
+        unsuitable(file, f"with the entry {wrong[:40]!r}", wanted, "Export it again, as real numbers.")
+    try:
+        # Not the file: what SciPy reads is what was looked at here.
+        whole = mmread(BytesIO(b"\n".join([*head, *numbers[1:], b""])))
+    except (ValueError, OverflowError, TypeError) as exc:
+        unsuitable(
+            file,
+            f"which cannot be read ({exc})",
+            wanted,
+            "Export it again, as real numbers in MatrixMarket format.",
+        )
+    return {file.stem: Labelled(whole)}
+
+
+def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[list[bytes], int]:
+    """Both lines of the head, and the entries that they state; ValueError for any other head."""
+    if len(words) != 5 or words[1] != b"matrix":
+        raise ValueError("unknown head")
+    if len(sizes) != {b"coordinate": 3, b"array": 2}.get(words[2]) or not all(map(bytes.isdigit, sizes)):
+        raise ValueError("no sizes")
+    n, columns, *entries = map(int, sizes)
+    if n != columns or n < 1:  # SciPy would write beyond its memory
+        raise ValueError("not square")
+    half = n * (n + 1) // 2
+    stored = {b"general": n * n, b"symmetric": half, b"hermitian": half, b"skew-symmetric": half - n}
+    if words[4] not in stored:
+        raise ValueError("unknown symmetry")
+    lines = [b" ".join([b"%%MatrixMarket", *words[1:]]), b" ".join(sizes)]
+    return lines, entries[0] if entries else stored[words[4]]
+
+
+def _entry(words: Sequence[bytes]) -> re.Pattern[bytes]:
+    """A line of numbers. At some others, a NUL behind one in a symmetric array, SciPy ends the process."""
+    places = 2 * (words[2] == b"coordinate") + {b"pattern": 0, b"complex": 2}.get(words[3], 1)
+    number = rb"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|inf|infinity|nan)"
+    return re.compile(rb"[ \t\r]*" + rb"[ \t]+".join([number] * places) + rb"[ \t\r]*", re.IGNORECASE)

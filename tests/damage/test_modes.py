@@ -1,0 +1,211 @@
+"""Damage by modes against a baseline, the model wrong by some per cent (Eq. 18's values, changes of them)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.damage.mode_roots import ModeRoots
+
+STD_HZ, STD_SHAPES = 3e-4, 3e-3
+N = 6
+
+
+def chain(factors, losses=None):
+    """Grounded chain whose masses and springs are off by factors (2 N,), damaged by losses (N - 1,)."""
+    losses = np.zeros(N - 1) if losses is None else np.asarray(losses)
+    masses = np.array([0.8, 0.5, 0.6, 0.5, 0.7, 0.5]) * factors[:N]
+    springs = np.array([4e4, 6e4, 5e4, 3e4, 5e4]) * factors[N : 2 * N - 1] * (1.0 - losses)
+    return ar.MassSpringChain(masses, springs, ground_first_n_per_m=3e4 * factors[-1])
+
+
+NOMINAL = chain(np.ones(2 * N))
+
+
+def measured(model, rng, dofs=None, n_modes=6, std=(STD_HZ, STD_SHAPES), stated=True):
+    """Modes with Gaussian errors; shapes with any sign and size."""
+    dofs = list(range(model.n_dof) if dofs is None else dofs)
+    modes = model.modes()
+    flexible = np.flatnonzero(modes.freq_hz > 1e-3 * modes.freq_hz.max())[:n_modes]
+    freq = modes.freq_hz[flexible] * (1.0 + std[0] * rng.standard_normal(flexible.size))
+    shapes = modes.shapes[np.ix_(flexible, dofs)]
+    shapes = shapes / np.linalg.norm(shapes, axis=1)[:, None] + std[1] * rng.standard_normal(shapes.shape)
+    shapes = shapes * rng.uniform(0.5, 2.0, (freq.size, 1)) * rng.choice([-1.0, 1.0], (freq.size, 1))
+    order = np.argsort(freq)
+    told = {"std_hz": std[0] * freq[order], "std_shapes": np.full(freq.size, std[1])} if stated else {}
+    return ar.ModalSet(freq[order], shapes[order], dofs, **told)
+
+
+def truth(seed, off=0.06):
+    rng = np.random.default_rng(seed)
+    return rng, 1.0 + off * rng.uniform(-1.0, 1.0, 2 * N)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_intact_structure_is_intact_however_wrong_the_model(seed):
+    rng, factors = truth(seed)
+    result = ar.assess_damage(NOMINAL, measured(chain(factors), rng), baseline=measured(chain(factors), rng))
+    assert result.damaged == []
+    assert result.probability_of_damage < 0.2
+    assert result.headline.startswith("No damage found")
+
+
+@pytest.mark.parametrize(("element", "loss"), [(0, 0.1), (2, 0.3), (4, 0.6)])
+def test_one_damaged_spring_is_named_and_sized(element, loss):
+    rng, factors = truth(10 + element)
+    losses = np.zeros(N - 1)
+    losses[element] = loss
+    now, before = measured(chain(factors, losses), rng), measured(chain(factors), rng)
+    result = ar.assess_damage(NOMINAL, now, baseline=before)
+    assert result.damaged == [element]
+    assert result.probability[element] > 0.95
+    low, high = result.interval[element]
+    assert low < result.severity[element] < high < 1.0
+    assert abs(result.severity[element] - loss) < high - low < 0.1
+    assert result.chi_square < 2.0
+    # What was wrong both times is taken out of the modes of now.
+    assert result.table.after_mac.min() > 0.99
+    assert np.nanmax(np.abs(result.table.after_percent)) < 1.0
+
+
+def test_frequencies_alone_take_mirrored_springs_for_one_another_and_shapes_do_not():
+    model = ar.MassSpringChain(np.ones(5), np.full(4, 1e4))  # free at both ends, and its own mirror image
+    factors = 1.0 + 0.03 * np.random.default_rng(0).uniform(-1.0, 1.0, 9)
+    intact = ar.MassSpringChain(factors[:5], 1e4 * factors[5:])
+    damaged = intact.with_parameters(ar.stiffness_reduction([0]), [0.2])
+    rng = np.random.default_rng(1)
+    told = ar.assess_damage(model, measured(damaged, rng), baseline=measured(intact, rng))
+    assert told.damaged == [0]
+    assert told.probability[0] > 0.99
+    # One sensor has no shape: one number of unit length.
+    rng = np.random.default_rng(1)
+    blind = ar.assess_damage(
+        model, measured(damaged, rng, dofs=[0]), baseline=measured(intact, rng, dofs=[0])
+    )
+    both = {one.elements: one.probability for one in blind.hypotheses}
+    assert both[(0,)] > 0.02
+    assert both[(3,)] > 0.02
+    assert "cannot tell" in blind.headline or "may be" in blind.headline
+
+
+def portal():
+    """A portal frame of nine beams, fixed at both feet: its own mirror image."""
+    nodes = [(0.0, 0.0), (0.0, 0.2), (0.0, 0.4), (0.0, 0.6), (0.2, 0.6)]
+    nodes += [(0.4, 0.6), (0.6, 0.6), (0.6, 0.4), (0.6, 0.2), (0.6, 0.0)]
+    beams = [(i, i + 1) for i in range(9)]
+    return ar.FrameModel(nodes, beams, ar.Tube(0.03, 0.002, 2.1e11, 7850.0), fixed=[0, 9])
+
+
+@pytest.mark.parametrize(("element", "loss"), [(None, 0.0), (1, 0.25), (7, 0.4)])
+def test_a_portal_frame_whose_every_stiffness_and_mass_is_off(element, loss):
+    model = portal()
+    rng = np.random.default_rng(80 + (element or 0))
+    off = [1.0 + 0.05 * rng.uniform(-1.0, 1.0, 9) for _ in range(2)]
+    factors = [ar.stiffness_factor([e], bounds=(0.5, 2.0))[0] for e in range(9)]
+    factors += [ar.mass_factor([e], bounds=(0.5, 2.0))[0] for e in range(9)]
+    intact = model.with_parameters(factors, np.concatenate(off))
+    damaged = intact if element is None else intact.with_parameters(ar.stiffness_reduction([element]), [loss])
+    dofs = [model.dof(node, "u") for node in (1, 2, 3, 6, 7, 8)] + [model.dof(node, "v") for node in (4, 5)]
+    now, before = (measured(each, rng, dofs, 8) for each in (damaged, intact))
+    result = ar.assess_damage(model, now, baseline=before)
+    assert result.damaged == ([] if element is None else [element])
+    if element is not None:
+        assert result.probability[element] > 0.9  # the mirrored one would have as much from frequencies
+        low, high = result.interval[element]
+        assert abs(result.severity[element] - loss) < high - low < 0.15
+
+
+def test_modes_that_pass_each_other_are_followed():
+    # Two oscillators, hardly coupled: softening one takes its mode below that of the other.
+    model = ar.MassSpringChain([1.0, 50.0, 1.0], [1.10e4, 1.0e4], ground_first_n_per_m=0.0)
+    core = ar.UpdatingProblem(
+        model, ar.stiffness_reduction([0, 1]), ar.ModalSet([30.0], [[1.0, 0.2, 0.1]], [0, 1, 2])
+    )
+    from antires_rs.damage.mode_roots import ModeSource
+
+    source = ModeSource(core._core, (np.arange(3),))
+    before, after = source.roots(np.array([[0.0, 0.0], [0.2, 0.0]]), True, 1)
+    assert isinstance(after, ModeRoots)
+    turned, identity = after.since(before)
+    assert identity[:: after.each].tolist() == [before.each, 0]
+    # Coordinates of the change, beside the shape that it was.
+    assert turned.log_f.reshape(2, -1)[:, 1:].shape == (2, 2)
+
+
+def test_coordinates_of_shapes_move_as_their_slopes_say():
+    problem = ar.UpdatingProblem(
+        NOMINAL, ar.stiffness_reduction(range(5)), ar.ModalSet([60.0], [[1.0, 0.2, 0.1]], [4, 0, 2])
+    )
+    from antires_rs.damage.mode_roots import ModeSource
+
+    source = ModeSource(problem._core, (np.array([0, 2]), np.array([0, 1, 2])))
+    step = 1e-4
+    at = np.full(5, 0.1)
+    rows = np.array([at, *(at + step * np.eye(5))])
+    start, *moved = source.roots(rows, True, 1)
+    for p, state in enumerate(moved):
+        turned, identity = state.since(start)
+        assert np.array_equal(identity, np.arange(start.size))
+        np.testing.assert_allclose((turned.log_f - start.log_f) / step, start.slopes[:, p], atol=2e-3)
+
+
+def test_modes_that_are_lost_and_modes_without_errors_stated():
+    rng, factors = truth(40)
+    now = measured(chain(factors, [0, 0, 0, 0.35, 0]), rng, n_modes=5, stated=False)
+    before = measured(chain(factors), rng, stated=False)
+    result = ar.assess_damage(NOMINAL, now, baseline=[before, measured(chain(factors), rng, stated=False)])
+    assert result.damaged == [3]
+    assert abs(result.severity[3] - 0.35) < 0.04
+    assert any("shape's length" in note for note in result.notes)
+    assert result.assessment.n_baselines == 2
+
+
+def test_several_setups_of_sensors_each_with_its_own_shapes():
+    rng, factors = truth(50)
+    setups = [0, 1, 2, 3], [5, 4, 3]
+    now = [measured(chain(factors, [0, 0.3, 0, 0, 0]), rng, dofs) for dofs in setups]
+    before = [measured(chain(factors), rng, dofs) for dofs in setups]
+    result = ar.assess_damage(NOMINAL, now, baseline=before)
+    assert result.damaged == [1]
+    assert abs(result.severity[1] - 0.3) < 0.03
+
+
+def test_a_saved_assessment_of_modes_is_the_same(tmp_path):
+    rng, factors = truth(60)
+    now, before = measured(chain(factors, [0, 0.3, 0, 0, 0]), rng), measured(chain(factors), rng)
+    result = ar.assess_damage(NOMINAL, now, baseline=before, false_alarm_rate=0.05, rng=0)
+    result.save(tmp_path / "damage.npz")
+    again = ar.DamageResult.load(tmp_path / "damage.npz")
+    assert again.assessment == result.assessment
+    assert again.problem.measured[0].std_shapes.tolist() == result.problem.measured[0].std_shapes.tolist()
+    assert str(again.headline) == result.headline
+
+
+def test_kinds_and_sensors_that_do_not_fit_are_refused():
+    rng, factors = truth(70)
+    modes = measured(chain(factors), rng)
+    zeros = ar.AntiresonanceSet(0, dict(enumerate(NOMINAL.antiresonances(range(N), 0))))
+    with pytest.raises(ar.InvalidInputError, match="baseline"):
+        ar.assess_damage(NOMINAL, modes, baseline=zeros)
+    with pytest.raises(ar.InvalidInputError, match="same sensors"):
+        ar.assess_damage(NOMINAL, modes, baseline=measured(chain(factors), rng, dofs=[0, 1]))
+    with pytest.raises(ar.InvalidInputError, match="std_shapes"):
+        ar.ModalSet([1.0], [[1.0, 2.0]], std_shapes=[-0.1])
+
+
+def test_a_report_tells_of_modes(tmp_path):
+    rng, factors = truth(61)
+    now, before = measured(chain(factors, [0, 0.3, 0, 0, 0]), rng), measured(chain(factors), rng)
+    result = ar.assess_damage(NOMINAL, now, baseline=before)
+    result.report(tmp_path / "damage.html")
+    text = (tmp_path / "damage.html").read_text()
+    assert "Spring 2" in text or "spring 2" in text
+    assert "MAC" in text
+    assert "spring 2" in result.summary().lower()
+
+
+def test_without_a_baseline_modes_have_probabilities_too():
+    rng = np.random.default_rng(62)
+    result = ar.assess_damage(NOMINAL, measured(chain(np.ones(2 * N), [0, 0.4, 0, 0, 0]), rng), rng=0)
+    assert result.probability[1] > 0.9

@@ -1,0 +1,75 @@
+"""Gaussians within a box: probability against another method, draws against rejection, the sampler against
+integrals that are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import kstest, multivariate_normal, norm
+
+from antires_rs.damage.evidence import FURTHEST
+from antires_rs.damage.stepwise import stepwise
+from antires_rs.damage.truncated import log_inside, truncated
+
+
+def correlated(rng, n):
+    """Means and covariances as severities have them: some near a bound, some strongly correlated."""
+    rows = rng.standard_normal((n, n + 1))
+    spread = rows @ rows.T
+    sd = 10.0 ** rng.uniform(-2.5, 0.0, n)
+    spread *= np.outer(sd, sd) / np.sqrt(np.outer(np.diag(spread), np.diag(spread)))
+    return rng.uniform(-2.0, 3.0, n) * sd, spread
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_the_probability_of_a_box(n):
+    rng = np.random.default_rng(n)
+    compared = 0
+    for _ in range(60):
+        mean, spread = correlated(rng, n)
+        exact = multivariate_normal(
+            mean, spread, allow_singular=True, maxpts=200_000, abseps=1e-9, releps=1e-5, seed=1
+        ).cdf(np.full(n, FURTHEST), lower_limit=np.zeros(n))
+        if exact > 1e-4:  # the other method is exact to about 1e-9
+            compared += 1
+            assert abs(log_inside(mean, spread, 0.0, FURTHEST) - np.log(exact)) < 0.02
+    assert compared > 30
+
+
+def test_far_outside_the_tail_counts():
+    """One coordinate 40 standard deviations below its bound, and one that goes with it."""
+    found = log_inside(np.array([-4.0, 1.0]), np.diag([0.01, 0.04]), 0.0, FURTHEST)
+    assert np.isclose(found, norm.logsf(40.0), rtol=1e-6)
+
+
+def test_weighted_draws_are_those_of_rejection():
+    mean, spread = (
+        np.array([0.05, 0.1, 0.3]),
+        np.array([[0.04, -0.035, 0.0], [-0.035, 0.04, 0.01], [0.0, 0.01, 0.02]]),
+    )
+    rng = np.random.default_rng(3)
+    free = rng.multivariate_normal(mean, spread, 80_000)
+    wanted = free[np.all(free > 0.0, axis=1)]
+    gaussian = truncated(mean, spread, 0.0, FURTHEST)
+    u, log_weight = gaussian.draws(rng.random((20_000, 3)))
+    weight = np.exp(log_weight)
+    chosen = rng.choice(len(u), 2000, p=weight / weight.sum())
+    for nth in range(3):
+        assert kstest(u[chosen, nth], wanted[:, nth]).pvalue > 0.01
+    # Where the draws come from, times their weight, is the Gaussian itself.
+    whole = multivariate_normal(mean, spread).logpdf(u)
+    assert np.allclose(gaussian.log_density(u) + log_weight, whole, atol=1e-8)
+
+
+def test_particles_find_both_peaks_and_their_integral():
+    """Two narrow peaks, one with three times the weight; the start covers both with little of it."""
+    peaks = ((1.0, 0.01, 3.0), (1.4, 0.02, 1.0))
+
+    def log_density(u):
+        return np.log(sum(w * norm.pdf(u[:, 0], m, s) for m, s, w in peaks) + 1e-300)
+
+    start = truncated(np.array([1.2]), np.array([[0.3**2]]), 0.0, FURTHEST)
+    u, log_integral = stepwise(log_density, start, 2000, np.random.default_rng(0))
+    assert abs(log_integral - np.log(4.0)) < 0.15
+    assert abs(np.mean(u < 1.2) - 0.75) < 0.06
+    assert abs(np.std(u[u < 1.2]) - 0.01) < 0.002

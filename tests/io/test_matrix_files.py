@@ -1,0 +1,231 @@
+"""Matrices as Nastran, Abaqus, ANSYS and others write them; forms as pyNastran 1.4.1 writes them."""
+
+import struct
+
+import numpy as np
+import pytest
+import scipy.sparse
+from scipy.io import hb_write
+
+import antires_rs as ar
+
+POINTS = [(1, 1), (1, 2), (2, 1), (2, 2), (7, 3)]
+K = np.array(
+    [
+        [5.0, -1.0, 0.0, 0.0, 0.0],
+        [-1.0, 4.0, -0.25, 0.0, 0.0],
+        [0.0, -0.25, 3.0, 0.0, -1e-3],
+        [0.0, 0.0, 0.0, 2.0, 0.0],
+        [0.0, 0.0, -1e-3, 0.0, 1.5e6],
+    ]
+)
+M = np.diag([1.0, 2.0, 3.0, 4.0, 5.0])
+
+
+def entries(matrix):
+    """Those of the lower triangle, column by column."""
+    return [(i, j, matrix[i, j]) for j in range(5) for i in range(j, 5) if matrix[i, j]]
+
+
+def dmig(matrix, name, wide):
+    """Cards as pyNastran writes them: a column's point and one entry."""
+    lines = ["$ a comment"]
+    if wide:
+        lines += [f"DMIG*   {name:>16}{0:16d}{6:16d}{2:16d}", f"*       {0:16d}{0:16d}{'':16}{0:16d}"]
+    else:
+        lines.append(f"DMIG    {name:>8}{0:8d}{6:8d}{1:8d}")
+    for i, j, value in entries(matrix):
+        (grid, c), (other, d) = POINTS[j], POINTS[i]
+        if wide:
+            real = f"{value:16.9E}".replace("E", "D")
+            lines += [f"DMIG*   {name:>16}{grid:16d}{c:16d}", f"*       {other:16d}{d:16d}{real}"]
+        else:
+            short = f"{value:.1E}".replace("E", "").replace("+0", "+").replace("-0", "-")
+            lines.append(f"DMIG    {name:>8}{grid:8d}{c:8d}{'':8}{other:8d}{d:8d}{short:>8}")
+    return "\n".join(lines) + "\n"
+
+
+def op4_text(matrix, name, layout):
+    lines = [f"{5:8d}{(-5 if layout == 'big' else 5):8d}{6:8d}{2:8d}{name:<8}1P,3E23.16"]
+    for j in range(5):
+        rows = np.flatnonzero(matrix[:, j])
+        if layout == "dense":
+            strings = [(rows[0], matrix[rows[0] : rows[-1] + 1, j])]
+            lines.append(f"{j + 1:8d}{rows[0] + 1:8d}{2 * strings[0][1].size:8d}")
+        else:
+            runs = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+            strings = [(run[0], matrix[run, j]) for run in runs]
+            lines.append(f"{j + 1:8d}{0:8d}{sum(2 * v.size + 1 for _, v in strings):8d}")
+        for first, values in strings:
+            if layout == "big":
+                lines.append(f"{2 * values.size + 1:8d}{first + 1:8d}")
+            elif layout == "packed":
+                lines.append(f"{first + 1 + 65536 * (2 * values.size + 1):8d}")
+            text = [f"{v:23.16E}" for v in values]
+            lines += ["".join(text[i : i + 3]) for i in range(0, len(text), 3)]
+    return "\n".join([*lines, f"{6:8d}{1:8d}{1:8d}", f"{1.0:23.16E}"]) + "\n"
+
+
+def op4_binary(matrix, name, layout, order, kind):
+    def record(data):
+        return struct.pack(f"{order}i", len(data)) + data + struct.pack(f"{order}i", len(data))
+
+    words = {"f": 1, "d": 2}[kind]
+    rows_stated = -5 if layout == "big" else 5
+    out = record(struct.pack(f"{order}4i8s", 5, rows_stated, 6, words, name.ljust(8).encode()))
+    for j in range(5):
+        rows = np.flatnonzero(matrix[:, j])
+        if layout == "dense":
+            values = matrix[rows[0] : rows[-1] + 1, j]
+            head, data = rows[0] + 1, values.astype(f"{order}{kind}").tobytes()
+        else:
+            head, data = 0, b""
+            for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
+                length = words * run.size + 1
+                data += (
+                    struct.pack(f"{order}2i", length, run[0] + 1)
+                    if layout == "big"
+                    else struct.pack(f"{order}i", run[0] + 1 + 65536 * length)
+                )
+                data += matrix[run, j].astype(f"{order}{kind}").tobytes()
+        out += record(struct.pack(f"{order}3i", j + 1, head, len(data) // 4) + data)
+    return out + record(struct.pack(f"{order}3i{words}i", 6, 1, words, *[0] * words))
+
+
+def same(model, rtol=1e-12):
+    np.testing.assert_allclose(model.stiffness().toarray(), K, rtol=rtol)
+    np.testing.assert_allclose(model.mass().toarray(), M, rtol=rtol)
+
+
+@pytest.mark.parametrize("layout", ["dense", "packed", "big"])
+def test_op4_text(tmp_path, layout):
+    file = tmp_path / "model.op4"
+    file.write_text(op4_text(K, "KAA", layout) + op4_text(M, "MAA", layout))
+    same(ar.read_matrices(file))
+    file.write_text(file.read_text()[:-60])
+    with pytest.raises(ar.UnsuitableDataError, match="whole file of OUTPUT4"):
+        ar.read_matrices(file)
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+@pytest.mark.parametrize("kind", ["f", "d"])
+@pytest.mark.parametrize("layout", ["dense", "packed", "big"])
+def test_op4_binary(tmp_path, layout, order, kind):
+    files = []
+    for name, matrix in (("KAA", K), ("MAA", M)):
+        files.append(tmp_path / f"{name}.op4")
+        files[-1].write_bytes(op4_binary(matrix, name, layout, order, kind))
+    same(ar.read_matrices(*files), rtol=1e-6 if kind == "f" else 1e-12)
+    for cut in (5, 30, 61, len(files[0].read_bytes()) - 3):
+        (tmp_path / "cut.op4").write_bytes(files[0].read_bytes()[:cut])
+        with pytest.raises(ar.UnsuitableDataError, match="cut.op4"):
+            ar.read_matrices(tmp_path / "cut.op4", M)
+
+
+def test_complex_and_missing_matrices_are_told(tmp_path):
+    file = tmp_path / "model.op4"
+    file.write_text(op4_text(K, "KAA", "dense").replace("       2KAA", "       4KAA"))
+    with pytest.raises(ar.UnsuitableDataError, match="type 4; 1 and 2 are real"):
+        ar.read_matrices(file, M)
+    file.write_text(op4_text(K, "KAA", "dense") + op4_text(K, "KGG", "dense"))
+    with pytest.raises(ar.InvalidInputError, match="the matrices KAA, KGG"):
+        ar.read_matrices(file)
+
+
+@pytest.mark.parametrize("wide", [True, False])
+def test_dmig(tmp_path, wide):
+    file = tmp_path / "model.pch"
+    file.write_text(dmig(K, "KAAX", wide) + dmig(M, "MAAX", wide))
+    expected = K if wide else np.where(K == -0.25, -0.2 if "2.0-1" in file.read_text() else K, K)
+    model = ar.read_matrices(file)
+    if wide:
+        same(model, rtol=1e-9)
+    np.testing.assert_allclose(model.stiffness().toarray(), expected, rtol=0.21)
+    names = {(node, ["S", "+X", "+Y", "+Z"][code]): row for row, (node, code) in enumerate(POINTS)}
+    assert ar.io.read_dof_map(file) == names
+
+
+def test_dmig_in_free_fields_and_two_entries_a_column(tmp_path):
+    file = tmp_path / "k.bdf"
+    file.write_text(
+        "BEGIN BULK\nDMIG,K2,0,6,2\nGRID,1,,0.,0.,0.\n"
+        "DMIG,K2,1,1,,1,1,5.0\n,2,3,-1.5+3\nDMIG,K2,2,3,,2,3,2.5D3\n"
+    )
+    model = ar.read_matrices(file, np.eye(2))
+    np.testing.assert_allclose(model.stiffness().toarray(), [[5.0, -1500.0], [-1500.0, 2500.0]])
+    file.write_text("DMIG,K2,0,6,3\nDMIG,K2,1,1,,1,1,5.0,1.0\n")
+    with pytest.raises(ar.UnsuitableDataError, match="line 1.*type 3; 1 and 2 are real"):
+        ar.read_matrices(file, np.eye(1))
+
+
+def test_mass_without_all_rows_goes_to_those_of_the_stiffness(tmp_path):
+    translations = [0, 2]
+    part = dmig(M, "MAAX", True).splitlines()
+    keep = [
+        i
+        for i, line in enumerate(part)
+        if line.startswith("DMIG*") and line.split()[2:4] in (["1", "1"], ["2", "1"])
+    ]
+    lines = part[:3] + [line for i in keep for line in part[i : i + 2]]
+    (tmp_path / "k.pch").write_text(dmig(K, "KAAX", True))
+    (tmp_path / "m.pch").write_text("\n".join(lines) + "\n")
+    mass = ar.read_matrices(tmp_path / "k.pch", tmp_path / "m.pch").mass().toarray()
+    np.testing.assert_allclose(np.diag(mass), [M[i, i] if i in translations else 0.0 for i in range(5)])
+    other = [line.replace("*                      2", "*                      9") for line in lines]
+    (tmp_path / "m.pch").write_text("\n".join(other) + "\n")
+    with pytest.raises(ar.InvalidInputError, match=r"mass: got entries at node"):
+        ar.read_matrices(tmp_path / "k.pch", tmp_path / "m.pch")
+
+
+def test_abaqus(tmp_path):
+    text = "** written by Abaqus\n*MATRIX, NAME=K, TYPE=SYMMETRIC\n"
+    for name, matrix in (("K", K), ("M", M)):
+        rows = [
+            f"{POINTS[i][0]},{POINTS[i][1]}, {POINTS[j][0]},{POINTS[j][1]}, {v:.16e}"
+            for i, j, v in entries(matrix)
+        ]
+        (tmp_path / f"{name}.mtx").write_text(text + "\n".join(rows) + "\n")
+    same(ar.read_matrices(tmp_path / "K.mtx", tmp_path / "M.mtx"))
+    assert ar.io.read_dof_map(tmp_path / "K.mtx")[7, "+Z"] == 4
+    with (tmp_path / "K.mtx").open("a") as opened:
+        opened.write("9,1, 9,1, 1.0e36\n9,1, 7,3, -5.0\n")
+    with pytest.warns(
+        ar.AntiresWarning, match=r"1 dof\(s\) with a boundary condition.*\(9:1\); they are left out"
+    ):
+        same(ar.read_matrices(tmp_path / "K.mtx", tmp_path / "M.mtx"))
+    (tmp_path / "K.mtx").write_text("1,1, 1,1, 5.0\n1,1, 1\n")
+    with pytest.raises(ar.UnsuitableDataError, match="line 2: '1,1, 1'"):
+        ar.read_matrices(tmp_path / "K.mtx", M)
+
+
+def test_harwell_boeing(tmp_path):
+    for name, matrix in (("K", K), ("M", M)):
+        hb_write(str(tmp_path / f"{name}.rua"), scipy.sparse.csc_matrix(matrix))
+    same(ar.read_matrices(tmp_path / "K.rua", tmp_path / "M.rua"))
+    lower = scipy.sparse.csc_matrix(np.tril(K))
+    head = ["a title".ljust(72) + "key", f"{6:14d}{1:14d}{1:14d}{4:14d}{0:14d}"]
+    numbers = [f"{v:20.12E}".replace("E", "D") for v in lower.data]
+    (tmp_path / "k.rsa").write_text(
+        "\n".join(
+            [
+                *head,
+                f"RSA           {5:14d}{5:14d}{lower.nnz:14d}{0:14d}",
+                "(6I8)".ljust(16) + "(10I8)".ljust(16) + "(1P,3D20.12)".ljust(20),
+                "".join(f"{p + 1:8d}" for p in lower.indptr),
+                "".join(f"{i + 1:8d}" for i in lower.indices),
+                *("".join(numbers[i : i + 3]) for i in range(0, len(numbers), 3)),
+            ]
+        )
+        + "\n"
+    )
+    same(ar.read_matrices(tmp_path / "k.rsa", M))
+    (tmp_path / "k.rsa").write_text((tmp_path / "k.rsa").read_text()[:-25])
+    with pytest.raises(ar.UnsuitableDataError, match="7 of 8 numbers"):
+        ar.read_matrices(tmp_path / "k.rsa", M)
+
+
+def test_files_of_ansys_name_the_package_they_need(tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "ansys", None)
+    (tmp_path / "file.full").write_bytes(b"anything")
+    with pytest.raises(ar.MissingDependencyError, match=r"antires-rs\[ansys\]"):
+        ar.read_matrices(tmp_path / "file.full")
