@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..support.validation import reject, real_array
+from ..support.validation import real_array, reject
 from .recipes import Columns, Entries
 
 __all__ = ["as_dense", "as_sparse", "as_square", "as_term"]

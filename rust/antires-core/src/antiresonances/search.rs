@@ -63,8 +63,8 @@ impl Memory {
 
 /// The search for the roots of H_ik.
 pub(super) struct Search<'a, 'm> {
-    /// Whether the roots that cancel are looked for too.
-    with_cancelled: bool,
+    /// Whether the poles of all parts of the structure are wanted: on those of others, roots cancel.
+    whole: bool,
     solved: &'a mut Solved<'m>,
     ends: (usize, usize),
     memory: &'a mut Memory,
@@ -75,11 +75,11 @@ impl<'a, 'm> Search<'a, 'm> {
     pub fn new(
         solved: &'a mut Solved<'m>,
         ends: (usize, usize),
-        with_cancelled: bool,
+        whole: bool,
         memory: &'a mut Memory,
     ) -> Self {
         Self {
-            with_cancelled,
+            whole,
             solved,
             ends,
             memory,
@@ -94,7 +94,7 @@ impl<'a, 'm> Search<'a, 'm> {
         let (i, k) = self.ends;
         if ceiling.is_finite() && self.solved.is_reducible() {
             let reduced = self.solved.reduced();
-            if reduced.solve(k, ceiling, self.with_cancelled) {
+            if reduced.solve(k, ceiling, self.whole) {
                 reduced.form(i, &mut self.memory.receptance);
                 self.memory.found.begin(reduced.zero());
                 return Ok(self.isolate((0.0, ceiling), Series::Reduced));
@@ -187,7 +187,7 @@ impl<'a, 'm> Search<'a, 'm> {
         };
         let limit = gap.min(ceiling);
         let low = self.solved.reduced();
-        if !low.solve(k, limit, self.with_cancelled) {
+        if !low.solve(k, limit, self.whole) {
             return Certainty::Doubtful;
         }
         self.memory.found.begin(low.zero());

@@ -78,13 +78,12 @@ impl Prepared<'_> {
         freq_hz: &mut Vec<f64>,
     ) -> Result<Transfer> {
         let ceiling = eigenvalue(query.f_max_hz);
-        let certainty = Search::new(
-            &mut self.solved,
-            (i, k),
-            query.include_cancelled,
-            self.memory,
-        )
-        .run(ceiling)?;
+        // The pencil has the roots of all parts of the structure, of those too that the force does not move.
+        let for_pencil = query.include_cancelled || query.route == Route::Pencil;
+        let mut certainty = self.search((i, k), for_pencil, ceiling)?;
+        if certainty == Certainty::Doubtful && !for_pencil && self.solved.may_be_dense() {
+            certainty = self.search((i, k), true, ceiling)?;
+        }
         if query.route == Route::Modal && self.memory.is_zero() {
             return Ok(Transfer::IdenticallyZero);
         }
@@ -105,6 +104,10 @@ impl Prepared<'_> {
         }
         freq_hz.extend(found.sorted().iter().map(|&x| hertz(x)));
         Ok(Transfer::Present)
+    }
+
+    fn search(&mut self, ends: (usize, usize), whole: bool, ceiling: f64) -> Result<Certainty> {
+        Search::new(&mut self.solved, ends, whole, self.memory).run(ceiling)
     }
 
     /// Whether rounding leaves a doubt about the number of roots last found: of structures too large for the

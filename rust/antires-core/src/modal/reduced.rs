@@ -149,7 +149,6 @@ impl ReducedModes {
         if !few(self.matrices.count_below(limit, scope).0) {
             return false;
         }
-        let row = self.matrices.structure().row(excitation);
         self.poles
             .find(&self.matrices, &self.shifted, (sigma, limit), (row, start))
             && self.complete(limit, scope)
