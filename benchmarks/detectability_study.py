@@ -9,6 +9,10 @@ predicted a90.
 
     python -m benchmarks.detectability_study                    # 60 tests an element; 10 to 20 minutes
     python -m benchmarks.detectability_study --tests 20 --only chain8
+    python -m benchmarks.detectability_study --shares --tests 10 --only portal
+
+With ``--shares`` no curve is fitted: all members are candidates, and the share of tests is told that find
+losses of 0.8, 1.0 and 1.2 times the a90 predicted from ten structures.
 """
 
 from __future__ import annotations
@@ -23,7 +27,11 @@ import time
 import numpy as np
 
 import antires_rs as ar
+from antires_rs.damage.prior import DamagePrior
+from antires_rs.planning.detectability import _virtual_test
 from antires_rs.planning.pod import fit_logit
+from antires_rs.planning.simulated import Task, judged
+from antires_rs.planning.value_errors import ExpectedErrors
 from benchmarks.study_tools import print_table
 from reference.symmetric_structures import cases
 
@@ -68,18 +76,45 @@ def pooled(predicted, simulated):
     return curve.a90, curve.bound
 
 
+def shares(model, test, tests, seed):
+    """Found or not, of the tests at multiples of the predicted a90; every other element."""
+    options = {key: value for key, value in test.items() if key != "elements"}
+    a90 = ar.detectability(model, **options, std=STD, model_error=MODEL_ERROR, rng=seed, n_tests=10).a90
+    elements = tuple(a90)
+    force, sensors, band = (options[key] for key in ("excitation", "sensors", "band_hz"))
+    sees, errors = "transmissibility", ExpectedErrors(0.01, 200.0, 0.01, STD)
+    virtual, _ = _virtual_test(
+        model, elements, list(sensors), force, band, sees, errors, MODEL_ERROR, DamagePrior(), 1
+    )
+    found = {multiple: [] for multiple in (0.8, 1.0, 1.2)}
+    known = [place for place, e in enumerate(elements) if np.isfinite(a90[e])][::2]
+    seeds = iter(np.random.SeedSequence(seed + 1).spawn(len(known) * len(found) * tests))
+    for place in known:
+        for multiple, hits in found.items():
+            for _ in range(tests):
+                loss = multiple * a90[elements[place]]
+                task = Task(virtual, place, loss, DamagePrior(), None, next(seeds), 1)
+                hits.append(elements[place] in judged(task))
+    return found
+
+
 def main():
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--tests", type=int, default=60)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="")
+    parser.add_argument("--shares", action="store_true")
     chosen = parser.parse_args()
     summary = []
     for name, model, test in structures():
         if chosen.only not in name:
             continue
         start = time.perf_counter()
+        if chosen.shares:
+            found = shares(model, test, chosen.tests, chosen.seed)
+            print(name, {multiple: f"{sum(hits):.0f} of {len(hits)}" for multiple, hits in found.items()})
+            continue
         predicted, simulated = both(model, test, chosen.tests, chosen.seed)
         rows = [
             [predicted.names[e], *(f"{100 * a[e]:.2f}" for a in (predicted.a50, predicted.a90))]
@@ -95,6 +130,8 @@ def main():
             [name, f"{ratio:.2f}", f"{bound:.2f}", f"{100 * predicted.false_call_rate:.2f}"]
             + [f"{100 * simulated.false_call_rate:.1f}", f"{time.perf_counter() - start:.0f}"]
         )
+    if not summary:
+        return
     print()
     head = [
         "structure",

@@ -273,3 +273,11 @@ def test_a_rate_that_the_column_of_time_denies_is_named(tmp_path):
     # In milliseconds it is the same time.
     file.write_text("time [ms],tip [g]\n" + "".join(f"{1e3 * i / 512:.6f},{i % 7}\n" for i in range(64)))
     assert ar.read_csv(file, fs_hz=512.0).fs_hz == 512.0
+
+
+@pytest.mark.parametrize("content", [b";\n0", b"a;\n0\n", b";\n0\n"])
+def test_names_and_a_single_row_that_is_cut(tmp_path, content):
+    path = tmp_path / "a.csv"
+    path.write_bytes(content)
+    with pytest.raises(ar.UnsuitableDataError, match="row 1 is cut, 0 are whole"):
+        ar.read_csv(path)

@@ -16,6 +16,7 @@ from .percent import figure
 from .prior import DamagePrior
 from .question import Question
 from .residuals import largest_left
+from .severity_profile import severity_profile
 from .sure import severity_intervals
 from .words import headline, reservations
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from ..optimize.outcome import OptimizeResult
     from ..updating.parameter_intervals import Method, ParameterIntervals
     from ..updating.problem import UpdatingProblem
+    from ..updating.profile import ProfileLikelihood
     from .assessment import Assessment
     from .hypotheses import Hypotheses
 
@@ -215,15 +217,8 @@ class DamageResult(UpdateResult):
             return super().intervals(
                 method, level=level, draws=draws, rng=rng, workers=workers, progress=progress
             )
-        if self._question is None:
-            reject(
-                "result",
-                "one without the values of the baseline, of an older file",
-                "one that assess_damage has made, or a file of one",
-                "Assess the damage again; .interval has its 90 % intervals.",
-            )
         return severity_intervals(
-            self._question,
+            self._asked(),
             self._assessment,
             self.problem.names,
             method=method,
@@ -233,6 +228,37 @@ class DamageResult(UpdateResult):
             workers=workers,
             progress=progress,
         )
+
+    def profile(
+        self, name: str, *, level: float = 0.9, points: int = 21, progress: bool | None = None
+    ) -> ProfileLikelihood:
+        """Profile likelihood of one severity, the others of the set declared damaged fitted at every value.
+
+        With a baseline the likelihood is that of the assessment, errors of the model in it. A name that is
+        unknown, or of an element that is not declared damaged, is an ``InvalidInputError``.
+        """
+        if self._assessment is None:
+            return super().profile(name, level=level, points=points, progress=progress)
+        return severity_profile(
+            self._asked(),
+            self._assessment,
+            self.problem.names,
+            name,
+            level=level,
+            points=points,
+            progress=progress,
+        )
+
+    def _asked(self) -> Question:
+        """Both states, as they were assessed."""
+        if self._question is None:
+            reject(
+                "result",
+                "one without the values of the baseline, of an older file",
+                "one that assess_damage has made, or a file of one",
+                "Assess the damage again; .interval has its 90 % intervals.",
+            )
+        return self._question
 
     @cached_property
     def _detectable(self) -> tuple[float, ...]:

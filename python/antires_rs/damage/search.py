@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import combinations, product
 
 import numpy as np
 
@@ -26,6 +27,8 @@ Elements = tuple[int, ...]
 _GRID = np.array([0.02, 0.05, 0.1, 0.16, 0.23, 0.31, 0.4, 0.5, 0.6, 0.7, 0.79, 0.87, 0.93, 0.97])
 #: Sets of each size that get another element; and new sets that are refined.
 _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
+#: Sets that get another one where nothing found so far is better than no element at all.
+_UNTOLD = 16
 #: Errors added on the way to the most probable severities.
 _TEMPERED = (0.03, 0.01, 0.003, 0.0, 0.0)
 #: Sets so far below the likeliest of their size (log-likelihood) are given up on the way, but for so many.
@@ -38,6 +41,10 @@ _GAIN = 7.0
 _TOO_MUCH = 3.0
 #: Sets so near to the likeliest (log evidence), and so many of them, are judged from their own severities.
 _NEAR, _RENEWED = 12.0, 24
+#: Severity below which an element of a set may as well be undamaged.
+_HARDLY = 0.02
+#: About so many points of a scan of pairs; where even so there are too many, pairs of so many elements.
+_SCANNED, _ALONE = 4000, 40
 #: Multiple of the stated errors up to which a damage explains the values.
 _WIDER = 2.0
 #: Share of values without a partner that is usual.
@@ -74,15 +81,57 @@ class Search:
                     break
                 parents = self._parents(size - 1)
                 self._refine(self._starts(parents, size))
+                if size == 2 and not self._any():
+                    self._refine(self._pairs())
+            self._smaller()
             self._renew()
         except KeyboardInterrupt:
             self.interrupted = True
 
-    def _renew(self) -> None:
-        """Judge the likeliest sets anew, each from its own severities."""
+    def _any(self) -> bool:
+        """Whether some set is more probable than a change that has nothing to do with elements."""
+        return max(fit.log_evidence for fit in self.fits.values()) > self.something_else
+
+    def _pairs(self) -> dict[Elements, FloatArray]:
+        """Pairs that explain most, both severities scanned: of two large damages one may not show alone."""
+        pairs = list(combinations(range(self.n_candidates), 2))
+        n_levels = int(np.clip(np.sqrt(_SCANNED / len(pairs)), 2, _GRID.size))
+        levels = _GRID[np.unique(np.linspace(2, _GRID.size - 1, n_levels).round().astype(int))]
+        if len(pairs) * levels.size**2 > 2 * _SCANNED:  # so many candidates: those that explain most alone
+            alone = sorted(range(self.n_candidates), key=lambda e: -self.fits[(e,)].log_evidence)
+            pairs = list(combinations(sorted(alone[:_ALONE]), 2))
+        severities = np.array(list(product(levels, levels)))
+        rows = np.zeros((len(pairs), len(severities), self.likelihood.n))
+        for nth, pair in enumerate(pairs):
+            rows[nth][:, pair] = severities
+        roots = self.likelihood.roots(rows.reshape(-1, self.likelihood.n), slopes=False)
+        left = np.array([self.likelihood.unexplained(each) for each in roots]).reshape(len(pairs), -1)
+        best = np.argsort(left.min(axis=1), kind="stable")[: _REFINED[0]]
+        return {pairs[nth]: rows[nth, np.argmin(left[nth])] for nth in best}
+
+    def _smaller(self) -> None:
+        """Judge the likeliest sets without those of their elements that have hardly a damage."""
+        starts: dict[Elements, FloatArray] = {}
+        for elements in self._near():
+            severities = dict(zip(elements, self.fits[elements].beta, strict=True))
+            kept = tuple(e for e in elements if severities[e] >= _HARDLY)
+            if kept and kept != elements:
+                row = starts.setdefault(kept, np.zeros(self.likelihood.n))
+                row[list(kept)] = [min(severities[e], HIGHEST) for e in kept]
+        if starts:
+            views = self.likelihood.views(np.array(list(starts.values())))
+            for elements, view in zip(starts, views, strict=True):
+                self._judge(elements, view)
+
+    def _near(self) -> list[Elements]:
+        """The likeliest sets, first the likeliest."""
         top = max(fit.log_evidence for fit in self.fits.values())
         near = [s for s, fit in self.fits.items() if s and fit.log_evidence > top - _NEAR]
-        sets = sorted(near, key=lambda s: -self.fits[s].log_evidence)[:_RENEWED]
+        return sorted(near, key=lambda s: -self.fits[s].log_evidence)[:_RENEWED]
+
+    def _renew(self) -> None:
+        """Judge the likeliest sets anew, each from its own severities."""
+        sets = self._near()
         if not sets:
             return
         betas = np.zeros((len(sets), self.likelihood.n))
@@ -99,7 +148,8 @@ class Search:
             for elements, fit in self.fits.items()
             if len(elements) == size and all(e < self.n_candidates for e in elements)
         ]
-        return sorted(own, key=lambda fit: -fit.log_evidence)[: _PARENTS[min(size, len(_PARENTS) - 1)]]
+        most = _PARENTS[min(size, len(_PARENTS) - 1)] if self._any() else _UNTOLD
+        return sorted(own, key=lambda fit: -fit.log_evidence)[:most]
 
     def _further(self, elements: Elements) -> list[int]:
         """Elements that may join a set."""

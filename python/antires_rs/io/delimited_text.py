@@ -132,6 +132,9 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
                 f"{width}, as the first row",
                 "It was cut or damaged.",
             )
+    if not rows:
+        table.values = np.empty((0, width))
+        return
     plain = "\n".join(between.join(_split(row, between)) if between and '"' in row else row for row in rows)
     if point == ",":
         plain = plain.replace(",", ".")
@@ -153,12 +156,11 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
             "numbers in every column",
             "Correct or remove that value.",
         )
-    table.values = values if rows else np.empty((0, width))
-    if len(rows):
-        # Half a unit in the last decimal place that the first column ever shows.
-        places = max(_places(_split(row, between)[0], point) for row in rows[:1000])
-        largest = float(np.abs(table.values[:, 0]).max()) or 1.0
-        table.digits = max(0.5 * 10.0**-places / largest, 1e-15)
+    table.values = values
+    # Half a unit in the last decimal place that the first column ever shows.
+    places = max(_places(_split(row, between)[0], point) for row in rows[:1000])
+    largest = float(np.abs(table.values[:, 0]).max()) or 1.0
+    table.digits = max(0.5 * 10.0**-places / largest, 1e-15)
 
 
 def _places(number: str, point: str) -> int:
