@@ -15,7 +15,7 @@ use super::secular::Certainty;
 use crate::error::{Error, Result};
 use crate::fem::model::{Model, connected};
 use crate::linalg::sparse::SparseMatrix;
-use crate::modal::columns::modal_columns;
+use crate::modal::modal_columns::modal_columns;
 use crate::modal::modes::{eigenvalue, hertz};
 use crate::modal::on_pole::on_pole;
 use crate::modal::solved::{Solutions, Solved};

@@ -12,7 +12,8 @@ use std::sync::Arc;
 use super::frame::reform::{Nominal, Reform};
 use super::model::Model;
 use super::parameters::{Parameter, Quantity};
-use super::term::{Places, Term};
+use super::places::Places;
+use super::term::Term;
 use crate::error::Result;
 use crate::linalg::sparse::SparseMatrix;
 

@@ -5,7 +5,8 @@ use std::sync::{Arc, OnceLock};
 use faer::{Mat, MatRef};
 
 use super::frame::Frame;
-use super::term::{Places, Term};
+use super::places::Places;
+use super::term::Term;
 use crate::error::{Error, Result};
 use crate::linalg::sparse::{Pattern, SparseMatrix};
 

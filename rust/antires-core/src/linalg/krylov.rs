@@ -32,7 +32,8 @@
 
 use crate::linalg::wide::NullaryFnOnce;
 
-use super::form::{Factors, Form};
+use super::factored::Factors;
+use super::form::Form;
 use super::tridiagonal;
 use super::wide::{self, dot, subtract};
 

@@ -1,4 +1,4 @@
-//! Columns i and k of (K − xM)⁻¹ from factors of K − xM or from all modes, for roots on the matrices themselves
+//! Columns i and k of (K − xM)⁻¹ from factors of K − xM, for roots on the matrices themselves
 //! and for their sensitivities.
 //!
 //! ```text
@@ -10,7 +10,6 @@
 
 use super::scaled::ScaledMatrices;
 use crate::linalg::banded::LARGEST_GROWTH;
-use crate::linalg::symmetric::SymmetricSolver;
 
 /// u and w in the order and the scale of the factors, and M u.
 #[derive(Debug, Clone, Default)]
@@ -94,33 +93,4 @@ impl Columns {
         // A dof without mass has no scale.
         slope.is_finite().then_some(slope)
     }
-}
-
-/// The columns from all modes: h_i = Σ φ_r φ_ir / (λ_r − x) + Σ ψ ψ_i; returns h_iᵀ M h_k.
-pub fn modal_columns(
-    modes: &SymmetricSolver,
-    (i, k): (usize, usize),
-    x: f64,
-    left: &mut Vec<f64>,
-    right: &mut Vec<f64>,
-) -> f64 {
-    let (lambda, phi) = (modes.eigenvalues(), modes.vectors());
-    let n = phi.nrows();
-    for column in [&mut *left, &mut *right] {
-        column.clear();
-        column.resize(n, 0.0);
-    }
-    let mut slope = 0.0;
-    for r in 0..phi.ncols() {
-        let stretch = lambda.get(r).map_or(1.0, |l| (l - x).recip());
-        let (at_i, at_k) = (phi[(i, r)] * stretch, phi[(k, r)] * stretch);
-        for dof in 0..n {
-            left[dof] += at_i * phi[(dof, r)];
-            right[dof] += at_k * phi[(dof, r)];
-        }
-        if r < lambda.len() {
-            slope += at_i * at_k;
-        }
-    }
-    slope
 }

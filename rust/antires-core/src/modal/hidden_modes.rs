@@ -6,7 +6,7 @@
 
 use super::poles::{FOUND, Poles};
 use super::scaled::ScaledMatrices;
-use crate::linalg::form::Factors;
+use crate::linalg::factored::Factors;
 use crate::linalg::krylov::{Krylov, Operator, Start};
 
 /// In whose complement hidden modes are sought.

@@ -16,7 +16,7 @@
 //! | [`poles`](reduced), [`reduced`] | the poles of one load up to a limit, and the proof that none is missing |
 //! | [`solved`] | K and M of one evaluation with the solutions made of them |
 //! | [`receptance`] | H_ik as partial fractions |
-//! | [`columns`], [`on_pole`] | columns of (K − xM)⁻¹, and what stands for them on a pole |
+//! | [`columns`], [`modal_columns`], [`on_pole`] | columns of (K − xM)⁻¹, and what stands for them on a pole |
 //! | [`modes`], [`low_modes`] | all modes, or those up to a limit |
 //! | [`frf`] | frequency responses |
 //! | [`mac`], [`nelson`], [`mode_sensitivities`] | comparison with a measured shape, and its derivatives |
@@ -28,6 +28,7 @@ pub mod frf;
 mod hidden_modes;
 pub mod low_modes;
 pub mod mac;
+pub mod modal_columns;
 pub mod mode_sensitivities;
 pub mod modes;
 pub mod nelson;

@@ -11,7 +11,7 @@
 
 use super::receptance::Receptance;
 use super::scaled::ScaledMatrices;
-use crate::linalg::form::Factors;
+use crate::linalg::factored::Factors;
 use crate::linalg::krylov::{Krylov, Operator, Start};
 
 /// The poles are told up to this part above the limit, for the count to find a clear place.

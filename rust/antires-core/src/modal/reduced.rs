@@ -18,7 +18,7 @@ use super::poles::{MARGIN, Poles};
 use super::receptance::Receptance;
 use super::scaled::{ScaledMatrices, Scope, factors_for};
 use super::structure::{MOST_DENSE, Structure};
-use crate::linalg::form::Factors;
+use crate::linalg::factored::Factors;
 use crate::linalg::krylov::Start;
 use crate::linalg::sparse::SparseMatrix;
 

@@ -12,7 +12,8 @@ use std::sync::Arc;
 
 use super::structure::{Layout, Structure};
 use crate::linalg::banded::Banded;
-use crate::linalg::form::{Factors, Form, Signs};
+use crate::linalg::factored::{Factors, Signs};
+use crate::linalg::form::Form;
 use crate::linalg::sparse::{SparseFactors, SparseMatrix};
 
 /// Least pivot of M, relative to its diagonal, for which all directions have a mass.

@@ -1,7 +1,5 @@
-//! The ordering that keeps L sparse, and the blocks of columns of one structure (supernodes) that L has.
-//!
-//! Approximate minimum degree (Amestoy, Davis & Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886-905), elimination
-//! tree, column counts and supernodes are faer's.
+//! The ordering that keeps L sparse (approximate minimum degree: Amestoy, Davis & Duff, SIAM J. Matrix Anal.
+//! Appl. 17 (1996) 886-905), and the blocks of columns of one structure (supernodes) of L; both are faer's.
 
 use std::sync::Arc;
 
