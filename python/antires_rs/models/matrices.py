@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..support.validation import real_array, reject
+from ..support.validation import FloatArray, real_array, reject
 from .recipes import Columns, Entries
 
 __all__ = ["as_dense", "as_sparse", "as_square", "as_term"]
@@ -26,7 +26,7 @@ def as_sparse(columns: Columns) -> Any:
     return csc_array((values, rows, starts), shape=(n, n))
 
 
-def as_dense(columns: Columns) -> Any:
+def as_dense(columns: Columns) -> FloatArray:
     """A matrix of the core as a dense array."""
     starts, rows, values = columns
     n = len(starts) - 1
