@@ -17,6 +17,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy: more threads make thes
 import argparse
 import pickle
 import warnings
+from itertools import pairwise
 
 import numpy as np
 
@@ -85,6 +86,36 @@ def one_run(task):
     }
 
 
+def told(rows):
+    """Sentences: false alarms, right answers above a90, intervals, stated and observed probabilities."""
+    intact = [row for row in rows if row["kind"] == 0]
+    by_default, at_rate = (sum(bool(row[key]) for row in intact) for key in ("declared", "at_rate"))
+    yield f"false alarms of {len(intact)}: {by_default} by default, {at_rate} with false_alarm_rate={RATE}"
+    for kind in (1, 2):
+        own = [(row, tuple(np.flatnonzero(row["losses"]).tolist())) for row in rows if row["kind"] == kind]
+        above = [(row, e) for row, e in own if all(row["losses"][i] >= row["a90"][i] for i in e)]
+        right = sum(tuple(row["declared"]) == e for row, e in above)
+        held = [row["interval"][i][0] <= row["losses"][i] <= row["interval"][i][1]
+                for row, e in above if tuple(row["declared"]) == e for i in e]  # fmt: skip
+        yield (
+            f"{kind} damaged: right {right} of {len(above)} above a90 ({len(own)} in all); "
+            f"90 % intervals hold {sum(held)} of {len(held)}"
+        )
+    stated, true = [], []
+    for row in rows:
+        for element, p in row["probability"].items():
+            stated.append(p)
+            true.append(row["losses"][element] > 0.0)
+    stated, true = np.array(stated), np.array(true)
+    for low, high in pairwise((0.0, 1e-3, 0.01, 0.1, 0.5, 0.9, 0.99, 1.0001)):
+        within = (stated >= low) & (stated < high)
+        if within.any():
+            yield (
+                f"probability {low:g} to {min(high, 1.0):g}: stated {stated[within].mean():.4f}, "
+                f"observed {true[within].mean():.4f} of {within.sum()}"
+            )
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("--count", type=int, nargs=3, default=[200, 200, 100])
@@ -94,6 +125,7 @@ if __name__ == "__main__":
     given = parser.parse_args()
     tasks = [(kind, given.first_seed + i) for kind, n in enumerate(given.count) for i in range(n)]
     rows = list(each(one_run, tasks, given.workers))
+    print("\n".join(told(rows)))
     if given.out:
         with open(given.out, "wb") as file:
             pickle.dump(rows, file)

@@ -174,5 +174,8 @@ def test_options_of_the_other_way_are_refused():
         ar.assess_damage(NOMINAL, sets, false_alarm_rate=0.05)
     with pytest.raises(ar.InvalidInputError, match="baseline"):
         ar.assess_damage(NOMINAL, sets, baseline=sets[:1])
+    pairs_only = ar.DamagePrior(nothing=0.5, one=0.0, two=0.4, three=0.0, elsewhere=0.05, unknown=0.05)
+    with pytest.raises(ar.InvalidInputError, match="false_alarm_rate.*one element alone"):
+        ar.assess_damage(NOMINAL, sets, baseline=sets, prior=pairs_only, false_alarm_rate=0.05)
     with pytest.raises(ar.InvalidInputError, match="prior"):
         ar.DamagePrior(nothing=0.9)

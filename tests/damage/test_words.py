@@ -218,3 +218,22 @@ def test_no_probability_is_rounded_to_certainty(probability, words):
 def test_ends_of_an_interval_can_be_told_apart():
     assert span(0.38, 0.41) == "38.0 to 41.0"
     assert span(0.3998, 0.4003) == "39.98 to 40.03"
+
+
+def test_what_is_beyond_a_group_is_named_and_a_change_of_another_kind_is_not_called_damage():
+    rows = [one((3,), 0.44), one((2,), 0.28), one(UNKNOWN, 0.27, candidate=False), one((), 0.01)]
+    lines, _ = said(rows, (3,), rows[:2])
+    assert lines[0] == (
+        "Something has changed (probability 99.0 %): spring 3 or spring 4. The values cannot tell which."
+    )
+    assert lines[1].startswith("Together 72.0 %. ")
+    assert lines[2] == ("What else it may be: a change that no element explains (27.0 %).")
+
+
+def test_no_damage_that_leaves_values_unexplained_says_so():
+    lines, found = said([one((), 0.95), one((1,), 0.05)], (), [], chi_square=6.0)
+    assert not found.explained
+    assert lines[0].startswith("No damage found")
+    assert lines[-1].startswith("But that does not explain all of the values")
+    lines, _ = said([one((), 0.95), one((1,), 0.05)], (), [])
+    assert len(lines) == 1

@@ -36,6 +36,11 @@ def halves():
     return ar.assess_damage(model, exact(chain([500.0, 400.0, 500.0])), baseline=exact(whole))
 
 
+def test_a_truth_without_elements_is_refused(judged, ax):
+    with pytest.raises(ar.InvalidInputError, match="truth"):
+        judged.plot(ax=ax, truth=[0.0, 0.4, 0.0])
+
+
 def test_bars_have_their_intervals_and_probabilities(judged, ax):
     judged.plot(ax=ax)
     bars = plotting.data_of(ax)["bars"]

@@ -160,20 +160,23 @@ def assess_damage(
     if false_alarm_rate is not None:
         finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.5, low_open=True)
     common = STD_COMMON if std_common is None else finite_scalar("std_common", std_common, low=0.0, high=0.1)
-    if false_alarm_rate is not None and prior is not None and getattr(prior, "nothing", 1.0) == 0.0:
+    if prior is not None and not isinstance(prior, DamagePrior):
+        reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
+    if false_alarm_rate is not None and prior is not None and not (prior.nothing and prior.one):
         reject(
             "false_alarm_rate",
             false_alarm_rate,
-            "None: by this prior there is always damage",
-            "Give prior.nothing more than 0.",
+            "None: by this prior there is "
+            + ("always damage" if prior.nothing == 0.0 else "never damage of one element alone"),
+            "Give prior.nothing and prior.one more than 0.",
         )
-    if prior is not None and not isinstance(prior, DamagePrior):
-        reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
     before, now = _sets("baseline", baseline), _sets("measured", measured)
     problem = UpdatingProblem(model, stiffness_reduction(chosen), now)  # speaks up where they do not fit
     if type(before[0]) is not type(now[0]):
-        kinds = [type(each[0]).__name__ for each in (before, now)]
-        reject("baseline", f"a {kinds[0]}", f"a {kinds[1]}, as measured", "Compare what is of one kind.")
+        kinds = [
+            "a ModalSet" if isinstance(each[0], ModalSet) else "an AntiresonanceSet" for each in (before, now)
+        ]
+        reject("baseline", kinds[0], f"{kinds[1]}, as measured", "Compare what is of one kind.")
     if not any(
         any(each.freq_hz) if isinstance(each, ModalSet) else any(map(len, each.values())) for each in before
     ):

@@ -144,8 +144,10 @@ class Responses:
             freq, std = {}, {}
             for label, number in labels.items():
                 own = (now.test == nth) & (now.response == number)
-                freq[label] = np.sort(np.exp(now.log_f[own] - beside[own]))
-                std[label] = now.std[own] * freq[label]
+                corrected = np.exp(now.log_f[own] - beside[own])
+                order = np.argsort(corrected, kind="stable")
+                freq[label] = corrected[order]
+                std[label] = now.std[own][order] * freq[label]
             channels = each.channels or None
             sets.append(
                 AntiresonanceSet(each.excitation, freq, std_hz=std, sees=each.sees, channels=channels)

@@ -70,7 +70,7 @@ def severity_intervals(
         if sure and part.effective < _FEW * few:
             notes.append(f"Draws of {name} are worth {part.effective:.0f} independent ones: take more.")
         parts.append((fit, part))
-    confirmed = _confirmed(found, near, parts)
+    confirmed, nothing = _confirmed(found, near, parts)
     sets = tuple(
         SampledSet(h.elements, h.candidate, h.probability, c, part.effective, part.weight.size)
         for h, c, (_, part) in zip(near, confirmed, parts, strict=True)
@@ -106,7 +106,7 @@ def severity_intervals(
         2.0 * found.root_std,
         tuple(notes),
         question.elements,
-        _mixture(near, confirmed, parts, found.probability_of_nothing, column, draws, rng),
+        _mixture(near, confirmed, parts, nothing, column, draws, rng),
         sets,
     )
 
@@ -138,15 +138,18 @@ def _sides(fit: Fit, nth: int, level: float) -> tuple[str, tuple[float, float]]:
     return "two-sided", _central(level)
 
 
-def _confirmed(found: Assessment, near: list[Hypothesis], parts: list[tuple[Fit, Sampled]]) -> list[float]:
-    """Probabilities of the near hypotheses with the evidence of their draws; the others as they were."""
+def _confirmed(
+    found: Assessment, near: list[Hypothesis], parts: list[tuple[Fit, Sampled]]
+) -> tuple[list[float], float]:
+    """Probabilities of the near hypotheses and of no damage, with the evidence of the draws; the weights of
+    the others as they were."""
     weight = [
         one.probability * float(np.exp(part.log_evidence - fit.log_evidence))
         for one, (fit, part) in zip(near, parts, strict=True)
     ]
     others = sum(one.probability for one in found.hypotheses) - sum(one.probability for one in near)
     total = sum(weight) + max(others, 0.0)
-    return [each / total for each in weight]
+    return [each / total for each in weight], found.probability_of_nothing / total
 
 
 def _verdict(found: Assessment, near: list[Hypothesis], confirmed: list[float]) -> list[str]:

@@ -186,9 +186,7 @@ def _judged(
         kappa=errors[best][0],
         times=errors[best][1],
         partner=partner,
-        beside=np.where(partner >= 0, roots.beside[partner], 0.0)
-        if roots.beside.size
-        else np.zeros(now.size),
+        beside=beside,
         residual=residual,
         std=np.linalg.norm(triangles[best], axis=1),
         chi_square=float(white[best] @ white[best]),

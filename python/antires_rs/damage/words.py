@@ -23,6 +23,9 @@ _NO_LOSS = 5e-4
 _FEW = 4
 #: With fewer, sets with one element more explain them as well.
 _BARELY = 2
+_UNEXPLAINED = (
+    "But that does not explain all of the values; something may have changed that no hypothesis knows."
+)
 _NO_MODEL = (
     "The model does not explain the intact structure, so that what follows is worth little: check its units, "
     "dofs and supports."
@@ -91,19 +94,20 @@ def _change(found: Assessment) -> str:
 
 def _nothing(found: Assessment, label: Label) -> list[str]:
     none = found.probability_of_nothing
+    left = [] if found.explained or found.best.elements else [_UNEXPLAINED]
     if found.best.elements:
         lines = [
             f"No damage declared: it is probable ({percent(1.0 - none)}), but not enough for the rate of "
             "false alarms asked for."
         ]
     elif none >= _SURE:
-        return [f"No damage found: nothing has changed (probability {percent(none)})."]
+        return [f"No damage found: nothing has changed (probability {percent(none)}).", *left]
     else:
         lines = [
             "It cannot be told whether there is damage; probably nothing has changed "
             f"(probability {percent(none)})."
         ]
-    return [*lines, f"What else it may be: {_alternatives(found, label)}."]
+    return [*lines, f"What else it may be: {_alternatives(found, label)}.", *left]
 
 
 def _damage(found: Assessment, declared: Hypothesis, label: Label) -> list[str]:
@@ -125,7 +129,9 @@ def _damage(found: Assessment, declared: Hypothesis, label: Label) -> list[str]:
             values = f"{found.n_matched} value{'s' if found.n_matched > 1 else ''}"
             return [f"Damage; if {only} damaged: {lost}.", f"{sized} {values} cannot tell more."]
         return [f"Damage: {lost}.", sized]
-    sure = f"There is damage (probability {percent(changed)})"
+    unknown = sum(one.probability for one in found.hypotheses if one.unknown)
+    what = "There is damage" if unknown < 1.0 - _SURE else "Something has changed"
+    sure = f"{what} (probability {percent(changed)})"
     surely = _common(found)
     if not found.group and surely:
         return [
@@ -151,12 +157,14 @@ def _damage(found: Assessment, declared: Hypothesis, label: Label) -> list[str]:
         first = f"{sure}: {_with_share(found, surely, label)}; " + (
             f"perhaps {beside} as well." if alone else f"and {beside}, the values cannot tell which."
         )
-    return [
-        first,
-        f"Together {percent(share)}. "
-        + "; ".join(f"{percent(one.probability)}: {_lost(one, label)} ({_intervals(one)})" for one in group)
-        + ".",
-    ]
+    losses = "; ".join(
+        f"{percent(one.probability)}: {_lost(one, label)} ({_intervals(one)})" for one in group
+    )
+    lines = [first, f"Together {percent(share)}. {losses}."]
+    if share < _SURE:
+        beyond = _in_words([one for one in found.hypotheses if one not in group], label)
+        lines.append(f"What else it may be: {beyond}.")
+    return lines
 
 
 def reservations(found: Assessment, label: Label) -> list[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..support.validation import FloatArray
+from ..support.validation import FloatArray, reject
 from .canvas import COLOURS, below, fit_across, new_axes, offer, text_width_pt
 from .judged import alternatives, draw_alternatives, draw_intervals, draw_probabilities, verdict
 
@@ -47,6 +47,8 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     ------
     MissingDependencyError
         matplotlib is not installed.
+    InvalidInputError
+        A truth that is no mapping.
 
     Examples
     --------
@@ -58,6 +60,8 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     >>> ax.get_ylabel()
     'Stiffness loss (%)'
     """
+    if truth is not None and not isinstance(truth, Mapping):
+        reject("truth", truth, "a mapping of zero-based element to loss, such as {4: 0.55}", "Pass a dict.")
     severity = 100.0 * np.asarray(result.x)
     names = element_names(result)
     ax = new_axes(ax, (max(6.0, 0.32 * len(names) + 1.5), 4.4))
