@@ -237,3 +237,17 @@ def test_no_damage_that_leaves_values_unexplained_says_so():
     assert lines[-1].startswith("But that does not explain all of the values")
     lines, _ = said([one((), 0.95), one((1,), 0.05)], (), [])
     assert len(lines) == 1
+
+
+def test_an_element_that_no_value_shows_does_not_make_an_intact_structure_doubtful():
+    ground = Hypothesis((6,), 0.09, (0.0,), (0.0,), (0.93,), candidate=False)
+    lines, _ = said([one((), 0.89), ground, one((1,), 0.02)], (), [])
+    assert lines == [
+        "No damage found: probably nothing has changed (probability 89.0 %).",
+        "Not to be excluded: damage of spring 7, which these values do not show (9.0 %).",
+    ]
+    lines, _ = said([one((), 0.8), ground, one((1,), 0.11)], (), [])
+    assert lines[0].startswith("It cannot be told whether there is damage")
+    shown = one((6,), 0.09, candidate=False)
+    lines, _ = said([one((), 0.89), shown, one((1,), 0.02)], (), [])
+    assert lines[0].startswith("It cannot be told whether there is damage")

@@ -12,11 +12,12 @@ from ..support.one_thread import one_blas_thread
 from ..support.validation import FloatArray
 from .assessment import Assessment
 from .calibration import log_odds_threshold
-from .hypotheses import UNKNOWN, Hypotheses
+from .hypotheses import UNKNOWN, Hypotheses, Hypothesis
 from .likelihood import Likelihood
 from .limits import intact_slopes, smallest_found
 from .measured_modes import ModeResponses
 from .measured_states import Responses
+from .percent import figure
 from .posterior import log_weights, posterior, together
 from .question import Question
 from .search import Search
@@ -89,7 +90,7 @@ def infer(
         n_intact_matched=int((error.partner >= 0).sum()),
         n_baselines=max(map(responses.tests.count, responses.tests), default=0),
         scatter=prepared.scatter,
-        notes=responses.left_out,
+        notes=(*responses.left_out, *_moved_alike(likelihood, rows[0])),
         odd_baselines=odd.tests if odd else (),
         baseline_gap=odd.apart if odd else 0.0,
         usual_gap=odd.usual if odd else 0.0,
@@ -108,6 +109,18 @@ def infer(
         search.interrupted,
         _corrected(likelihood, betas, responses),
     )
+
+
+def _moved_alike(likelihood: Likelihood, best: Hypothesis) -> list[str]:
+    """A note where all values have moved alike, which is no damage."""
+    moved = likelihood.moved_alike() if best.unknown else None
+    if moved is None:
+        return []
+    way = "higher" if moved > 0.0 else "lower"
+    return [
+        f"All values are {figure(abs(moved))} {way} than in the intact state, as at another temperature or "
+        "by another sampling clock: correct them for it, or raise std_common."
+    ]
 
 
 def _corrected(likelihood: Likelihood, betas: FloatArray, responses: Responses | ModeResponses) -> list[Any]:

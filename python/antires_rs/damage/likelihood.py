@@ -12,6 +12,8 @@ at every beta (:mod:`~antires_rs.damage.association`).
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +30,8 @@ __all__ = ["Likelihood"]
 
 #: Changes (standard deviations of ln f) that something else may make.
 ANY_CHANGE = np.geomspace(3e-4, 0.3, 10)
+#: The same for changes of all values alike, as of temperature; as probable together as the others are.
+ALIKE = (2e-3, 5e-3, 1.5e-2, 4e-2)
 #: Change of a root that has just appeared.
 _NEW = 0.1
 #: Roots so far outside of what was measured (ln f) are not looked at.
@@ -88,17 +92,38 @@ class Likelihood:
         return roots.only(kept), followed[kept], followed
 
     def something_else(self) -> float:
-        """Log evidence of a change that has nothing to do with any element: of every value, by any amount."""
+        """Log evidence of a change that has nothing to do with any element: of every value, by any amount,
+        or of all values alike."""
         zero = np.zeros(self.n)
         found = [self._view(zero, self._undamaged, extra).log_likelihood for extra in ANY_CHANGE]
+        by_itself = np.logaddexp.reduce(found) - np.log(len(found))
+        return float(np.logaddexp(by_itself, self._alike) - np.log(2.0))
+
+    def moved_alike(self) -> float | None:
+        """Relative change of all values, where that is what something else comes to."""
+        if self.something_else() > self._alike:
+            return None
+        view = max(self._shifted, key=lambda view: view.log_likelihood)
+        kind = self.near(self._undamaged)[0].kind[view.partner[view.matched]]
+        return float(np.expm1(np.median(view.residual[kind == 0]))) if view.matched.any() else None
+
+    @cached_property
+    def _shifted(self) -> list[View]:
+        """The values as seen from no damage, all of them moved alike by one of ``ALIKE``."""
+        return [self._view(np.zeros(self.n), self._undamaged, 0.0, each) for each in ALIKE]
+
+    @property
+    def _alike(self) -> float:
+        """Log evidence of a change of all values alike."""
+        found = [view.log_likelihood for view in self._shifted]
         return float(np.logaddexp.reduce(found) - np.log(len(found)))
 
-    def _view(self, beta: FloatArray, roots: Roots, extra: float) -> View:
+    def _view(self, beta: FloatArray, roots: Roots, extra: float, common: float = 0.0) -> View:
         roots, identity, followed = self.near(roots)
         log_f, slopes = roots.log_f, roots.slopes
         beside, spread = self.error.predicted(slopes[:, self.n :] * self._factors, identity, roots.kind)
         old = identity >= 0
-        alike = self.common * (roots.kind == 0)
+        alike = np.hypot(self.common, common) * (roots.kind == 0)
         foreseen = Foreseen(
             response=roots.response,
             place=log_f + beside,

@@ -95,6 +95,8 @@ def _change(found: Assessment) -> str:
 def _nothing(found: Assessment, label: Label) -> list[str]:
     none = found.probability_of_nothing
     left = [] if found.explained or found.best.elements else [_UNEXPLAINED]
+    # What was no candidate and shows in no value stays as probable as before: no reason to doubt the test.
+    blind = [one for one in found.hypotheses if not one.candidate and one.elements and _unseen(one)]
     if found.best.elements:
         lines = [
             f"No damage declared: it is probable ({percent(1.0 - none)}), but not enough for the rate of "
@@ -102,6 +104,12 @@ def _nothing(found: Assessment, label: Label) -> list[str]:
         ]
     elif none >= _SURE:
         return [f"No damage found: nothing has changed (probability {percent(none)}).", *left]
+    elif none + sum(one.probability for one in blind) >= _SURE:
+        return [
+            f"No damage found: probably nothing has changed (probability {percent(none)}).",
+            f"Not to be excluded: {_in_words(blind, label)}.",
+            *left,
+        ]
     else:
         lines = [
             "It cannot be told whether there is damage; probably nothing has changed "
@@ -235,12 +243,17 @@ def _in_words(hypotheses: list[Hypothesis], label: Label) -> str:
             else "a change that no element explains"
             if one.unknown
             else f"damage of {label(one.elements[0])}, which these values do not show"
-            if one.high[0] - one.low[0] > _UNSEEN or max(one.severities) < _NO_LOSS
+            if _unseen(one) or max(one.severities) < _NO_LOSS
             else _lost(one, label)
         )
         + f" ({percent(one.probability)})"
         for one in worth
     )
+
+
+def _unseen(one: Hypothesis) -> bool:
+    """Whether the values tell nothing of a loss."""
+    return not one.unknown and one.high[0] - one.low[0] > _UNSEEN
 
 
 def _common(found: Assessment) -> tuple[int, ...]:
