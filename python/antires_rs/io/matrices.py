@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..models.matrix_model import MatrixModel
-from ..models.recipes import Entries, MatrixRecipe
+from ..models.recipes import MatrixRecipe
 from ..support.validation import part, reject
 from ._common import existing_file, unsuitable
 from ._store import Store, read_store, write_store
@@ -229,9 +229,16 @@ def _own_map(file: Path) -> dict[tuple[int, str], int]:
 def _own(path: str | os.PathLike[str]) -> MatrixModel:
     _, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
     n = data["n_dof"]
-    stiffness, mass = (Entries(*entries).dense(n) for entries in data["matrices"])
-    terms = [[Entries(*term).dense(n) for term in each] for each in data["terms"]]
+    stiffness, mass = (_sparse(entries, n) for entries in data["matrices"])
+    terms = [[_sparse(term, n) for term in each] for each in data["terms"]]
     return MatrixModel(stiffness, mass, stiffness_terms=terms[0], mass_terms=terms[1])
+
+
+def _sparse(entries: Any, n: int) -> Any:
+    from scipy.sparse import coo_array
+
+    rows, columns, values = entries
+    return coo_array((values, (rows, columns)), shape=(n, n))
 
 
 def _labelled(name: str, given: Any, letter: str) -> Labelled:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..support.validation import finite_scalar, real_array
 from .description import ModelDescription
+from .matrices import as_dense
 from .recipes import ChainRecipe
 from .structural_model import StructuralModel
 
@@ -107,11 +108,11 @@ class MassSpringChain(StructuralModel):
 
     def stiffness(self) -> FloatArray:
         """Stiffness matrix, (n, n), N/m."""
-        return self._core.stiffness()
+        return as_dense(self._core.stiffness())
 
     def mass(self) -> FloatArray:
         """Mass matrix, (n, n), kg."""
-        return self._core.mass()
+        return as_dense(self._core.mass())
 
     def __repr__(self) -> str:
         return f"MassSpringChain({self.n_dof} masses)"

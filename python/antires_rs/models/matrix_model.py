@@ -8,7 +8,7 @@ from typing import Any
 from ..support.validation import part
 from .description import ModelDescription
 from .matrices import as_sparse, as_square, as_term
-from .recipes import Entries, MatrixRecipe
+from .recipes import MatrixRecipe
 from .structural_model import StructuralModel
 
 __all__ = ["MatrixModel"]
@@ -20,7 +20,8 @@ class MatrixModel(StructuralModel):
     Parameters
     ----------
     stiffness, mass : array_like or scipy.sparse, (n, n)
-        Symmetric nominal matrices; the mass may be singular (massless dofs).
+        Symmetric nominal matrices; the mass may be singular (massless dofs). Sparse ones stay sparse: memory
+        and time go with their entries.
     stiffness_terms, mass_terms : sequence of array_like or scipy.sparse, (n, n)
         Contribution of each element (or group) to the matrix. A parameter with factor s turns K into
         ``K + (s - 1) K_i``; the terms need not add up to K.
@@ -49,12 +50,11 @@ class MatrixModel(StructuralModel):
         stiffness_terms: Iterable[Any] = (),
         mass_terms: Iterable[Any] = (),
     ) -> None:
-        k = as_square("stiffness", stiffness)
-        n = len(k)
+        n, k = as_square("stiffness", stiffness)
         recipe = MatrixRecipe(
             n,
-            Entries.of(k),
-            Entries.of(as_square("mass", mass, n)),
+            k,
+            as_square("mass", mass, n)[1],
             tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms)),
             tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms)),
         )

@@ -17,7 +17,11 @@ from .sections import AnySection, shear_of
 if TYPE_CHECKING:
     from .._core import Model as CoreModel
 
-__all__ = ["ChainRecipe", "Entries", "FrameRecipe", "MatrixRecipe", "section_argument"]
+__all__ = ["ChainRecipe", "Columns", "Entries", "FrameRecipe", "MatrixRecipe", "section_argument"]
+
+
+#: A matrix of the core by columns: starts, rows, values.
+Columns = tuple[NDArray[np.int64], NDArray[np.int64], FloatArray]
 
 
 class _Recipe(Value):
@@ -77,12 +81,6 @@ class Entries(NamedTuple):
         values = np.ascontiguousarray(dense[rows, columns])
         return cls(rows.astype(np.uint32), columns.astype(np.uint32), values)
 
-    def dense(self, n: int) -> FloatArray:
-        """The (n, n) matrix."""
-        matrix = np.zeros((n, n))
-        matrix[self.rows, self.columns] = self.values
-        return matrix
-
 
 @dataclass(frozen=True, eq=False)
 class MatrixRecipe(_Recipe):
@@ -103,8 +101,9 @@ class MatrixRecipe(_Recipe):
 
     def core(self) -> CoreModel:
         """The matrices and terms, handed over anew."""
-        stiffness, mass = (each.dense(self.n_dof) for each in (self.stiffness, self.mass))
-        return _core.Model.from_matrices(stiffness, mass, self.stiffness_terms, self.mass_terms)
+        return _core.Model.from_matrices(
+            self.n_dof, self.stiffness, self.mass, self.stiffness_terms, self.mass_terms
+        )
 
 
 @dataclass(frozen=True, eq=False)

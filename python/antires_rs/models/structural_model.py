@@ -170,7 +170,7 @@ class StructuralModel(Described):
         excitation : int
             Dof of the force.
         f_max_hz : float, optional
-            Highest frequency wanted; all by default.
+            Highest frequency wanted; all by default, but of more than 2,000 dofs, where it has to be given.
         method : {'modal', 'pencil'}
             ``'modal'`` takes one symmetric eigenproblem for all responses and brackets the zeros of the
             modal series, with proof that none is missed; ``'pencil'`` solves each deleted pencil by QZ, and
@@ -191,14 +191,15 @@ class StructuralModel(Described):
         Raises
         ------
         InvalidInputError
-            A dof outside the model or an unknown method.
+            A dof outside the model, an unknown method, or a large model without a limit.
         NumericalError
             An eigenproblem that cannot be solved.
 
         Warns
         -----
         AntiresWarning
-            The response is not connected to the excitation: H is identically zero.
+            The response is not connected to the excitation: H is identically zero; or rounding leaves a doubt
+            about the number of roots, which only models of up to 2,000 dofs can settle.
 
         Examples
         --------
@@ -222,7 +223,7 @@ class StructuralModel(Described):
                 lambda: self._core.antiresonances(*asked), f"antiresonances of {len(dofs)} responses"
             )
         )
-        for dof, (_, identically_zero) in zip(dofs, found, strict=True):
+        for dof, (_, identically_zero, doubtful) in zip(dofs, found, strict=True):
             if identically_zero:
                 warnings.warn(
                     f"response dof {dof} is not connected to excitation dof {excitation}: "
@@ -230,7 +231,15 @@ class StructuralModel(Described):
                     AntiresWarning,
                     stacklevel=2,
                 )
-        zeros = [freq for freq, _ in found]
+            if doubtful:
+                warnings.warn(
+                    f"response dof {dof}: rounding hides whether antiresonances of it are missing or double; "
+                    f"with {self.n_dof} dofs only other units or fewer digits between the stiffest and the "
+                    "softest part would tell.",
+                    AntiresWarning,
+                    stacklevel=2,
+                )
+        zeros = [freq for freq, _, _ in found]
         return zeros[0] if shape_of(response) == () else zeros
 
     def simulate(

@@ -29,7 +29,7 @@ def fingerprint(problem: UpdatingProblem, options: dict[str, Any], guesses: list
     points = (problem.nominal, low + 0.37 * (high - low))
     for model in (problem.model, problem.model_at(points[1])):
         for matrix in (model._core.stiffness(), model._core.mass()):
-            add(matrix.shape, matrix.tobytes())
+            add(*(array.tobytes() for array in matrix))
     add(
         __version__,
         problem.objective,

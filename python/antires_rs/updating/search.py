@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from ..optimize.checkpoint import Checkpoint
 from ..optimize.island_ga import IslandGA
 from ..optimize.outcome import OptimizeResult
 from ..support.progress import watched
-from ..support.validation import reject
+from ..support.validation import FloatArray, reject
 from .fingerprint import fingerprint
 from .problem import UpdatingProblem
 from .results import UpdateResult
@@ -58,7 +59,8 @@ def update(
     Returns
     -------
     UpdateResult
-        Also when a budget or Ctrl-C ended the run: the best so far, with a status that says so.
+        Also when a budget or Ctrl-C ended the run: the best so far, with a status that says so; never worse
+        than the nominal model, where that is within the bounds.
 
     Raises
     ------
@@ -99,7 +101,10 @@ def search(
     progress: bool | None,
     checkpoint: Any,
 ) -> tuple[OptimizeResult, int]:
-    """The core's search as ``update`` and ``assess_damage`` run it, and the seed that was used."""
+    """The core's search as ``update`` and ``assess_damage`` run it, and the seed that was used.
+
+    The nominal model is evaluated first: what comes back is never worse, however short the search was.
+    """
     ga = IslandGA() if optimizer is None else optimizer
     if not isinstance(ga, IslandGA):
         reject("optimizer", optimizer, "an IslandGA", "Leave it out for IslandGA().")
@@ -108,6 +113,7 @@ def search(
     seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
     if kept:
         kept.begin(fingerprint(problem, ga.options, first), seed)
+    nominal = nominal_first(problem)
     with watched(callback, progress, ga.options["max_evaluations"]) as watcher:
         raw = problem._core.minimize(
             problem.bounds[:, 0].copy(),
@@ -120,4 +126,15 @@ def search(
             watcher,
             kept,
         )
-    return OptimizeResult._of(raw, ga._in_force), seed
+    found = OptimizeResult._of(raw, ga._in_force)
+    if nominal is not None and nominal[1] < found.fun:
+        found = replace(found, x=nominal[0], fun=nominal[1])
+    return found, seed
+
+
+def nominal_first(problem: UpdatingProblem) -> tuple[FloatArray, float] | None:
+    """The nominal values and their cost; none where a parameter has no nominal value within its bounds."""
+    x, (low, high) = problem.nominal, problem.bounds.T
+    if not np.all((low <= x) & (x <= high)):  # NaN is outside
+        return None
+    return x, problem.cost(x)

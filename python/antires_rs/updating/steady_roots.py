@@ -50,7 +50,7 @@ def roots_of(
 ) -> list[FloatArray | None]:
     """Roots of each response; None of one that does not respond at all."""
     found = model._core.antiresonances(dofs, force, limit_hz, "modal", cancelled)
-    return [None if silent else freq for freq, silent in found]
+    return [None if silent else freq for freq, silent, _ in found]
 
 
 def steady(

@@ -9,10 +9,10 @@ use antires_core::fem::model::Model as CoreModel;
 use antires_core::modal::frf::{Motion, frequency_response};
 use antires_core::modal::modes::{AllModes, low_modes};
 use numpy::ndarray::Array2;
-use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 
-use crate::convert::{TermArrays, array, matrix, terms};
+use crate::convert::{ColumnArrays, TermArrays, array, columns, entries, terms};
 use crate::doorway::{run, to_python};
 use crate::frame::Frame;
 use crate::parameters::{ParameterParts, core_parameters};
@@ -64,37 +64,43 @@ impl Model {
         Ok(core.into())
     }
 
-    /// Nominal matrices and the terms they contain.
+    /// Entries of the nominal (n, n) matrices, both triangles, and the terms they contain.
     #[staticmethod]
     fn from_matrices(
-        stiffness: PyReadonlyArray2<'_, f64>,
-        mass: PyReadonlyArray2<'_, f64>,
+        py: Python<'_>,
+        n_dof: usize,
+        stiffness: TermArrays<'_>,
+        mass: TermArrays<'_>,
         stiffness_terms: Vec<TermArrays<'_>>,
         mass_terms: Vec<TermArrays<'_>>,
     ) -> PyResult<Self> {
-        let core = CoreModel::new(
-            matrix(&stiffness),
-            matrix(&mass),
-            terms(&stiffness_terms),
-            terms(&mass_terms),
-        )
-        .map_err(to_python)?;
+        let (stiffness, mass) = (entries(&stiffness), entries(&mass));
+        let (stiffness_terms, mass_terms) = (terms(&stiffness_terms), terms(&mass_terms));
+        let core = run(py, || {
+            CoreModel::from_entries(n_dof, (&stiffness, &mass), stiffness_terms, mass_terms)
+        })?;
         Ok(core.into())
     }
 
     /// Beams, masses and springs.
     #[staticmethod]
-    fn from_frame(frame: &Frame) -> PyResult<Self> {
-        let core = CoreModel::from_frame(frame.core.clone()).map_err(to_python)?;
+    fn from_frame(py: Python<'_>, frame: &Frame) -> PyResult<Self> {
+        let core = run(py, || CoreModel::from_frame(frame.core.clone()))?;
         Ok(core.into())
     }
 
     /// The model at parameter values x (n,), parameters as in `parameters.rs`.
-    fn at(&self, parameters: Vec<ParameterParts>, x: PyReadonlyArray1<'_, f64>) -> PyResult<Self> {
+    fn at(
+        &self,
+        py: Python<'_>,
+        parameters: Vec<ParameterParts>,
+        x: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Self> {
         let x = x.as_array().to_vec();
-        let core = core_parameters(&self.core, parameters)
-            .and_then(|parameters| self.core.at(&parameters, &x))
-            .map_err(to_python)?;
+        let core = run(py, || {
+            let parameters = core_parameters(&self.core, parameters)?;
+            self.core.at(&parameters, &x)
+        })?;
         Ok(core.into())
     }
 
@@ -120,14 +126,14 @@ impl Model {
         self.core.mass_terms().len()
     }
 
-    /// K, (n, n).
-    fn stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        array(py, self.core.stiffness())
+    /// K (n, n) without its zeros, by columns: starts (n + 1,), rows and values.
+    fn stiffness<'py>(&self, py: Python<'py>) -> ColumnArrays<'py> {
+        columns(py, self.core.stiffness())
     }
 
-    /// M, (n, n).
-    fn mass<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        array(py, self.core.mass())
+    /// M (n, n) likewise.
+    fn mass<'py>(&self, py: Python<'py>) -> ColumnArrays<'py> {
+        columns(py, self.core.mass())
     }
 
     /// Frequencies (m,) and mass-normalised shapes (n, m) of all modes; up to a limit or a number they may come
@@ -205,7 +211,8 @@ impl Model {
         .into_pyarray(py))
     }
 
-    /// For each response: antiresonances (m,) in Hz, and whether H is identically zero.
+    /// For each response: antiresonances (m,) in Hz, whether H is identically zero, and whether their number is
+    /// in doubt.
     fn antiresonances<'py>(
         &self,
         py: Python<'py>,
@@ -214,7 +221,7 @@ impl Model {
         f_max_hz: f64,
         method: &str,
         include_cancelled: bool,
-    ) -> PyResult<Vec<(Bound<'py, PyArray1<f64>>, bool)>> {
+    ) -> PyResult<Vec<(Bound<'py, PyArray1<f64>>, bool, bool)>> {
         let route = match method {
             "modal" => Route::Modal,
             "pencil" => Route::Pencil,
@@ -235,7 +242,7 @@ impl Model {
         })?;
         Ok(found
             .into_iter()
-            .map(|a| (a.freq_hz.into_pyarray(py), a.identically_zero))
+            .map(|a| (a.freq_hz.into_pyarray(py), a.identically_zero, a.doubtful))
             .collect())
     }
 }

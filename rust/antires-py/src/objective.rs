@@ -77,6 +77,7 @@ impl Objective {
     #[staticmethod]
     #[allow(clippy::too_many_arguments)]
     fn antiresonance(
+        py: Python<'_>,
         model: &Model,
         parameters: Vec<ParameterParts>,
         targets: Vec<TargetParts<'_>>,
@@ -85,22 +86,24 @@ impl Objective {
         snap: f64,
         weights: Option<PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<Self> {
-        let made = (|| {
-            let targets = targets
-                .into_iter()
-                .map(target_of)
-                .collect::<Result<_, _>>()?;
+        let targets = targets
+            .into_iter()
+            .map(target_of)
+            .collect::<Result<_, _>>()
+            .map_err(to_python)?;
+        let weights = weights.map(|weights| weights.as_array().to_vec());
+        let core = run(py, || {
             let parameters = core_parameters(&model.core, parameters)?;
             let (misfit, penalty) = (misfit_of(misfit)?, penalty_of(penalty));
             let model = model.core.clone();
             let made =
                 AntiresonanceObjective::new(model, parameters, targets, misfit, penalty, snap)?;
             match weights {
-                Some(weights) => made.with_weights(weights.as_array().to_vec()),
+                Some(weights) => made.with_weights(weights),
                 None => Ok(made),
             }
-        })();
-        let core = Core::Antiresonance(made.map_err(to_python)?);
+        })?;
+        let core = Core::Antiresonance(core);
         Ok(Self { core })
     }
 
@@ -139,9 +142,11 @@ impl Objective {
     }
 
     /// J at x (n,).
-    fn cost(&self, x: PyReadonlyArray1<'_, f64>) -> f64 {
+    fn cost(&self, py: Python<'_>, x: PyReadonlyArray1<'_, f64>) -> PyResult<f64> {
         let x = x.as_array().to_vec();
-        with!(&self.core, o => o.cost(&x, &mut o.workspace()))
+        run(py, || {
+            Ok(with!(&self.core, o => o.cost(&x, &mut o.workspace())))
+        })
     }
 
     /// x (n,) with negligible severities at zero: the point that is evaluated.

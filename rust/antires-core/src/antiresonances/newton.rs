@@ -68,16 +68,16 @@ pub(super) fn newton(
     None
 }
 
-/// The root of H_ik nearest to `x` within `reach`, on the factors of the band; none where there is none, or where
-/// rounding spoils the factors of K − xM.
-pub(super) fn by_band(
-    band: &mut ReducedModes,
+/// The root of H_ik nearest to `x` within `reach`, on the factors of K − xM; none where there is none, or where
+/// rounding spoils them.
+pub(super) fn by_factors(
+    reduced: &mut ReducedModes,
     ends: (usize, usize),
     x: f64,
     reach: f64,
 ) -> Option<Placed> {
     newton(x, reach, |at| {
-        let here = band.receptance_at(ends, at)?;
+        let here = reduced.receptance_at(ends, at)?;
         Some(Step {
             length: -here.value / here.slope,
             ulp: here.ulp,

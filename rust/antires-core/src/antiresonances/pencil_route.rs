@@ -9,8 +9,6 @@
 //! - dropped, if neither QZ nor the matrices can tell them from zero, infinity or a complex pair; of one that does
 //!   not even solve the pencil it is said that QZ failed.
 
-use faer::{Mat, MatRef};
-
 use super::found::Found;
 use super::placement::place;
 use super::search::{DOUBTFUL_ROOT, REACH};
@@ -34,8 +32,8 @@ pub(super) fn join(
     found: &mut Found,
 ) -> Result<()> {
     let (k_ik, m_ik) = (
-        deleted(solved.stiffness(), i, k),
-        deleted(solved.mass(), i, k),
+        solved.stiffness().deleted(i, k),
+        solved.mass().deleted(i, k),
     );
     let n = solved.n_dof();
     let without = |gone: usize| -> Vec<usize> { (0..n).filter(|&d| d != gone).collect() };
@@ -75,12 +73,4 @@ fn take_nearest(roots: &mut Vec<PencilRoot>, x: f64) -> Option<PencilRoot> {
         (0..roots.len()).min_by(|&a, &b| distance(&roots[a]).total_cmp(&distance(&roots[b])))?;
     let reach = roots[at].uncertainty.clamp(SAME_ROOT, ROOT_UNCERTAINTY);
     (distance(&roots[at]) <= reach * x).then(|| roots.remove(at))
-}
-
-/// The matrix without row `i` and column `k`.
-fn deleted(a: MatRef<'_, f64>, i: usize, k: usize) -> Mat<f64> {
-    let n = a.nrows();
-    Mat::from_fn(n - 1, n - 1, |r, c| {
-        a[(r + usize::from(r >= i), c + usize::from(c >= k))]
-    })
 }

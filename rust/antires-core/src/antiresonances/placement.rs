@@ -1,9 +1,9 @@
 //! A root on the matrices themselves, where the modal series or QZ leaves it less exact than K and M tell it.
 //!
-//! The band factors come first ([`newton`](super::newton)). Where rounding spoils them, or where a pole so near
+//! The factors of K − xM come first ([`newton`](super::newton)). Where rounding spoils them, or where a pole so near
 //! that the steps do not settle, two-sided Rayleigh quotients take over ([`rayleigh`](super::rayleigh)).
 
-use super::newton::{Placed, by_band};
+use super::newton::{Placed, by_factors};
 use super::rayleigh::by_quotients;
 use crate::modal::solved::Solved;
 
@@ -14,8 +14,11 @@ pub(super) fn place(
     x: f64,
     reach: f64,
 ) -> Option<Placed> {
-    by_band(solved.band(), ends, x, reach)
-        .or_else(|| by_quotients((solved.stiffness(), solved.mass()), ends, x, reach))
+    let by_factors = by_factors(solved.reduced(), ends, x, reach);
+    if by_factors.is_some() || !solved.may_be_dense() {
+        return by_factors;
+    }
+    by_quotients((solved.stiffness(), solved.mass()), ends, x, reach)
 }
 
 #[cfg(test)]
@@ -57,7 +60,7 @@ mod tests {
             assert!(by_quotients(matrices, (30, 59), start, 1e-5 * want).is_none());
         }
         // No pivot of the band is sound there: the masses above are the first rows, and singular.
-        assert!(by_band(&mut band_of(&model), (30, 59), 0.999 * want, 2e-3 * want).is_none());
+        assert!(by_factors(&mut band_of(&model), (30, 59), 0.999 * want, 2e-3 * want).is_none());
     }
 
     #[test]
@@ -84,7 +87,7 @@ mod tests {
             let (start, reach) = (want * (1.0 + 1e-6), 1e-5 * want);
             let deleted = by_quotients(matrices, (17, 30), start, reach).unwrap();
             assert!((deleted.x / want - 1.0).abs() < 1e-11);
-            if let Some(found) = by_band(&mut band, (17, 30), start, reach) {
+            if let Some(found) = by_factors(&mut band, (17, 30), start, reach) {
                 settled += 1;
                 assert!((found.x / deleted.x - 1.0).abs() < 1e-11);
             }
@@ -98,7 +101,7 @@ mod tests {
         let (matrices, mut band) = ((model.stiffness(), model.mass()), band_of(&model));
         // The transfer from end to end of a chain has no zero.
         for x in [1.0, 1e6, 1e11, 1e13] {
-            assert!(by_band(&mut band, (0, 59), x, 1e-2 * x).is_none());
+            assert!(by_factors(&mut band, (0, 59), x, 1e-2 * x).is_none());
             assert!(by_quotients(matrices, (0, 59), x, 1e-2 * x).is_none());
         }
     }

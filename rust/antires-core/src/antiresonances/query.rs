@@ -27,6 +27,8 @@ pub struct Antiresonances {
     pub freq_hz: Vec<f64>,
     /// True when H_ik is identically zero: response and excitation are not connected.
     pub identically_zero: bool,
+    /// True when rounding leaves a doubt about their number that only the dense solvers could settle.
+    pub doubtful: bool,
 }
 
 /// Whether there is anything to be zero.

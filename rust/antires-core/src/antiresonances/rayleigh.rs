@@ -11,29 +11,30 @@
 //! Anal. 3 (1959) 325-340.
 
 use faer::prelude::Solve;
-use faer::{Col, Mat, MatRef};
+use faer::{Col, Mat};
 
 use super::newton::{Placed, Step, newton};
+use crate::linalg::sparse::SparseMatrix;
 
 /// The root of det(K_ik − x M_ik) nearest to `x` within `reach`; none where there is none.
 pub(super) fn by_quotients(
-    (k_mat, m_mat): (MatRef<'_, f64>, MatRef<'_, f64>),
+    (k_mat, m_mat): (&SparseMatrix, &SparseMatrix),
     (i, k): (usize, usize),
     x: f64,
     reach: f64,
 ) -> Option<Placed> {
     // Powers of two, which round nothing, give translations and rotations one unit.
-    let scale: Vec<f64> = (0..k_mat.nrows())
-        .map(|d| match k_mat[(d, d)] {
+    let scale: Vec<f64> = (0..k_mat.n())
+        .map(|d| match k_mat.diagonal(d) {
             s if s > 0.0 => (-0.5 * s.log2()).round().exp2(),
             _ => 1.0,
         })
         .collect();
-    let n = k_mat.nrows() - 1;
-    let part = |a: MatRef<'_, f64>| {
+    let n = k_mat.n() - 1;
+    let part = |a: &SparseMatrix| {
+        let deleted = a.deleted(i, k);
         Mat::from_fn(n, n, |r, c| {
-            let (r, c) = (r + usize::from(r >= i), c + usize::from(c >= k));
-            a[(r, c)] * scale[r] * scale[c]
+            deleted[(r, c)] * scale[r + usize::from(r >= i)] * scale[c + usize::from(c >= k)]
         })
     };
     let (stiffness, mass) = (part(k_mat), part(m_mat));

@@ -1,5 +1,5 @@
 //! The roots of one response by the modal series: isolated, placed, and, where rounding disturbs, once more with
-//! the low modes from the band.
+//! the low modes from factors of K − xM.
 //!
 //! The shift of the dense solver is some 1e-3 of the mean of λ, for all modes have to be found with it. A mode far
 //! below, such as a stiff frame on soft springs, keeps few digits of its λ and of its shape, and a root of H_ik
@@ -16,7 +16,8 @@ use crate::modal::solved::Solved;
 /// Relative uncertainty of a root in x from which on it is doubtful.
 pub(super) const DOUBTFUL_ROOT: f64 = 1e-9;
 
-/// Relative uncertainty of a root in x from which on it is placed on the matrices, of the series of the band.
+/// Relative uncertainty of a root in x from which on it is placed on the matrices, of the series up to a limit; of
+/// large structures it is [`DOUBTFUL_ROOT`], for each place costs some factorizations.
 const INEXACT_ROOT: f64 = 1e-10;
 
 /// Multiple of the expected error of a root within which its place on the matrices has to lie.
@@ -35,7 +36,7 @@ const OVERLAP: f64 = 1e-6;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Series {
     /// Poles up to a limit.
-    Band,
+    Reduced,
     /// All modes.
     Dense,
 }
@@ -62,6 +63,8 @@ impl Memory {
 
 /// The search for the roots of H_ik.
 pub(super) struct Search<'a, 'm> {
+    /// Whether the poles of all parts of the structure are wanted: on those of others, roots cancel.
+    whole: bool,
     solved: &'a mut Solved<'m>,
     ends: (usize, usize),
     memory: &'a mut Memory,
@@ -69,8 +72,14 @@ pub(super) struct Search<'a, 'm> {
 
 impl<'a, 'm> Search<'a, 'm> {
     /// The search for the roots between the dofs `ends`, response and excitation.
-    pub fn new(solved: &'a mut Solved<'m>, ends: (usize, usize), memory: &'a mut Memory) -> Self {
+    pub fn new(
+        solved: &'a mut Solved<'m>,
+        ends: (usize, usize),
+        whole: bool,
+        memory: &'a mut Memory,
+    ) -> Self {
         Self {
+            whole,
             solved,
             ends,
             memory,
@@ -83,12 +92,12 @@ impl<'a, 'm> Search<'a, 'm> {
     /// Those of [`Solved::dense`].
     pub fn run(&mut self, ceiling: f64) -> Result<Certainty> {
         let (i, k) = self.ends;
-        if ceiling.is_finite() && self.solved.is_slender() {
-            let band = self.solved.band();
-            if band.solve(k, ceiling) {
-                band.form(i, &mut self.memory.receptance);
-                self.memory.found.begin(band.zero());
-                return Ok(self.isolate((0.0, ceiling), Series::Band));
+        if ceiling.is_finite() && self.solved.is_reducible() {
+            let reduced = self.solved.reduced();
+            if reduced.solve(k, ceiling, self.whole) {
+                reduced.form(i, &mut self.memory.receptance);
+                self.memory.found.begin(reduced.zero());
+                return Ok(self.isolate((0.0, ceiling), Series::Reduced));
             }
         }
         let degree = self.solved.degree(i, k);
@@ -128,7 +137,14 @@ impl<'a, 'm> Search<'a, 'm> {
             let (noise, slope) = h.noise_and_slope(x);
             let by_noise = noise / slope.abs();
             let (by_poles, fair) = match series {
-                Series::Band => (self.solved.band().pole_error(x), INEXACT_ROOT),
+                Series::Reduced => (
+                    self.solved.reduced().pole_error(x),
+                    if self.solved.may_be_dense() {
+                        INEXACT_ROOT
+                    } else {
+                        DOUBTFUL_ROOT
+                    },
+                ),
                 Series::Dense => {
                     let dense = self.solved.dense_in_hand();
                     (dense.map_or(0.0, |d| d.uncertainty(x)), DOUBTFUL_ROOT)
@@ -147,7 +163,7 @@ impl<'a, 'm> Search<'a, 'm> {
                 continue;
             }
             let known = match series {
-                Series::Band => moved,
+                Series::Reduced => moved,
                 Series::Dense => by_noise,
             };
             // NaN counts as doubtful.
@@ -162,7 +178,7 @@ impl<'a, 'm> Search<'a, 'm> {
         certainty
     }
 
-    /// The search once more, with the low modes from the band. All modes are in hand.
+    /// The search once more, with the low modes from factors of K − xM. All modes are in hand.
     fn divided(&mut self, ceiling: f64) -> Certainty {
         let (i, k) = self.ends;
         let modes = self.solved.dense_in_hand();
@@ -170,8 +186,8 @@ impl<'a, 'm> Search<'a, 'm> {
             return Certainty::Doubtful;
         };
         let limit = gap.min(ceiling);
-        let low = self.solved.band();
-        if !low.solve(k, limit) {
+        let low = self.solved.reduced();
+        if !low.solve(k, limit, self.whole) {
             return Certainty::Doubtful;
         }
         self.memory.found.begin(low.zero());
@@ -183,7 +199,7 @@ impl<'a, 'm> Search<'a, 'm> {
         if factor.is_finite() {
             self.memory.receptance.raise_bar(factor, limit);
         }
-        let below = self.isolate((0.0, limit), Series::Band);
+        let below = self.isolate((0.0, limit), Series::Reduced);
         self.memory.receptance = of_all_modes;
         if limit == ceiling {
             return below;

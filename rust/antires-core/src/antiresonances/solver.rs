@@ -8,23 +8,22 @@
 
 use std::sync::Arc;
 
-use faer::MatRef;
-
 use super::pencil_route;
 use super::query::{Antiresonances, Query, Route, Transfer};
 use super::search::{Memory, Search};
 use super::secular::Certainty;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fem::model::{Model, connected};
-use crate::modal::columns::modal_columns;
+use crate::linalg::sparse::SparseMatrix;
+use crate::modal::modal_columns::modal_columns;
 use crate::modal::modes::{eigenvalue, hertz};
 use crate::modal::on_pole::on_pole;
 use crate::modal::solved::{Solutions, Solved};
-use crate::modal::structure::Structure;
+use crate::modal::structure::{MOST_DENSE, Structure};
 
 /// Working memory for the models of one structure.
 ///
-/// A slender structure with a limit in frequency is solved by
+/// Below a limit in frequency, where factors of K − xM are cheap, it is solved by
 /// [`ReducedModes`](crate::modal::reduced::ReducedModes), all else, and what that leaves open, by the dense
 /// [`SymmetricSolver`](crate::linalg::symmetric::SymmetricSolver).
 pub struct AntiresonanceSolver {
@@ -46,12 +45,13 @@ impl AntiresonanceSolver {
     #[must_use]
     pub fn prepare<'a>(
         &'a mut self,
-        stiffness: MatRef<'a, f64>,
-        mass: MatRef<'a, f64>,
+        stiffness: &'a SparseMatrix,
+        mass: &'a SparseMatrix,
     ) -> Prepared<'a> {
         Prepared {
             solved: self.solutions.of(stiffness, mass),
             memory: &mut self.memory,
+            doubtful: false,
         }
     }
 }
@@ -60,6 +60,7 @@ impl AntiresonanceSolver {
 pub struct Prepared<'a> {
     solved: Solved<'a>,
     memory: &'a mut Memory,
+    doubtful: bool,
 }
 
 impl Prepared<'_> {
@@ -77,13 +78,21 @@ impl Prepared<'_> {
         freq_hz: &mut Vec<f64>,
     ) -> Result<Transfer> {
         let ceiling = eigenvalue(query.f_max_hz);
-        let certainty = Search::new(&mut self.solved, (i, k), self.memory).run(ceiling)?;
+        // The pencil has the roots of all parts of the structure, of those too that the force does not move.
+        let for_pencil = query.include_cancelled || query.route == Route::Pencil;
+        let mut certainty = self.search((i, k), for_pencil, ceiling)?;
+        if certainty == Certainty::Doubtful && !for_pencil && self.solved.may_be_dense() {
+            certainty = self.search((i, k), true, ceiling)?;
+        }
         if query.route == Route::Modal && self.memory.is_zero() {
             return Ok(Transfer::IdenticallyZero);
         }
         let found = self.memory.found();
         found.drop_cancelled_zeros();
-        if query.route == Route::Pencil || certainty == Certainty::Doubtful {
+        self.doubtful = certainty == Certainty::Doubtful && !self.solved.may_be_dense();
+        if self.doubtful {
+            found.settle_open();
+        } else if query.route == Route::Pencil || certainty == Certainty::Doubtful {
             match pencil_route::join(&mut self.solved, (i, k), ceiling, found) {
                 Err(error) if query.route == Route::Pencil => return Err(error),
                 Err(_) => found.settle_open(),
@@ -95,6 +104,17 @@ impl Prepared<'_> {
         }
         freq_hz.extend(found.sorted().iter().map(|&x| hertz(x)));
         Ok(Transfer::Present)
+    }
+
+    fn search(&mut self, ends: (usize, usize), whole: bool, ceiling: f64) -> Result<Certainty> {
+        Search::new(&mut self.solved, ends, whole, self.memory).run(ceiling)
+    }
+
+    /// Whether rounding leaves a doubt about the number of roots last found: of structures too large for the
+    /// pencil.
+    #[must_use]
+    pub fn is_doubtful(&self) -> bool {
+        self.doubtful
     }
 
     /// Those of the response last found that cancel against a pole (Hz), appended to `freq_hz`.
@@ -128,8 +148,8 @@ impl Prepared<'_> {
         left: &mut Vec<f64>,
         right: &mut Vec<f64>,
     ) -> Result<f64> {
-        if self.solved.is_slender()
-            && let Some(slope) = self.solved.band().columns(ends, x, left, right)
+        if self.solved.is_reducible()
+            && let Some(slope) = self.solved.reduced().columns(ends, x, left, right)
         {
             return Ok(slope);
         }
@@ -147,6 +167,9 @@ pub fn antiresonances(
     excitation: usize,
     query: &Query,
 ) -> Result<Vec<Antiresonances>> {
+    if model.n_dof() > MOST_DENSE {
+        check_large(model.n_dof(), query)?;
+    }
     model.check_dof("excitation", excitation)?;
     for &i in responses {
         model.check_dof("response", i)?;
@@ -160,7 +183,31 @@ pub fn antiresonances(
         found.identically_zero = !connected(k_mat, m_mat, i, excitation)
             || prepared.find(i, excitation, query, &mut found.freq_hz)?
                 == Transfer::IdenticallyZero;
+        found.doubtful = !found.identically_zero && prepared.is_doubtful();
         out.push(found);
     }
     Ok(out)
+}
+
+/// All roots of a large model cost n² memory and n³ time, and QZ 25 times that.
+fn check_large(n: usize, query: &Query) -> Result<()> {
+    if query.route == Route::Pencil {
+        return Err(Error::input(
+            "method",
+            format!("'pencil' for {n} dofs"),
+            format!("at most {MOST_DENSE} dofs for QZ, whose time grows with their cube"),
+        )
+        .remedy("Leave it out: 'modal' proves its roots."));
+    }
+    if query.f_max_hz.is_infinite() {
+        return Err(Error::input(
+            "f_max_hz",
+            format!("no limit for {n} dofs"),
+            format!("a limit in Hz for more than {MOST_DENSE} dofs: all roots need all modes"),
+        )
+        .remedy(
+            "Give the highest frequency that matters; time and memory go with the modes below it.",
+        ));
+    }
+    Ok(())
 }

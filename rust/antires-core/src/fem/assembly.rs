@@ -7,23 +7,26 @@
 //! s_t is the product of the factors of all parameters on term t. The terms of a frame are formed again where
 //! their sections or coordinates change.
 
-use faer::Mat;
+use std::sync::Arc;
 
-use super::frame::reform::Reform;
+use super::frame::reform::{Nominal, Reform};
 use super::model::Model;
 use super::parameters::{Parameter, Quantity};
+use super::places::Places;
 use super::term::Term;
 use crate::error::Result;
+use crate::linalg::sparse::SparseMatrix;
 
 /// K and M at a parameter vector, with the memory to form them again.
 #[derive(Debug, Clone)]
 pub struct Assembly {
     /// K(p) (N/m).
-    pub stiffness: Mat<f64>,
+    pub stiffness: SparseMatrix,
     /// M(p) (kg).
-    pub mass: Mat<f64>,
+    pub mass: SparseMatrix,
     stiffness_factors: Vec<f64>,
     mass_factors: Vec<f64>,
+    places: Arc<[Places; 2]>,
     reform: Option<Reform>,
 }
 
@@ -32,13 +35,12 @@ impl Assembly {
     #[must_use]
     pub fn new(model: &Model) -> Self {
         Self {
-            stiffness: model.stiffness().to_owned(),
-            mass: model.mass().to_owned(),
+            stiffness: model.stiffness().clone(),
+            mass: model.mass().clone(),
             stiffness_factors: vec![1.0; model.stiffness_terms().len()],
             mass_factors: vec![1.0; model.mass_terms().len()],
-            reform: model
-                .frame()
-                .map(|frame| Reform::new(frame, model.stiffness_terms(), model.mass_terms())),
+            places: model.places(),
+            reform: model.frame().map(Reform::new),
         }
     }
 
@@ -57,30 +59,37 @@ impl Assembly {
                 factors[term] *= factor;
             }
         }
+        let [stiffness_places, mass_places] = &*self.places;
+        let sides = [
+            (
+                Nominal {
+                    matrix: model.stiffness(),
+                    terms: model.stiffness_terms(),
+                    places: stiffness_places,
+                },
+                &self.stiffness_factors,
+                &mut self.stiffness,
+            ),
+            (
+                Nominal {
+                    matrix: model.mass(),
+                    terms: model.mass_terms(),
+                    places: mass_places,
+                },
+                &self.mass_factors,
+                &mut self.mass,
+            ),
+        ];
         if let (Some(reform), Some(frame)) = (&mut self.reform, model.frame()) {
-            reform.form(
-                frame,
-                parameters,
-                x,
-                (
-                    model.stiffness_terms(),
-                    &self.stiffness_factors,
-                    &mut self.stiffness,
-                ),
-                (model.mass_terms(), &self.mass_factors, &mut self.mass),
-            );
+            reform.form(frame, parameters, x, sides);
             return;
         }
-        self.stiffness.copy_from(model.stiffness());
-        for (term, &s) in model.stiffness_terms().iter().zip(&self.stiffness_factors) {
-            if s != 1.0 {
-                term.add_to(&mut self.stiffness, s - 1.0);
-            }
-        }
-        self.mass.copy_from(model.mass());
-        for (term, &s) in model.mass_terms().iter().zip(&self.mass_factors) {
-            if s != 1.0 {
-                term.add_to(&mut self.mass, s - 1.0);
+        for (nominal, factors, target) in sides {
+            target.values.copy_from_slice(&nominal.matrix.values);
+            for (t, (term, &s)) in nominal.terms.iter().zip(factors).enumerate() {
+                if s != 1.0 {
+                    term.add_to(&mut target.values, nominal.places.of(t), s - 1.0);
+                }
             }
         }
     }
@@ -124,11 +133,15 @@ impl Model {
                 })
                 .collect()
         };
-        Self::new(
-            assembly.stiffness.clone(),
-            assembly.mass.clone(),
+        let (stiffness_terms, mass_terms) = (
             scaled(self.stiffness_terms(), assembly.stiffness_factors()),
             scaled(self.mass_terms(), assembly.mass_factors()),
+        );
+        Self::checked(
+            assembly.stiffness,
+            assembly.mass,
+            stiffness_terms,
+            mass_terms,
         )
     }
 }

@@ -8,10 +8,8 @@
 //! mass, the ground spring at the last. Mass terms: the masses. Source of the case: Meruane, J. Sound
 //! Vib. 332 (2013) 807-820, section 4 (its eight-mass chain is free at both ends).
 
-use faer::Mat;
-
 use super::elements::{lumped, spring};
-use super::model::Model;
+use super::model::{Entry, Model};
 use super::term::Term;
 use crate::error::{Error, Result};
 
@@ -75,17 +73,8 @@ pub fn mass_spring_chain(
         .enumerate()
         .map(|(i, &m)| lumped::at(i, m))
         .collect();
-    let sum = |terms: &[Term]| {
-        let mut matrix = Mat::zeros(n, n);
-        for term in terms {
-            term.add_to(&mut matrix, 1.0);
-        }
-        matrix
-    };
-    Model::new(
-        sum(&stiffness_terms),
-        sum(&mass_terms),
-        stiffness_terms,
-        mass_terms,
-    )
+    let entries =
+        |terms: &[Term]| -> Vec<Entry> { terms.iter().flat_map(Term::entries).copied().collect() };
+    let (stiffness, mass) = (entries(&stiffness_terms), entries(&mass_terms));
+    Model::from_entries(n, (&stiffness, &mass), stiffness_terms, mass_terms)
 }

@@ -18,7 +18,7 @@
 //! | [`term`], [`elements`], [`shape`], [`shear`], [`section`] | one contribution to K or M, and the formulas behind it |
 //! | [`model`], [`chain`], [`frame`] | K, M and their terms; from masses in a row, from beams |
 //! | [`parameters`], [`applicability`], [`bounds`] | what may change, whether it does, and how far |
-//! | [`assembly`], [`slopes`] | K(p), M(p); dK/dp, dM/dp |
+//! | [`assembly`], [`places`], [`slopes`] | K(p), M(p); where terms go in them; dK/dp, dM/dp |
 //!
 //! May use: `error`, `linalg`.
 
@@ -30,6 +30,7 @@ pub mod elements;
 pub mod frame;
 pub mod model;
 pub mod parameters;
+pub mod places;
 pub mod section;
 pub mod shape;
 pub mod shear;

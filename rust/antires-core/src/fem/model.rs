@@ -1,31 +1,40 @@
 //! A structural model: nominal K and M with their element terms.
 
+use std::sync::{Arc, OnceLock};
+
 use faer::{Mat, MatRef};
 
-use super::frame::{Frame, sum};
+use super::frame::Frame;
+use super::places::Places;
 use super::term::Term;
 use crate::error::{Error, Result};
+use crate::linalg::sparse::{Pattern, SparseMatrix};
 
 /// Relative asymmetry up to which a matrix counts as symmetric: assembly in another code rounds.
 const SYMMETRY: f64 = 1e-9;
 
+/// Row, column and value of an entry.
+pub type Entry = (u32, u32, f64);
+
 /// Nominal stiffness and mass with the terms that parameters scale.
 #[derive(Debug, Clone)]
 pub struct Model {
-    stiffness: Mat<f64>,
-    mass: Mat<f64>,
+    /// K and M share a pattern, in which the terms have their places too.
+    stiffness: SparseMatrix,
+    mass: SparseMatrix,
     stiffness_terms: Vec<Term>,
     mass_terms: Vec<Term>,
+    /// Where the entries of the terms are, once asked for.
+    places: OnceLock<Arc<[Places; 2]>>,
     /// What the terms are formed from, in models of beams.
     frame: Option<Frame>,
 }
 
 impl Model {
-    /// Model from nominal matrices and the terms contained in them.
+    /// Model from dense nominal matrices and the terms contained in them.
     ///
     /// # Errors
-    /// [`Error::InvalidInput`] when a matrix is empty, not square, not finite or not symmetric, when
-    /// M has a negative diagonal entry, or when a term has an entry outside the matrix.
+    /// As [`Model::from_entries`], and for a matrix that is not square.
     pub fn new(
         stiffness: Mat<f64>,
         mass: Mat<f64>,
@@ -33,22 +42,31 @@ impl Model {
         mass_terms: Vec<Term>,
     ) -> Result<Self> {
         let n = stiffness.nrows();
-        check_symmetric("stiffness", stiffness.as_ref(), n)?;
-        check_symmetric("mass", mass.as_ref(), n)?;
-        if let Some(i) = (0..n).find(|&i| mass[(i, i)] < 0.0) {
-            return Err(Error::input(
-                "mass",
-                format!("{:e} kg on the diagonal at dof {i}", mass[(i, i)]),
-                "no negative mass",
-            )
-            .remedy("Check its signs, and that stiffness and mass are not exchanged."));
-        }
+        let (stiffness, mass) = (
+            square("stiffness", stiffness.as_ref(), n)?,
+            square("mass", mass.as_ref(), n)?,
+        );
+        Self::from_entries(n, (&stiffness, &mass), stiffness_terms, mass_terms)
+    }
+
+    /// Model of `n` dofs from the entries of K and M, both triangles given, and the terms contained in them.
+    /// Entries of one place add up.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] when a matrix is not finite or not symmetric, when M has a negative diagonal
+    /// entry, or when an entry of a matrix or a term lies outside.
+    pub fn from_entries(
+        n: usize,
+        (stiffness, mass): (&[Entry], &[Entry]),
+        stiffness_terms: Vec<Term>,
+        mass_terms: Vec<Term>,
+    ) -> Result<Self> {
         for (name, terms) in [
             ("stiffness_terms", &stiffness_terms),
             ("mass_terms", &mass_terms),
         ] {
             for (i, term) in terms.iter().enumerate() {
-                let outside = |e: &&(u32, u32, f64)| e.0 as usize >= n || e.1 as usize >= n;
+                let outside = |e: &&Entry| e.0 as usize >= n || e.1 as usize >= n;
                 if let Some(e) = term.entries().iter().find(outside) {
                     return Err(Error::input(
                         name,
@@ -59,11 +77,44 @@ impl Model {
                 }
             }
         }
+        let of_terms = stiffness_terms.iter().chain(&mass_terms);
+        let listed = of_terms.flat_map(Term::entries);
+        let all = stiffness.iter().chain(mass).chain(listed);
+        let pattern = Arc::new(Pattern::new(n, all.map(|e| (e.0, e.1))));
+        let matrix = |entries: &[Entry]| {
+            let mut matrix = SparseMatrix::new(Arc::clone(&pattern));
+            for &(i, j, value) in entries {
+                matrix.add(i as usize, j as usize, value);
+            }
+            matrix
+        };
+        let (stiffness, mass) = (matrix(stiffness), matrix(mass));
+        Self::checked(stiffness, mass, stiffness_terms, mass_terms)
+    }
+
+    /// Model from matrices of one pattern, in which the terms have their places.
+    pub(super) fn checked(
+        stiffness: SparseMatrix,
+        mass: SparseMatrix,
+        stiffness_terms: Vec<Term>,
+        mass_terms: Vec<Term>,
+    ) -> Result<Self> {
+        check_symmetric("stiffness", &stiffness)?;
+        check_symmetric("mass", &mass)?;
+        if let Some(i) = (0..mass.n()).find(|&i| mass.diagonal(i) < 0.0) {
+            return Err(Error::input(
+                "mass",
+                format!("{:e} kg on the diagonal at dof {i}", mass.diagonal(i)),
+                "no negative mass",
+            )
+            .remedy("Check its signs, and that stiffness and mass are not exchanged."));
+        }
         Ok(Self {
             stiffness,
             mass,
             stiffness_terms,
             mass_terms,
+            places: OnceLock::new(),
             frame: None,
         })
     }
@@ -75,8 +126,18 @@ impl Model {
     pub fn from_frame(frame: Frame) -> Result<Self> {
         let n = frame.dofs().n_free();
         let (stiffness_terms, mass_terms) = frame.terms();
-        let (stiffness, mass) = (sum(&stiffness_terms, n), sum(&mass_terms, n));
-        let model = Self::new(stiffness, mass, stiffness_terms, mass_terms)?;
+        let mut model = Self::from_entries(n, (&[], &[]), stiffness_terms, mass_terms)?;
+        let places = model.places();
+        for (matrix, terms, places) in [
+            (&mut model.stiffness, &model.stiffness_terms, &places[0]),
+            (&mut model.mass, &model.mass_terms, &places[1]),
+        ] {
+            for (i, term) in terms.iter().enumerate() {
+                term.add_to(&mut matrix.values, places.of(i), 1.0);
+            }
+        }
+        check_symmetric("stiffness", &model.stiffness)?;
+        check_symmetric("mass", &model.mass)?;
         Ok(Self {
             frame: Some(frame),
             ..model
@@ -92,19 +153,30 @@ impl Model {
     /// Number of degrees of freedom.
     #[must_use]
     pub fn n_dof(&self) -> usize {
-        self.stiffness.nrows()
+        self.stiffness.n()
     }
 
     /// Nominal stiffness (N/m).
     #[must_use]
-    pub fn stiffness(&self) -> MatRef<'_, f64> {
-        self.stiffness.as_ref()
+    pub fn stiffness(&self) -> &SparseMatrix {
+        &self.stiffness
     }
 
     /// Nominal mass (kg).
     #[must_use]
-    pub fn mass(&self) -> MatRef<'_, f64> {
-        self.mass.as_ref()
+    pub fn mass(&self) -> &SparseMatrix {
+        &self.mass
+    }
+
+    /// Where the entries of the terms are in the matrices: stiffness terms, mass terms.
+    #[must_use]
+    pub fn places(&self) -> Arc<[Places; 2]> {
+        let places = self.places.get_or_init(|| {
+            let pattern = self.stiffness.pattern();
+            let of = |terms: &[Term]| Places::new(pattern, terms);
+            Arc::new([of(&self.stiffness_terms), of(&self.mass_terms)])
+        });
+        Arc::clone(places)
     }
 
     /// Terms of the stiffness, in element order.
@@ -139,23 +211,25 @@ impl Model {
     /// identically zero.
     #[must_use]
     pub fn connected(&self, i: usize, k: usize) -> bool {
-        connected(self.stiffness(), self.mass(), i, k)
+        connected(&self.stiffness, &self.mass, i, k)
     }
 }
 
 /// Whether a path of non-zero entries of K or M joins `i` to `k`.
 #[must_use]
-pub fn connected(k_mat: MatRef<'_, f64>, m_mat: MatRef<'_, f64>, i: usize, k: usize) -> bool {
-    let n = k_mat.nrows();
-    let mut seen = vec![false; n];
+pub fn connected(stiffness: &SparseMatrix, mass: &SparseMatrix, i: usize, k: usize) -> bool {
+    let pattern = stiffness.pattern();
+    let mut seen = vec![false; stiffness.n()];
     let mut pending = vec![i];
     seen[i] = true;
     while let Some(dof) = pending.pop() {
         if dof == k {
             return true;
         }
-        for other in 0..n {
-            if !seen[other] && (k_mat[(other, dof)] != 0.0 || m_mat[(other, dof)] != 0.0) {
+        let first = pattern.starts()[dof];
+        for (at, &other) in (first..).zip(pattern.column(dof)) {
+            let other = other as usize;
+            if !seen[other] && (stiffness.values[at] != 0.0 || mass.values[at] != 0.0) {
                 seen[other] = true;
                 pending.push(other);
             }
@@ -164,7 +238,8 @@ pub fn connected(k_mat: MatRef<'_, f64>, m_mat: MatRef<'_, f64>, i: usize, k: us
     false
 }
 
-fn check_symmetric(name: &str, matrix: MatRef<'_, f64>, n: usize) -> Result<()> {
+/// The entries of a square matrix of `n` rows that are not zero.
+fn square(name: &str, matrix: MatRef<'_, f64>, n: usize) -> Result<Vec<Entry>> {
     if n == 0 || matrix.nrows() != n || matrix.ncols() != n {
         return Err(Error::input(
             name,
@@ -173,28 +248,32 @@ fn check_symmetric(name: &str, matrix: MatRef<'_, f64>, n: usize) -> Result<()> 
         )
         .remedy("Pass both after the same dofs were removed."));
     }
+    let places = (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
+    let entries = places.map(|(i, j)| (i as u32, j as u32, matrix[(i, j)]));
+    Ok(entries.filter(|e| e.2 != 0.0).collect())
+}
+
+fn check_symmetric(name: &str, matrix: &SparseMatrix) -> Result<()> {
     let largest = matrix.norm_max();
-    for j in 0..n {
-        for i in 0..n {
-            let value = matrix[(i, j)];
-            if !value.is_finite() {
-                return Err(
-                    Error::input(name, format!("{value} at ({i}, {j})"), "finite entries").remedy(
-                        "Check how the matrix was exported; NaN and infinity cannot be solved.",
-                    ),
-                );
-            }
-            if (value - matrix[(j, i)]).abs() > SYMMETRY * largest {
-                return Err(Error::input(
-                    name,
-                    format!(
-                        "{value:e} at ({i}, {j}) but {:e} at ({j}, {i})",
-                        matrix[(j, i)]
-                    ),
-                    "a symmetric matrix",
-                )
-                .remedy("Pass (A + A.T) / 2 if the difference is rounding."));
-            }
+    for (i, j, value) in matrix.entries() {
+        if !value.is_finite() {
+            return Err(
+                Error::input(name, format!("{value} at ({i}, {j})"), "finite entries").remedy(
+                    "Check how the matrix was exported; NaN and infinity cannot be solved.",
+                ),
+            );
+        }
+        if i <= j {
+            continue;
+        }
+        let mirrored = matrix.get(j, i);
+        if (value - mirrored).abs() > SYMMETRY * largest {
+            return Err(Error::input(
+                name,
+                format!("{value:e} at ({i}, {j}) but {mirrored:e} at ({j}, {i})"),
+                "a symmetric matrix",
+            )
+            .remedy("Pass (A + A.T) / 2 if the difference is rounding."));
         }
     }
     Ok(())

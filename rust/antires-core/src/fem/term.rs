@@ -1,6 +1,5 @@
 //! A term: the sparse, symmetric contribution of one element (or group) to K or M.
 
-use faer::Mat;
 use nalgebra::SMatrix;
 
 /// The matrix that a term is a part of.
@@ -83,17 +82,10 @@ impl Term {
         self.entries.iter().all(|e| e.2 == 0.0)
     }
 
-    /// Zeroes the target wherever the term has an entry.
-    pub fn clear_in(&self, target: &mut Mat<f64>) {
-        for &(row, col, _) in &self.entries {
-            target[(row as usize, col as usize)] = 0.0;
-        }
-    }
-
-    /// target += factor · term.
-    pub fn add_to(&self, target: &mut Mat<f64>, factor: f64) {
-        for &(row, col, value) in &self.entries {
-            target[(row as usize, col as usize)] += factor * value;
+    /// values += factor · term, at its `places`.
+    pub fn add_to(&self, values: &mut [f64], places: &[u32], factor: f64) {
+        for (entry, &at) in self.entries.iter().zip(places) {
+            values[at as usize] += factor * entry.2;
         }
     }
 }

@@ -58,15 +58,18 @@ impl Banded {
         self.half
     }
 
-    /// Sets every entry (row, column), row >= column, within the band.
-    pub fn fill(&mut self, entry: impl Fn(usize, usize) -> f64) {
-        for j in 0..self.n {
-            self.diagonal[j] = entry(j, j);
-            let rows = (self.n - 1 - j).min(self.band);
-            let column = &mut self.below[j * self.half..j * self.half + rows];
-            for (d, value) in column.iter_mut().enumerate() {
-                *value = entry(j + 1 + d, j);
-            }
+    /// Zero matrix again.
+    pub fn clear(&mut self) {
+        self.diagonal.fill(0.0);
+        self.below.fill(0.0);
+    }
+
+    /// Sets the entry (row, column), row >= column, within the band.
+    pub fn set(&mut self, row: usize, column: usize, value: f64) {
+        if row == column {
+            self.diagonal[row] = value;
+        } else {
+            self.below[column * self.half + row - column - 1] = value;
         }
     }
 
@@ -148,7 +151,8 @@ impl Banded {
                 self.diagonal[j] = f64::EPSILON * largest + f64::MIN_POSITIVE;
             }
             let pivot = self.diagonal[j];
-            negative += usize::from(pivot < 0.0);
+            // NaN is not positive.
+            negative += usize::from(!(pivot > 0.0));
             let inverse = pivot.recip();
             self.inverse[j] = inverse;
             let (done, rest) = self.below.split_at_mut((j + 1) * half);
@@ -172,6 +176,12 @@ impl Banded {
         (negative, growth / largest.max(f64::MIN_POSITIVE))
     }
 
+    /// 1 / D of the factors.
+    #[must_use]
+    pub fn inverse_pivots(&self) -> &[f64] {
+        &self.inverse
+    }
+
     /// x = A⁻¹ x from the factors; x has [`half`](Self::half) more entries than A has rows, kept at zero.
     pub fn solve(&self, x: &mut [f64]) {
         wide::run(Solve { factors: self, x });
@@ -185,15 +195,6 @@ impl Banded {
         // NaN compares false.
         (0..self.n).all(|j| self.diagonal(j) > least * diagonal[j])
     }
-}
-
-/// Number of eigenvalues of K φ = λ M φ below `x`, and by how much rounding may have shifted x in it. M is
-/// positive definite, with a diagonal near one.
-pub fn count_below(k: &Banded, m: &Banded, x: f64, work: &mut Banded) -> (usize, f64) {
-    work.combine(k, -x, m);
-    let (negative, growth) = work.factorize();
-    let largest = (0..k.n).fold(0.0_f64, |l, j| l.max(k.diagonal(j)));
-    (negative, f64::EPSILON * largest * growth.max(1.0))
 }
 
 /// [`Banded::solve`].

@@ -1,7 +1,15 @@
 //! Whether a symmetric matrix is positive semi-definite to working precision.
 
+use std::sync::Arc;
+
+use faer::Side;
 use faer::linalg::solvers::Llt;
-use faer::{Mat, MatRef, Side};
+
+use super::sparse::factors::Definiteness;
+use super::sparse::{SparseFactors, SparseMatrix, Symbolic};
+
+/// Most rows for which a dense factor is quicker than the analysis of the pattern.
+const MOST_DENSE: usize = 500;
 
 /// Negative stiffness (or mass) down to this part of a dof's own counts as zero. Matrices from other
 /// programs come as text of some ten digits, so each entry is known to about this part of itself; a free
@@ -16,8 +24,8 @@ const ROUNDING: f64 = 1e-9;
 /// the larger of the diagonals of `matrix` and of `whole`, which is what it was before stiffness was taken away:
 /// a loss of all leaves rounding of what was there, not of the nothing that remains.
 #[must_use]
-pub fn is_semidefinite(matrix: MatRef<'_, f64>, whole: MatRef<'_, f64>) -> bool {
-    let n = matrix.nrows();
+pub fn is_semidefinite(matrix: &SparseMatrix, whole: &SparseMatrix) -> bool {
+    let n = matrix.n();
     // Below the rounding of the largest entry a dof has no scale of its own.
     let least = f64::EPSILON * matrix.norm_max().max(whole.norm_max());
     if least == 0.0 {
@@ -25,25 +33,64 @@ pub fn is_semidefinite(matrix: MatRef<'_, f64>, whole: MatRef<'_, f64>) -> bool 
     }
     let factors: Vec<f64> = (0..n)
         .map(|i| {
-            let scale = matrix[(i, i)].abs().max(whole[(i, i)].abs()).max(least);
-            scale.sqrt().recip()
+            let own = matrix.diagonal(i).abs().max(whole.diagonal(i).abs());
+            own.max(least).sqrt().recip()
         })
         .collect();
-    let mut scaled = Mat::from_fn(n, n, |i, j| factors[i] * matrix[(i, j)] * factors[j]);
-    let row_sum = |i| (0..n).map(|j| scaled[(i, j)].abs()).sum::<f64>();
-    let slack = ROUNDING * (0..n).map(row_sum).fold(1.0, f64::max);
-    for i in 0..n {
-        scaled[(i, i)] += slack;
+    let mut scaled = matrix.clone();
+    let mut sums = vec![0.0; n];
+    for ((i, j, _), value) in matrix.entries().zip(&mut scaled.values) {
+        *value = factors[i] * *value * factors[j];
+        sums[i] += value.abs();
     }
-    Llt::new(scaled.as_ref(), Side::Lower).is_ok()
+    let slack = ROUNDING * sums.into_iter().fold(1.0, f64::max);
+    for i in 0..n {
+        scaled.add(i, i, slack);
+    }
+    if n <= MOST_DENSE {
+        return Llt::new(scaled.to_dense().as_ref(), Side::Lower).is_ok();
+    }
+    let Some(symbolic) = Symbolic::new(scaled.pattern()) else {
+        return false;
+    };
+    SparseFactors::new(Arc::new(symbolic)).factorize_moved(&scaled) == Definiteness::Positive
 }
 
 #[cfg(test)]
 mod tests {
+    use faer::Mat;
+
+    use super::super::sparse::Pattern;
     use super::*;
 
+    fn judged(matrix: &Mat<f64>, whole: &Mat<f64>) -> bool {
+        let [matrix, whole] = [matrix, whole].map(|a| SparseMatrix::full(a.as_ref()));
+        is_semidefinite(&matrix, &whole)
+    }
+
     fn alone(matrix: &Mat<f64>) -> bool {
-        is_semidefinite(matrix.as_ref(), matrix.as_ref())
+        judged(matrix, matrix)
+    }
+
+    #[test]
+    fn many_rows_are_judged_alike() {
+        let chain = |end: f64| {
+            let pattern = Pattern::new(900, (1..900).map(|i| (i, i - 1)));
+            let mut k = SparseMatrix::new(Arc::new(pattern));
+            for i in 1..900 {
+                for (row, column, value) in [
+                    (i, i, 1.0),
+                    (i - 1, i - 1, 1.0),
+                    (i, i - 1, -1.0),
+                    (i - 1, i, -1.0),
+                ] {
+                    k.add(row, column, value);
+                }
+            }
+            k.add(450, 450, end);
+            is_semidefinite(&k, &k)
+        };
+        assert!(chain(0.0) && chain(1e-3) && !chain(-1e-3));
     }
 
     #[test]
@@ -100,9 +147,9 @@ mod tests {
         let whole = Mat::from_fn(2, 2, |i, j| if i == j { 3.0 } else { 0.0 });
         let mut left = whole.clone();
         left[(1, 1)] = -3.0 * f64::EPSILON;
-        assert!(is_semidefinite(left.as_ref(), whole.as_ref()));
+        assert!(judged(&left, &whole));
         left[(1, 1)] = -3e-6;
-        assert!(!is_semidefinite(left.as_ref(), whole.as_ref()));
+        assert!(!judged(&left, &whole));
     }
 
     #[test]

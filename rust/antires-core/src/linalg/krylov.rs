@@ -15,6 +15,15 @@
 //! method, summed. The identity for the error is exact, and y_p is a product of p factors that costs nothing
 //! to follow, so the space grows until the error is below rounding everywhere up to a given x.
 //!
+//! M may be singular. Then a = A⁻¹e has a part without mass, for which the inner product of M is blind, and
+//!
+//! ```text
+//! u(x) = a + s (I − s A⁻¹M)⁻¹ A⁻¹M a ≈ a + s β_0 Σ_j (Q y_j) y_1j / (1 − s θ_j)
+//!      = a − β_0 Σ_j (Q y_j) y_1j / θ_j + β_0 Σ_j (Q y_j) y_1j / θ_j² / (λ_j − x)
+//! ```
+//!
+//! from the space of A⁻¹M a: what has no mass is in the constant.
+//!
 //! The start depends on the load alone: the same matrices give the same bits whatever was solved before.
 //!
 //! References: Ericsson & Ruhe, Math. Comp. 35 (1980) 1251-1268 (shift and invert); Boley, Circuits Syst.
@@ -23,7 +32,8 @@
 
 use crate::linalg::wide::NullaryFnOnce;
 
-use super::banded::Banded;
+use super::factored::Factors;
+use super::form::Form;
 use super::tridiagonal;
 use super::wide::{self, dot, subtract};
 
@@ -42,7 +52,7 @@ const INVARIANT: f64 = 1e-14;
 #[derive(Debug, Clone, Default)]
 pub struct Krylov {
     n: usize,
-    /// Rows of a stored vector: n and the padding of [`Banded`].
+    /// Rows of a stored vector: n and the padding of [`Form`].
     stride: usize,
     /// q_j and M q_j, one after the other.
     basis: Vec<f64>,
@@ -56,32 +66,56 @@ pub struct Krylov {
     unsorted: Vec<f64>,
     order: Vec<usize>,
     start_norm: f64,
+    /// A⁻¹e, where the space starts from what it leaves.
+    constant: Vec<f64>,
+}
+
+/// What a space starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Start {
+    /// A⁻¹e: all directions have a mass.
+    Response,
+    /// A⁻¹M A⁻¹e, A⁻¹e kept aside: some may have none, see the module.
+    Remainder,
 }
 
 /// What a Krylov space is grown in: A = K + σM factorized, M, and vectors to stay orthogonal to.
 #[derive(Clone, Copy)]
 pub struct Operator<'a> {
     /// Factors of A.
-    pub shifted: &'a Banded,
+    pub shifted: &'a Factors,
     /// M.
-    pub mass: &'a Banded,
+    pub mass: &'a Form,
     /// M v of each vector v that is kept out, one after the other, and the vectors.
     pub outside: (&'a [f64], &'a [f64]),
 }
 
 impl Krylov {
-    /// Grows the space of A⁻¹ times `load` until the error is negligible for all x + σ up to `s_max`, or
+    /// Grows the space of A⁻¹ times `load`, from `start`, until the error is negligible for all x + σ up to `s_max`, or
     /// until `most` vectors. False when the latter, or a failure of the small eigenproblem, comes first.
     #[must_use]
-    pub fn grow(&mut self, op: Operator<'_>, load: &[f64], s_max: f64, most: usize) -> bool {
+    pub fn grow(
+        &mut self,
+        op: Operator<'_>,
+        (load, start): (&[f64], Start),
+        s_max: f64,
+        most: usize,
+    ) -> bool {
         self.n = op.mass.n();
-        self.stride = self.n + op.mass.half();
+        self.stride = self.n + op.mass.padding();
         self.alpha.clear();
         self.beta.clear();
         self.basis.clear();
         self.weighted.clear();
         let mut w = load.to_vec();
         op.shifted.solve(&mut w);
+        self.constant.clear();
+        if start == Start::Remainder {
+            self.constant.extend_from_slice(&w);
+            op.mass.multiply(&self.constant, &mut w);
+            w[self.n..].fill(0.0);
+            op.shifted.solve(&mut w);
+        }
         self.keep_out(op, &mut w);
         self.start_norm = self.append(op, &w);
         if self.start_norm == 0.0 {
@@ -204,6 +238,12 @@ impl Krylov {
     #[must_use]
     pub fn start_norm(&self) -> f64 {
         self.start_norm
+    }
+
+    /// Entry `i` of A⁻¹e; none where the space starts from it.
+    #[must_use]
+    pub fn constant(&self, i: usize) -> Option<f64> {
+        self.constant.get(i).copied()
     }
 
     /// First component of y_j.

@@ -6,6 +6,7 @@
 //! | [`standard`] | A q = μ q, A symmetric | [`symmetric`] |
 //! | [`small`], [`tridiagonal`] | the same, few rows | [`standard`], [`krylov`] |
 //! | [`banded`], [`ordering`], [`krylov`] | low modes and responses from band matrices | the modal route |
+//! | [`sparse`], [`form`], [`factored`] | the same from sparse matrices; either of the two | the modal route |
 //! | [`blocks`] | block-triangular form of a pencil | [`pencil`] |
 //! | [`definite`] | are all eigenvalues at or above zero | `fem::bounds` |
 //! | [`dominant`] | the first eigenpair of small Hermitian matrices | `antires-py`, for spectra |
@@ -20,11 +21,14 @@ pub mod banded;
 pub mod blocks;
 pub mod definite;
 pub mod dominant;
+pub mod factored;
+pub mod form;
 pub mod hermitian;
 pub mod krylov;
 pub mod ordering;
 pub mod pencil;
 pub mod small;
+pub mod sparse;
 pub mod standard;
 pub mod symmetric;
 pub mod tolerances;

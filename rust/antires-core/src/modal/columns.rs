@@ -1,4 +1,4 @@
-//! Columns i and k of (K − xM)⁻¹ from band matrices or from all modes, for roots on the matrices themselves
+//! Columns i and k of (K − xM)⁻¹ from factors of K − xM, for roots on the matrices themselves
 //! and for their sensitivities.
 //!
 //! ```text
@@ -6,13 +6,12 @@
 //! ```
 //!
 //! At a zero of H_ik, u without its entry i and w without its entry k are the null vectors of the deleted
-//! pencil. The band factors are formed without pivoting, so their growth is asked each time.
+//! pencil. The factors are formed without pivoting, so their growth is asked each time.
 
-use super::band::BandMatrices;
+use super::scaled::ScaledMatrices;
 use crate::linalg::banded::LARGEST_GROWTH;
-use crate::linalg::symmetric::SymmetricSolver;
 
-/// u and w in the order and the scale of the band, and M u.
+/// u and w in the order and the scale of the factors, and M u.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Columns {
     u: Vec<f64>,
@@ -20,7 +19,7 @@ pub(super) struct Columns {
     mu: Vec<f64>,
 }
 
-/// H_ik on the matrices at one x, in the scale of the band.
+/// H_ik on the matrices at one x, in the scale of the matrices.
 #[derive(Debug, Clone, Copy)]
 pub struct ReceptanceAt {
     /// H_ik.
@@ -35,14 +34,15 @@ impl Columns {
     /// H_ik at `x`; none where rounding spoils the factors.
     pub fn receptance(
         &mut self,
-        band: &mut BandMatrices,
+        matrices: &mut ScaledMatrices,
         (i, k): (usize, usize),
         x: f64,
     ) -> Option<ReceptanceAt> {
-        let (i, k) = (band.structure().row(i), band.structure().row(k));
-        let slope = self.solve(band, (i, k), x)?;
+        let (i, k) = (matrices.structure().row(i), matrices.structure().row(k));
+        let slope = self.solve(matrices, (i, k), x)?;
         let Self { u, w, .. } = self;
-        let moved = band.stiffness().squared_form(w, u) + x * x * band.mass().squared_form(w, u);
+        let moved =
+            matrices.stiffness().squared_form(w, u) + x * x * matrices.mass().squared_form(w, u);
         Some(ReceptanceAt {
             value: u[i],
             slope,
@@ -54,67 +54,43 @@ impl Columns {
     /// right.
     pub fn by_dof(
         &mut self,
-        band: &mut BandMatrices,
+        matrices: &mut ScaledMatrices,
         (i, k): (usize, usize),
         x: f64,
         left: &mut Vec<f64>,
         right: &mut Vec<f64>,
     ) -> Option<f64> {
-        let (i, k) = (band.structure().row(i), band.structure().row(k));
-        let slope = self.solve(band, (i, k), x)?;
+        let (i, k) = (matrices.structure().row(i), matrices.structure().row(k));
+        let slope = self.solve(matrices, (i, k), x)?;
         for (out, column) in [(left, &self.w), (right, &self.u)] {
             out.clear();
-            out.resize(band.n(), 0.0);
-            band.by_dof(column, out);
+            out.resize(matrices.n(), 0.0);
+            matrices.by_dof(column, out);
         }
         Some(slope)
     }
 
-    /// Solves for u and w at rows `i` and `k` of the band; returns wᵀMu.
-    fn solve(&mut self, band: &mut BandMatrices, (i, k): (usize, usize), x: f64) -> Option<f64> {
-        if band.factorize(x) > LARGEST_GROWTH {
+    /// Solves for u and w at rows `i` and `k`; returns wᵀMu.
+    fn solve(
+        &mut self,
+        matrices: &mut ScaledMatrices,
+        (i, k): (usize, usize),
+        x: f64,
+    ) -> Option<f64> {
+        if matrices.factorize(x) > LARGEST_GROWTH {
             return None;
         }
         let Self { u, w, mu } = self;
         for (column, load) in [(&mut *u, k), (&mut *w, i)] {
             column.clear();
-            column.resize(band.stride(), 0.0);
+            column.resize(matrices.stride(), 0.0);
             column[load] = 1.0;
-            band.solve(column);
+            matrices.solve(column);
         }
-        mu.resize(band.stride(), 0.0);
-        band.mass().multiply(u, mu);
+        mu.resize(matrices.stride(), 0.0);
+        matrices.mass().multiply(u, mu);
         let slope: f64 = w.iter().zip(mu.iter()).map(|(a, b)| a * b).sum();
         // A dof without mass has no scale.
         slope.is_finite().then_some(slope)
     }
-}
-
-/// The columns from all modes: h_i = Σ φ_r φ_ir / (λ_r − x) + Σ ψ ψ_i; returns h_iᵀ M h_k.
-pub fn modal_columns(
-    modes: &SymmetricSolver,
-    (i, k): (usize, usize),
-    x: f64,
-    left: &mut Vec<f64>,
-    right: &mut Vec<f64>,
-) -> f64 {
-    let (lambda, phi) = (modes.eigenvalues(), modes.vectors());
-    let n = phi.nrows();
-    for column in [&mut *left, &mut *right] {
-        column.clear();
-        column.resize(n, 0.0);
-    }
-    let mut slope = 0.0;
-    for r in 0..phi.ncols() {
-        let stretch = lambda.get(r).map_or(1.0, |l| (l - x).recip());
-        let (at_i, at_k) = (phi[(i, r)] * stretch, phi[(k, r)] * stretch);
-        for dof in 0..n {
-            left[dof] += at_i * phi[(dof, r)];
-            right[dof] += at_k * phi[(dof, r)];
-        }
-        if r < lambda.len() {
-            slope += at_i * at_k;
-        }
-    }
-    slope
 }

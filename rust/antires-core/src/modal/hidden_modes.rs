@@ -4,16 +4,16 @@
 //! They are sought in the complement of those found, from starts of fixed pseudo-random numbers, until the
 //! count by inertia is met.
 
-use super::band::BandMatrices;
 use super::poles::{FOUND, Poles};
-use crate::linalg::banded::Banded;
-use crate::linalg::krylov::{Krylov, Operator};
+use super::scaled::ScaledMatrices;
+use crate::linalg::factored::Factors;
+use crate::linalg::krylov::{Krylov, Operator, Start};
 
 /// In whose complement hidden modes are sought.
 pub(super) struct Outside<'a> {
-    pub band: &'a BandMatrices,
+    pub matrices: &'a ScaledMatrices,
     /// Factors of K + σM.
-    pub shifted: &'a Banded,
+    pub shifted: &'a Factors,
     /// The poles of the load.
     pub poles: &'a Poles,
     /// Only modes below this count.
@@ -50,12 +50,12 @@ impl HiddenModes {
     /// Finds `missing` modes; false where they do not come out as many.
     pub fn find(&mut self, outside: &Outside<'_>, missing: usize) -> bool {
         let Outside {
-            band,
+            matrices,
             shifted,
             poles,
             cut,
         } = *outside;
-        let (mass, sigma) = (band.mass(), poles.sigma());
+        let (mass, sigma) = (matrices.mass(), poles.sigma());
         let shown = poles.found().iter().enumerate().filter(|(_, f)| **f);
         for (j, _) in shown {
             poles
@@ -65,7 +65,7 @@ impl HiddenModes {
         let least = (cut + sigma).recip();
         let mut state = 1_u64;
         while self.lambda.len() < missing {
-            let mut load = vec![0.0; band.stride()];
+            let mut load = vec![0.0; matrices.stride()];
             for x in &mut load[..mass.n()] {
                 // The 64-bit congruential generator of Knuth, MMIX.
                 state = state
@@ -81,7 +81,10 @@ impl HiddenModes {
                 mass,
                 outside: (&self.weighted, &self.vectors),
             };
-            if !self.krylov.grow(op, &start, poles.highest(), mass.n()) {
+            if !self
+                .krylov
+                .grow(op, (&start, Start::Response), poles.highest(), mass.n())
+            {
                 return false;
             }
             let before = self.lambda.len();

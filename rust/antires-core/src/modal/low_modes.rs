@@ -1,6 +1,6 @@
 //! All modes of a model up to a limit: frequencies, shapes, and the adjoint solutions for their derivatives.
 //!
-//! A slender structure is solved by [`ReducedModes`](super::reduced::ReducedModes), where a count of the modes
+//! Where factors of K − xM are cheap it is solved by [`ReducedModes`](super::reduced::ReducedModes), where a count of the modes
 //! by inertia proves that none is missing; all else, and what that leaves open, by the dense
 //! [`SymmetricSolver`](crate::linalg::symmetric::SymmetricSolver).
 
@@ -24,17 +24,17 @@ pub struct LowModes {
 
 impl LowModes {
     /// Finds all modes of K φ = λ M φ with λ up to `limit`; from `start`, a dof that the modes looked for
-    /// move, the band route is quickest.
+    /// move, that is quickest.
     ///
     /// # Errors
     /// Those of [`Solved::dense`].
     pub fn find(&mut self, solved: &mut Solved<'_>, limit: f64, start: usize) -> Result<()> {
         self.n = solved.n_dof();
-        if solved.is_slender() {
-            let band = solved.band();
-            if band.solve(start, limit) {
-                band.modes(&mut self.lambda, &mut self.shapes);
-                self.zero = band.zero();
+        if solved.is_reducible() {
+            let reduced = solved.reduced();
+            if reduced.solve(start, limit, true) {
+                reduced.modes(&mut self.lambda, &mut self.shapes);
+                self.zero = reduced.zero();
                 return Ok(());
             }
         }
@@ -101,9 +101,9 @@ impl LowModes {
         g: &[f64],
         z: &mut Vec<f64>,
     ) -> Result<()> {
-        if solved.is_slender() && solved.dense_in_hand().is_none() {
+        if solved.is_reducible() && solved.dense_in_hand().is_none() {
             let mode = (self.lambda[r], self.shape(r));
-            if nelson::by_band(solved.band().band(), mode, g, z) == Adjoint::Solved {
+            if nelson::by_factors(solved.reduced().matrices(), mode, g, z) == Adjoint::Solved {
                 return Ok(());
             }
         }
@@ -117,13 +117,14 @@ impl LowModes {
 mod tests {
     use std::sync::Arc;
 
-    use faer::{Mat, MatRef};
+    use faer::Mat;
 
     use super::super::solved::Solutions;
     use super::super::structure::Structure;
     use super::*;
     use crate::fem::chain::mass_spring_chain;
     use crate::fem::model::Model;
+    use crate::linalg::sparse::SparseMatrix;
 
     /// A free chain of 50 masses without symmetry.
     fn chain() -> Model {
@@ -136,15 +137,16 @@ mod tests {
     /// Memory for the band route.
     fn slender(model: &Model) -> Solutions {
         let structure = Structure::of(model);
-        assert!(structure.is_slender());
+        assert!(structure.is_reducible());
         Solutions::new(&Arc::new(structure))
     }
 
     /// Memory for the dense one: every dof counts as joined to every other.
     fn full(model: &Model) -> Solutions {
-        let n = model.n_dof();
-        let all = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        Solutions::new(&Arc::new(Structure::new(n, all)))
+        let pattern = SparseMatrix::full(model.stiffness().to_dense().as_ref());
+        let structure = Structure::new(pattern.pattern(), |_| true);
+        assert!(!structure.is_reducible());
+        Solutions::new(&Arc::new(structure))
     }
 
     fn low(solved: &mut Solved<'_>, limit: f64) -> LowModes {
@@ -189,10 +191,10 @@ mod tests {
     fn modes_that_the_start_does_not_move_are_found_and_repeated_ones_belong_together() {
         // Two equal chains beside each other: every mode twice, and the load moves one of each two.
         let one = chain();
-        let twice = |a: MatRef<'_, f64>| {
+        let twice = |a: &SparseMatrix| {
             Mat::from_fn(100, 100, |i, j| {
                 if i / 50 == j / 50 {
-                    a[(i % 50, j % 50)]
+                    a.get(i % 50, j % 50)
                 } else {
                     0.0
                 }

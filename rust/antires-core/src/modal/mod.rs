@@ -11,24 +11,24 @@
 //!
 //! | module | what it knows |
 //! |---|---|
-//! | [`structure`] | what stays while parameters change: the ordering, the band, the degrees of the determinants |
-//! | [`band`] | K and M as band matrices, factors of K − xM |
+//! | [`structure`] | what stays while parameters change: the ordering, band or sparse, the degrees of the determinants |
+//! | [`scaled`] | K and M in band or sparse form, factors of K − xM |
 //! | [`poles`](reduced), [`reduced`] | the poles of one load up to a limit, and the proof that none is missing |
 //! | [`solved`] | K and M of one evaluation with the solutions made of them |
 //! | [`receptance`] | H_ik as partial fractions |
-//! | [`columns`], [`on_pole`] | columns of (K − xM)⁻¹, and what stands for them on a pole |
+//! | [`columns`], [`modal_columns`], [`on_pole`] | columns of (K − xM)⁻¹, and what stands for them on a pole |
 //! | [`modes`], [`low_modes`] | all modes, or those up to a limit |
 //! | [`frf`] | frequency responses |
 //! | [`mac`], [`nelson`], [`mode_sensitivities`] | comparison with a measured shape, and its derivatives |
 //!
 //! May use: `fem`, `linalg`.
 
-pub mod band;
 pub mod columns;
 pub mod frf;
 mod hidden_modes;
 pub mod low_modes;
 pub mod mac;
+pub mod modal_columns;
 pub mod mode_sensitivities;
 pub mod modes;
 pub mod nelson;
@@ -36,5 +36,6 @@ pub mod on_pole;
 mod poles;
 pub mod receptance;
 pub mod reduced;
+pub mod scaled;
 pub mod solved;
 pub mod structure;

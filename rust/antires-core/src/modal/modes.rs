@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use faer::{Mat, MatRef};
 
-use super::band::BandMatrices;
 use super::reduced::ReducedModes;
+use super::scaled::{ScaledMatrices, Scope};
 use super::structure::Structure;
 use crate::error::Result;
 use crate::fem::model::Model;
 use crate::linalg::symmetric::SymmetricSolver;
 
-/// Modes more than asked for, and half of those, that the band route may find.
+/// Modes more than asked for, and half of those, that the factors may find.
 const SPARE: usize = 4;
 
 /// Counts of modes at most in a search for their limit, and the step down from a λ with too many below it.
@@ -55,7 +55,8 @@ impl AllModes {
     /// Those of [`SymmetricSolver::solve`].
     pub fn of(model: &Model) -> Result<Self> {
         let mut solver = SymmetricSolver::new(model.n_dof());
-        solver.solve(model.stiffness(), model.mass())?;
+        let (k, m) = (model.stiffness().to_dense(), model.mass().to_dense());
+        solver.solve(k.as_ref(), m.as_ref())?;
         Ok(Self {
             lambda: solver.eigenvalues().to_vec(),
             vectors: solver.vectors().to_owned(),
@@ -81,26 +82,26 @@ pub fn modes(model: &Model) -> Result<Modes> {
     Ok(AllModes::of(model)?.finite())
 }
 
-/// The lowest modes of a slender model, up to `f_max_hz` and at most `most` of them, from band matrices: a count
-/// by inertia proves that none is missing. None where the model is not slender, where they are more than a part
+/// The lowest modes of a model, up to `f_max_hz` and at most `most` of them, from factors of K − xM: a count
+/// by inertia proves that none is missing. None where those are not cheap, where they are more than a part
 /// of all modes, or where rounding leaves a doubt: then [`AllModes`] has to tell.
 #[must_use]
 pub fn low_modes(model: &Model, f_max_hz: f64, most: Option<usize>) -> Option<Modes> {
     let structure = Structure::of(model);
-    if !structure.is_slender() {
+    if !structure.is_reducible() {
         return None;
     }
-    let mut band = ReducedModes::new(Arc::new(structure));
-    band.set_matrices(model.stiffness(), model.mass());
+    let mut reduced = ReducedModes::new(Arc::new(structure));
+    reduced.set_matrices(model.stiffness(), model.mass());
     let mut limit = eigenvalue(f_max_hz);
     if let Some(most) = most {
-        limit = limit.min(limit_above(most, band.band())?);
+        limit = limit.min(limit_above(most, reduced.matrices())?);
     }
-    if !(limit.is_finite() && band.solve(0, limit)) {
+    if !(limit.is_finite() && reduced.solve(0, limit, true)) {
         return None;
     }
     let (mut lambda, mut shapes) = (Vec::new(), Vec::new());
-    band.modes(&mut lambda, &mut shapes);
+    reduced.modes(&mut lambda, &mut shapes);
     lambda.truncate(most.unwrap_or(usize::MAX));
     let n = model.n_dof();
     Some(Modes {
@@ -110,11 +111,9 @@ pub fn low_modes(model: &Model, f_max_hz: f64, most: Option<usize>) -> Option<Mo
 }
 
 /// A λ with `most` modes below it, or a few more; none where the search for it leads nowhere.
-fn limit_above(most: usize, band: &mut BandMatrices) -> Option<f64> {
+fn limit_above(most: usize, matrices: &mut ScaledMatrices) -> Option<f64> {
     let enough = most..=most + most / 2 + SPARE;
-    let largest = (0..band.n())
-        .map(|j| band.stiffness().diagonal(j))
-        .fold(0.0, f64::max);
+    let largest = matrices.stiffness().largest_diagonal();
     let (mut low, mut high) = (0.0, largest);
     for _ in 0..MOST_COUNTS {
         // Halving the exponent, until there is a lower end.
@@ -123,7 +122,7 @@ fn limit_above(most: usize, band: &mut BandMatrices) -> Option<f64> {
         } else {
             COARSE * high
         };
-        let (count, _) = band.count_below(at);
+        let (count, _) = matrices.count_below(at, Scope::Whole);
         if enough.contains(&count) {
             return Some(at);
         }

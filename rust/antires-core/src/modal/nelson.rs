@@ -8,13 +8,13 @@
 //! (K − λM) z = g,  zᵀMφ = 0                   gᵀ dφ/dp = −zᵀ (K' − λM') φ
 //! ```
 //!
-//! K − λM is singular. In band form it is solved with the row and the column of the largest entry of φ taken
+//! K − λM is singular. By factors it is solved with the row and the column of the largest entry of φ taken
 //! out; from all modes z = Σ φ_s (φ_sᵀg) / (λ_s − λ) over the others.
 //!
 //! Source: R. B. Nelson, Simplified calculation of eigenvector derivatives, AIAA J. 14 (1976) 1201-1205,
 //! doi 10.2514/3.7211.
 
-use super::band::BandMatrices;
+use super::scaled::ScaledMatrices;
 use crate::linalg::banded::LARGEST_GROWTH;
 use crate::linalg::symmetric::SymmetricSolver;
 
@@ -27,16 +27,17 @@ pub enum Adjoint {
     Spoiled,
 }
 
-/// z for the mode (λ, φ) by the band.
-pub fn by_band(
-    band: &mut BandMatrices,
+/// z for the mode (λ, φ) by the matrices.
+pub fn by_factors(
+    matrices: &mut ScaledMatrices,
     (lambda, phi): (f64, &[f64]),
     g: &[f64],
     z: &mut Vec<f64>,
 ) -> Adjoint {
-    let (n, padding) = (band.n(), band.stride() - band.n());
+    let (n, padding) = (matrices.n(), matrices.stride() - matrices.n());
     let by_row = |values: &[f64], times: &dyn Fn(f64) -> f64| -> Vec<f64> {
-        let rows = (0..n).map(|row| values[band.structure().dof(row)] * times(band.scale()[row]));
+        let rows =
+            (0..n).map(|row| values[matrices.structure().dof(row)] * times(matrices.scale()[row]));
         rows.chain(std::iter::repeat_n(0.0, padding)).collect()
     };
     let shape = by_row(phi, &f64::recip);
@@ -49,12 +50,12 @@ pub fn by_band(
         }
     });
     solution[largest] = 0.0;
-    if band.factorize_without(largest, lambda) > LARGEST_GROWTH {
+    if matrices.factorize_without(largest, lambda) > LARGEST_GROWTH {
         return Adjoint::Spoiled;
     }
-    band.solve(&mut solution);
-    let mut weighted = vec![0.0; band.stride()];
-    band.mass().multiply(&shape, &mut weighted);
+    matrices.solve(&mut solution);
+    let mut weighted = vec![0.0; matrices.stride()];
+    matrices.mass().multiply(&shape, &mut weighted);
     let part: f64 = solution[..n]
         .iter()
         .zip(&weighted)
@@ -65,7 +66,7 @@ pub fn by_band(
     }
     z.clear();
     z.resize(n, 0.0);
-    band.by_dof(&solution[..n], z);
+    matrices.by_dof(&solution[..n], z);
     Adjoint::Solved
 }
 

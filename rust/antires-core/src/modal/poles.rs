@@ -5,13 +5,14 @@
 //! H_ik(x) = Σ_j φ_ij φ_kj / (λ_j − x),    λ_j = 1/θ_j − σ
 //! ```
 //!
+//! and a constant where the space starts from the remainder ([`Start`]).
 //! Those up to the limit are the modes that the load excites; those far above stand for all other modes
 //! together ([`Krylov`]).
 
-use super::band::BandMatrices;
 use super::receptance::Receptance;
-use crate::linalg::banded::Banded;
-use crate::linalg::krylov::{Krylov, Operator};
+use super::scaled::ScaledMatrices;
+use crate::linalg::factored::Factors;
+use crate::linalg::krylov::{Krylov, Operator, Start};
 
 /// The poles are told up to this part above the limit, for the count to find a clear place.
 pub(super) const MARGIN: f64 = 0.02;
@@ -50,23 +51,27 @@ impl Poles {
     /// one of them is neither a mode nor rounding.
     pub fn find(
         &mut self,
-        band: &BandMatrices,
-        shifted: &Banded,
+        matrices: &ScaledMatrices,
+        shifted: &Factors,
         (sigma, limit): (f64, f64),
-        k: usize,
+        (k, start): (usize, Start),
     ) -> bool {
         (self.limit, self.sigma) = (limit, sigma);
-        let mut load = vec![0.0; band.stride()];
+        let mut load = vec![0.0; matrices.stride()];
         load[k] = 1.0;
         let op = Operator {
             shifted,
-            mass: band.mass(),
+            mass: matrices.mass(),
             outside: (&[], &[]),
         };
-        if !self.krylov.grow(op, &load, self.highest(), band.n()) || !self.classify(band) {
+        if !self
+            .krylov
+            .grow(op, (&load, start), self.highest(), matrices.n())
+            || !self.classify(matrices)
+        {
             return false;
         }
-        self.tell_repeated(band);
+        self.tell_repeated(matrices);
         true
     }
 
@@ -133,7 +138,7 @@ impl Poles {
     }
 
     /// Tells the modes among the poles up to the limit.
-    fn classify(&mut self, band: &BandMatrices) -> bool {
+    fn classify(&mut self, matrices: &ScaledMatrices) -> bool {
         let theta = self.krylov.theta();
         let least = self.highest().recip();
         let strongest = (0..theta.len())
@@ -148,31 +153,31 @@ impl Poles {
             self.found.push(found);
         }
         self.zero = (0..self.found.len().min(RIGID))
-            .map(|j| 16.0 * self.ulps(band, j))
+            .map(|j| 16.0 * self.ulps(matrices, j))
             .fold(0.0, f64::max);
         true
     }
 
     /// How far one ulp in each entry of K and M can move the eigenvalue of pole `j`.
-    fn ulps(&mut self, band: &BandMatrices, j: usize) -> f64 {
+    fn ulps(&mut self, matrices: &ScaledMatrices, j: usize) -> f64 {
         self.weighted.clear();
         self.vectors.clear();
         self.krylov.vector(j, &mut self.weighted, &mut self.vectors);
         let lambda = self.pole(self.krylov.theta()[j]).abs();
-        let moved = band.stiffness().absolute_form(&self.vectors)
-            + lambda * band.mass().absolute_form(&self.vectors);
+        let moved = matrices.stiffness().absolute_form(&self.vectors)
+            + lambda * matrices.mass().absolute_form(&self.vectors);
         f64::EPSILON * moved
     }
 
     /// Notes how near each pole may come to the one below and still be the same, repeated.
-    fn tell_repeated(&mut self, band: &BandMatrices) {
+    fn tell_repeated(&mut self, matrices: &ScaledMatrices) {
         self.repeated.clear();
         for j in 0..self.found.len() {
             let theta = self.krylov.theta();
             let (s, largest) = (theta[j].recip(), theta[0]);
             let mut tolerance = REPEATED * f64::EPSILON * s * s * largest;
             if j > 0 && s - theta[j - 1].recip() <= CLOSE * s {
-                tolerance += 4.0 * self.ulps(band, j);
+                tolerance += 4.0 * self.ulps(matrices, j);
             }
             self.repeated.push(tolerance);
         }
@@ -186,21 +191,34 @@ impl Poles {
         let (mut size_i, mut size_k, mut modes) = (0.0_f64, 0.0_f64, 0);
         let top = (4.0 * (self.limit + self.sigma)).recip();
         let largest_theta = krylov.theta()[0];
+        let mut floor = 0.0;
+        let aside = krylov.constant(i);
         for (j, (&theta, &phi_i)) in krylov.theta().iter().zip(&self.row).enumerate() {
             let strength = krylov.start_norm() * krylov.first(j);
+            let rounding = j < self.found.len() && !self.found[j];
             if theta <= f64::EPSILON * largest_theta {
-                // So stiff that its term is constant in band.
-                h.constant += strength * phi_i;
+                // So stiff that its term is constant in band; beside A⁻¹e it is nothing.
+                match aside {
+                    None => h.constant += strength * phi_i,
+                    Some(_) => floor += self.highest() * (strength * phi_i).abs() / f64::EPSILON,
+                }
                 continue;
             }
-            let phi_k = strength / theta;
+            let mut phi_k = strength / theta;
+            if aside.is_some() {
+                if !rounding {
+                    h.constant -= phi_k * phi_i;
+                    floor += (phi_k * phi_i).abs();
+                }
+                phi_k /= theta;
+            } else if j >= self.found.len() {
+                floor += (strength * phi_i).abs();
+            }
             if theta >= top {
                 size_i = size_i.max(phi_i.abs());
                 size_k = size_k.max(phi_k.abs());
             }
-            if j >= self.found.len() {
-                h.floor_error += (strength * phi_i).abs();
-            } else if !self.found[j] {
+            if rounding {
                 continue;
             }
             let lambda = self.pole(theta);
@@ -218,9 +236,16 @@ impl Poles {
                 modes = h.poles.len();
             }
         }
+        if let Some(aside) = aside {
+            h.constant += aside;
+            floor += aside.abs();
+        }
         h.cancelled
             .extend(hidden.iter().filter(|&&l| l <= self.limit));
-        h.floor_error = 4.0 * f64::EPSILON * (h.floor_error + h.constant.abs());
+        h.floor_error = 4.0 * f64::EPSILON * (floor + h.constant.abs());
+        if aside.is_some() && h.constant.abs() <= h.floor_error {
+            h.constant = 0.0;
+        }
         h.finish(n, modes, (size_i, size_k));
     }
 }

@@ -20,6 +20,11 @@ const SURE_RESIDUE: f64 = 16.0;
 /// Eigenvalues closer than this many times their uncertainty are repeated.
 const REPEATED: f64 = 32.0;
 
+/// Ulps to be expected in a sum over `n` dofs: each its own at most, of many their random walk.
+fn ulps(n: usize) -> f64 {
+    (n as f64).min(16.0 * (n as f64).sqrt())
+}
+
 /// Partial fractions of one receptance.
 #[derive(Debug, Clone, Default)]
 pub struct Receptance {
@@ -123,7 +128,7 @@ impl Receptance {
         let largest = self.residues[..of]
             .iter()
             .fold(0.0_f64, |m, c| m.max(c.abs()));
-        self.residue_error = n as f64 * f64::EPSILON * scale;
+        self.residue_error = ulps(n) * f64::EPSILON * scale;
         self.is_zero = largest <= IDENTICALLY_ZERO * scale && self.constant == 0.0;
         self.negligible = NEGLIGIBLE_RESIDUE * largest;
         self.drop_negligible(modes);

@@ -1,4 +1,4 @@
-//! Poles of one excitation up to a limit, from band matrices, with the proof that none is missing.
+//! Poles of one excitation up to a limit, from factors of K − xM, with the proof that none is missing.
 //!
 //! 1. A Krylov space of the load gives H_ik for every i as partial fractions that are exact to rounding below
 //!    the limit (`poles`).
@@ -12,15 +12,15 @@
 
 use std::sync::Arc;
 
-use faer::MatRef;
-
-use super::band::BandMatrices;
 use super::columns::{Columns, ReceptanceAt};
 use super::hidden_modes::{HiddenModes, Outside};
 use super::poles::{MARGIN, Poles};
 use super::receptance::Receptance;
-use super::structure::Structure;
-use crate::linalg::banded::Banded;
+use super::scaled::{ScaledMatrices, Scope, factors_for};
+use super::structure::{MOST_DENSE, Structure};
+use crate::linalg::factored::Factors;
+use crate::linalg::krylov::Start;
+use crate::linalg::sparse::SparseMatrix;
 
 /// Shift σ as a fraction of the limit in x. A small one separates the poles best, a large one keeps the
 /// digits of the lowest: at one tenth the digits of λ are lost to (λ + σ)/σ, eleven at most.
@@ -40,9 +40,12 @@ const ON_THE_LIMIT: f64 = 1e-8;
 
 /// Modes and pseudo-modes as seen by one excitation.
 pub struct ReducedModes {
-    band: BandMatrices,
-    /// Factors of K + σM.
-    shifted: Banded,
+    matrices: ScaledMatrices,
+    /// Factors of K + σM, the σ that they are for, and whether that is definite.
+    shifted: Factors,
+    shifted_at: Option<(f64, bool)>,
+    /// What the Krylov spaces start from, once it is known whether all directions have a mass.
+    start: Option<Start>,
     poles: Poles,
     hidden: HiddenModes,
     columns: Columns,
@@ -54,6 +57,7 @@ pub struct ReducedModes {
 struct Attempt {
     excitation: usize,
     limit: f64,
+    scope: Scope,
     succeeded: bool,
 }
 
@@ -61,10 +65,11 @@ impl ReducedModes {
     /// Reserves the memory.
     #[must_use]
     pub fn new(structure: Arc<Structure>) -> Self {
-        let shifted = Banded::new(structure.n_dof(), structure.half());
         Self {
-            band: BandMatrices::new(structure),
-            shifted,
+            shifted: factors_for(&structure),
+            shifted_at: None,
+            start: None,
+            matrices: ScaledMatrices::new(structure),
             poles: Poles::default(),
             hidden: HiddenModes::default(),
             columns: Columns::default(),
@@ -73,19 +78,19 @@ impl ReducedModes {
     }
 
     /// Takes K and M.
-    pub fn set_matrices(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) {
-        self.band.set(k, m);
-        self.last = None;
+    pub fn set_matrices(&mut self, k: &SparseMatrix, m: &SparseMatrix) {
+        self.matrices.set(k, m);
+        (self.last, self.shifted_at, self.start) = (None, None, None);
     }
 
-    /// K and M as band matrices.
-    pub fn band(&mut self) -> &mut BandMatrices {
-        &mut self.band
+    /// K and M, ordered and scaled.
+    pub fn matrices(&mut self) -> &mut ScaledMatrices {
+        &mut self.matrices
     }
 
     /// H_ik at `x` on the matrices; none where rounding spoils the factors of K − xM.
     pub fn receptance_at(&mut self, ends: (usize, usize), x: f64) -> Option<ReceptanceAt> {
-        self.columns.receptance(&mut self.band, ends, x)
+        self.columns.receptance(&mut self.matrices, ends, x)
     }
 
     /// Columns i and k of (K − xM)⁻¹ by dof, each up to a factor, into `left` and `right`; returns leftᵀ M
@@ -97,18 +102,29 @@ impl ReducedModes {
         left: &mut Vec<f64>,
         right: &mut Vec<f64>,
     ) -> Option<f64> {
-        self.columns.by_dof(&mut self.band, ends, x, left, right)
+        self.columns
+            .by_dof(&mut self.matrices, ends, x, left, right)
     }
 
-    /// Finds the poles up to `limit` of the excitation; false where the dense solver has to.
-    pub fn solve(&mut self, excitation: usize, limit: f64) -> bool {
-        match self.last {
-            Some(last) if last.excitation == excitation && last.limit == limit => last.succeeded,
+    /// Finds the poles up to `limit` of the excitation, and all other modes of the whole structure if those are
+    /// asked for; false where the dense solver has to.
+    pub fn solve(&mut self, excitation: usize, limit: f64, whole: bool) -> bool {
+        let row = self.matrices.structure().row(excitation);
+        let scope = if whole {
+            Scope::Whole
+        } else {
+            Scope::PartOf(row)
+        };
+        let same = |last: &Attempt| last.excitation == excitation && last.limit == limit;
+        let serves = |last: &Attempt| last.scope == scope || last.scope == Scope::Whole;
+        match self.last.filter(|last| same(last) && serves(last)) {
+            Some(last) => last.succeeded,
             _ => {
-                let succeeded = self.try_solve(excitation, limit);
+                let succeeded = self.try_solve(row, limit, scope);
                 self.last = Some(Attempt {
                     excitation,
                     limit,
+                    scope,
                     succeeded,
                 });
                 succeeded
@@ -116,42 +132,55 @@ impl ReducedModes {
         }
     }
 
-    fn try_solve(&mut self, excitation: usize, limit: f64) -> bool {
-        let n = self.band.n();
-        if !self.band.mass_is_definite() {
-            return false;
-        }
+    fn try_solve(&mut self, row: usize, limit: f64, scope: Scope) -> bool {
+        let n = self.matrices.n();
+        let start = *self.start.get_or_insert_with(|| {
+            if self.matrices.mass_is_definite() {
+                Start::Response
+            } else {
+                Start::Remainder
+            }
+        });
         let sigma = SHIFT * limit;
-        self.shifted
-            .combine(self.band.stiffness(), sigma, self.band.mass());
-        if !self.shifted.factorize_definite(0.0) {
+        if !self.shift(sigma) {
             return false;
         }
-        let few = |c| c as f64 <= MOST_MODES * n as f64;
-        if !few(self.band.count_below(limit).0) {
+        let few = |c| n > MOST_DENSE || c as f64 <= MOST_MODES * n as f64;
+        if !few(self.matrices.count_below(limit, scope).0) {
             return false;
         }
-        let row = self.band.structure().row(excitation);
         self.poles
-            .find(&self.band, &self.shifted, (sigma, limit), row)
-            && self.complete(limit)
+            .find(&self.matrices, &self.shifted, (sigma, limit), (row, start))
+            && self.complete(limit, scope)
+    }
+
+    /// Factorizes K + σM, if that is not done; whether it is definite.
+    fn shift(&mut self, sigma: f64) -> bool {
+        if let Some((_, definite)) = self.shifted_at.filter(|at| at.0 == sigma) {
+            return definite;
+        }
+        let (k, m) = (self.matrices.stiffness(), self.matrices.mass());
+        let signs = self.shifted.factorize(k, sigma, m, None);
+        let definite = signs.negative == 0 && signs.growth.is_finite();
+        self.shifted_at = Some((sigma, definite));
+        definite
     }
 
     /// A place at the limit or just above it, away from all poles, and the number of modes below it.
-    fn count(&mut self, limit: f64) -> Option<(f64, usize)> {
+    fn count(&mut self, limit: f64, scope: Scope) -> Option<(f64, usize)> {
         CUTS.iter().find_map(|c| {
             let cut = (1.0 + c * MARGIN) * limit;
             let distances = self.poles.lambda().map(|pole| (pole - cut).abs());
             let room = distances.fold(cut, f64::min);
-            let (count, error) = self.band.count_below(cut);
+            let (count, error) = self.matrices.count_below(cut, scope);
             (CLEAR * error <= room && room > ON_THE_LIMIT * cut).then_some((cut, count))
         })
     }
 
     /// Meets the count of modes below the limit.
-    fn complete(&mut self, limit: f64) -> bool {
+    fn complete(&mut self, limit: f64, scope: Scope) -> bool {
         self.hidden.clear();
-        let Some((cut, count)) = self.count(limit) else {
+        let Some((cut, count)) = self.count(limit, scope) else {
             return false;
         };
         let shown = self.poles.count((cut + self.poles.sigma()).recip());
@@ -159,7 +188,7 @@ impl ReducedModes {
             return count == shown;
         }
         let outside = Outside {
-            band: &self.band,
+            matrices: &self.matrices,
             shifted: &self.shifted,
             poles: &self.poles,
             cut,
@@ -170,7 +199,7 @@ impl ReducedModes {
     /// The modes up to the limit of the last [`solve`](Self::solve), ascending, and their mass-normalised shapes
     /// by dof.
     pub fn modes(&mut self, lambda: &mut Vec<f64>, shapes: &mut Vec<f64>) {
-        let (n, stride) = (self.band.n(), self.band.stride());
+        let (n, stride) = (self.matrices.n(), self.matrices.stride());
         let limit = self.last.map_or(0.0, |last| last.limit);
         let mut values = self.poles.modes();
         values.extend(self.hidden.lambda());
@@ -189,7 +218,7 @@ impl ReducedModes {
             lambda.push(if value.abs() <= zero { 0.0 } else { value });
             let at = shapes.len();
             shapes.resize(at + n, 0.0);
-            self.band
+            self.matrices
                 .by_dof(&vectors[j * stride..j * stride + n], &mut shapes[at..]);
         }
     }
@@ -208,7 +237,7 @@ impl ReducedModes {
 
     /// Forms the partial fractions between dof `i` and the excitation of the last [`solve`](Self::solve).
     pub fn form(&mut self, i: usize, h: &mut Receptance) {
-        let (n, row) = (self.band.n(), self.band.structure().row(i));
+        let (n, row) = (self.matrices.n(), self.matrices.structure().row(i));
         self.poles.form(n, row, self.hidden.lambda(), h);
     }
 }

@@ -1,23 +1,31 @@
 //! K and M of one evaluation, handed over once, with the solutions of them that are asked for.
 //!
 //! Each solution is made when it is first needed and serves all that follows: the poles of an excitation by
-//! the band ([`ReducedModes`]), and all modes by the dense [`SymmetricSolver`]. The memory, [`Solutions`],
+//! factors ([`ReducedModes`]), and all modes by the dense [`SymmetricSolver`]. The memory, [`Solutions`],
 //! outlives the matrices and serves the next evaluation.
 
 use std::sync::Arc;
 
-use faer::MatRef;
+use faer::Mat;
 
 use super::reduced::ReducedModes;
-use super::structure::Structure;
-use crate::error::Result;
+use super::structure::{MOST_DENSE, Structure};
+use crate::error::{Error, Result};
+use crate::linalg::sparse::SparseMatrix;
 use crate::linalg::symmetric::SymmetricSolver;
 
 /// Memory for the solutions of the models of one structure.
 pub struct Solutions {
     structure: Arc<Structure>,
-    band: Option<ReducedModes>,
-    dense: Option<SymmetricSolver>,
+    reduced: Option<ReducedModes>,
+    dense: Option<Dense>,
+}
+
+/// The dense solver and its copies of K and M.
+struct Dense {
+    solver: SymmetricSolver,
+    stiffness: Mat<f64>,
+    mass: Mat<f64>,
 }
 
 impl Solutions {
@@ -26,19 +34,19 @@ impl Solutions {
     pub fn new(structure: &Arc<Structure>) -> Self {
         Self {
             structure: Arc::clone(structure),
-            band: None,
+            reduced: None,
             dense: None,
         }
     }
 
     /// The solutions of K and M.
     #[must_use]
-    pub fn of<'a>(&'a mut self, stiffness: MatRef<'a, f64>, mass: MatRef<'a, f64>) -> Solved<'a> {
+    pub fn of<'a>(&'a mut self, stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Solved<'a> {
         Solved {
             stiffness,
             mass,
             memory: self,
-            band_is_current: false,
+            reduced_is_current: false,
             dense_is_current: false,
         }
     }
@@ -46,31 +54,31 @@ impl Solutions {
 
 /// K and M with the solutions made of them so far.
 pub struct Solved<'a> {
-    stiffness: MatRef<'a, f64>,
-    mass: MatRef<'a, f64>,
+    stiffness: &'a SparseMatrix,
+    mass: &'a SparseMatrix,
     memory: &'a mut Solutions,
     /// Whether the memory holds these matrices.
-    band_is_current: bool,
+    reduced_is_current: bool,
     dense_is_current: bool,
 }
 
 impl Solved<'_> {
     /// K (N/m).
     #[must_use]
-    pub fn stiffness(&self) -> MatRef<'_, f64> {
+    pub fn stiffness(&self) -> &SparseMatrix {
         self.stiffness
     }
 
     /// M (kg).
     #[must_use]
-    pub fn mass(&self) -> MatRef<'_, f64> {
+    pub fn mass(&self) -> &SparseMatrix {
         self.mass
     }
 
     /// Number of dofs.
     #[must_use]
     pub fn n_dof(&self) -> usize {
-        self.stiffness.nrows()
+        self.stiffness.n()
     }
 
     /// Upper bound of the number of roots of H_ik, see [`Structure::degree`].
@@ -79,46 +87,66 @@ impl Solved<'_> {
         self.memory.structure.degree(i, k)
     }
 
-    /// Whether the band route pays.
+    /// Whether the modes below a limit cost less than all of them.
     #[must_use]
-    pub fn is_slender(&self) -> bool {
-        self.memory.structure.is_slender()
+    pub fn is_reducible(&self) -> bool {
+        self.memory.structure.is_reducible()
     }
 
-    /// The band route.
-    pub fn band(&mut self) -> &mut ReducedModes {
+    /// Whether the dense solvers may be asked: they need seconds to minutes, and n² numbers, above that.
+    #[must_use]
+    pub fn may_be_dense(&self) -> bool {
+        self.n_dof() <= MOST_DENSE
+    }
+
+    /// The modes below a limit.
+    pub fn reduced(&mut self) -> &mut ReducedModes {
         let structure = &self.memory.structure;
-        let band = self
+        let reduced = self
             .memory
-            .band
+            .reduced
             .get_or_insert_with(|| ReducedModes::new(Arc::clone(structure)));
-        if !self.band_is_current {
-            band.set_matrices(self.stiffness, self.mass);
-            self.band_is_current = true;
+        if !self.reduced_is_current {
+            reduced.set_matrices(self.stiffness, self.mass);
+            self.reduced_is_current = true;
         }
-        band
+        reduced
     }
 
     /// All modes.
     ///
     /// # Errors
-    /// Those of [`SymmetricSolver::solve`].
+    /// Those of [`SymmetricSolver::solve`], and [`Error::Numerical`] for too many dofs.
     pub fn dense(&mut self) -> Result<&SymmetricSolver> {
         let n = self.n_dof();
-        let solver = self
-            .memory
-            .dense
-            .get_or_insert_with(|| SymmetricSolver::new(n));
+        if !self.may_be_dense() {
+            return Err(Error::Numerical {
+                what: format!("the modes of {n} dofs"),
+                detail: "the factors of K - x M do not settle them, and there are too many dofs for the \
+                         dense solvers. Ask for a lower f_max_hz, or check that the stiffness is positive \
+                         semi-definite and that no dof has neither stiffness nor mass."
+                    .into(),
+            });
+        }
+        let dense = self.memory.dense.get_or_insert_with(|| Dense {
+            solver: SymmetricSolver::new(n),
+            stiffness: Mat::zeros(n, n),
+            mass: Mat::zeros(n, n),
+        });
         if !self.dense_is_current {
-            solver.solve(self.stiffness, self.mass)?;
+            self.stiffness.write_dense(&mut dense.stiffness);
+            self.mass.write_dense(&mut dense.mass);
+            let (k, m) = (dense.stiffness.as_ref(), dense.mass.as_ref());
+            dense.solver.solve(k, m)?;
             self.dense_is_current = true;
         }
-        Ok(solver)
+        Ok(&dense.solver)
     }
 
     /// All modes, if they were solved for.
     #[must_use]
     pub fn dense_in_hand(&self) -> Option<&SymmetricSolver> {
-        self.memory.dense.as_ref().filter(|_| self.dense_is_current)
+        let dense = self.memory.dense.as_ref();
+        dense.filter(|_| self.dense_is_current).map(|d| &d.solver)
     }
 }

@@ -1,11 +1,13 @@
-//! What stays the same while the parameters of a model change: which dofs are joined, and the ordering that
-//! makes a band of K and M.
+//! What stays the same while the parameters of a model change: which dofs are joined, and the ordering and form
+//! in which K − xM is factorized.
 
-use faer::MatRef;
+use std::sync::Arc;
 
 use crate::fem::model::Model;
+use crate::fem::parameters::Parameter;
 use crate::fem::term::Term;
 use crate::linalg::ordering::reverse_cuthill_mckee;
+use crate::linalg::sparse::{Pattern, SparseMatrix, Symbolic};
 
 /// Below this many dofs one dense eigenproblem costs less than the factors and the Krylov space.
 const FEWEST_DOFS: usize = 40;
@@ -13,67 +15,211 @@ const FEWEST_DOFS: usize = 40;
 /// Widest half-bandwidth, as a fraction of the dofs, for which the band pays.
 const WIDEST_BAND: f64 = 0.25;
 
+/// Most dofs for which a slender structure is put into a band without asking whether sparse factors are quicker.
+const SMALL: usize = 500;
+
+/// Most dofs for which a band is tried.
+const MOST_BAND: usize = 20_000;
+
+/// Cost of an operation of the sparse factors in operations of the band.
+const SPARSE_COST: f64 = 1.5;
+
+/// Cost of the sparse factors, as a part of n³, from which on they do not pay for few dofs.
+const DENSE_COST: f64 = 0.05;
+
+/// Most dofs for which the dense solvers may be asked.
+pub const MOST_DENSE: usize = 2000;
+
 /// Most dofs for which the degrees of the determinants are kept.
 const MOST_DEGREES: usize = 64;
 
-/// Ordering of the dofs and bandwidth of every K and M of one model.
+/// How K and M are held to be factorized.
+#[derive(Debug, Clone)]
+pub enum Layout {
+    /// Not at all: the dense solvers are quicker.
+    Dense,
+    /// In a band: place in the model's matrices, row and column of each entry of its lower half.
+    Band(Vec<(u32, u32, u32)>),
+    /// Sparse.
+    Sparse(SparseLayout),
+}
+
+/// The analysis of a sparse structure.
+#[derive(Debug, Clone)]
+pub struct SparseLayout {
+    /// Ordering and blocks.
+    pub symbolic: Arc<Symbolic>,
+    /// For each place of the ordered pattern that in the model's matrices.
+    pub origin: Vec<u32>,
+}
+
+/// Ordering of the dofs and form of every K and M of one model.
 #[derive(Debug, Clone)]
 pub struct Structure {
     order: Vec<usize>,
     place: Vec<usize>,
     half: usize,
+    layout: Layout,
+    /// For each row the number of the part of the structure, joined in itself and to no other, that it is in.
+    parts: Vec<u32>,
     /// Degree of each determinant, of small structures.
     degrees: Option<Vec<u16>>,
 }
 
 impl Structure {
-    /// Structure of `n` dofs joined by `entries` (row, column). An entry of K or M outside them, at any
-    /// later time, would be lost.
+    /// Structure of matrices on `pattern`, those of its places that `kept` tells. An entry of K or M elsewhere,
+    /// at any later time, would be lost.
     #[must_use]
-    pub fn new(n: usize, entries: impl Iterator<Item = (usize, usize)>) -> Self {
-        let mut neighbours = vec![Vec::new(); n];
-        for (i, j) in entries.filter(|(i, j)| i != j) {
-            neighbours[i].push(j);
-            neighbours[j].push(i);
+    pub fn new(pattern: &Pattern, kept: impl Fn(usize) -> bool) -> Self {
+        Self::ordered(pattern, &kept).divided(pattern, kept)
+    }
+
+    fn ordered(pattern: &Pattern, kept: &impl Fn(usize) -> bool) -> Self {
+        let n = pattern.n();
+        let column = |j: usize| pattern.starts()[j]..pattern.starts()[j + 1];
+        let entries = |j: usize| column(j).filter(|&at| kept(at));
+        let row = |at: usize| pattern.rows()[at];
+        let band = (n <= MOST_BAND).then(|| {
+            let others = |j: usize| entries(j).map(row).filter(move |&i| i as usize != j);
+            let neighbours: Vec<Vec<usize>> = (0..n)
+                .map(|j| others(j).map(|i| i as usize).collect())
+                .collect();
+            let order = reverse_cuthill_mckee(&neighbours);
+            let place = inverse(&order);
+            let reach = |j: usize| neighbours[j].iter().map(move |&i| (i, j));
+            let distances = (0..n)
+                .flat_map(reach)
+                .map(|(i, j)| place[i].abs_diff(place[j]));
+            let half = distances.max().unwrap_or(0);
+            (order, place, half)
+        });
+        let slender = |half: usize| half as f64 <= WIDEST_BAND * n as f64;
+        let by_band = |(order, place, half): (Vec<usize>, Vec<usize>, usize)| {
+            let lower = |j: usize| {
+                let place = &place;
+                let moved = entries(j).map(move |at| (at, place[row(at) as usize], place[j]));
+                moved.filter(|(_, i, j)| i >= j)
+            };
+            let all = (0..n).flat_map(lower);
+            let layout = all.map(|(at, i, j)| (at as u32, i as u32, j as u32));
+            let layout = Layout::Band(layout.collect());
+            Self::laid_out(order, half, layout)
+        };
+        let dense = || Self::laid_out((0..n).collect(), 0, Layout::Dense);
+        match band {
+            _ if n < FEWEST_DOFS => return dense(),
+            Some(band) if n <= SMALL && slender(band.2) => return by_band(band),
+            _ => {}
         }
-        for list in &mut neighbours {
-            list.sort_unstable();
-            list.dedup();
+        let places = (0..n).flat_map(|j| entries(j).map(move |at| (row(at), j as u32)));
+        let reduced = Pattern::new(n, places.collect::<Vec<_>>().into_iter());
+        let Some(symbolic) = Symbolic::new(&reduced) else {
+            return dense();
+        };
+        let cost = SPARSE_COST * symbolic.flops();
+        if n <= SMALL && cost > DENSE_COST * (n as f64).powi(3) {
+            return dense();
         }
-        let order = reverse_cuthill_mckee(&neighbours);
-        let mut place = vec![0; n];
-        for (new, &old) in order.iter().enumerate() {
-            place[old] = new;
+        match band {
+            Some(band) if slender(band.2) && n as f64 * (band.2 as f64).powi(2) <= cost => {
+                by_band(band)
+            }
+            _ => {
+                let order = symbolic.order().to_vec();
+                let ordered = symbolic.pattern();
+                let whole = |j: usize| {
+                    let (order, rows) = (&order, ordered.column(j));
+                    rows.iter().map(move |&i| {
+                        let at = pattern.find(order[i as usize], order[j]);
+                        at.expect("a place of the pattern") as u32
+                    })
+                };
+                let origin = (0..n).flat_map(whole).collect();
+                let symbolic = Arc::new(symbolic);
+                Self::laid_out(
+                    order.clone(),
+                    0,
+                    Layout::Sparse(SparseLayout { symbolic, origin }),
+                )
+            }
         }
-        let reach = |i: usize| neighbours[i].iter().map(move |&j| (i, j));
-        let half = (0..n)
-            .flat_map(reach)
-            .map(|(i, j)| place[i].abs_diff(place[j]))
-            .max()
-            .unwrap_or(0);
+    }
+
+    fn laid_out(order: Vec<usize>, half: usize, layout: Layout) -> Self {
         Self {
+            place: inverse(&order),
             order,
-            place,
             half,
+            layout,
+            parts: Vec::new(),
             degrees: None,
         }
     }
 
-    /// Structure of a model at whatever values its parameters take.
+    /// The same with its parts, on those places of `pattern` that `kept` tells.
+    fn divided(mut self, pattern: &Pattern, kept: impl Fn(usize) -> bool) -> Self {
+        self.parts = vec![u32::MAX; pattern.n()];
+        let (mut count, mut pending) = (0, Vec::new());
+        for seed in 0..pattern.n() {
+            if self.parts[self.place[seed]] != u32::MAX {
+                continue;
+            }
+            self.parts[self.place[seed]] = count;
+            pending.push(seed);
+            while let Some(dof) = pending.pop() {
+                for (at, &other) in (pattern.starts()[dof]..).zip(pattern.column(dof)) {
+                    let part = &mut self.parts[self.place[other as usize]];
+                    if *part == u32::MAX && kept(at) {
+                        *part = count;
+                        pending.push(other as usize);
+                    }
+                }
+            }
+            count += 1;
+        }
+        self
+    }
+
+    /// Structure of a model, which stays as it is.
     #[must_use]
     pub fn of(model: &Model) -> Self {
-        let n = model.n_dof();
-        let of = |a, terms: &[Term]| -> Vec<(usize, usize)> {
-            let listed = terms.iter().flat_map(Term::entries);
-            let listed = listed.map(|e| (e.0 as usize, e.1 as usize));
-            entries(a).chain(listed).collect()
+        Self::under(model, &[])
+    }
+
+    /// Structure of a model at whatever values its parameters take.
+    #[must_use]
+    pub fn under(model: &Model, parameters: &[Parameter]) -> Self {
+        let (n, pattern) = (model.n_dof(), model.stiffness().pattern());
+        let sides = || {
+            [
+                (model.stiffness(), model.stiffness_terms()),
+                (model.mass(), model.mass_terms()),
+            ]
         };
-        let stiffness = of(model.stiffness(), model.stiffness_terms());
-        let mass = of(model.mass(), model.mass_terms());
-        let all = stiffness.iter().chain(&mass).copied();
+        // The zeros of an element may fill when its geometry changes.
+        let structure = if n <= SMALL || parameters.iter().any(|p| p.quantity.forms_anew()) {
+            Self::new(pattern, |_| true)
+        } else {
+            let mut kept = vec![false; pattern.len()];
+            for ((matrix, terms), places) in sides().into_iter().zip(&*model.places()) {
+                for (kept, value) in kept.iter_mut().zip(&matrix.values) {
+                    *kept |= *value != 0.0;
+                }
+                for (t, term) in terms.iter().enumerate() {
+                    for (entry, &at) in term.entries().iter().zip(places.of(t)) {
+                        kept[at as usize] |= entry.2 != 0.0;
+                    }
+                }
+            }
+            Self::new(pattern, |at| kept[at])
+        };
+        if n > MOST_DEGREES {
+            return structure;
+        }
+        let [stiffness, mass] = sides().map(|(matrix, terms)| joined(matrix, terms));
         Self {
-            degrees: (n <= MOST_DEGREES).then(|| degrees(n, &stiffness, &mass)),
-            ..Self::new(n, all)
+            degrees: Some(degrees(n, &stiffness, &mass)),
+            ..structure
         }
     }
 
@@ -85,11 +231,16 @@ impl Structure {
         Some(usize::from(degrees[i * self.n_dof() + k]))
     }
 
-    /// Whether the band route pays.
+    /// Whether the modes below a limit cost less than all of them.
     #[must_use]
-    pub fn is_slender(&self) -> bool {
-        let n = self.order.len();
-        n >= FEWEST_DOFS && self.half as f64 <= WIDEST_BAND * n as f64
+    pub fn is_reducible(&self) -> bool {
+        !matches!(self.layout, Layout::Dense)
+    }
+
+    /// How K and M are held.
+    #[must_use]
+    pub fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// Number of dofs.
@@ -98,19 +249,25 @@ impl Structure {
         self.order.len()
     }
 
-    /// Number of diagonals below the main one.
+    /// Number of the part that a row is in.
+    #[must_use]
+    pub fn part(&self, row: usize) -> u32 {
+        self.parts[row]
+    }
+
+    /// Number of diagonals of a band below the main one.
     #[must_use]
     pub fn half(&self) -> usize {
         self.half
     }
 
-    /// Dof in row `row` of the band.
+    /// Dof in row `row` of the ordering.
     #[must_use]
     pub fn dof(&self, row: usize) -> usize {
         self.order[row]
     }
 
-    /// Row of a dof in the band.
+    /// Row of a dof in the ordering.
     #[must_use]
     pub fn row(&self, dof: usize) -> usize {
         self.place[dof]
@@ -144,10 +301,18 @@ fn degrees(n: usize, stiffness: &[(usize, usize)], mass: &[(usize, usize)]) -> V
     degrees
 }
 
-fn entries(a: MatRef<'_, f64>) -> impl Iterator<Item = (usize, usize)> {
-    (0..a.ncols()).flat_map(move |j| {
-        (j..a.nrows())
-            .filter(move |&i| a[(i, j)] != 0.0)
-            .map(move |i| (i, j))
-    })
+/// Places of one matrix that parameters may fill.
+fn joined(matrix: &SparseMatrix, terms: &[Term]) -> Vec<(usize, usize)> {
+    let filled = matrix.entries().filter(|e| e.2 != 0.0);
+    let listed = terms.iter().flat_map(Term::entries);
+    let listed = listed.map(|e| (e.0 as usize, e.1 as usize));
+    filled.map(|(i, j, _)| (i, j)).chain(listed).collect()
+}
+
+fn inverse(order: &[usize]) -> Vec<usize> {
+    let mut place = vec![0; order.len()];
+    for (new, &old) in order.iter().enumerate() {
+        place[old] = new;
+    }
+    place
 }

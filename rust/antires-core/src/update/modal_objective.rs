@@ -101,7 +101,7 @@ impl ModalObjective {
         }
         let unknowns = Unknowns::new(model, parameters, penalty, snap)?;
         Ok(Self {
-            structure: Arc::new(Structure::of(&unknowns.model)),
+            structure: Arc::new(Structure::under(&unknowns.model, &unknowns.parameters)),
             unknowns,
             weights: vec![1.0; measured.len()],
             measured,
@@ -152,7 +152,7 @@ impl ModalObjective {
         } = ws;
         assembly.form(&self.unknowns.model, &self.unknowns.parameters, x);
         FormedModes {
-            solved: solutions.of(assembly.stiffness.as_ref(), assembly.mass.as_ref()),
+            solved: solutions.of(&assembly.stiffness, &assembly.mass),
             modes,
         }
     }

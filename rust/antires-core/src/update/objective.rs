@@ -122,7 +122,7 @@ impl AntiresonanceObjective {
         let others = (0..targets.len())
             .map(|nth| measured_with(&targets, nth))
             .collect();
-        let structure = Arc::new(Structure::of(model));
+        let structure = Arc::new(Structure::under(model, &unknowns.parameters));
         Ok(Self {
             structure,
             unknowns,
@@ -177,7 +177,7 @@ impl AntiresonanceObjective {
         } = ws;
         assembly.form(&self.unknowns.model, &self.unknowns.parameters, x);
         Formed {
-            prepared: solver.prepare(assembly.stiffness.as_ref(), assembly.mass.as_ref()),
+            prepared: solver.prepare(&assembly.stiffness, &assembly.mass),
             roots,
         }
     }

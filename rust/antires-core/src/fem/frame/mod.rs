@@ -10,8 +10,6 @@
 //! Stiffness terms in order: beams, springs to ground, springs between nodes. Mass terms: beams,
 //! lumped masses.
 
-use faer::Mat;
-
 mod check;
 pub mod description;
 pub mod dofs;
@@ -23,7 +21,6 @@ mod terms;
 mod topology;
 
 use crate::error::{Error, Result};
-use crate::fem::term::Term;
 use description::FrameDescription;
 use dofs::DofMap;
 
@@ -132,14 +129,4 @@ impl Frame {
         )
         .remedy("Join the node by an element, or fix the dof."))
     }
-}
-
-/// Σ of terms as a dense matrix, in the order of the terms.
-#[must_use]
-pub fn sum(terms: &[Term], n: usize) -> Mat<f64> {
-    let mut matrix = Mat::zeros(n, n);
-    for term in terms {
-        term.add_to(&mut matrix, 1.0);
-    }
-    matrix
 }

@@ -1,10 +1,21 @@
 //! K and M of a frame at a parameter vector: only the terms that changed are formed again.
 
-use faer::Mat;
-
 use super::Frame;
 use crate::fem::parameters::Parameter;
+use crate::fem::places::Places;
 use crate::fem::term::Term;
+use crate::linalg::sparse::SparseMatrix;
+
+/// One nominal matrix, its terms and their places in it.
+#[derive(Clone, Copy)]
+pub struct Nominal<'a> {
+    /// K or M.
+    pub matrix: &'a SparseMatrix,
+    /// What it is the sum of.
+    pub terms: &'a [Term],
+    /// Places of their entries.
+    pub places: &'a Places,
+}
 
 /// A frame at a parameter vector, with its terms; the memory is reused from one vector to the next.
 ///
@@ -18,8 +29,9 @@ pub struct Reform {
 }
 
 /// Terms of one matrix as they are now.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 struct Terms {
+    /// Empty as long as none was formed again.
     now: Vec<Term>,
     altered: Vec<bool>,
     /// Whether the matrix differs from the nominal one.
@@ -27,47 +39,41 @@ struct Terms {
 }
 
 impl Reform {
-    /// The nominal state of `frame`, whose terms are `stiffness` and `mass`.
+    /// The nominal state of `frame`.
     #[must_use]
-    pub fn new(frame: &Frame, stiffness: &[Term], mass: &[Term]) -> Self {
-        let terms = |terms: &[Term]| Terms {
-            now: terms.to_vec(),
-            altered: vec![false; terms.len()],
-            matrix_altered: false,
-        };
+    pub fn new(frame: &Frame) -> Self {
         Self {
             working: frame.clone(),
-            stiffness: terms(stiffness),
-            mass: terms(mass),
+            stiffness: Terms::default(),
+            mass: Terms::default(),
         }
     }
 
-    /// Forms both matrices at `x`: (nominal terms, factors on them, matrix) for stiffness and mass.
+    /// Forms both matrices at `x`: (nominal, factors on its terms, matrix) for stiffness and mass.
     pub fn form(
         &mut self,
         nominal: &Frame,
         parameters: &[Parameter],
         x: &[f64],
-        stiffness: (&[Term], &[f64], &mut Mat<f64>),
-        mass: (&[Term], &[f64], &mut Mat<f64>),
+        [stiffness, mass]: [(Nominal<'_>, &Vec<f64>, &mut SparseMatrix); 2],
     ) {
         if parameters.iter().any(|p| p.quantity.forms_anew()) {
             self.working.reset_to(nominal);
             self.working.apply(parameters, x);
             let working = &self.working;
             self.stiffness.refresh(
-                stiffness.0,
+                stiffness.0.terms,
                 |i| working.stiffness_changed(nominal, i),
                 |i, term| working.form_stiffness(i, term),
             );
             self.mass.refresh(
-                mass.0,
+                mass.0.terms,
                 |i| working.mass_changed(nominal, i),
                 |i, term| working.form_mass(i, term),
             );
         }
-        self.stiffness.sum(stiffness.1, stiffness.2);
-        self.mass.sum(mass.1, mass.2);
+        self.stiffness.sum(stiffness.0, stiffness.1, stiffness.2);
+        self.mass.sum(mass.0, mass.1, mass.2);
     }
 }
 
@@ -78,6 +84,10 @@ impl Terms {
         changed: impl Fn(usize) -> bool,
         form: impl Fn(usize, &mut Term),
     ) {
+        if self.now.is_empty() {
+            self.now = nominal.to_vec();
+            self.altered = vec![false; nominal.len()];
+        }
         for (i, (term, altered)) in self.now.iter_mut().zip(&mut self.altered).enumerate() {
             if changed(i) {
                 form(i, term);
@@ -89,17 +99,20 @@ impl Terms {
         }
     }
 
-    fn sum(&mut self, factors: &[f64], matrix: &mut Mat<f64>) {
+    fn sum(&mut self, nominal: Nominal<'_>, factors: &[f64], matrix: &mut SparseMatrix) {
         let altered = self.altered.contains(&true) || factors.iter().any(|f| *f != 1.0);
         if !altered && !self.matrix_altered {
             return;
         }
         self.matrix_altered = altered;
-        for term in &self.now {
-            term.clear_in(matrix);
-        }
-        for (term, &factor) in self.now.iter().zip(factors) {
-            term.add_to(matrix, factor);
+        let terms = if self.now.is_empty() {
+            nominal.terms
+        } else {
+            &self.now
+        };
+        matrix.values.fill(0.0);
+        for (t, (term, &factor)) in terms.iter().zip(factors).enumerate() {
+            term.add_to(&mut matrix.values, nominal.places.of(t), factor);
         }
     }
 }

@@ -1,0 +1,20 @@
+//! Symmetric sparse matrices on a fixed pattern, and A = L D Lᵀ of them.
+//!
+//! | module | what it knows |
+//! |---|---|
+//! | [`pattern`] | where entries are |
+//! | [`matrix`] | their values: product, forms, dense copies |
+//! | [`symbolic`] | the ordering that keeps L sparse, and its blocks: once a pattern |
+//! | [`factors`] | the values of L and D, count of negative pivots, solution |
+//!
+//! K and M of one model share a pattern, so that K − xM is a sum of values.
+
+pub mod factors;
+pub mod matrix;
+pub mod pattern;
+pub mod symbolic;
+
+pub use factors::SparseFactors;
+pub use matrix::SparseMatrix;
+pub use pattern::Pattern;
+pub use symbolic::Symbolic;

@@ -1,0 +1,231 @@
+//! K and M in the order of their [`Structure`], scaled to one unit, and the factors of K − xM.
+//!
+//! ```text
+//! K̃ = S P K Pᵀ S,   M̃ = S P M Pᵀ S        P the ordering of the [`Structure`], S diagonal
+//! ```
+//!
+//! S holds powers of two that bring each diagonal entry of M near one; where a dof has no mass, that of K near
+//! the largest of the others. They round nothing, give translations and rotations one unit, and scale H_ik by a
+//! factor, which moves no zero. A *row* is a place in the ordering.
+
+use std::sync::Arc;
+
+use super::structure::{Layout, Structure};
+use crate::linalg::banded::Banded;
+use crate::linalg::factored::{Factors, Signs};
+use crate::linalg::form::Form;
+use crate::linalg::sparse::{SparseFactors, SparseMatrix};
+
+/// Least pivot of M, relative to its diagonal, for which all directions have a mass.
+const LEAST_MASS: f64 = 1e-8;
+
+/// K̃ and M̃, with the memory for factors.
+pub struct ScaledMatrices {
+    structure: Arc<Structure>,
+    stiffness: Form,
+    mass: Form,
+    scale: Vec<f64>,
+    factors: Factors,
+    largest_stiffness: f64,
+    counted: Option<Counted>,
+}
+
+/// Whose modes count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scope {
+    /// Those of all dofs.
+    Whole,
+    /// Those of the part of the structure that a row is in: a load there moves no other.
+    PartOf(usize),
+}
+
+/// Where modes were counted last, and what came out.
+#[derive(Clone, Copy)]
+struct Counted {
+    x: f64,
+    scope: Scope,
+    signs: Signs,
+}
+
+/// Zero matrix of the form that a structure has.
+fn zero_form(structure: &Structure) -> Form {
+    match structure.layout() {
+        Layout::Sparse(layout) => {
+            Form::Sparse(SparseMatrix::new(Arc::clone(layout.symbolic.pattern())))
+        }
+        _ => Form::Band(Banded::new(structure.n_dof(), structure.half())),
+    }
+}
+
+/// Memory for factors in the form that a structure has.
+#[must_use]
+pub fn factors_for(structure: &Structure) -> Factors {
+    match (zero_form(structure), structure.layout()) {
+        (Form::Sparse(sum), Layout::Sparse(layout)) => {
+            Factors::Sparse(sum, SparseFactors::new(Arc::clone(&layout.symbolic)))
+        }
+        (Form::Band(band), _) => Factors::Band(band),
+        (Form::Sparse(_), _) => unreachable!("only a sparse layout makes a sparse form"),
+    }
+}
+
+impl ScaledMatrices {
+    /// Reserves the memory.
+    #[must_use]
+    pub fn new(structure: Arc<Structure>) -> Self {
+        Self {
+            stiffness: zero_form(&structure),
+            mass: zero_form(&structure),
+            scale: Vec::new(),
+            factors: factors_for(&structure),
+            largest_stiffness: 0.0,
+            counted: None,
+            structure,
+        }
+    }
+
+    /// Takes K and M.
+    pub fn set(&mut self, k: &SparseMatrix, m: &SparseMatrix) {
+        self.set_scale(k, m);
+        let (structure, scale) = (&self.structure, &self.scale);
+        for (form, matrix) in [(&mut self.stiffness, k), (&mut self.mass, m)] {
+            match (form, structure.layout()) {
+                (Form::Band(band), Layout::Band(entries)) => {
+                    band.clear();
+                    for &(at, row, column) in entries {
+                        let (row, column) = (row as usize, column as usize);
+                        let value = matrix.values[at as usize] * scale[row] * scale[column];
+                        band.set(row, column, value);
+                    }
+                }
+                (Form::Sparse(form), Layout::Sparse(layout)) => {
+                    let pattern = layout.symbolic.pattern();
+                    for column in 0..pattern.n() {
+                        let places = pattern.starts()[column]..pattern.starts()[column + 1];
+                        for at in places {
+                            let row = pattern.rows()[at] as usize;
+                            let value = matrix.values[layout.origin[at] as usize];
+                            form.values[at] = value * scale[row] * scale[column];
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+        self.largest_stiffness = self.stiffness.largest_diagonal();
+        self.counted = None;
+    }
+
+    fn set_scale(&mut self, k: &SparseMatrix, m: &SparseMatrix) {
+        let n = self.structure.n_dof();
+        let to_one = |value: f64| (-0.5 * value.log2()).round().exp2();
+        let mut stiffest = 0.0_f64;
+        self.scale.clear();
+        for row in 0..n {
+            let dof = self.structure.dof(row);
+            let mass = m.diagonal(dof);
+            let scale = to_one(mass);
+            if mass > 0.0 {
+                stiffest = stiffest.max(k.diagonal(dof) * scale * scale);
+            }
+            self.scale.push(scale);
+        }
+        for row in 0..n {
+            let dof = self.structure.dof(row);
+            if m.diagonal(dof) == 0.0 {
+                let own = k.diagonal(dof) / if stiffest > 0.0 { stiffest } else { 1.0 };
+                self.scale[row] = if own > 0.0 { to_one(own) } else { 1.0 };
+            }
+        }
+    }
+
+    /// The ordering.
+    #[must_use]
+    pub fn structure(&self) -> &Structure {
+        &self.structure
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn n(&self) -> usize {
+        self.mass.n()
+    }
+
+    /// Length of the vectors that [`solve`](Self::solve) takes: the rows and some zeros.
+    #[must_use]
+    pub fn stride(&self) -> usize {
+        self.mass.n() + self.mass.padding()
+    }
+
+    /// K̃.
+    #[must_use]
+    pub fn stiffness(&self) -> &Form {
+        &self.stiffness
+    }
+
+    /// M̃.
+    #[must_use]
+    pub fn mass(&self) -> &Form {
+        &self.mass
+    }
+
+    /// The diagonal of S.
+    #[must_use]
+    pub fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
+    /// Whether it is certain that all directions have a mass; of sparse matrices it is not asked.
+    pub fn mass_is_definite(&mut self) -> bool {
+        match (&mut self.factors, &self.mass) {
+            (Factors::Band(factors), Form::Band(mass)) => {
+                factors.clone_from(mass);
+                factors.factorize_definite(LEAST_MASS)
+            }
+            _ => false,
+        }
+    }
+
+    /// Number of eigenvalues below `x`, and by how much rounding may have shifted x in it.
+    pub fn count_below(&mut self, x: f64, scope: Scope) -> (usize, f64) {
+        let known = self.counted.filter(|c| c.x == x && c.scope == scope);
+        let signs = if let Some(Counted { signs, .. }) = known {
+            signs
+        } else {
+            let (k, m) = (&self.stiffness, &self.mass);
+            let mut signs = self.factors.factorize(k, -x, m, None);
+            if let Scope::PartOf(of) = scope {
+                let part = |row| self.structure.part(row);
+                signs.negative = self.factors.negative_in(|row| part(row) == part(of));
+            }
+            self.counted = Some(Counted { x, scope, signs });
+            signs
+        };
+        let error = f64::EPSILON * self.largest_stiffness * signs.growth.max(1.0);
+        (signs.negative, error)
+    }
+
+    /// Factorizes K̃ − xM̃; returns the growth of the factors.
+    pub fn factorize(&mut self, x: f64) -> f64 {
+        let (k, m) = (&self.stiffness, &self.mass);
+        self.factors.factorize(k, -x, m, None).growth
+    }
+
+    /// [`factorize`](Self::factorize) with row and column `row` taken out.
+    pub fn factorize_without(&mut self, row: usize, x: f64) -> f64 {
+        let (k, m) = (&self.stiffness, &self.mass);
+        self.factors.factorize(k, -x, m, Some(row)).growth
+    }
+
+    /// Solves in place with the factors last made.
+    pub fn solve(&self, column: &mut [f64]) {
+        self.factors.solve(column);
+    }
+
+    /// Brings a vector by rows back to the dofs and their units.
+    pub fn by_dof(&self, rows: &[f64], dofs: &mut [f64]) {
+        for (row, (value, scale)) in rows.iter().zip(&self.scale).enumerate() {
+            dofs[self.structure.dof(row)] = scale * value;
+        }
+    }
+}
