@@ -30,8 +30,9 @@ __all__ = ["Likelihood"]
 
 #: Changes (standard deviations of ln f) that something else may make.
 ANY_CHANGE = np.geomspace(3e-4, 0.3, 10)
-#: The same for changes of all values alike, as of temperature, and their share of the probability.
-ALIKE, ALIKE_SHARE = (5e-3, 1.5e-2, 4e-2), 0.1
+#: The same for changes of all values alike, as of temperature, and their share of the
+#: probability: small, since std_common allows for what is usual.
+ALIKE, ALIKE_SHARE = (5e-3, 1.5e-2, 4e-2), 0.05
 #: Change of a root that has just appeared.
 _NEW = 0.1
 #: Roots so far outside of what was measured (ln f) are not looked at.
