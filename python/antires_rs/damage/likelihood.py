@@ -30,8 +30,9 @@ __all__ = ["Likelihood"]
 
 #: Changes (standard deviations of ln f) that something else may make.
 ANY_CHANGE = np.geomspace(3e-4, 0.3, 10)
-#: The same for changes of all values alike, as of temperature; as probable together as the others are.
-ALIKE = (2e-3, 5e-3, 1.5e-2, 4e-2)
+#: The same for changes of all values alike, as of temperature, and their share of the
+#: probability: small, since std_common allows for what is usual.
+ALIKE, ALIKE_SHARE = (5e-3, 1.5e-2, 4e-2), 0.05
 #: Change of a root that has just appeared.
 _NEW = 0.1
 #: Roots so far outside of what was measured (ln f) are not looked at.
@@ -97,11 +98,12 @@ class Likelihood:
         zero = np.zeros(self.n)
         found = [self._view(zero, self._undamaged, extra).log_likelihood for extra in ANY_CHANGE]
         by_itself = np.logaddexp.reduce(found) - np.log(len(found))
-        return float(np.logaddexp(by_itself, self._alike) - np.log(2.0))
+        alike = np.log(ALIKE_SHARE) + self._alike
+        return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, alike))
 
     def moved_alike(self) -> float | None:
         """Relative change of all values, where that is what something else comes to."""
-        if self.something_else() > self._alike:
+        if self.something_else() > np.log(2.0 * ALIKE_SHARE) + self._alike:  # less than half of it
             return None
         view = max(self._shifted, key=lambda view: view.log_likelihood)
         kind = self.near(self._undamaged)[0].kind[view.partner[view.matched]]
