@@ -7,7 +7,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as sla
 
 import antires_rs as ar
-from antires_rs.exceptions import InvalidInputError
+from antires_rs.exceptions import InvalidInputError, NumericalError
 from reference.meshes import MESHES, frame, lumped
 
 #: Roots in Hz against a solver of the deleted pencil that iterates to 1e-11 in x.
@@ -110,6 +110,13 @@ def test_modes_of_a_large_model():
     model = ar.MatrixModel(*chain(n, k, m))
     wanted = np.sqrt(4 * k / m) * np.sin((2 * np.arange(1, 11) - 1) * np.pi / (4 * n + 2)) / (2 * np.pi)
     np.testing.assert_allclose(model.modes(10).freq_hz, wanted, rtol=1e-9)
+
+
+def test_no_room_for_all_modes_is_our_error():
+    model = ar.MatrixModel(*chain(300_000))
+    for ask in (model.modes, lambda: model.frf(0, 0, [1.0], damping_ratio=0.01)):
+        with pytest.raises(NumericalError, match="GB of memory for dense matrices are not there"):
+            ask()
 
 
 def test_the_nominal_model_is_never_lost():

@@ -17,6 +17,7 @@ from ..measured.modal_set import ModalSet
 from ..support.progress import interruptible
 from ..support.validation import choice, finite_scalar, integer, part, real_array, reject, shape_of
 from .described import Described
+from .memory import check_room_for_all_modes
 
 if TYPE_CHECKING:
     from ..signals.recording import Recording
@@ -57,7 +58,8 @@ class StructuralModel(Described):
         InvalidInputError
             No mode up to ``f_max_hz``.
         NumericalError
-            K and M share a motion with neither mass nor stiffness, or one of them is indefinite.
+            K and M share a motion with neither mass nor stiffness, or one of them is indefinite; all modes of
+            more dofs than there is memory for.
 
         Examples
         --------
@@ -67,6 +69,8 @@ class StructuralModel(Described):
         """
         most = None if n_modes is None else integer("n_modes", n_modes, low=1)
         limit = None if f_max_hz is None else finite_scalar("f_max_hz", f_max_hz, low=0.0, unit="Hz")
+        if limit is None and most is None:
+            check_room_for_all_modes(self.n_dof)
         freq, shapes = self._core.modes(limit, most)
         if np.isnan(freq).any():
             raise NumericalError(
@@ -327,6 +331,7 @@ class StructuralModel(Described):
         return values
 
     def _damping(self, value: Any) -> FloatArray:
+        check_room_for_all_modes(self.n_dof)
         n_modes = self._core.n_modes()
         wanted = f"one damping ratio of at least 0, or {n_modes} of them, one for each mode"
         ratio = np.atleast_1d(real_array("damping_ratio", value, ndim=None, wanted=wanted))
