@@ -8,7 +8,8 @@ import pytest
 from antires_rs.damage.assessment import Assessment
 from antires_rs.damage.hypotheses import UNKNOWN, Hypotheses, Hypothesis
 from antires_rs.damage.percent import figure, percent, span
-from antires_rs.damage.words import headline, reservations
+from antires_rs.damage.reservations import reservations
+from antires_rs.damage.words import headline
 
 
 def one(elements, probability, severities=None, *, candidate=True):
@@ -123,9 +124,39 @@ def test_intact_tests_that_contradict_each_other_come_first():
         "The baseline contradicts itself: baseline set 3 differs from the others by 3.2 %, these among "
         "themselves by 0.097 %."
     )
-    assert lines[1].startswith("Damage: spring 5")
+    assert lines[1:] == [
+        "If the baseline can be trusted at all, the values point to damage of spring 5; the table has the "
+        "figures."
+    ]
     lines, _ = said(rows, (4,), odd_baselines=(0, 1), baseline_gap=0.05)
     assert "baseline set 1 and baseline set 2 differ by up to 5 %" in lines[0]
+
+
+def test_a_model_that_does_not_explain_the_intact_structure_weakens_what_follows():
+    rows = [one((4,), 0.6), one((5,), 0.39), one((), 0.01)]
+    lines, _ = said(rows, (4,), rows[:2], n_intact=20, n_intact_matched=5)
+    assert lines == [
+        "The model does not explain the intact structure: check its units, dofs and supports.",
+        "If the model can be trusted at all, the values point to damage of spring 5 or spring 6; the table "
+        "has the figures.",
+    ]
+    for best, what in (
+        (one((), 0.999), "no damage is to be seen"),
+        (one(UNKNOWN, 0.999, candidate=False), "something has changed that none of the candidates explains"),
+    ):
+        lines, _ = said([best, one((1,), 0.001)], (), factor_std=0.6)
+        assert lines[1] == f"If the model can be trusted at all, {what}; the table has the figures."
+
+
+def test_a_search_that_was_stopped_says_so_and_gives_no_probability():
+    for best, what in (
+        (one((4,), 0.999), "the likeliest of these is that spring 5 has lost 20.0 % of its stiffness"),
+        (one((), 0.999), "the likeliest of these is that nothing has changed"),
+        (one(UNKNOWN, 0.999, candidate=False), "none of these explains the values"),
+    ):
+        lines, _ = said([best, one((1,), 0.001)], best.elements if best.candidate else (), interrupted=True)
+        assert lines[0] == f"The search was stopped: 2 hypotheses were judged, and {what}."
+        assert "99.9" not in " ".join(lines)
 
 
 def test_errors_that_are_tiny_keep_their_digits():

@@ -57,6 +57,8 @@ class Assessment(Value):
         it cannot be told which is odd.
     baseline_gap, usual_gap : float
         Relative difference between these and the others, and between the others.
+    interrupted : bool
+        Whether Ctrl-C stopped the search.
     """
 
     hypotheses: Hypotheses
@@ -80,6 +82,7 @@ class Assessment(Value):
     odd_baselines: tuple[int, ...] = ()
     baseline_gap: float = 0.0
     usual_gap: float = 0.0
+    interrupted: bool = False
 
     @property
     def best(self) -> Hypothesis:

@@ -15,10 +15,11 @@ from .inference import infer
 from .percent import figure
 from .prior import DamagePrior
 from .question import Question
+from .reservations import reservations
 from .residuals import largest_left
 from .severity_profile import severity_profile
 from .sure import severity_intervals
-from .words import headline, reservations
+from .words import headline
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
