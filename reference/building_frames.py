@@ -21,7 +21,7 @@ CONCRETE_PA, CONCRETE_KG_PER_M3, FLOOR_KG_PER_M2 = 3.0e10, 2500.0, 350.0
 STOREY_M, BAY_M = 3.2, 5.5
 COLUMN_M, BEAM_M = (0.4, 0.4), (0.3, 0.5)
 #: Stiffness of the penalties against the largest entry of the members.
-RIGID = 1e3
+RIGID = 30.0
 DIRECTIONS = ("u", "v", "w", "rx", "ry", "rz")
 
 Dofs = dict[tuple[int, str], int]

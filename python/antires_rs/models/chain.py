@@ -9,6 +9,7 @@ import numpy as np
 from ..support.validation import finite_scalar, real_array
 from .description import ModelDescription
 from .matrices import as_dense
+from .penalties import warn_penalties
 from .recipes import ChainRecipe
 from .structural_model import StructuralModel
 
@@ -74,6 +75,12 @@ class MassSpringChain(StructuralModel):
             finite_scalar("ground_last_n_per_m", ground_last_n_per_m),
         )
         self._build(ModelDescription(recipe))
+        warn_penalties(
+            self,
+            self.stiffness(),
+            "Leave out masses that are held, and join masses that move as one.",
+            stacklevel=2,
+        )
 
     @property
     def _recipe(self) -> ChainRecipe:

@@ -32,9 +32,26 @@ Equation = dict[int, float]
 
 
 class Constrained(NamedTuple):
-    """Matrices of the dofs that remain; ``dofs`` (m,) are their rows in the matrices given, ascending.
+    """Matrices without the dofs that equations make dependent, as :func:`eliminate_constraints` gives them.
 
-    ``transformation`` (n, m), sparse, gives all dofs from those that remain.
+    Attributes
+    ----------
+    stiffness, mass : scipy.sparse array, (m, m)
+        Of the dofs that remain.
+    stiffness_terms, mass_terms : list of scipy.sparse array, (m, m)
+    dofs : ndarray of int, (m,)
+        Rows of the matrices given that remain, ascending.
+    transformation : scipy.sparse array, (n, m)
+        All dofs from those that remain.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> made = ar.eliminate_constraints(np.eye(3), np.eye(3), [{2: 1.0, 1: -0.5}])
+    >>> made.transformation.toarray()
+    array([[1. , 0. ],
+           [0. , 1. ],
+           [0. , 0.5]])
     """
 
     stiffness: Any

@@ -15,6 +15,7 @@ from .description import ModelDescription
 from .frame_input import frame_recipe
 from .frame_parts import GroundSpring, NodeSpring, PointMass, scaled_node_springs, text
 from .matrices import as_sparse
+from .penalties import warn_penalties
 from .recipes import FrameRecipe, section_argument
 from .sections import AnySection, section_of, warn_soft
 from .structural_model import StructuralModel
@@ -96,6 +97,12 @@ class FrameModel(StructuralModel):
         for name, section in zip(recipe.section_names, recipe.sections, strict=True):
             warn_soft(section_argument(name), section, stacklevel=2)
         self._build(ModelDescription(recipe))
+        warn_penalties(
+            self,
+            self.stiffness(),
+            "Use fixed= for rigid supports, and softer springs for ties.",
+            stacklevel=2,
+        )
         parts = np.array(self._frame.parts())
         if parts.max() > 0:
             alone = [int(node) for node in np.flatnonzero(parts != parts[0])]

@@ -8,6 +8,7 @@ from typing import Any
 from ..support.validation import part
 from .description import ModelDescription
 from .matrices import as_sparse, as_square, as_term
+from .penalties import warn_penalties
 from .recipes import MatrixRecipe
 from .structural_model import StructuralModel
 
@@ -59,6 +60,12 @@ class MatrixModel(StructuralModel):
             tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms)),
         )
         self._build(ModelDescription(recipe))
+        warn_penalties(
+            self,
+            self.stiffness(),
+            "Take ties and supports out with eliminate_constraints, or use penalties a million times softer.",
+            stacklevel=2,
+        )
 
     def stiffness(self) -> Any:
         """Stiffness matrix as ``scipy.sparse.csc_array``, (n, n), N/m."""
