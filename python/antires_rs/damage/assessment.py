@@ -29,7 +29,8 @@ class Assessment(Value):
     declared : tuple of int
         Elements declared damaged.
     chi_square : float
-        Of the residuals of the most probable hypothesis, over the number of values less that of severities.
+        Of the residuals of the most probable hypothesis, over the number of values less that of severities;
+        NaN where no value has a partner.
     n_values, n_matched : int
         Values of now, and those with a partner among the model's roots there.
     kappa : float

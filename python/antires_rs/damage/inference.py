@@ -76,7 +76,7 @@ def infer(
         hypotheses=Hypotheses(rows, names),
         group=tuple(together(rows)),
         declared=declared,
-        chi_square=fit.view.chi_square / max(matched - len(key), 1),
+        chi_square=fit.view.chi_square / max(matched - len(key), 1) if matched else np.nan,
         n_values=now.size,
         n_matched=matched,
         kappa=fit.view.kappa,
