@@ -17,6 +17,8 @@ use crate::doorway::{run, to_python};
 use crate::frame::Frame;
 use crate::parameters::{ParameterParts, core_parameters};
 
+/// Antiresonances (m,) in Hz, whether H is identically zero, and whether their number is in doubt.
+type PyRoots<'py> = (Bound<'py, PyArray1<f64>>, bool, bool);
 type PyModes<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
 /// A structural model of the core.
@@ -221,7 +223,7 @@ impl Model {
         f_max_hz: f64,
         method: &str,
         include_cancelled: bool,
-    ) -> PyResult<Vec<(Bound<'py, PyArray1<f64>>, bool, bool)>> {
+    ) -> PyResult<Vec<PyRoots<'py>>> {
         let route = match method {
             "modal" => Route::Modal,
             "pencil" => Route::Pencil,

@@ -117,19 +117,17 @@ impl ReducedModes {
         };
         let same = |last: &Attempt| last.excitation == excitation && last.limit == limit;
         let serves = |last: &Attempt| last.scope == scope || last.scope == Scope::Whole;
-        match self.last.filter(|last| same(last) && serves(last)) {
-            Some(last) => last.succeeded,
-            _ => {
-                let succeeded = self.try_solve(row, limit, scope);
-                self.last = Some(Attempt {
-                    excitation,
-                    limit,
-                    scope,
-                    succeeded,
-                });
-                succeeded
-            }
+        if let Some(last) = self.last.filter(|last| same(last) && serves(last)) {
+            return last.succeeded;
         }
+        let succeeded = self.try_solve(row, limit, scope);
+        self.last = Some(Attempt {
+            excitation,
+            limit,
+            scope,
+            succeeded,
+        });
+        succeeded
     }
 
     fn try_solve(&mut self, row: usize, limit: f64, scope: Scope) -> bool {
