@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..support.validation import FloatArray
 
@@ -33,7 +34,7 @@ def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: floa
 
 
 def given(
-    mean: FloatArray, covariance: FloatArray, nth: int, known: FloatArray, which: FloatArray
+    mean: FloatArray, covariance: FloatArray, nth: int, known: FloatArray, which: NDArray[np.bool_]
 ) -> tuple[float, float]:
     """Mean and standard deviation of one coordinate of a Gaussian, given some of the others."""
     at = np.array([k for k in np.flatnonzero(which) if k != nth], dtype=np.intp)

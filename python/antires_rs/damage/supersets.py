@@ -48,6 +48,8 @@ def _smaller(one: Hypothesis) -> Hypothesis:
     kept = [nth for nth, loss in enumerate(one.severities) if loss >= _IDLE]
     if not kept or len(kept) == len(one.severities):
         return one
-    columns = (one.elements, one.severities, one.low, one.high)
-    elements, severities, low, high = (tuple(column[nth] for nth in kept) for column in columns)
+    elements = tuple(one.elements[nth] for nth in kept)
+    severities, low, high = (
+        tuple(column[nth] for nth in kept) for column in (one.severities, one.low, one.high)
+    )
     return replace(one, elements=elements, severities=severities, low=low, high=high)
