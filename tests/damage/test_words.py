@@ -161,6 +161,20 @@ def test_a_search_that_was_stopped_says_so_and_gives_no_probability():
         assert "99.9" not in " ".join(lines)
 
 
+def test_a_shift_of_all_values_is_no_damage():
+    shift = {"moved_alike": -0.008}
+    lines, _ = said([one(UNKNOWN, 0.98, candidate=False), one((), 0.02)], **shift)
+    assert lines == [
+        "No damage found: all values are 0.8 % lower than in the intact state, as another temperature or "
+        "sampling clock would have it (probability 98.0 %)."
+    ]
+    lines, _ = said([one(UNKNOWN, 0.6, candidate=False), one((1,), 0.4)], **shift)
+    assert lines[0].startswith("Probably no damage: all values are 0.8 % lower")
+    assert lines[1] == "What else it may be: spring 2 has lost 20.0 % of its stiffness (40.0 %)."
+    lines, _ = said([one(UNKNOWN, 0.98, candidate=False)], factor_std=0.6, **shift)
+    assert "all values have moved alike" in lines[1]
+
+
 def test_supersets_whose_further_elements_lose_nothing_are_the_smaller_set():
     rows = [
         one((4,), 0.70, (0.3,)),

@@ -60,6 +60,11 @@ class Assessment(Value):
         Relative difference between these and the others, and between the others.
     interrupted : bool
         Whether Ctrl-C stopped the search.
+    moved_alike : float
+        Relative change of all values alike, where that is what has happened; else 0.
+    n_risen, n_moved : int
+        Values that have risen, of those that have moved since the intact state, where these are most of them
+        and no hypothesis explains them; else 0.
     """
 
     hypotheses: Hypotheses
@@ -84,6 +89,9 @@ class Assessment(Value):
     baseline_gap: float = 0.0
     usual_gap: float = 0.0
     interrupted: bool = False
+    moved_alike: float = 0.0
+    n_risen: int = 0
+    n_moved: int = 0
 
     @property
     def best(self) -> Hypothesis:

@@ -41,7 +41,9 @@ def _stopped(found: Assessment, many: int, label: Label) -> list[str]:
 def _if_trusted(found: Assessment, label: Label) -> str:
     """The answer in one sentence, where what it rests on is in doubt."""
     trusted = "baseline" if found.odd_baselines else "model"
-    if not found.best.candidate:
+    if found.best.unknown and found.moved_alike:
+        what = "all values have moved alike, which is temperature or clock rather than damage"
+    elif not found.best.candidate:
         what = "something has changed that none of the candidates explains"
     elif not found.declared:
         what = "no damage is to be seen"
