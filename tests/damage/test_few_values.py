@@ -48,3 +48,16 @@ def test_one_value_says_where_nothing():
     result = assessed(320, {2: 0.3}, 1)
     assert max(result.probability.values()) < 0.9
     assert any(note.startswith("Only ") for note in result.notes)
+
+
+def test_without_a_partner_for_any_value_there_is_no_chi_square(tmp_path):
+    model = ar.MassSpringChain(MASSES, SPRINGS, ground_first_n_per_m=3e4)
+    root = model.antiresonances([3], 0)[0][0]
+    before, now = (ar.AntiresonanceSet(0, {3: [f]}, std_hz={3: [3e-4 * f]}) for f in (root, 1.35 * root))
+    result = ar.assess_damage(model, now, baseline=before)
+    assert result.assessment.n_matched == 0
+    assert np.isnan(result.chi_square)
+    assert not any("chi-square nan" in note for note in result.notes)
+    assert any(note.startswith("No value of now has a partner") for note in result.notes)
+    result.save(tmp_path / "r.npz")
+    assert ar.DamageResult.load(tmp_path / "r.npz").assessment == result.assessment

@@ -46,7 +46,11 @@ def test_an_intact_frame_at_another_temperature(by):
         (note,) = (each for each in result.notes if each.startswith("All values are"))
         told = float(note.split()[3])
         assert abs(told - 100.0 * abs(by)) < 0.03
-        assert ("higher" if by > 0.0 else "lower") in note
+        way = "higher" if by > 0.0 else "lower"
+        assert way in note
+        assert result.headline.startswith("No damage found: all values are 0.")
+        assert f"{way} than in the intact state, as another temperature or sampling clock" in result.headline
+        assert "none of the candidates" not in result.headline
 
 
 def test_damage_is_no_common_shift():

@@ -117,9 +117,7 @@ def test_what_cannot_be_told_apart_stands_side_by_side_in_the_tables():
     assert [first["damaged"], other["damaged"]] == [True, True]
     assert sorted(row["value"].startswith("or ") for row in (first, other)) == [False, True]
     assert first["interval"] == other["interval"] != ""
-    hits = [
-        row["name"] for row in hypothesis_rows(result.hypotheses, result.assessment.group)[0] if row["hit"]
-    ]
+    hits = [row["name"] for row in hypothesis_rows(result.assessment)[0] if row["hit"]]
     assert sorted(hits) == ["element 3", "element 4"]
 
 

@@ -9,7 +9,9 @@ from antires_rs.damage.assessment import Assessment
 from antires_rs.damage.hypotheses import UNKNOWN, Hypotheses, Hypothesis
 from antires_rs.damage.percent import figure, percent, span
 from antires_rs.damage.reservations import reservations
+from antires_rs.damage.supersets import without_idle
 from antires_rs.damage.words import headline
+from antires_rs.report.rows import hypothesis_rows
 
 
 def one(elements, probability, severities=None, *, candidate=True):
@@ -157,6 +159,51 @@ def test_a_search_that_was_stopped_says_so_and_gives_no_probability():
         lines, _ = said([best, one((1,), 0.001)], best.elements if best.candidate else (), interrupted=True)
         assert lines[0] == f"The search was stopped: 2 hypotheses were judged, and {what}."
         assert "99.9" not in " ".join(lines)
+
+
+def test_a_shift_of_all_values_is_no_damage():
+    shift = {"moved_alike": -0.008}
+    lines, _ = said([one(UNKNOWN, 0.98, candidate=False), one((), 0.02)], **shift)
+    assert lines == [
+        "No damage found: all values are 0.8 % lower than in the intact state, as another temperature or "
+        "sampling clock would have it (probability 98.0 %)."
+    ]
+    lines, _ = said([one(UNKNOWN, 0.6, candidate=False), one((1,), 0.4)], **shift)
+    assert lines[0].startswith("Probably no damage: all values are 0.8 % lower")
+    assert lines[1] == "What else it may be: spring 2 has lost 20.0 % of its stiffness (40.0 %)."
+    lines, _ = said([one(UNKNOWN, 0.98, candidate=False)], factor_std=0.6, **shift)
+    assert "all values have moved alike" in lines[1]
+
+
+def test_supersets_whose_further_elements_lose_nothing_are_the_smaller_set():
+    rows = [
+        one((4,), 0.70, (0.3,)),
+        one((1, 4), 0.15, (1e-5, 0.3)),
+        one((4, 6), 0.12, (0.3, 0.004)),
+        one((), 0.03),
+    ]
+    lines, found = said(rows, (4,), rows[:3])
+    assert lines == [
+        "Damage: spring 5 has lost 30.0 % of its stiffness.",
+        "Probability 97.0 %; 90 % interval of the loss 29.0 to 32.0 %.",
+    ]
+    table, others = hypothesis_rows(without_idle(found))
+    assert [row["name"] for row in table] == ["spring 5", "no damage"]
+    assert [row["probability"] for row in table] == ["97.0", "3.0"]
+    assert others == ""
+    # The answer itself may be such a set, and the smaller one may not have been judged.
+    rows = [one((1, 4), 0.6, (0.3, 0.001)), one((1, 6), 0.35, (0.3, 0.2)), one((), 0.05)]
+    lines, found = said(rows, (1, 4), rows[:2])
+    assert "spring 5" not in " ".join(lines)
+    assert without_idle(found).declared == (1,)
+    assert without_idle(found).probability_of_nothing == 0.05
+
+
+def test_a_loss_of_a_whole_percent_is_told():
+    rows = [one((4,), 0.6, (0.3,)), one((1, 4), 0.37, (0.01, 0.3)), one((), 0.03)]
+    lines, found = said(rows, (4,), rows[:2])
+    assert "spring 2" in lines[0]
+    assert without_idle(found) is found
 
 
 def test_errors_that_are_tiny_keep_their_digits():

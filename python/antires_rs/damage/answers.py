@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .assessment import Assessment
 from .hypotheses import Hypothesis
-from .percent import percent
+from .percent import figure, percent
 from .phrases import Label, alternatives, in_words, intervals, loss_of, named, others, unseen
 
 __all__ = ["answer"]
@@ -16,10 +16,33 @@ _BARELY = 2
 _UNEXPLAINED = (
     "But that does not explain all of the values; something may have changed that no hypothesis knows."
 )
+_RISEN = (
+    "Values have risen ({0.n_risen} of {0.n_moved} that moved): are the sets swapped, or has something been "
+    "stiffened?"
+)
 
 
 def answer(found: Assessment, label: Label) -> list[str]:
     """Sentences, the first the answer."""
+    if found.best.unknown and found.moved_alike:
+        return _shifted(found, label)
+    return [*_without_shift(found, label), *([_RISEN.format(found)] if found.n_risen else [])]
+
+
+def _shifted(found: Assessment, label: Label) -> list[str]:
+    """All values have moved alike."""
+    way, share = "higher" if found.moved_alike > 0.0 else "lower", found.best.probability
+    first = "No damage found" if share >= _SURE else "Probably no damage"
+    lines = [
+        f"{first}: all values are {figure(abs(found.moved_alike))} {way} than in the intact state, as "
+        f"another temperature or sampling clock would have it (probability {percent(share)})."
+    ]
+    if share < _SURE:
+        lines.append(f"What else it may be: {others(found, found.best, label)}.")
+    return lines
+
+
+def _without_shift(found: Assessment, label: Label) -> list[str]:
     if not found.best.candidate:
         return _unexplained(found, label)
     if not found.declared:

@@ -29,7 +29,8 @@ class Assessment(Value):
     declared : tuple of int
         Elements declared damaged.
     chi_square : float
-        Of the residuals of the most probable hypothesis, over the number of values less that of severities.
+        Of the residuals of the most probable hypothesis, over the number of values less that of severities;
+        NaN where no value has a partner.
     n_values, n_matched : int
         Values of now, and those with a partner among the model's roots there.
     kappa : float
@@ -59,6 +60,11 @@ class Assessment(Value):
         Relative difference between these and the others, and between the others.
     interrupted : bool
         Whether Ctrl-C stopped the search.
+    moved_alike : float
+        Relative change of all values alike, where that is what has happened; else 0.
+    n_risen, n_moved : int
+        Values that have risen, of those that have moved since the intact state, where these are most of them
+        and no hypothesis explains them; else 0.
     """
 
     hypotheses: Hypotheses
@@ -83,6 +89,9 @@ class Assessment(Value):
     baseline_gap: float = 0.0
     usual_gap: float = 0.0
     interrupted: bool = False
+    moved_alike: float = 0.0
+    n_risen: int = 0
+    n_moved: int = 0
 
     @property
     def best(self) -> Hypothesis:

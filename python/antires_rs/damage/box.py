@@ -1,14 +1,15 @@
-"""Gaussians within bounds: where in the box the peak is, and quantiles of one coordinate."""
+"""Gaussians within bounds: where in the box the peak is, and one coordinate's mean and quantiles."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..support.validation import FloatArray
 
-__all__ = ["log_between", "peak_in_box", "quantiles"]
+__all__ = ["given", "log_between", "peak_in_box", "quantiles"]
 
 
 def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> FloatArray:
@@ -32,6 +33,18 @@ def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: floa
     return best
 
 
+def given(
+    mean: FloatArray, covariance: FloatArray, nth: int, known: FloatArray, which: NDArray[np.bool_]
+) -> tuple[float, float]:
+    """Mean and standard deviation of one coordinate of a Gaussian, given some of the others."""
+    at = np.array([k for k in np.flatnonzero(which) if k != nth], dtype=np.intp)
+    if not at.size:
+        return float(mean[nth]), float(np.sqrt(covariance[nth, nth]))
+    gain = np.linalg.solve(covariance[np.ix_(at, at)], covariance[at, nth])
+    variance = covariance[nth, nth] - gain @ covariance[at, nth]
+    return float(mean[nth] + gain @ (known[at] - mean[at])), float(np.sqrt(variance))
+
+
 def quantiles(
     mean: float, std: float, low: float, high: float, shares: tuple[float, float]
 ) -> tuple[float, float]:
@@ -42,6 +55,9 @@ def quantiles(
     if a > 5.0:  # far below the bound: an exponential is left
         first, second = (float(low - np.log1p(-q) * std / a) for q in shares)
         return first, second
+    if b < -5.0:  # far above the other one: the same from there
+        first, second = quantiles(-mean, std, -high, -low, (1.0 - shares[1], 1.0 - shares[0]))
+        return -second, -first
     bottom, top = ndtr(a), ndtr(b)
     first, second = (
         float(np.clip(mean + std * ndtri(bottom + q * (top - bottom)), low, high)) for q in shares

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..support.validation import FloatArray
-from .box import peak_in_box, quantiles
+from .box import given, peak_in_box, quantiles
 from .truncated import log_inside
 from .view import View
 
@@ -29,6 +29,8 @@ HIGHEST = 0.99
 FURTHEST = -float(np.log1p(-HIGHEST))
 #: Change of u up to which the roots count as linear.
 _LINEAR = 0.12
+#: So near to the largest u counts as there.
+_ON_BOUND = 1e-9
 #: Precision of u where nothing sees it.
 _BLIND = 1e-2
 
@@ -45,12 +47,28 @@ class Fit:
     view: View
 
     def interval(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
-        """Quantiles of one severity, given the set."""
-        std = float(np.sqrt(self.covariance[nth, nth]))
-        if self.beta[nth] <= 0.0:  # at the bound: from there on
-            shares = (0.0, shares[1] - shares[0])
-        low, high = quantiles(float(self.mean[nth]), std, 0.0, FURTHEST, shares)
+        """Quantiles of one severity, given the set, as :meth:`sides` has them."""
+        low, high = self._quantiles(nth, self.sides(nth, shares))
         return -float(np.expm1(-low)), -float(np.expm1(-high))
+
+    def sides(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
+        """Shares with the most probable severity between their quantiles: those given, else as much of the
+        probability from the nearer bound on."""
+        low, high = self._quantiles(nth, shares)
+        best, whole = self._peak[nth], shares[1] - shares[0]
+        if best <= 0.0 or best < low:
+            return 0.0, whole
+        return (1.0 - whole, 1.0) if best > high else shares
+
+    @property
+    def _peak(self) -> FloatArray:
+        return np.asarray(-np.log1p(-self.beta))
+
+    def _quantiles(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
+        """Of u; partners whose most probable severity is a bound stay on it."""
+        on_bound = (self._peak <= 0.0) | (self._peak >= FURTHEST - _ON_BOUND)
+        mean, std = given(self.mean, self.covariance, nth, self._peak, on_bound)
+        return quantiles(mean, std, 0.0, FURTHEST, shares)
 
 
 def fitted(view: View, elements: tuple[int, ...], reach: float = _LINEAR) -> Fit | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from ..support.one_thread import one_blas_thread
 from ..support.validation import FloatArray
 from .assessment import Assessment
 from .calibration import log_odds_threshold
-from .hypotheses import UNKNOWN, Hypotheses, Hypothesis
+from .hypotheses import UNKNOWN, Hypotheses
 from .likelihood import Likelihood
 from .limits import intact_slopes, smallest_found
 from .measured_modes import ModeResponses
@@ -20,6 +20,7 @@ from .measured_states import Responses
 from .percent import figure
 from .posterior import log_weights, posterior, together
 from .question import Question
+from .risen import mostly_risen
 from .search import Search
 
 __all__ = ["STD_COMMON", "Inferred", "infer"]
@@ -72,11 +73,12 @@ def infer(
     key = tuple(numbers.index(e) for e in rows[0].elements) if rows[0].elements != UNKNOWN else ()
     fit = search.fits[key]
     matched = int(fit.view.matched.sum())
+    shift = (likelihood.moved_alike() if rows[0].unknown else None) or 0.0
     assessment = Assessment(
         hypotheses=Hypotheses(rows, names),
         group=tuple(together(rows)),
         declared=declared,
-        chi_square=fit.view.chi_square / max(matched - len(key), 1),
+        chi_square=fit.view.chi_square / max(matched - len(key), 1) if matched else np.nan,
         n_values=now.size,
         n_matched=matched,
         kappa=fit.view.kappa,
@@ -90,12 +92,16 @@ def infer(
         n_intact_matched=int((error.partner >= 0).sum()),
         n_baselines=max(map(responses.tests.count, responses.tests), default=0),
         scatter=prepared.scatter,
-        notes=(*responses.left_out, *_moved_alike(likelihood, rows[0])),
+        notes=(*responses.left_out, *_of_shift(shift)),
         odd_baselines=odd.tests if odd else (),
         baseline_gap=odd.apart if odd else 0.0,
         usual_gap=odd.usual if odd else 0.0,
         interrupted=search.interrupted,
+        moved_alike=shift,
     )
+    if baseline and not shift and not assessment.explained:  # a change of unknown kind explains nothing
+        up, moved = mostly_risen(intact.plain, now.plain)
+        assessment = replace(assessment, n_risen=up, n_moved=moved)
     found = next((one for one in rows if one.elements == declared), None)
     severities = dict(zip(declared, found.severities, strict=True)) if found else {}
     betas = np.zeros((1, len(numbers)))
@@ -112,10 +118,9 @@ def infer(
     )
 
 
-def _moved_alike(likelihood: Likelihood, best: Hypothesis) -> list[str]:
+def _of_shift(moved: float) -> list[str]:
     """A note where all values have moved alike, which is no damage."""
-    moved = likelihood.moved_alike() if best.unknown else None
-    if moved is None:
+    if not moved:
         return []
     way = "higher" if moved > 0.0 else "lower"
     return [

@@ -21,13 +21,18 @@ def reservations(found: Assessment, label: Label) -> list[str]:
             f"stiffnesses and masses within about {figure(found.factor_std)}; give the values of the "
             "intact structure as baseline= to have the model's errors taken out."
         )
-    if not found.best.unknown and not found.explained:
+    if not found.n_matched:
+        notes.append(
+            "No value of now has a partner in the model: there is no chi-square, and nothing tells whether "
+            "the answer holds. Compare the bands and dofs of both tests."
+        )
+    elif not found.best.unknown and not found.explained:
         notes.append(
             f"The most probable hypothesis does not explain the values (reduced chi-square "
             f"{found.chi_square:.1f}): something else may have changed as well."
         )
     lost = found.n_values - found.n_matched
-    if lost:
+    if lost and found.n_matched:
         notes.append(
             f"{lost} of {found.n_values} values {'has' if lost == 1 else 'have'} no partner in the model: "
             "new or false."

@@ -12,6 +12,7 @@ from ..support.validation import FloatArray, reject
 from ..updating.identifiability import smallest_visible
 from ..updating.results import UpdateResult
 from .inference import infer
+from .one_state import headline_of_one_state
 from .percent import figure
 from .prior import DamagePrior
 from .question import Question
@@ -129,8 +130,19 @@ class DamageResult(UpdateResult):
 
     @property
     def headline(self) -> str:
-        """Is there damage, where, how sure, how much: in a sentence or two."""
-        return " ".join(headline(self.assessment, self.problem.model.element_label))
+        """Is there damage, where, how sure, how much: in a sentence or two.
+
+        Without a baseline that of the search, as :attr:`severity`, and what it rests on; :attr:`hypotheses`
+        allow for errors of the model and may come to another answer.
+        """
+        return " ".join(self._headline())
+
+    def _headline(self) -> list[str]:
+        label = self.problem.model.element_label
+        if self._assessment is not None:
+            return headline(self._assessment, label)
+        losses = {e: self.severity[e] for e in self.damaged}
+        return headline_of_one_state(losses, label, finished=self.search.status != "interrupted")
 
     @property
     def elements(self) -> list[int]:

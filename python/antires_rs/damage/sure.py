@@ -12,7 +12,7 @@ from ..support.progress import patient
 from ..support.validation import FloatArray, choice, finite_scalar, integer
 from ..updating.parameter_intervals import Method
 from .assessment import Assessment
-from .evidence import FURTHEST, HIGHEST, Fit, fitted
+from .evidence import HIGHEST, Fit, fitted
 from .hypotheses import Hypothesis
 from .likelihood import Likelihood
 from .posterior import LEVEL
@@ -131,11 +131,9 @@ def _central(level: float) -> tuple[float, float]:
 
 def _sides(fit: Fit, nth: int, level: float) -> tuple[str, tuple[float, float]]:
     """A word on the interval, and the shares between which it lies."""
-    if fit.beta[nth] <= 0.0:
-        return "from 0 on", (0.0, level)
-    if -np.log1p(-fit.beta[nth]) >= FURTHEST:
-        return f"up to {HIGHEST:g}", _central(level)
-    return "two-sided", _central(level)
+    shares = fit.sides(nth, _central(level))
+    word = "from 0 on" if shares[0] == 0.0 else f"up to {HIGHEST:g}" if shares[1] == 1.0 else "two-sided"
+    return word, shares
 
 
 def _confirmed(

@@ -6,6 +6,7 @@ from .answers import answer
 from .assessment import Assessment
 from .percent import figure
 from .phrases import Label, loss_of, named
+from .supersets import without_idle
 
 __all__ = ["headline"]
 
@@ -16,14 +17,14 @@ def headline(found: Assessment, label: Label) -> list[str]:
     """The first lines of a report: is there damage, where, how sure, how much, and what else it may be."""
     doubts = [_contradiction(found)] if found.odd_baselines else []
     doubts += [] if found.model_fits else [_NO_MODEL]
+    found, many = without_idle(found), len(found.hypotheses)
     if found.interrupted:
-        return [*_stopped(found, label), *doubts]
+        return [*_stopped(found, many, label), *doubts]
     return [*doubts, _if_trusted(found, label)] if doubts else answer(found, label)
 
 
-def _stopped(found: Assessment, label: Label) -> list[str]:
+def _stopped(found: Assessment, many: int, label: Label) -> list[str]:
     """What was judged before Ctrl-C; without the others no probability holds."""
-    many = len(found.hypotheses)
     judged = f"{many} hypotheses were" if many > 1 else "1 hypothesis was"
     if found.best.unknown:
         best = "none of these explains the values"
@@ -40,7 +41,9 @@ def _stopped(found: Assessment, label: Label) -> list[str]:
 def _if_trusted(found: Assessment, label: Label) -> str:
     """The answer in one sentence, where what it rests on is in doubt."""
     trusted = "baseline" if found.odd_baselines else "model"
-    if not found.best.candidate:
+    if found.best.unknown and found.moved_alike:
+        what = "all values have moved alike, which is temperature or clock rather than damage"
+    elif not found.best.candidate:
         what = "something has changed that none of the candidates explains"
     elif not found.declared:
         what = "no damage is to be seen"

@@ -19,7 +19,7 @@ import numpy as np
 
 from .._core import __version__
 from ..damage.result import DamageResult
-from ..damage.words import headline
+from ..damage.supersets import without_idle
 from ..exceptions import MissingDependencyError
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
@@ -159,7 +159,7 @@ def write_report(
         title=title
         or ("Damage assessment" if damage else "Model updating")
         + (" with resonances and mode shapes" if modal else " with antiresonances"),
-        answer=_answer_damage(damage) if damage else [_answer_update(result)],
+        answer=damage._headline() if damage else [_answer_update(result)],
         lead=_lead(result),
         result=result,
         damage=damage is not None,
@@ -167,7 +167,7 @@ def write_report(
         states=states(result),
         parameters=damage_rows(damage, truth) if damage else parameter_rows(result),
         judged=judged is not None,
-        hypotheses=None if judged is None else hypothesis_rows(judged.hypotheses, judged.assessment.group),
+        hypotheses=None if judged is None else hypothesis_rows(without_idle(judged.assessment)),
         intact=[_lines(each) for each in baseline or ()],
         known=truth is not None,
         rows=frequency_rows(result),
@@ -180,15 +180,6 @@ def write_report(
         run=of_search(result) | _lines(origin or {}) | _versions(),
     )
     return write_atomically(path, html.encode("utf-8"))
-
-
-def _answer_damage(result: DamageResult) -> list[str]:
-    """The first things to know."""
-    label = result.problem.model.element_label
-    if result.has_baseline:
-        return headline(result.assessment, label)
-    found = [f"{label(e)} has lost {100 * result.severity[e]:.1f} % of its stiffness" for e in result.damaged]
-    return [f"{'; '.join(found)}.".capitalize() if found else "No damage found."]
 
 
 def _answer_update(result: UpdateResult) -> str:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from ..damage.hypotheses import Hypotheses, Hypothesis
+from ..damage.assessment import Assessment
 from ..damage.percent import loss, span
 from ..damage.result import DamageResult
 from ..updating.results import UpdateResult
@@ -104,13 +104,12 @@ def _instead(result: DamageResult) -> dict[int, tuple[float, float, float]]:
     }
 
 
-def hypothesis_rows(
-    hypotheses: Hypotheses, alike: Collection[Hypothesis] = ()
-) -> tuple[list[dict[str, Any]], str]:
+def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
     """Probability, name and losses of the hypotheses worth a row, and a sentence on the others.
 
-    The first is the answer, and so are those ``alike`` that the values cannot tell from it.
+    The first is the answer, and so are those of its group, which the values cannot tell from it.
     """
+    hypotheses, alike = found.hypotheses, found.group
     answer = alike if hypotheses[0] in alike else hypotheses[:1]
     rows = [
         {
