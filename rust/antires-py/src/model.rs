@@ -17,6 +17,9 @@ use crate::doorway::{run, to_python};
 use crate::frame::Frame;
 use crate::parameters::{ParameterParts, core_parameters};
 
+/// Most dofs of which dense matrices tell the modes that sparse factors leave open.
+const MOST_DENSE_DOFS: usize = 8000;
+
 /// Antiresonances (m,) in Hz, whether H is identically zero, and whether their number is in doubt.
 type PyRoots<'py> = (Bound<'py, PyArray1<f64>>, bool, bool);
 type PyModes<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
@@ -148,13 +151,21 @@ impl Model {
         n_modes: Option<usize>,
     ) -> PyResult<PyModes<'py>> {
         let solved = run(py, || {
-            let low = if f_max_hz.is_some() || n_modes.is_some() {
+            let limited = f_max_hz.is_some() || n_modes.is_some();
+            let low = if limited {
                 low_modes(&self.core, f_max_hz.unwrap_or(f64::INFINITY), n_modes)
             } else {
                 None
             };
             match low {
                 Some(low) if !low.freq_hz.is_empty() => Ok(low),
+                None if limited && self.core.n_dof() > MOST_DENSE_DOFS => Err(Error::Numerical {
+                    what: format!("modes of {} dofs up to a limit", self.core.n_dof()),
+                    detail: "the factors of K + sigma M leave open how many there are (an indefinite stiffness, \
+                             or a motion that nothing holds), and dense matrices of so many dofs would take \
+                             minutes and gigabytes. Check the signs of the stiffness, or change the limit."
+                        .into(),
+                }),
                 _ => Ok(self.all_modes()?.finite()),
             }
         })?;
