@@ -152,7 +152,8 @@ def _damage(found: Assessment, declared: Hypothesis, label: Label) -> list[str]:
             f"perhaps {beside} as well." if alone else f"and {beside}, the values cannot tell which."
         )
     losses = "; ".join(
-        f"{percent(one.probability)}: {loss_of(one, label)} ({intervals(one)})" for one in group
+        f"{percent(one.probability)}: {loss_of(one, label)} ({intervals(one)})"
+        for one in sorted(group, key=lambda one: -one.probability)
     )
     lines = [first, f"Together {percent(share)}. {losses}."]
     if share < _SURE:
