@@ -1,6 +1,6 @@
 //! Plane beam: u, v, θ at either end; Euler-Bernoulli, or with shear and rotary inertia (Timoshenko).
 //!
-//! Linear shape functions along the beam; across it the matrices of [`bending`](super::bending).
+//! Linear shape functions along the beam; across it the matrices of [`bending`].
 //!
 //! ```text
 //! K_axial = EA/L [[1, -1], [-1, 1]]         M_axial = ρA L/6 [[2, 1], [1, 2]]
