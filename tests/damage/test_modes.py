@@ -7,20 +7,9 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.damage.mode_roots import ModeRoots
+from tests.support.wrong_chains import NOMINAL, N, chain, truth
 
 STD_HZ, STD_SHAPES = 3e-4, 3e-3
-N = 6
-
-
-def chain(factors, losses=None):
-    """Grounded chain whose masses and springs are off by factors (2 N,), damaged by losses (N - 1,)."""
-    losses = np.zeros(N - 1) if losses is None else np.asarray(losses)
-    masses = np.array([0.8, 0.5, 0.6, 0.5, 0.7, 0.5]) * factors[:N]
-    springs = np.array([4e4, 6e4, 5e4, 3e4, 5e4]) * factors[N : 2 * N - 1] * (1.0 - losses)
-    return ar.MassSpringChain(masses, springs, ground_first_n_per_m=3e4 * factors[-1])
-
-
-NOMINAL = chain(np.ones(2 * N))
 
 
 def measured(model, rng, dofs=None, n_modes=6, std=(STD_HZ, STD_SHAPES), stated=True):
@@ -35,11 +24,6 @@ def measured(model, rng, dofs=None, n_modes=6, std=(STD_HZ, STD_SHAPES), stated=
     order = np.argsort(freq)
     told = {"std_hz": std[0] * freq[order], "std_shapes": np.full(freq.size, std[1])} if stated else {}
     return ar.ModalSet(freq[order], shapes[order], dofs, **told)
-
-
-def truth(seed, off=0.06):
-    rng = np.random.default_rng(seed)
-    return rng, 1.0 + off * rng.uniform(-1.0, 1.0, 2 * N)
 
 
 @pytest.mark.parametrize("seed", range(3))

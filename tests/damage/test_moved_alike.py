@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.damage.test_baseline import NOMINAL, N, chain, measured, truth
+from tests.support.wrong_chains import NOMINAL, N, chain, measured, truth
 
 
 def frame(stiffness):

@@ -5,7 +5,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.damage.one_state import headline_of_one_state
-from tests.damage.test_baseline import NOMINAL, chain, measured, truth
+from tests.support.wrong_chains import NOMINAL, chain, measured, truth
 
 
 def label(element):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.damage.test_baseline import NOMINAL, chain, measured, truth
 from tests.damage.test_modes import measured as modes
+from tests.support.wrong_chains import NOMINAL, chain, measured, truth
 
 QUESTION = "are the sets swapped, or has something been stiffened?"
 

@@ -10,13 +10,7 @@ from scipy.stats import kstest
 import antires_rs as ar
 from antires_rs.damage.evidence import HIGHEST, fitted
 from antires_rs.damage.sampling import sampled
-from tests.damage.test_baseline import NOMINAL, N, chain, measured, truth
-
-
-def assessed(seed, losses, **options):
-    rng, factors = truth(seed)
-    before = measured(chain(factors), rng)
-    return ar.assess_damage(NOMINAL, measured(chain(factors, losses), rng), baseline=before, **options)
+from tests.support.wrong_chains import N, assessed
 
 
 @pytest.fixture(scope="module")

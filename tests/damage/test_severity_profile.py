@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.damage.test_baseline import NOMINAL, chain, measured, truth
-
-
-def assessed(seed, losses, **options):
-    rng, factors = truth(seed)
-    before = measured(chain(factors), rng)
-    return ar.assess_damage(NOMINAL, measured(chain(factors, losses), rng), baseline=before, **options)
+from tests.support.wrong_chains import assessed
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.damage.search import Search
-from tests.damage.test_baseline import NOMINAL, chain, measured, truth
+from tests.support.wrong_chains import NOMINAL, chain, measured, truth
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import pytest
 import antires_rs as ar
 from antires_rs.damage.percent import loss
 from antires_rs.report.rows import damage_rows, hypothesis_rows
-from tests.damage.test_baseline import NOMINAL, chain, measured, truth
+from tests.support.wrong_chains import NOMINAL, chain, measured, truth
 
 
 def only(sets, dofs):
