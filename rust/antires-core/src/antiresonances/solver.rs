@@ -175,7 +175,9 @@ pub fn antiresonances(
         model.check_dof("response", i)?;
     }
     let (k_mat, m_mat) = (model.stiffness(), model.mass());
-    let mut solver = AntiresonanceSolver::new(&Arc::new(Structure::of(model)));
+    let structure = Structure::of(model);
+    structure.check_room()?;
+    let mut solver = AntiresonanceSolver::new(&Arc::new(structure));
     let mut prepared = solver.prepare(k_mat, m_mat);
     let mut out = Vec::with_capacity(responses.len());
     for &i in responses {
