@@ -5,9 +5,9 @@
 //! ε = c eps |y|ᵀ(|A| + x|B|)|v| / |yᵀBv|        how far rounding may have moved that
 //! ```
 //!
-//! with right and left null vectors v, y from inverse iteration. The first-order bound is ε with c = 16 + n: it
-//! covers the rounding of the products, and the change of the root by some ulp of each entry of K and M. It says
-//! nothing where it is not small: then the root is not certain.
+//! with right and left null vectors v, y from inverse iteration. The first-order bound is ε with c = 16 + n, and what
+//! v leaves over of (A − xB)v: it covers the rounding of the products, and the change of the root by some ulp of each
+//! entry of K and M. It says nothing where it is not small: then the root is not certain.
 //!
 //! Roots whose bounds overlap are taken together: with bases V, Y of their deflating subspaces all of them are
 //! eigenvalues of G⁻¹E + Δ, E = Yᵀ(A − xB)V, G = YᵀBV, |Δ| <= |G⁻¹| c eps |Y|ᵀ(|A| + x|B|)|V|. For each p
@@ -182,15 +182,21 @@ impl RootBounds {
             }
             let shifted = &self.a - Scale(x) * &self.b;
             let image = &shifted * &right;
+            let inertia = &self.b * &right;
+            let force = left.transpose() * &image;
+            let slope = left.transpose() * &inertia;
+            let known = slope.partial_piv_lu().solve(&force);
             let sizes = Mat::from_fn(n, n, |i, j| {
                 self.a[(i, j)].abs() + x.abs() * self.b[(i, j)].abs()
             });
-            let rounding = modulus(&left).transpose() * (&sizes * modulus(&right));
+            let rounding = Scale((ULPS + n as f64) * f64::EPSILON) * (&sizes * modulus(&right));
+            // Of two roots in one, the vectors are a mixture: what they leave over tells.
+            let left_over = modulus(&(&image - &inertia * &known));
             return Some(Block {
-                force: left.transpose() * &image,
-                slope: left.transpose() * (&self.b * &right),
-                rounding: Scale((ULPS + n as f64) * f64::EPSILON) * rounding,
+                rounding: modulus(&left).transpose() * (rounding + left_over),
                 residual: image.norm_l2() / sizes.norm_l2(),
+                force,
+                slope,
             });
         }
         None
@@ -207,7 +213,7 @@ struct Block {
     force: Mat<f64>,
     /// YᵀBV.
     slope: Mat<f64>,
-    /// c eps |Y|ᵀ(|A| + x|B|)|V|.
+    /// c eps |Y|ᵀ(|A| + x|B|)|V| + |Y|ᵀ|(A − xB)V − BV G⁻¹E|.
     rounding: Mat<f64>,
     /// ‖(A − xB)V‖ relative to the pencil.
     residual: f64,
