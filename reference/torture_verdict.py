@@ -50,6 +50,9 @@ def verdict(case, *, include_cancelled=True):
         if not is_singular(case.stiffness, case.mass):
             out.wrong.append(f"refused: {refusal}")
         return out
+    except Exception as broken:  # whatever it is, the other pencils are judged too
+        out.wrong.append(f"{type(broken).__name__}: {broken}")
+        return out
     finally:
         out.seconds = time.perf_counter() - started
     if exact.is_zero:

@@ -17,7 +17,13 @@ _NAMED = 4
 
 
 def warn_doubts(
-    dof: int, excitation: int, n_dof: int, values: Sequence[FloatArray], *, is_zero: bool, is_doubtful: bool
+    dof: int,
+    excitation: int | str,
+    n_dof: int,
+    values: Sequence[FloatArray],
+    *,
+    is_zero: bool,
+    is_doubtful: bool,
 ) -> None:
     """Say whether H is zero, whether roots may be missing, and which (by their bounds) are not certain."""
     if is_zero:
