@@ -58,7 +58,9 @@ mod search;
 pub mod secular;
 pub mod sensitivities;
 pub mod solver;
+mod zero_batch;
 
 pub use query::{Antiresonances, Query, Route, Transfer};
 pub use sensitivities::ZeroSensitivity;
 pub use solver::{AntiresonanceSolver, Prepared, antiresonances};
+pub use zero_batch::ZeroBatch;
