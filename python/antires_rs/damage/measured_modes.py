@@ -47,13 +47,16 @@ class ModeResponses:
 
     def source(self, model: StructuralModel, parts: Any) -> ModeSource:
         """The model's modes, to be asked for."""
-        sensors = sorted({dof for group in self.groups for dof in group})
+        own, rows = model._core_for([dof for group in self.groups for dof in group])
+        left = iter(rows)
+        groups = [[next(left) for _ in group] for group in self.groups]
+        sensors = sorted({*rows})
         asked = [
-            (np.array([self.highest_hz]), list(group), np.ones((1, len(group)), dtype=np.complex128))
-            for group in self.groups
+            (np.array([self.highest_hz]), group, np.ones((1, len(group)), dtype=np.complex128))
+            for group in groups
         ]
-        core = _core.Objective.modal(model._core, parts, asked, "squared", None, 0.0, None)
-        return ModeSource(core, tuple(np.searchsorted(sensors, group) for group in self.groups))
+        core = _core.Objective.modal(own, parts, asked, "squared", None, 0.0, None)
+        return ModeSource(core, tuple(np.searchsorted(sensors, group) for group in groups))
 
     def corrected(
         self, now: ModeValues, roots: Roots, partner: NDArray[np.intp], beside: FloatArray
@@ -101,8 +104,8 @@ def measured_modes(
         A set of now whose sensors no intact one has, dofs outside the model, a shape at rest, nothing
         measured.
     """
-    before = [_dofs(model, each) for each in baseline]
-    after = [_dofs(model, each) for each in measured]
+    listed = [[_dofs(model, each) for each in sets] for sets in (baseline, measured)]
+    before, after = ([tuple(sorted(dofs)) for dofs in each] for each in listed)
     for each, dofs in zip(measured, after, strict=True):
         if before and dofs not in before:
             reject(
@@ -133,19 +136,19 @@ def measured_modes(
     )
     return (
         responses,
-        _values("baseline", baseline, before, groups),
-        _values("measured", measured, after, groups),
+        _values("baseline", baseline, listed[0], groups),
+        _values("measured", measured, listed[1], groups),
     )
 
 
 def _dofs(model: StructuralModel, each: ModalSet) -> Dofs:
-    return tuple(sorted(model_dof(model, "measured dof", dof) for dof in each.dofs))
+    return tuple(model_dof(model, "measured dof", dof) for dof in each.dofs)
 
 
 def _values(name: str, sets: Sequence[ModalSet], dofs: list[Dofs], groups: dict[Dofs, int]) -> ModeValues:
     rows = []
     for nth, each in enumerate(sets):
-        order = np.argsort([int(dof) for dof in each.dofs])
+        order = np.argsort(dofs[nth])
         shapes = each.to_real().shapes[:, order]
         for mode in np.flatnonzero(each.freq_hz > 0.0):
             size = float(np.linalg.norm(shapes[mode]))
@@ -158,7 +161,7 @@ def _values(name: str, sets: Sequence[ModalSet], dofs: list[Dofs], groups: dict[
                     nth,
                     float(np.log(each.freq_hz[mode])),
                     max(float(std), LEAST_STD),
-                    groups[dofs[nth]],
+                    groups[tuple(sorted(dofs[nth]))],
                     np.asarray(shapes[mode] / size, dtype=np.float64),
                     max(float(of_shape), _LEAST_SHAPE_STD),
                 )

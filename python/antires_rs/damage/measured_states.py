@@ -13,6 +13,7 @@ from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import FloatArray, reject
 from ..updating.antiresonance_targets import AntiresonanceTargets
+from ..updating.model_dofs import antiresonance_objective
 from .association import ALONE, associate
 from .common_responses import not_in_both
 from .roots import Roots
@@ -133,7 +134,7 @@ class Responses:
 
     def source(self, model: StructuralModel, parts: Any) -> _core.Objective:
         """The model's antiresonances, to be asked for."""
-        return _core.Objective.antiresonance(model._core, parts, self.parts, "squared", None, 0.0, None)
+        return antiresonance_objective(model, parts, self.parts, "squared", None, 0.0, None)
 
     def corrected(
         self, now: Values, roots: Roots, partner: NDArray[np.intp], beside: FloatArray

@@ -15,32 +15,28 @@ import numpy as np
 
 from ..models.matrix_model import MatrixModel
 from ..models.recipes import MatrixRecipe
+from ..support.directions import DIRECTIONS, NAMES
 from ..support.validation import part, reject
 from ._common import existing_file, unsuitable
 from ._store import Store, read_store, write_store
 from .matrix_files import Labelled, choose, matrices_in
-from .uff_names import CODES, DIRECTIONS
 
 __all__ = ["read_dof_map", "read_matrices", "write_matrices"]
 
 FORMAT, VERSION = "antires_rs.matrices", 1
 #: Files that may hold stiffness and mass, by their names: K... and M...
 _OF_BOTH = (".op4", ".pch", ".bdf", ".dmig", ".full")
-#: As finite-element programs call directions.
-_NAMES = {
-    **CODES,
-    **{
-        name: code
-        for code, names in enumerate(
-            ("1 UX T1 X", "2 UY T2 Y", "3 UZ T3 Z", "4 ROTX R1 RX", "5 ROTY R2 RY", "6 ROTZ R3 RZ"), 1
-        )
-        for name in names.split()
-    },
-}
 
 
 def read_matrices(
-    stiffness: Any, mass: Any = None, *, stiffness_terms: Iterable[Any] = (), mass_terms: Iterable[Any] = ()
+    stiffness: Any,
+    mass: Any = None,
+    *,
+    stiffness_terms: Iterable[Any] = (),
+    mass_terms: Iterable[Any] = (),
+    constraints: Any = None,
+    keep: Iterable[int | str] = (),
+    dofs: Any = None,
 ) -> MatrixModel:
     """A model from matrices in files.
 
@@ -54,6 +50,9 @@ def read_matrices(
         ANSYS, or of Nastran with one name that begins with K and one with M.
     stiffness_terms, mass_terms : sequence of the same
         Contribution of each element or group that a parameter may scale.
+    constraints, keep, dofs : optional
+        As of :class:`MatrixModel`. ``dofs`` may be a file for :func:`~antires_rs.io.read_dof_map`;
+        by default the names that a file of matrices gives its rows (DMIG cards, Abaqus, ANSYS).
 
     Returns
     -------
@@ -97,7 +96,19 @@ def read_matrices(
         [placed(part(name, i), term, letter) for i, term in enumerate(each)]
         for name, each, letter in (("stiffness_terms", stiffness_terms, "K"), ("mass_terms", mass_terms, "M"))
     ]
-    return MatrixModel(rows.matrix, placed("mass", mass, "M"), stiffness_terms=terms[0], mass_terms=terms[1])
+    if isinstance(dofs, str | os.PathLike):
+        dofs = read_dof_map(dofs)
+    elif dofs is None and rows.points is not None:
+        dofs = rows.points
+    return MatrixModel(
+        rows.matrix,
+        placed("mass", mass, "M"),
+        stiffness_terms=terms[0],
+        mass_terms=terms[1],
+        constraints=constraints,
+        keep=tuple(keep),
+        dofs=dofs,
+    )
 
 
 def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
@@ -142,11 +153,18 @@ def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
         [[store.put(part) for part in term] for term in each]
         for each in (recipe.stiffness_terms, recipe.mass_terms)
     ]
-    return write_store(
-        path,
-        {"format": FORMAT, "version": VERSION, "n_dof": model.n_dof, "matrices": matrices, "terms": terms},
-        store,
-    )
+    constraints = recipe.constraints
+    about = {
+        "format": FORMAT,
+        "version": VERSION,
+        "n_dof": model.n_dof,
+        "matrices": matrices,
+        "terms": terms,
+        "names": list(recipe.names),
+        "constraints": None if constraints is None else [store.put(part) for part in constraints],
+        "keep": list(recipe.keep),
+    }
+    return write_store(path, about, store)
 
 
 def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tuple[int, str], int]:
@@ -191,7 +209,7 @@ def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tu
         parts = line.replace(",", " ").replace(";", " ").split()
         if not parts or line.lstrip().startswith(("#", "!", "$", "%")):
             continue
-        code = _NAMES.get(parts[-1].upper())
+        code = NAMES.get(parts[-1].upper())
         whole = len(parts) in (2, 3) and code is not None and all(p.isdigit() for p in parts[:-1])
         if not whole:
             if found:
@@ -231,14 +249,23 @@ def _own(path: str | os.PathLike[str]) -> MatrixModel:
     n = data["n_dof"]
     stiffness, mass = (_sparse(entries, n) for entries in data["matrices"])
     terms = [[_sparse(term, n) for term in each] for each in data["terms"]]
-    return MatrixModel(stiffness, mass, stiffness_terms=terms[0], mass_terms=terms[1])
+    given = data.get("constraints")  # not in files of versions before
+    return MatrixModel(
+        stiffness,
+        mass,
+        stiffness_terms=terms[0],
+        mass_terms=terms[1],
+        constraints=None if given is None else _sparse(given, n, int(max(given[0])) + 1),
+        keep=data.get("keep", ()),
+        dofs=data.get("names") or None,
+    )
 
 
-def _sparse(entries: Any, n: int) -> Any:
+def _sparse(entries: Any, n: int, n_rows: int | None = None) -> Any:
     from scipy.sparse import coo_array
 
     rows, columns, values = entries
-    return coo_array((values, (rows, columns)), shape=(n, n))
+    return coo_array((values, (rows, columns)), shape=(n if n_rows is None else n_rows, n))
 
 
 def _labelled(name: str, given: Any, letter: str) -> Labelled:

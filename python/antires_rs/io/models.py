@@ -10,11 +10,12 @@ import numpy as np
 
 from ..models.chain import MassSpringChain
 from ..models.description import AppliedParameters, ModelDescription, Recipe
+from ..models.entries import Entries
 from ..models.frame import FrameModel
 from ..models.frame_parts import GroundSpring, NodeSpring, PointMass
 from ..models.matrix_model import MatrixModel
 from ..models.parameter import Parameter
-from ..models.recipes import ChainRecipe, Entries, FrameRecipe, MatrixRecipe
+from ..models.recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 from ..models.sections import Rectangle, Section, Tube
 from ..models.structural_model import StructuralModel
 from ..support.validation import FloatArray, reject
@@ -108,6 +109,11 @@ def _describe_recipe(recipe: Recipe, store: Store) -> dict[str, Any]:
                 [[store.put(part) for part in term] for term in terms]
                 for terms in (recipe.stiffness_terms, recipe.mass_terms)
             ],
+            "names": list(recipe.names),
+            "constraints": None
+            if recipe.constraints is None
+            else [store.put(part) for part in recipe.constraints],
+            "keep": list(recipe.keep),
         }
     return {
         "kind": "frame",
@@ -133,8 +139,16 @@ def _made_recipe(data: dict[str, Any], name: str) -> Recipe:
         )
     if data["kind"] == "matrices":
         stiffness_terms, mass_terms = (tuple(map(_entries, terms)) for terms in data["terms"])
+        constraints = data.get("constraints")  # not in files of versions before
         return MatrixRecipe(
-            data["n_dof"], _entries(data["stiffness"]), _entries(data["mass"]), stiffness_terms, mass_terms
+            data["n_dof"],
+            _entries(data["stiffness"]),
+            _entries(data["mass"]),
+            stiffness_terms,
+            mass_terms,
+            tuple(data.get("names", ())),
+            None if constraints is None else _entries(constraints),
+            tuple(data.get("keep", ())),
         )
     if data["kind"] == "frame":
         return _made_frame(data)

@@ -6,28 +6,12 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ..support.directions import CODES, DIRECTIONS
 from ..support.validation import reject
 from ..support.wording import LeftOut, Wording
 
 __all__ = ["CODES", "DIRECTIONS", "Point", "as_point", "dof_of", "label_of", "points_of"]
 
-#: Direction codes of record 6: translations, then rotations; 0 is a scalar.
-DIRECTIONS = {
-    0: "S",
-    1: "+X",
-    -1: "-X",
-    2: "+Y",
-    -2: "-Y",
-    3: "+Z",
-    -3: "-Z",
-    4: "+RX",
-    -4: "-RX",
-    5: "+RY",
-    -5: "-RY",
-    6: "+RZ",
-    -6: "-RZ",
-}
-CODES = {name: code for code, name in DIRECTIONS.items()}
 _LABEL = re.compile(r"^(\d+)(S|[+-]R?[XYZ])$")
 
 #: Node and direction code.

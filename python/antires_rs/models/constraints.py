@@ -13,7 +13,7 @@ section 13.2.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ..support.validation import integer, part, reject
 
-__all__ = ["Constrained", "eliminate_constraints", "lagrange_rows"]
+__all__ = ["Constrained", "eliminate_constraints", "equations_of", "lagrange_rows", "solved"]
 
 #: Coefficients so much below the largest of their equation are rounding.
 _ROUNDING = 1e-12
@@ -116,7 +116,7 @@ def eliminate_constraints(
 
     n = int(np.shape(stiffness)[0])
     kept = {integer(part("keep", i), dof, low=0, high=n - 1) for i, dof in enumerate(keep)}
-    gone = _solved(_equations(constraints, n), kept)
+    gone = solved(equations_of(constraints, n), kept)
     dofs = np.array([dof for dof in range(n) if dof not in gone], dtype=np.intp)
     row_of = {int(dof): row for row, dof in enumerate(dofs)}
     entries = [(int(dof), row, 1.0) for row, dof in enumerate(dofs)]
@@ -178,8 +178,13 @@ def lagrange_rows(stiffness: Any, mass: Any) -> tuple[NDArray[np.intp], Any]:
     return dofs, k[rows][:, dofs]
 
 
-def _equations(constraints: Any, n: int) -> list[Equation]:
-    """Each equation by its dofs."""
+def equations_of(constraints: Any, n: int, number: Callable[[str, Any], int] | None = None) -> list[Equation]:
+    """Each equation by its dofs; ``number`` finds those that are called by a name."""
+    if number is None:
+
+        def number(name: str, dof: Any) -> int:
+            return integer(name, dof, low=0, high=n - 1)
+
     if hasattr(constraints, "tocsr"):
         table = constraints.tocsr()
         return [
@@ -201,14 +206,14 @@ def _equations(constraints: Any, n: int) -> list[Equation]:
             if row.shape != (n,):
                 reject(name, f"a row of shape {row.shape}", f"({n},), or a dict of dofs", "One number a dof.")
             each = {int(dof): row[dof] for dof in np.flatnonzero(row)}
-        own = {integer(name, dof, low=0, high=n - 1): float(value) for dof, value in each.items()}
+        own = {number(name, dof): float(value) for dof, value in each.items()}
         if not np.all(np.isfinite(list(own.values()))):
             reject(name, "a coefficient that is not finite", "finite coefficients", "Correct the equation.")
         found.append(own)
     return found
 
 
-def _solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
+def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
     """Each dependent dof by those that remain."""
     occurs = Counter(dof for each in equations for dof in each)
     gone: dict[int, Equation] = {}

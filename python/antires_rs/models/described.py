@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from ..support.directions import point_of
 from ..support.pickling import AroundCore, ReadOnly
 from ..support.validation import reject
 from .description import AppliedParameters, ModelDescription
+from .dof_names import DofNames
 
 if TYPE_CHECKING:
     from .._core import Model as CoreModel
@@ -109,6 +113,14 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         model._build(self._description.with_parameters(applied), core)
         return model
 
+    def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
+        """The core's model in which ``dofs`` are rows, and these rows."""
+        return self._core, list(dofs)
+
+    def _together(self, responses: Sequence[int], force: int) -> list[list[int]]:
+        """Places of responses that one core has with the force, core by core."""
+        return [list(range(len(responses)))]
+
     @property
     def n_dof(self) -> int:
         """Number of degrees of freedom."""
@@ -121,6 +133,26 @@ class Described(AroundCore["CoreModel"], ReadOnly):
     def dof_label(self, dof: int) -> str:
         """Name of a dof in tables and pictures: its zero-based number, where nothing else names it."""
         return f"dof {dof}"
+
+    @cached_property
+    def _names(self) -> DofNames:
+        return DofNames(self._dof_labels())
+
+    def _dof_labels(self) -> list[str]:
+        """:meth:`dof_label` of all dofs."""
+        return [self.dof_label(dof) for dof in range(self.n_dof)]
+
+    @property
+    def _free_dofs(self) -> list[int]:
+        """Those that are not taken out of the matrices."""
+        return list(range(self.n_dof))
+
+    @property
+    def _sensor_dofs(self) -> list[int]:
+        """Where an accelerometer may be: all of these but rotations, where names tell them."""
+        points = map(point_of, self._dof_labels())
+        turning = {dof for dof, point in enumerate(points) if point is not None and abs(point[1]) > 3}
+        return [dof for dof in self._free_dofs if dof not in turning]
 
     def mass_label(self, term: int) -> str:
         """Name of mass term ``term`` in tables, counted from 1 as users do."""

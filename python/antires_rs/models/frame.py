@@ -99,7 +99,7 @@ class FrameModel(StructuralModel):
         self._build(ModelDescription(recipe))
         warn_penalties(
             self,
-            self.stiffness(),
+            self.stiffness().diagonal(),
             "Use fixed= for rigid supports, and softer springs for ties.",
             stacklevel=2,
         )
@@ -205,6 +205,9 @@ class FrameModel(StructuralModel):
     def dof_label(self, dof: int) -> str:
         """As :meth:`dof_name`: nodes are called by the numbers that ``elements`` and :meth:`dof` know."""
         return self.dof_name(dof)
+
+    def _dof_labels(self) -> list[str]:
+        return [f"node {node} {direction}" for node, direction in self._frame.dof_names()]
 
     def section_index(self, name: str | int) -> int:
         """Index of a section, by its name."""

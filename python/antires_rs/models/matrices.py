@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..support.validation import FloatArray, real_array, reject
-from .recipes import Columns, Entries
+from .entries import Columns, Entries
 
 __all__ = ["as_dense", "as_sparse", "as_square", "as_term"]
 

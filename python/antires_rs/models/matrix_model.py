@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
-from ..support.validation import part
+import numpy as np
+
+from ..exceptions import InvalidInputError
+from ..support.validation import FloatArray, part, reject
+from .dependent import MULTIPLIER
 from .description import ModelDescription
+from .dof_names import names_of
+from .entries import Columns
+from .independent import Independent
 from .matrices import as_sparse, as_square, as_term
-from .penalties import warn_penalties
+from .named_constraints import equations_by_number
+from .penalties import warn_penalties, warn_rounded
 from .recipes import MatrixRecipe
 from .structural_model import StructuralModel
+
+if TYPE_CHECKING:
+    from .._core import Model as CoreModel
 
 __all__ = ["MatrixModel"]
 
@@ -26,11 +38,33 @@ class MatrixModel(StructuralModel):
     stiffness_terms, mass_terms : sequence of array_like or scipy.sparse, (n, n)
         Contribution of each element (or group) to the matrix. A parameter with factor s turns K into
         ``K + (s - 1) K_i``; the terms need not add up to K.
+    constraints : sequence of dict, array_like or scipy.sparse, (c, n)
+        Homogeneous equations between dofs, as in :func:`eliminate_constraints`: ``{12: 1.0, 3: -1.0}`` is
+        u12 = u3. Of each one dof is taken out of the matrices.
+    keep : sequence of int or str
+        Dofs that must not be taken out: those of sensors and of the force.
+    dofs : sequence of str or (int, str), or mapping of them to rows, optional
+        Names, one for each row: ``"1204:Z"`` or ``(1204, "+Z")``; or what :func:`antires_rs.io.read_dof_map`
+        returns. A dof may then be given by its name wherever its number may.
 
     Raises
     ------
     InvalidInputError
-        A matrix that is not square, symmetric and finite, of another size, or a negative mass.
+        A matrix that is not square, symmetric and finite, of another size, or a negative mass; constraints
+        between dofs to keep.
+
+    Warns
+    -----
+    AntiresWarning
+        Penalties of which rounding in the assembly has taken more than 2e-8 of the stiffness beside them; a
+        mass below zero by rounding.
+
+    Notes
+    -----
+    Taken out are also Lagrange multipliers (rows without mass and with nothing on the diagonal of the
+    stiffness) and what is held by penalties, 3e5 times as stiff as the softer dofs and more; the highest
+    modes may go with these. All dofs keep their numbers, and a sensor or force may be at any of them: where
+    one was taken out, another dof of its equation is taken out instead.
 
     Examples
     --------
@@ -39,6 +73,11 @@ class MatrixModel(StructuralModel):
     >>> model = ar.MatrixModel(spring, np.eye(2), stiffness_terms=[spring])
     >>> model.antiresonances(0, 0).round(3)
     array([3.559])
+    >>> stiffness = 500.0 * np.array([[2.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]])
+    >>> names, rigid = ["1:Z", "2:Z", "3:Z"], [{"3:Z": 1.0, "2:Z": -1.0}]
+    >>> bar = ar.MatrixModel(stiffness, np.eye(3), constraints=rigid, dofs=names)
+    >>> bar.antiresonances("1:Z", "1:Z").round(3)
+    array([2.516])
     """
 
     _recipe_type = MatrixRecipe
@@ -50,33 +89,177 @@ class MatrixModel(StructuralModel):
         *,
         stiffness_terms: Iterable[Any] = (),
         mass_terms: Iterable[Any] = (),
+        constraints: Any = None,
+        keep: Sequence[int | str] = (),
+        dofs: Any = None,
     ) -> None:
         n, k = as_square("stiffness", stiffness)
+        names = names_of("dofs", dofs, n)
         recipe = MatrixRecipe(
             n,
             k,
             as_square("mass", mass, n)[1],
             tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms)),
             tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms)),
+            names,
+            *equations_by_number(names, n, constraints, keep),
         )
-        self._build(ModelDescription(recipe))
+        independent = recipe.independent()
+        self._build(ModelDescription(recipe), independent.core())
+        self._fill(_independent=independent)
+        warn_rounded(self, independent.rounded, stacklevel=2)
         warn_penalties(
             self,
-            self.stiffness(),
-            "Take ties and supports out with eliminate_constraints, or use penalties a million times softer.",
+            self._own_stiffness(),
+            "Take ties and supports out by constraints=, or use penalties a million times softer.",
             stacklevel=2,
         )
 
+    @property
+    def _recipe(self) -> MatrixRecipe:
+        recipe = self._description.recipe
+        assert isinstance(recipe, MatrixRecipe)  # the constructors take no other
+        return recipe
+
+    def dof(self, name: str) -> int:
+        """Number of the dof of this name, zero-based.
+
+        Parameters
+        ----------
+        name : str
+            As in ``dofs``; a node and a direction in any spelling: ``"1204:Z"``, ``"1204+Z"``, ``"1204 UZ"``.
+
+        Raises
+        ------
+        InvalidInputError
+            No such name.
+        """
+        return self._names.find("name", name)
+
+    def dof_label(self, dof: int) -> str:
+        """Its name, or ``dof 3`` where it has none."""
+        names = self._recipe.names
+        return names[dof] if names else super().dof_label(dof)
+
+    def _own_stiffness(self) -> FloatArray:
+        """Diagonal of the stiffness, zero for dofs that were taken out."""
+        own, dependent = np.array(self.stiffness().diagonal()), self._independent.dependent
+        if dependent is not None:
+            own[dependent.dofs] = 0.0
+        return own
+
+    @cached_property
+    def _independent(self) -> Independent:
+        return self._recipe.independent()
+
+    def _dof(self, name: str, value: Any) -> int:
+        dof = super()._dof(name, value)
+        dependent = self._independent.dependent
+        if dependent is not None and dependent.reason(dof) == MULTIPLIER:
+            reject(
+                name,
+                f"{self.dof_label(dof)}, a Lagrange multiplier without mass or stiffness of its own",
+                "a dof of the structure",
+                "Its row is an equation; name one of the other rows.",
+            )
+        return dof
+
+    def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
+        here, core = self._independent, self._core
+        if here.dependent is None:
+            return core, list(dofs)
+        moving = [dof if own is None else own for dof in dofs for own in [here.dependent.moving_as(dof)]]
+        if any(here.dependent.reason(dof) is not None for dof in moving):
+            here, core = self._with_rows(frozenset(moving))
+        assert here.rows is not None  # there are dependent dofs
+        return core, here.rows[moving].tolist()
+
+    def _together(self, responses: Sequence[int], force: int) -> list[list[int]]:
+        dependent = self._independent.dependent
+        if dependent is None:
+            return super()._together(responses, force)
+        own = [i for i, dof in enumerate(responses) if dependent.reason(dof) is None]
+        alone = [[i] for i in range(len(responses)) if i not in own]
+        return ([own] if own else []) + alone
+
+    def _with_rows(self, dofs: frozenset[int]) -> tuple[Independent, CoreModel]:
+        """The same model with other dofs taken out than these; the last one is kept."""
+        known = self.__dict__.get("_other")
+        if known is None or known[0] != dofs:
+            try:
+                here = self._recipe.independent(dofs)
+            except InvalidInputError as exc:
+                reject(
+                    "dofs",
+                    f"{', '.join(map(self.dof_label, sorted(dofs)))} together, against {exc.argument}",
+                    "responses and forces of which none follows from the others",
+                    "Ask for fewer of them at a time, or leave one out of what is measured.",
+                )
+            core = here.core()
+            for applied in self._description.applied:
+                core = self._description.applied_to(core, applied)
+            known = dofs, here, core
+            self._fill(_other=known)
+        return known[1], known[2]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in super().__getstate__().items() if name != "_other"}
+
+    @property
+    def n_dof(self) -> int:
+        """Number of degrees of freedom, those that were taken out among them."""
+        return self._recipe.n_dof
+
+    @property
+    def default_elements(self) -> list[int]:
+        """Stiffness terms of which the equations leave something."""
+        terms = self._independent.matrices.stiffness_terms
+        return [
+            number
+            for number, term in enumerate(terms)
+            if term.values.size or term is self._recipe.stiffness_terms[number]
+        ]
+
+    @property
+    def _springs(self) -> list[int]:
+        return self.default_elements
+
+    @property
+    def _free_dofs(self) -> list[int]:
+        dependent = self._independent.dependent
+        every = range(self.n_dof)
+        return list(every) if dependent is None else sorted({*every} - {*dependent.dofs.tolist()})
+
+    def _whole_shapes(self, shapes: FloatArray) -> FloatArray:
+        here = self._independent
+        if here.dependent is None or here.rows is None:
+            return shapes
+        whole = np.zeros((len(shapes), self.n_dof))
+        whole[:, here.rows >= 0] = shapes
+        return np.ascontiguousarray((here.dependent.transformation(self.n_dof) @ whole.T).T)
+
     def stiffness(self) -> Any:
-        """Stiffness matrix as ``scipy.sparse.csc_array``, (n, n), N/m."""
-        return as_sparse(self._core.stiffness())
+        """Stiffness matrix as ``scipy.sparse.csc_array``, (n, n), N/m; rows of dofs taken out are empty."""
+        return self._whole(self._core.stiffness())
 
     def mass(self) -> Any:
-        """Mass matrix as ``scipy.sparse.csc_array``, (n, n), kg."""
-        return as_sparse(self._core.mass())
+        """Mass matrix as ``scipy.sparse.csc_array``, (n, n), kg; rows of dofs taken out are empty."""
+        return self._whole(self._core.mass())
+
+    def _whole(self, columns: Columns) -> Any:
+        from scipy.sparse import csc_array
+
+        matrix, rows = as_sparse(columns), self._independent.rows
+        if rows is None:
+            return matrix
+        entries, number = matrix.tocoo(), np.flatnonzero(rows >= 0)
+        at = number[entries.row], number[entries.col]
+        return csc_array((entries.data, at), shape=(self.n_dof, self.n_dof))
 
     def __repr__(self) -> str:
+        dependent = self._independent.dependent
+        out = "" if dependent is None else f", {dependent.dofs.size} of them taken out"
         return (
-            f"MatrixModel({self.n_dof} dofs, {self._core.n_stiffness_terms} stiffness terms, "
+            f"MatrixModel({self.n_dof} dofs{out}, {self._core.n_stiffness_terms} stiffness terms, "
             f"{self._core.n_mass_terms} mass terms)"
         )

@@ -8,7 +8,8 @@ cantilever on springs all of it at 1e13.
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,17 +18,19 @@ from ..exceptions import AntiresWarning
 if TYPE_CHECKING:
     from .structural_model import StructuralModel
 
-__all__ = ["warn_penalties"]
+__all__ = ["warn_penalties", "warn_rounded"]
 
 #: Stiffness of a dof over that of the middle one, from which on 1e-6 of a frequency may be lost.
 _MOST = 1e8
+#: Share of a stiffness that rounding may have taken without a word.
+_LOST = 2e-8
 #: So many dofs are named.
 _NAMED = 6
 
 
-def warn_penalties(model: StructuralModel, stiffness: object, remedy: str, *, stacklevel: int) -> None:
-    """Name the dofs that are too stiff beside the others; ``stiffness`` is the model's, sparse or dense."""
-    diagonal = np.abs(np.asarray(stiffness.diagonal(), dtype=np.float64))  # type: ignore[attr-defined]
+def warn_penalties(model: StructuralModel, stiffness: Any, remedy: str, *, stacklevel: int) -> None:
+    """Name the dofs that are too stiff beside the others; ``stiffness`` (n,) is the diagonal."""
+    diagonal = np.abs(np.asarray(stiffness, dtype=np.float64))
     if not diagonal.any():
         return
     middle = float(np.median(diagonal[diagonal > 0.0]))
@@ -39,6 +42,22 @@ def warn_penalties(model: StructuralModel, stiffness: object, remedy: str, *, st
     warnings.warn(
         f"stiffness: {named}{more} up to {diagonal.max() / middle:.1g} times as stiff as the middle dof: "
         f"rounding may take 1e-6 of the frequencies and more. {remedy}",
+        AntiresWarning,
+        stacklevel=stacklevel + 1,
+    )
+
+
+def warn_rounded(model: StructuralModel, rounded: Mapping[int, float], *, stacklevel: int) -> None:
+    """Name the dofs beside penalties whose stiffness the assembly has rounded."""
+    spoiled = sorted(dof for dof, share in rounded.items() if share >= _LOST)
+    if not spoiled:
+        return
+    named = ", ".join(model.dof_label(dof) for dof in spoiled[:_NAMED])
+    more = f" and {len(spoiled) - _NAMED} more" if len(spoiled) > _NAMED else ""
+    warnings.warn(
+        f"stiffness: penalties at {named}{more}: rounding in the assembly has changed the stiffness beside "
+        f"them by up to {max(rounded.values()):.1g} of it, and frequencies with it. Give ties and rigid "
+        "links as constraints=, without penalties.",
         AntiresWarning,
         stacklevel=stacklevel + 1,
     )

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from .. import _core
 from ..support.validation import FloatArray, integer, part, reject
 from ..support.values import Value
+from .entries import Entries
 from .frame_parts import GroundSpring, NodeSpring, PointMass, three_inertias
+from .independent import Independent, Matrices, independent_of
 from .sections import AnySection, shear_of
 
 if TYPE_CHECKING:
     from .._core import Model as CoreModel
 
-__all__ = ["ChainRecipe", "Columns", "Entries", "FrameRecipe", "MatrixRecipe", "section_argument"]
-
-
-#: A matrix of the core by columns: starts, rows, values.
-Columns = tuple[NDArray[np.int64], NDArray[np.int64], FloatArray]
+__all__ = ["ChainRecipe", "FrameRecipe", "MatrixRecipe", "section_argument"]
 
 
 class _Recipe(Value):
@@ -67,30 +63,21 @@ class ChainRecipe(_Recipe):
         )
 
 
-class Entries(NamedTuple):
-    """The entries of a matrix that are not zero."""
-
-    rows: NDArray[np.uint32]
-    columns: NDArray[np.uint32]
-    values: FloatArray
-
-    @classmethod
-    def of(cls, dense: FloatArray) -> Entries:
-        """Those of a dense matrix, row by row."""
-        rows, columns = np.nonzero(dense)
-        values = np.ascontiguousarray(dense[rows, columns])
-        return cls(rows.astype(np.uint32), columns.astype(np.uint32), values)
-
-
 @dataclass(frozen=True, eq=False)
 class MatrixRecipe(_Recipe):
-    """Stiffness and mass, and the terms that parameters may scale.
+    """Stiffness and mass, the terms that parameters may scale, and equations between the dofs.
 
     Attributes
     ----------
     n_dof : int
     stiffness, mass : Entries
     stiffness_terms, mass_terms : tuple of Entries
+    names : tuple of str
+        Of the dofs; empty where they have none.
+    constraints : Entries or None
+        A row each.
+    keep : tuple of int
+        Dofs that are not taken out.
     """
 
     n_dof: int
@@ -98,12 +85,18 @@ class MatrixRecipe(_Recipe):
     mass: Entries
     stiffness_terms: tuple[Entries, ...] = ()
     mass_terms: tuple[Entries, ...] = ()
+    names: tuple[str, ...] = ()
+    constraints: Entries | None = None
+    keep: tuple[int, ...] = ()
+
+    def independent(self, keep: Iterable[int] = ()) -> Independent:
+        """Matrices and terms without what is no dof of its own; ``keep`` are further dofs to be kept."""
+        given = Matrices(self.n_dof, self.stiffness, self.mass, self.stiffness_terms, self.mass_terms)
+        return independent_of(given, self.constraints, {*self.keep, *keep})
 
     def core(self) -> CoreModel:
         """The matrices and terms, handed over anew."""
-        return _core.Model.from_matrices(
-            self.n_dof, self.stiffness, self.mass, self.stiffness_terms, self.mass_terms
-        )
+        return self.independent().core()
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -86,12 +87,12 @@ class StructuralModel(Described):
                 f"at least the first resonance, {freq[0]:.6g} Hz",
                 "Raise it, or leave it out for all modes.",
             )
-        return ModalSet(freq[:keep], shapes[:, :keep].T, dofs=range(self.n_dof))
+        return ModalSet(freq[:keep], self._whole_shapes(shapes[:, :keep].T), dofs=range(self.n_dof))
 
     def frf(
         self,
-        response: int | Sequence[int],
-        excitation: int,
+        response: int | str | Sequence[int | str],
+        excitation: int | str,
         freq_hz: Any,
         *,
         damping_ratio: Any,
@@ -104,9 +105,9 @@ class StructuralModel(Described):
 
         Parameters
         ----------
-        response : int or sequence of int
-            Response dof(s).
-        excitation : int
+        response : int, str or sequence of them
+            Response dof(s), by number or name.
+        excitation : int or str
             Dof of the force.
         freq_hz : array_like, (n_freq,)
             Frequencies in Hz, not negative.
@@ -145,19 +146,18 @@ class StructuralModel(Described):
                 "Pass the positive half of the axis.",
             )
         choice("kind", kind, ("accelerance", "mobility", "receptance"))
-        rows = self._core.frf(
-            self._dofs("response", response),
-            self._dof("excitation", excitation),
-            freq,
-            self._damping(damping_ratio),
-            kind,
-        )
-        return rows[0] if shape_of(response) == () else rows
+        dofs, force = self._dofs("response", response), self._dof("excitation", excitation)
+        damping = self._damping(damping_ratio)
+        values = np.empty((len(dofs), freq.size), dtype=np.complex128)
+        for which in self._together(dofs, force):
+            core, at = self._core_for([*(dofs[i] for i in which), force])
+            values[which] = core.frf(at[:-1], at[-1], freq, damping, kind)
+        return values[0] if shape_of(response) == () else values
 
     def antiresonances(
         self,
-        response: int | Sequence[int],
-        excitation: int,
+        response: int | str | Sequence[int | str],
+        excitation: int | str,
         *,
         f_max_hz: float | None = None,
         method: Method = "modal",
@@ -169,9 +169,9 @@ class StructuralModel(Described):
 
         Parameters
         ----------
-        response : int or sequence of int
-            Response dof(s).
-        excitation : int
+        response : int, str or sequence of them
+            Response dof(s), by number or name.
+        excitation : int or str
             Dof of the force.
         f_max_hz : float, optional
             Highest frequency wanted; all by default, but of more than 2,000 dofs, where it has to be given.
@@ -219,14 +219,20 @@ class StructuralModel(Described):
             else finite_scalar("f_max_hz", f_max_hz, low=0.0, low_open=True, unit="Hz")
         )
         dofs = self._dofs("response", response)
-        asked = (dofs, self._dof("excitation", excitation), limit, method, bool(include_cancelled))
-        found = (
-            self._core.antiresonances(*asked)
-            if self.n_dof < MANY_DOFS
-            else interruptible(
-                lambda: self._core.antiresonances(*asked), f"antiresonances of {len(dofs)} responses"
+        force = self._dof("excitation", excitation)
+        found: list[Any] = [None] * len(dofs)
+        for which in self._together(dofs, force):
+            core, at = self._core_for([*(dofs[i] for i in which), force])
+            asked = (at[:-1], at[-1], limit, method, bool(include_cancelled))
+            roots = (
+                core.antiresonances(*asked)
+                if self.n_dof < MANY_DOFS
+                else interruptible(
+                    partial(core.antiresonances, *asked), f"antiresonances of {len(which)} responses"
+                )
             )
-        )
+            for i, of_one in zip(which, roots, strict=True):
+                found[i] = of_one
         for dof, (_, identically_zero, doubtful) in zip(dofs, found, strict=True):
             if identically_zero:
                 warnings.warn(
@@ -249,13 +255,13 @@ class StructuralModel(Described):
     def simulate(
         self,
         *,
-        excitation: int,
+        excitation: int | str,
         fs_hz: float,
         duration_s: float,
         damping_ratio: Any,
         band_hz: tuple[float, float] | None = None,
         noise: float = 0.0,
-        responses: Sequence[int] | None = None,
+        responses: Sequence[int | str] | None = None,
         rng: int | np.random.Generator | None = None,
         progress: bool | None = None,
     ) -> Recording:
@@ -263,7 +269,7 @@ class StructuralModel(Described):
 
         Parameters
         ----------
-        excitation : int
+        excitation : int or str
             Dof of the force.
         fs_hz : float
             Sampling rate.
@@ -275,7 +281,7 @@ class StructuralModel(Described):
             Band of the force; all up to half the sampling rate by default.
         noise : float
             Standard deviation of white sensor noise, as a fraction of each channel's own rms.
-        responses : sequence of int, optional
+        responses : sequence of int or str, optional
             Dofs of the accelerometers; all by default.
         rng : int or numpy.random.Generator, optional
             Randomness.
@@ -302,7 +308,7 @@ class StructuralModel(Described):
         """
         from .simulation import simulate
 
-        dofs = list(range(self.n_dof)) if responses is None else self._dofs("responses", responses)
+        dofs = self._free_dofs if responses is None else self._dofs("responses", responses)
         self._damping(damping_ratio)
         elastic = [f for f in self._core.modes()[0] if f > 0]
         return simulate(
@@ -320,7 +326,14 @@ class StructuralModel(Described):
         )
 
     def _dof(self, name: str, value: Any) -> int:
+        """Number of a dof that is given by its number or its name."""
+        if isinstance(value, str):
+            return self._names.find(name, value)
         return integer(name, value, low=0, high=self.n_dof - 1)
+
+    def _whole_shapes(self, shapes: FloatArray) -> FloatArray:
+        """Shapes (n_modes, n_dof) with the motion of dofs that are taken out."""
+        return shapes
 
     def _dofs(self, name: str, value: Any) -> list[int]:
         if shape_of(value) == ():

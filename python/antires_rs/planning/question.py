@@ -10,7 +10,6 @@ import numpy as np
 
 from .. import _core
 from ..damage.evidence import HIGHEST
-from ..models.frame import FrameModel
 from ..models.parameter import Parameter, parameter_tuple
 from ..models.parameter_names import parameter_name
 from ..models.parameters import stiffness_reduction
@@ -94,23 +93,16 @@ def unknowns_of(model: StructuralModel, elements: Any) -> Unknowns:
 
 
 def dofs_of(name: str, model: StructuralModel, dofs: Any, default: list[int] | None = None) -> list[int]:
-    """Dofs of the model, each once; by default all of a chain or matrices, of a frame the translations."""
+    """Dofs of the model, each once; by default all but rotations, where names tell them."""
     if dofs is None:
-        return _translations(model) if default is None else default
+        return model._sensor_dofs if default is None else default
     listed = [dofs] if shape_of(dofs) == () else list(dofs)
-    chosen = [integer(name, dof, low=0, high=model.n_dof - 1) for dof in listed]
+    chosen = [model._dof(name, dof) for dof in listed]
     if not chosen or len(set(chosen)) < len(chosen):
         reject(
             name, dofs, "dofs of the model, at least one and each once", "Look them up by model.dof_label."
         )
     return chosen
-
-
-def _translations(model: StructuralModel) -> list[int]:
-    if not isinstance(model, FrameModel):
-        return list(range(model.n_dof))
-    names = [model.dof_name(dof).split()[-1] for dof in range(model.n_dof)]
-    return [dof for dof, name in enumerate(names) if name in ("u", "v", "w")]
 
 
 def band_of(model: StructuralModel, band_hz: Any) -> tuple[float, float]:

@@ -12,6 +12,7 @@ from .. import _core
 from ..damage.association import align
 from ..damage.roots import roots_at
 from ..support.validation import FloatArray
+from ..updating.model_dofs import antiresonance_objective
 from .value_errors import ExpectedErrors
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def objective(
     """The core's objective of these responses, for its roots up to ``high_hz`` (and none of its values)."""
     parts = [(dof, force, np.array([high_hz / _MARGIN]), sees, 0) for dof in sensors]
     core = model.description.core_parameters(parameters)
-    return _core.Objective.antiresonance(model._core, core, parts, "squared", None, 0.0, None)
+    return antiresonance_objective(model, core, parts, "squared", None, 0.0, None)
 
 
 def virtual_roots(

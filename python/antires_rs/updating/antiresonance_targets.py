@@ -15,7 +15,7 @@ from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import FloatArray
 from .complex_zeros import of_one_kind
-from .model_dofs import model_dof
+from .model_dofs import antiresonance_objective, known_dof, model_dof
 from .steady_roots import followed, roots_of, steady
 from .tables import FrequencyTable
 from .weights import residual_weights
@@ -74,7 +74,7 @@ class AntiresonanceTargets:
     def core(self, *parts: Any) -> _core.Objective:
         """The core's objective."""
         model, parameters, *rest = parts
-        return _core.Objective.antiresonance(model, parameters, self.parts, *rest)
+        return antiresonance_objective(model, parameters, self.parts, *rest)
 
     def residuals(self, core: _core.Objective, x: FloatArray) -> FloatArray:
         """Signed residuals e at ``x``; 1 without a partner."""
@@ -125,5 +125,5 @@ class AntiresonanceTargets:
 
 def _channels(model: StructuralModel, found: AntiresonanceSet) -> list[int]:
     """All responses that were measured together, none where one is no dof of the model."""
-    channels = [dof for dof in found.channels if isinstance(dof, int) and 0 <= dof < model.n_dof]
-    return channels if len(channels) == len(found.channels) else []
+    channels = [known_dof(model, dof) for dof in found.channels]
+    return [] if None in channels else [dof for dof in channels if dof is not None]

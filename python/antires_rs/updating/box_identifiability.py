@@ -19,11 +19,12 @@ from .box_residuals import BoxResiduals
 from .combinations import combination_in_words, combinations
 from .error_rows import error_rows
 from .exact_tests import sensitivities
+from .model_dofs import model_dof
 from .problem import UpdatingProblem
 from .suggestions import TOLD, expected_covariance, suggestions
 
 if TYPE_CHECKING:
-    from ..models.structural_model import StructuralModel
+    pass
 
 __all__ = ["BoxIdentifiability", "identifiability"]
 
@@ -217,24 +218,25 @@ def _tried(
     """Dofs to be tried as forces and as sensors."""
     model = problem.model
     given = [
-        None if dofs is None else [integer(name, dof, low=0, high=model.n_dof - 1) for dof in dofs]
+        None if dofs is None else [model_dof(model, name, dof) for dof in dofs]
         for name, dofs in (("forces", forces), ("sensors", sensors))
     ]
     of_modes = problem.noun == "mode"
-    seen = {int(dof) for each in problem.measured for dof in (each.dofs if of_modes else each)}
-    pushed = set() if of_modes else {int(each.excitation) for each in problem.measured}
+    seen = {
+        model_dof(model, "measured dof", dof)
+        for each in problem.measured
+        for dof in (each.dofs if of_modes else each)
+    }
+    pushed = (
+        set() if of_modes else {model_dof(model, "excitation", each.excitation) for each in problem.measured}
+    )
     if of_modes:
         given[0] = []
-    free = [dof for dof in range(model.n_dof) if dof not in seen and _moves(model, dof)]
+    free = [dof for dof in model._sensor_dofs if dof not in seen]
     return (
         _some(sorted(seen - pushed)) if given[0] is None else given[0],
         _some(free) if given[1] is None else given[1],
     )
-
-
-def _moves(model: StructuralModel, dof: int) -> bool:
-    """Whether a sensor can be there: accelerometers do not measure rotations."""
-    return not model.dof_label(dof).split()[-1].startswith(("r", "theta"))
 
 
 def _some(dofs: list[int]) -> list[int]:

@@ -98,7 +98,8 @@ def of_one_kind(
             continue
         usual, highest = float(np.median(known)), max(found[dof].max(initial=0.0) for dof in found)
         limit_hz = (1.0 + 2.0 * _REACH) * highest
-        real = [f for f, *_ in model._core.antiresonances(list(numbers), force, limit_hz, "modal", True)]
+        core, rows = model._core_for([*numbers, force])
+        real = [f for f, *_ in core.antiresonances(rows[:-1], rows[-1], limit_hz, "modal", True)]
         for label, table, dof, roots, keep in zip(found, tables, numbers, real, of_set, strict=True):
             excess = np.abs(table.damping_ratio - usual)
             to_real = np.abs(table.freq_hz[:, None] - roots).min(axis=1, initial=np.inf)

@@ -15,6 +15,7 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..support.validation import FloatArray, reject
 from .box_residuals import BoxResiduals
+from .model_dofs import model_dof
 from .problem import UpdatingProblem
 from .steady_roots import roots_of
 
@@ -62,16 +63,17 @@ def _antiresonances(
 ) -> list[AntiresonanceSet]:
     """The roots of the model that have the numbers of the measured ones in the nominal model."""
     high, low = float(problem.measured_hz.max()), _LOWEST * float(problem.measured_hz.min())
-    tests = [
-        (int(s.excitation), s, [*s, *(dof for dof in sensors if dof not in s)]) for s in problem.measured
-    ]
+    tests: list[tuple[int, dict[int, FloatArray] | None, list[int]]] = []
+    for each in problem.measured:
+        values = {model_dof(model, "measured dof", dof): each[dof] for dof in each}
+        force = model_dof(model, "excitation", each.excitation)
+        tests.append((force, values, [*values, *(dof for dof in sensors if dof not in values)]))
     tests += [(force, None, tests[0][2]) for force in forces]
     sees = problem.measured[0].sees
     sets = []
     for force, measured, dofs in tests:
-        numbered = [int(dof) for dof in dofs]
-        before = roots_of(problem.model, numbered, force, _BEYOND * high, sees != "frf")
-        there = roots_of(model, numbered, force, _BEYOND * high, sees != "frf")
+        before = roots_of(problem.model, dofs, force, _BEYOND * high, sees != "frf")
+        there = roots_of(model, dofs, force, _BEYOND * high, sees != "frf")
         found = {}
         for dof, was, now in zip(dofs, before, there, strict=True):
             was, now = (np.empty(0) if freq is None else freq for freq in (was, now))

@@ -190,7 +190,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     def _made_core(self) -> _core.Objective:
         prices = (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None
         return self._targets.core(
-            self.model._core,
+            self.model,
             self.model.description.core_parameters(self.parameters),
             self.misfit,
             prices,

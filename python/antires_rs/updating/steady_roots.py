@@ -49,7 +49,8 @@ def roots_of(
     model: StructuralModel, dofs: list[int], force: int, limit_hz: float, cancelled: bool
 ) -> list[FloatArray | None]:
     """Roots of each response; None of one that does not respond at all."""
-    found = model._core.antiresonances(dofs, force, limit_hz, "modal", cancelled)
+    core, rows = model._core_for([*dofs, force])
+    found = core.antiresonances(rows[:-1], rows[-1], limit_hz, "modal", cancelled)
     return [None if silent else freq for freq, silent, _ in found]
 
 

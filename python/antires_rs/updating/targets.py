@@ -85,6 +85,12 @@ class ModalTargets:
                     np.ascontiguousarray(each.shapes[flexible], dtype=np.complex128),
                 )
             )
+        listed = [dofs for _, dofs, _ in self._parts]
+        self._dofs = [dof for dofs in listed for dof in dofs]
+        rows = model._core_for(self._dofs)[1]
+        ends = np.cumsum([0, *map(len, listed)])
+        #: Rows of the core's matrices.
+        self._rows = [rows[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)]
         self.hz = np.concatenate([freq for freq, _, _ in self._parts])
         self.numbers = np.concatenate([np.flatnonzero(each.freq_hz != 0.0) for each in sets])
 
@@ -102,7 +108,10 @@ class ModalTargets:
     def core(self, *parts: Any) -> _core.Objective:
         """The core's objective."""
         model, parameters, *rest = parts
-        return _core.Objective.modal(model, parameters, self._parts, *rest)
+        placed = [
+            (freq, rows, shapes) for (freq, _, shapes), rows in zip(self._parts, self._rows, strict=True)
+        ]
+        return _core.Objective.modal(model._core_for(self._dofs)[0], parameters, placed, *rest)
 
     @staticmethod
     def _pairs(core: _core.Objective, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -130,10 +139,10 @@ class ModalTargets:
         (f0, _, shapes0), (f1, _, shapes1) = self._pairs(core, behind), self._pairs(core, ahead)
         changes = [(f1**2 - f0**2) / self.hz**2]
         first = 0
-        for freq, dofs, _ in self._parts:
+        for (freq, _, _), own in zip(self._parts, self._rows, strict=True):
             rows = slice(first, first + len(freq))
             first += len(freq)
-            u, v = (unit_shapes(shapes[rows][:, dofs]) for shapes in (shapes0, shapes1))
+            u, v = (unit_shapes(shapes[rows][:, own]) for shapes in (shapes0, shapes1))
             sign = np.where(np.sum(u * v, axis=1, keepdims=True) < 0.0, -1.0, 1.0)
             changes.append((sign * v - u).ravel())
         return np.concatenate(changes)

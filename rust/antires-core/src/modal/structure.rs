@@ -111,8 +111,7 @@ impl Structure {
             Some(band) if n <= SMALL && slender(band.2) => return by_band(band),
             _ => {}
         }
-        let places = (0..n).flat_map(|j| entries(j).map(move |at| (row(at), j as u32)));
-        let reduced = Pattern::new(n, places.collect::<Vec<_>>().into_iter());
+        let (reduced, kept_places) = pattern.kept(kept);
         let Some(symbolic) = Symbolic::new(&reduced) else {
             return dense();
         };
@@ -126,21 +125,10 @@ impl Structure {
             }
             _ => {
                 let order = symbolic.order().to_vec();
-                let ordered = symbolic.pattern();
-                let whole = |j: usize| {
-                    let (order, rows) = (&order, ordered.column(j));
-                    rows.iter().map(move |&i| {
-                        let at = pattern.find(order[i as usize], order[j]);
-                        at.expect("a place of the pattern") as u32
-                    })
-                };
-                let origin = (0..n).flat_map(whole).collect();
+                let origin = symbolic.origin().iter();
+                let origin = origin.map(|&at| kept_places[at] as u32).collect();
                 let symbolic = Arc::new(symbolic);
-                Self::laid_out(
-                    order.clone(),
-                    0,
-                    Layout::Sparse(SparseLayout { symbolic, origin }),
-                )
+                Self::laid_out(order, 0, Layout::Sparse(SparseLayout { symbolic, origin }))
             }
         }
     }

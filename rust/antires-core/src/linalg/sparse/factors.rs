@@ -15,7 +15,7 @@ use faer::sparse::linalg::cholesky::supernodal::{
 
 use super::matrix::SparseMatrix;
 use super::symbolic::Symbolic;
-use crate::linalg::wide::{self, NullaryFnOnce, dot, subtract};
+use crate::linalg::wide::{self, COLUMNS, NullaryFnOnce, dot, subtract};
 
 /// Factors of the matrices of one pattern, in the order of its [`Symbolic`] analysis.
 pub struct SparseFactors {
@@ -66,22 +66,13 @@ impl SparseFactors {
         if done.is_err() {
             return (0, f64::INFINITY);
         }
-        let (mut negative, mut growth) = (0, 0.0_f64);
-        for block in blocks(&self.symbolic) {
-            for c in 0..block.width {
-                let column =
-                    &self.values[block.values + c * block.height + c..][..block.height - c];
-                let pivot = column[0];
-                negative += usize::from(pivot < 0.0);
-                self.inverse[block.first + c] = pivot.recip();
-                let largest = column[1..].iter().fold(0.0_f64, |m, l| m.max(l.abs()));
-                // NaN grows without bound.
-                let size = (largest * largest).max(1.0) * pivot.abs();
-                growth = if size <= growth { growth } else { size };
-                if growth.is_nan() {
-                    return (0, f64::INFINITY);
-                }
-            }
+        let (negative, growth) = wide::run(Pivots {
+            symbolic: &self.symbolic,
+            values: &self.values,
+            inverse: &mut self.inverse,
+        });
+        if growth.is_nan() {
+            return (0, f64::INFINITY);
         }
         (negative, growth / a.norm_max().max(f64::MIN_POSITIVE))
     }
@@ -160,18 +151,17 @@ impl NullaryFnOnce for Solve<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { factors, x } = self;
-        let mut below: Vec<f64> = Vec::new();
+        // The rows of a block: its own, then those below.
+        let mut rows: Vec<f64> = Vec::new();
         for block in blocks(&factors.symbolic) {
-            below.clear();
-            below.resize(block.rows.len(), 0.0);
-            let own = &mut x[block.first..block.first + block.width];
-            for c in 0..block.width {
-                let column = &factors.values[block.values + c * block.height..][..block.height];
-                let (head, rest) = own.split_at_mut(c + 1);
-                subtract(rest, head[c], &column[c + 1..block.width]);
-                subtract(&mut below, head[c], &column[block.width..]);
-            }
-            for (&row, value) in block.rows.iter().zip(&below) {
+            let own = block.first..block.first + block.width;
+            rows.clear();
+            rows.extend_from_slice(&x[own.clone()]);
+            rows.resize(block.height, 0.0);
+            forward(&block, &factors.values, &mut rows);
+            let (head, below) = rows.split_at(block.width);
+            x[own].copy_from_slice(head);
+            for (&row, value) in block.rows.iter().zip(below) {
                 x[row as usize] += value;
             }
         }
@@ -179,16 +169,100 @@ impl NullaryFnOnce for Solve<'_> {
             *x *= inverse;
         }
         for block in blocks(&factors.symbolic).rev() {
-            below.clear();
-            below.extend(block.rows.iter().map(|&row| x[row as usize]));
-            let own = &mut x[block.first..block.first + block.width];
-            for c in (0..block.width).rev() {
-                let column = &factors.values[block.values + c * block.height..][..block.height];
-                let (head, rest) = own.split_at_mut(c + 1);
-                head[c] -=
-                    dot(&column[c + 1..block.width], rest) + dot(&column[block.width..], &below);
+            let own = block.first..block.first + block.width;
+            rows.clear();
+            rows.extend_from_slice(&x[own.clone()]);
+            rows.extend(block.rows.iter().map(|&row| x[row as usize]));
+            backward(&block, &factors.values, &mut rows);
+            x[own].copy_from_slice(&rows[..block.width]);
+        }
+    }
+}
+
+impl Block<'_> {
+    /// Column `c` of L.
+    #[inline(always)]
+    fn column<'v>(&self, values: &'v [f64], c: usize) -> &'v [f64] {
+        &values[self.values + c * self.height..][..self.height]
+    }
+}
+
+/// Takes the own rows times L from those below them.
+#[inline(always)]
+fn forward(block: &Block<'_>, values: &[f64], rows: &mut [f64]) {
+    let mut c = 0;
+    while c + COLUMNS <= block.width {
+        let columns: [&[f64]; COLUMNS] = std::array::from_fn(|q| block.column(values, c + q));
+        for q in 0..COLUMNS {
+            for r in q + 1..COLUMNS {
+                rows[c + r] -= rows[c + q] * columns[q][c + r];
             }
         }
+        let head = std::array::from_fn(|q| rows[c + q]);
+        c += COLUMNS;
+        wide::subtract_block(&mut rows[c..], head, columns.map(|column| &column[c..]));
+    }
+    for c in c..block.width {
+        let (head, rest) = rows.split_at_mut(c + 1);
+        subtract(rest, head[c], &block.column(values, c)[c + 1..]);
+    }
+}
+
+/// Takes Lᵀ times the rows below from the own ones.
+#[inline(always)]
+fn backward(block: &Block<'_>, values: &[f64], rows: &mut [f64]) {
+    let blocked = block.width / COLUMNS * COLUMNS;
+    for c in (blocked..block.width).rev() {
+        let (head, rest) = rows.split_at_mut(c + 1);
+        head[c] -= dot(&block.column(values, c)[c + 1..], rest);
+    }
+    for c in (0..blocked).step_by(COLUMNS).rev() {
+        let columns: [&[f64]; COLUMNS] = std::array::from_fn(|q| block.column(values, c + q));
+        let end = c + COLUMNS;
+        let taken = wide::dot_block(columns.map(|column| &column[end..]), &rows[end..]);
+        for q in (0..COLUMNS).rev() {
+            let own: f64 = (q + 1..COLUMNS)
+                .map(|r| columns[q][c + r] * rows[c + r])
+                .sum();
+            rows[c + q] -= taken[q] + own;
+        }
+    }
+}
+
+/// Number of negative pivots and growth of the factors, NaN where one is not a number; the inverse pivots.
+struct Pivots<'a> {
+    symbolic: &'a Symbolic,
+    values: &'a [f64],
+    inverse: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Pivots<'_> {
+    type Output = (usize, f64);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let (mut negative, mut growth) = (0, 0.0_f64);
+        for block in blocks(self.symbolic) {
+            for c in 0..block.width {
+                let column = &block.column(self.values, c)[c..];
+                let pivot = column[0];
+                negative += usize::from(pivot < 0.0);
+                self.inverse[block.first + c] = pivot.recip();
+                let largest = wide::largest(&column[1..]);
+                let size = if largest > 1.0 {
+                    largest * largest
+                } else {
+                    1.0 + 0.0 * largest
+                };
+                let size = size * pivot.abs();
+                // NaN stays.
+                growth = if size <= growth { growth } else { size };
+                if growth.is_nan() {
+                    return (negative, growth);
+                }
+            }
+        }
+        (negative, growth)
     }
 }
 

@@ -99,32 +99,59 @@ impl Pattern {
         found.ok().map(|at| self.starts[j] + at)
     }
 
+    /// Those of the places that `kept` tells, mirror images alike, and the diagonal; for each its number here.
+    #[must_use]
+    pub fn kept(&self, kept: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
+        let mirrors = self.mirrors();
+        let (mut starts, mut rows, mut origin) = (vec![0], Vec::new(), Vec::new());
+        for j in 0..self.n() {
+            for at in self.starts[j]..self.starts[j + 1] {
+                if kept(at) || kept(mirrors[at]) || self.rows[at] as usize == j {
+                    rows.push(self.rows[at]);
+                    origin.push(at);
+                }
+            }
+            starts.push(rows.len());
+        }
+        (Self { starts, rows }, origin)
+    }
+
     /// The pattern with row and column `order[new]` moved to `new`, and for each of its places the number
     /// that it has here.
     #[must_use]
     pub fn permuted(&self, order: &[usize]) -> (Self, Vec<usize>) {
         let n = self.n();
         let mut place = vec![0_u32; n];
-        for (new, &old) in order.iter().enumerate() {
-            place[old] = new as u32;
-        }
         let mut starts = Vec::with_capacity(n + 1);
         starts.push(0);
-        let (mut rows, mut origin) = (
-            Vec::with_capacity(self.len()),
-            Vec::with_capacity(self.len()),
-        );
-        let mut column = Vec::new();
-        for &old in order {
-            column.clear();
-            let range = self.starts[old]..self.starts[old + 1];
-            column.extend(range.map(|at| (place[self.rows[at] as usize], at)));
-            column.sort_unstable();
-            rows.extend(column.iter().map(|c| c.0));
-            origin.extend(column.iter().map(|c| c.1));
-            starts.push(rows.len());
+        for (new, &old) in order.iter().enumerate() {
+            place[old] = new as u32;
+            starts.push(starts[new] + self.column(old).len());
+        }
+        let mirrors = self.mirrors();
+        let (mut rows, mut origin) = (vec![0_u32; self.len()], vec![0; self.len()]);
+        // Row after row of the new pattern, so that the columns come out sorted.
+        let mut next = starts.clone();
+        for (new, &old) in order.iter().enumerate() {
+            for at in self.starts[old]..self.starts[old + 1] {
+                let free = &mut next[place[self.rows[at] as usize] as usize];
+                rows[*free] = new as u32;
+                origin[*free] = mirrors[at];
+                *free += 1;
+            }
         }
         (Self { starts, rows }, origin)
+    }
+
+    /// For each place (i, j) the number of the place (j, i).
+    fn mirrors(&self) -> Vec<usize> {
+        let mut next = self.starts.clone();
+        let mirror = |&i: &u32| {
+            let at = next[i as usize];
+            next[i as usize] += 1;
+            at
+        };
+        self.rows.iter().map(mirror).collect()
     }
 }
 

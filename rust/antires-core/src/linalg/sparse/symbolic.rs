@@ -4,13 +4,13 @@
 use std::sync::Arc;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::simplicial;
 use faer::sparse::linalg::cholesky::supernodal::{
     SymbolicSupernodalCholesky, factorize_supernodal_symbolic_cholesky,
     factorize_supernodal_symbolic_cholesky_scratch,
 };
+use faer::sparse::{SymbolicSparseColMat, SymbolicSparseColMatRef};
 
 use super::pattern::Pattern;
 
@@ -21,8 +21,8 @@ pub struct Symbolic {
     order: Vec<usize>,
     pattern: Arc<Pattern>,
     origin: Vec<usize>,
-    /// Starts of the columns of the pattern, and its rows, as faer takes them.
-    starts: Vec<u32>,
+    /// The pattern as faer takes it.
+    matrix: SymbolicSparseColMat<u32>,
     supernodes: SymbolicSupernodalCholesky<u32>,
     flops: f64,
 }
@@ -38,7 +38,8 @@ impl Symbolic {
         let order = minimum_degree(pattern)?;
         let (permuted, origin) = pattern.permuted(&order);
         let starts: Vec<u32> = permuted.starts().iter().map(|&s| s as u32).collect();
-        let matrix = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, permuted.rows());
+        let own = SymbolicSparseColMat::new_checked(n, n, starts, None, permuted.rows().to_vec());
+        let matrix = own.as_ref();
         let mut parents = vec![0_i32; n];
         let mut counts = vec![0_u32; n];
         let memory = simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, pattern.len())
@@ -60,7 +61,7 @@ impl Symbolic {
             order,
             pattern: Arc::new(permuted),
             origin,
-            starts,
+            matrix: own,
             supernodes,
             flops,
         })
@@ -102,8 +103,7 @@ impl Symbolic {
 
     /// The pattern in the new order, as faer takes it.
     pub(super) fn matrix(&self) -> SymbolicSparseColMatRef<'_, u32> {
-        let n = self.pattern.n();
-        SymbolicSparseColMatRef::new_checked(n, n, &self.starts, None, self.pattern.rows())
+        self.matrix.as_ref()
     }
 }
 

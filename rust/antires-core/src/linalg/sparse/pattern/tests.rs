@@ -24,3 +24,16 @@ fn a_permuted_pattern_knows_where_its_places_come_from() {
     }
     assert_eq!(moved.len(), pattern.len());
 }
+
+#[test]
+fn a_part_of_a_pattern_keeps_mirror_images_and_the_diagonal() {
+    let pattern = Pattern::new(4, [(2, 0), (3, 0), (1, 3)].into_iter());
+    let wanted = pattern.find(3, 0).unwrap();
+    let (part, origin) = pattern.kept(|at| at == wanted);
+    assert_eq!(part, Pattern::new(4, [(3, 0)].into_iter()));
+    for j in 0..4 {
+        for (at, &i) in (part.starts[j]..).zip(part.column(j)) {
+            assert_eq!(pattern.find(i as usize, j), Some(origin[at]));
+        }
+    }
+}
