@@ -1,36 +1,32 @@
-"""Stiffness and mass as sums: the term that each parameter scales.
+"""The matrices of a problem as sums: the term that each parameter scales.
 
 ``K(x) = K + sum (s_j(x_j) - 1) K_j`` with s_j the factor of a parameter, and so M. It holds for factors and
-reductions that do not share a term; sections, angles and positions bend it.
+reductions that do not share a term; sections, angles and positions bend it. The rows are those of the core's
+model in which every measured dof is one: what constraints take out is not there.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..models.matrices import as_sparse
+from .antiresonance_targets import AntiresonanceTargets
+from .model_dofs import Part
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from .._core import Model as CoreModel
     from ..models.parameter import Parameter
-    from ..models.structural_model import StructuralModel
     from ..support.validation import FloatArray
+    from .problem import UpdatingProblem
 
-__all__ = ["AffineParts", "affine_parts", "bent_by", "projected"]
+__all__ = ["Affine", "bent_by", "matrices"]
 
 #: Quantities in which K and M are linear, and the matrix that each scales.
 _SCALES = {"stiffness_factor": "K", "stiffness_reduction": "K", "mass_factor": "M"}
-
-
-@dataclass(frozen=True)
-class AffineParts:
-    """Matrices at the nominal values, and the term of each parameter: (K_j, M_j), one of them None."""
-
-    stiffness: Any
-    mass: Any
-    terms: list[tuple[Any, Any]]
 
 
 def bent_by(parameters: Iterable[Parameter]) -> str | None:
@@ -47,27 +43,46 @@ def bent_by(parameters: Iterable[Parameter]) -> str | None:
     return None
 
 
-def affine_parts(model: StructuralModel, parameters: tuple[Parameter, ...]) -> AffineParts:
-    """The sums of a model, sparse; its parameters as :func:`bent_by` allows."""
-    from scipy import sparse
+def matrices(core: CoreModel) -> tuple[Any, Any]:
+    """K and M, sparse."""
+    return as_sparse(core.stiffness()), as_sparse(core.mass())
 
-    def matrices(of: Any) -> tuple[Any, Any]:
-        return sparse.csc_array(of.stiffness()), sparse.csc_array(of.mass())
 
-    stiffness, mass = matrices(model)
-    terms: list[tuple[Any, Any]] = []
-    for parameter in parameters:
+class Affine:
+    """The sums of a problem, its parameters as :func:`bent_by` allows.
+
+    ``terms`` are those of each parameter, (K_j, M_j), one of them None; ``parts`` the targets, response and
+    force by row.
+    """
+
+    def __init__(self, problem: UpdatingProblem) -> None:
+        assert isinstance(problem._targets, AntiresonanceTargets)
+        of = problem._targets.parts
+        self.problem = problem
+        self.core, rows = problem.model._core_for([dof for part in of for dof in part[:2]])
+        ends = zip(rows[::2], rows[1::2], strict=True)
+        self.parts: list[Part] = [(*end, *part[2:]) for end, part in zip(ends, of, strict=True)]
+        self.sensors = sorted(set(rows[::2]))
+        self.forces = sorted(set(rows[1::2]))
+        self._row = dict(zip((dof for part in of for dof in part[:2]), rows, strict=True))
+        self._parameters = problem.model.description.core_parameters(problem.parameters)
+        self.stiffness, self.mass = matrices(self.core)
+        self.terms = [self._term(nth) for nth in range(len(problem.parameters))]
+
+    def at(self, x: FloatArray) -> CoreModel:
+        """The full model at ``x``."""
+        return self.core.at(self._parameters, np.ascontiguousarray(x))
+
+    def rows(self, dofs: Any) -> FloatArray:
+        """Rows of measured dofs."""
+        return np.array([self._row[int(dof)] for dof in dofs])
+
+    def _term(self, nth: int) -> tuple[Any, Any]:
+        quantity = self.problem.parameters[nth].quantity
         # Half of it taken away or all of it added: no digit is lost that its sum with the others had kept.
-        value, factor = (0.5, -0.5) if parameter.quantity == "stiffness_reduction" else (2.0, 1.0)
-        k, m = matrices(model.with_parameters(parameter, value))
-        of_stiffness = _SCALES[parameter.quantity] == "K"
-        term = (k - stiffness if of_stiffness else m - mass) / factor
+        value, factor = (0.5, -0.5) if quantity == "stiffness_reduction" else (2.0, 1.0)
+        k, m = matrices(self.core.at([self._parameters[nth]], np.array([value])))
+        of_stiffness = _SCALES[quantity] == "K"
+        term = (k - self.stiffness if of_stiffness else m - self.mass) / factor
         term.eliminate_zeros()
-        terms.append((term, None) if of_stiffness else (None, term))
-    return AffineParts(stiffness, mass, terms)
-
-
-def projected(matrix: Any, basis: FloatArray) -> FloatArray:
-    """``V'AV``, exactly symmetric."""
-    small = basis.T @ (matrix @ basis)
-    return np.ascontiguousarray(0.5 * (small + small.T))
+        return (term, None) if of_stiffness else (None, term)

@@ -22,11 +22,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..exceptions import InvalidInputError
-from .affine import AffineParts
+from .affine import Affine, matrices
 
 if TYPE_CHECKING:
-    from ..models.structural_model import StructuralModel
+    from .._core import Model as CoreModel
     from ..support.validation import FloatArray
 
 __all__ = ["Basis", "basis_at"]
@@ -52,60 +51,57 @@ class Basis:
 
 
 def basis_at(
-    model: Any,
-    parts: AffineParts,
+    affine: Affine,
+    x: FloatArray,
     half_widths: FloatArray,
-    ends: tuple[list[int], list[int]],
     f_max_hz: float,
     depth: int,
     largest: tuple[int, float],
 ) -> Basis:
     """The basis at one point.
 
-    ``model`` is the full one at the point, ``half_widths`` the half of what each parameter may change by,
-    ``ends`` the dofs of forces and of sensors, ``depth`` the Krylov vectors of a sensor, ``largest`` the most
-    vectors and the least size of one that parameters make.
+    ``half_widths`` are the half of what each parameter may change by, ``depth`` the Krylov vectors of a
+    sensor, ``largest`` the most vectors and the least size of one that parameters make.
     """
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
-    (forces, sensors), (size, least) = ends, largest
-    mass = sparse.csc_array(model.mass())
+    size, least = largest
+    core = affine.at(x)
+    stiffness, mass = matrices(core)
     limit = (2.0 * np.pi * f_max_hz) ** 2
     sigma = _SHIFT * limit
-    shifted = sparse.csc_matrix(sparse.csc_array(model.stiffness()) + sigma * mass)
+    shifted = sparse.csc_matrix(stiffness + sigma * mass)
     factors = splu(
         shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )
-    blocks, first = [_modes(model, f_max_hz)], []
-    for dofs, count in ((sensors, depth), (forces, depth + _MORE_OF_FORCE)):
-        loads = np.zeros((mass.shape[0], len(dofs)))
-        loads[dofs, range(len(dofs))] = 1.0
+    blocks, first = [_modes(core, f_max_hz)], []
+    for rows, count in ((affine.sensors, depth), (affine.forces, depth + _MORE_OF_FORCE)):
+        loads = np.zeros((mass.shape[0], len(rows)))
+        loads[rows, range(len(rows))] = 1.0
         for _ in range(count):
             blocks.append(factors.solve(loads))
             loads = np.asarray(mass @ blocks[-1])
         first.append(blocks[-count])
-    core = _orthonormal(shifted, np.hstack(blocks))[:, :size]
+    own = _orthonormal(shifted, np.hstack(blocks))[:, :size]
     moving = _units(shifted, np.hstack([blocks[0], *first]))
-    moved = _moved(factors, parts, half_widths, sigma, moving)
-    beside = _beside(shifted, core, moved, size - core.shape[1], least)
-    return Basis(np.hstack([core, beside]), factors, sigma, limit)
+    moved = _moved(factors, affine, half_widths, sigma, moving)
+    beside = _beside(shifted, own, moved, size - own.shape[1], least)
+    return Basis(np.hstack([own, beside]), factors, sigma, limit)
 
 
-def _modes(model: StructuralModel, f_max_hz: float) -> FloatArray:
+def _modes(core: CoreModel, f_max_hz: float) -> FloatArray:
     """Shapes up to the limit, (n, m)."""
-    try:
-        return np.asarray(model.modes(f_max_hz=f_max_hz).shapes.T)
-    except InvalidInputError:  # none
-        return np.empty((model.n_dof, 0))
+    freq_hz, shapes = core.modes(f_max_hz, None)
+    return np.asarray(shapes[:, freq_hz <= f_max_hz])
 
 
 def _moved(
-    factors: Any, parts: AffineParts, half_widths: FloatArray, sigma: float, vectors: FloatArray
+    factors: Any, affine: Affine, half_widths: FloatArray, sigma: float, vectors: FloatArray
 ) -> list[FloatArray]:
     """A^-1 (dK + sigma dM) v for every parameter, over half of its range."""
     blocks = []
-    for (k, m), half in zip(parts.terms, half_widths, strict=True):
+    for (k, m), half in zip(affine.terms, half_widths, strict=True):
         if half <= 0.0:
             continue
         loads = half * np.asarray((k if k is not None else m) @ vectors) * (1.0 if k is not None else sigma)

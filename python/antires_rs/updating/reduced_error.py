@@ -18,26 +18,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .affine import Affine, matrices
+
 if TYPE_CHECKING:
     from ..support.validation import FloatArray
-    from .problem import UpdatingProblem
     from .reduced_basis import Basis
 
 __all__ = ["estimated_error"]
 
 
-def estimated_error(problem: UpdatingProblem, basis: Basis, x: FloatArray, paired_hz: FloatArray) -> float:
+def estimated_error(affine: Affine, basis: Basis, x: FloatArray, paired_hz: FloatArray) -> float:
     """Largest relative error of ``paired_hz``, the roots of the reduced model paired at ``x``."""
-    model: Any = problem.model_at(x)
-    dofs, forces = problem.measured_dofs, problem.measured_excitations
-    assert dofs is not None
-    assert forces is not None
+    problem = affine.problem
+    rows, forces = affine.rows(problem.measured_dofs), affine.rows(problem.measured_excitations)
     there = ~np.isnan(paired_hz)
-    asked = np.unique(np.stack([dofs[there], forces[there], paired_hz[there]]), axis=1)
+    asked = np.unique(np.stack([rows[there], forces[there], paired_hz[there]]), axis=1)
     if asked.size == 0:
         return 0.0
     responses, forces, roots = asked[0].astype(int), asked[1].astype(int), (2.0 * np.pi * asked[2]) ** 2
-    stiffness, mass, vectors = model.stiffness(), model.mass(), basis.vectors
+    (stiffness, mass), vectors = matrices(affine.at(x)), basis.vectors
     of_stiffness, of_mass = vectors.T @ (stiffness @ vectors), vectors.T @ (mass @ vectors)
     dynamic = of_stiffness - roots[:, None, None] * of_mass
     loads = np.stack([vectors[forces], vectors[responses]], axis=2)

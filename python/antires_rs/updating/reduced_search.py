@@ -2,7 +2,7 @@
 
 The first search is the optimizer's own, over the whole box; those after it are descents within a trust
 region around where the last one ended, on a basis made there. They end when full and reduced model agree at
-the answer. Where that answer explains little, some more begin elsewhere.
+the answer. Unless that answer explains everything, others begin elsewhere until two agree.
 """
 
 from __future__ import annotations
@@ -17,10 +17,9 @@ from ..optimize.island_ga import IslandGA
 from ..optimize.outcome import OptimizeResult
 from ..support.one_thread import one_blas_thread
 from ..support.validation import FloatArray
-from .affine import affine_parts
-from .antiresonance_targets import AntiresonanceTargets
+from .affine import Affine
 from .reduced_basis import basis_at
-from .reduced_model import ReducedProblem, largest_difference, reduced_problem
+from .reduced_model import ReducedProblem, largest_difference
 from .reduction import Reduction, ReductionReport
 
 if TYPE_CHECKING:
@@ -34,8 +33,8 @@ _FIRST_TRUST, _LEAST_TRUST = 0.25, 1e-3
 _DEPTH = 2
 #: Modes are taken up to this multiple of the highest measured frequency, as the objective asks for roots.
 _BAND = 1.5
-#: Most searches from elsewhere, and the mean residual from which on there is another.
-_ATTEMPTS, _EXPLAINED = 4, 0.01
+#: Most searches from elsewhere, until two end within this part of the box.
+_ATTEMPTS, _SAME = 4, 0.02
 #: A mean residual of nothing but rounding; else a search looks around its answer within this part of the box,
 #: and goes on from a cost lower than this part of what it was.
 _EXACT, _AROUND, _BETTER = 1e-6, 0.2, 0.95
@@ -53,16 +52,19 @@ def reduced_search(
     """What the search found, its cost that of the full model, and how the reduced ones served."""
     search = _Search(problem, reduction, minimize, np.random.default_rng(seed))
     best = search.run(start)
+    low, high = problem.bounds.T
     for _ in range(_ATTEMPTS):
-        if best.unexplained <= _EXPLAINED or search.stopped:
+        if best.unexplained <= _EXACT or search.stopped:
             break
-        other = search.run(search.rng.uniform(problem.bounds[:, 0], problem.bounds[:, 1]))
+        other = search.run(search.rng.uniform(low, high))
+        agreed = bool(np.all(np.abs(other.x - best.x) <= _SAME * (high - low)))
         if other.cost < best.cost:
             best = other
-    size = best.reduced.model.n_dof
+        if agreed:
+            break
     report = ReductionReport(
         n_dof=problem.model.n_dof,
-        size=size,
+        size=best.reduced.size,
         rounds=search.bases,
         estimate=best.reduced.estimate(best.x),
         difference=best.difference,
@@ -92,7 +94,6 @@ class _Search:
     def __init__(
         self, problem: UpdatingProblem, reduction: Reduction, minimize: Minimize, rng: np.random.Generator
     ) -> None:
-        assert isinstance(problem._targets, AntiresonanceTargets)
         self.rng = rng
         self.found: list[OptimizeResult] = []
         self.bases = 0
@@ -100,10 +101,7 @@ class _Search:
         # The smallest search there is around a polish, and one that polishes a few points.
         self._descent = IslandGA(islands=1, population=4, max_generations=1).options
         self._look = IslandGA(islands=3, population=6, max_generations=8, polish_interval=3).options
-        self._parts = affine_parts(problem.model, problem.parameters)
-        parts = problem._targets.parts
-        self._forces = sorted({force for _, force, *_ in parts})
-        self._sensors = sorted({dof for dof, *_ in parts})
+        self._affine = Affine(problem)
 
     @property
     def stopped(self) -> bool:
@@ -162,8 +160,6 @@ class _Search:
         problem, wanted = self._problem, self._reduction
         half_widths = 0.5 * share * (problem.bounds[:, 1] - problem.bounds[:, 0])
         limit_hz = _BAND * float(problem.measured_hz.max())
-        model, size = problem.model_at(x), (wanted.size, wanted.least)
-        ends = self._forces, self._sensors
-        return reduced_problem(
-            problem, self._parts, basis_at(model, self._parts, half_widths, ends, limit_hz, depth, size)
-        )
+        largest = wanted.size, wanted.least
+        basis = basis_at(self._affine, x, half_widths, limit_hz, depth, largest)
+        return ReducedProblem(self._affine, basis)
