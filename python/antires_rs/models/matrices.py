@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from ..support.validation import FloatArray, real_array, reject
+from ..exceptions import AntiresWarning
+from ..support.validation import FloatArray, part, real_array, reject
 from .entries import Columns, Entries
 
-__all__ = ["as_dense", "as_sparse", "as_square", "as_term"]
+__all__ = ["as_dense", "as_masses", "as_sparse", "as_square", "as_term"]
 
 WANTED = "a square matrix (n, n), dense or scipy.sparse"
 
 #: Relative asymmetry up to which a matrix counts as symmetric: assembly in another program rounds.
 SYMMETRY = 1e-9
+#: Masses below zero by less than this share of the middle one are rounding.
+ROUNDING = 1e-12
 
 
 def as_sparse(columns: Columns) -> Any:
@@ -37,7 +42,7 @@ def as_dense(columns: Columns) -> FloatArray:
 
 def as_square(name: str, matrix: Any, n: int | None = None) -> tuple[int, Entries]:
     """Size and entries of a finite square matrix, (n, n) where n is known."""
-    shape, entries = _entries(name, matrix)
+    shape, entries = _entries(name, matrix, stacklevel=4)
     if shape != (n or shape[0],) * 2:
         reject(
             name,
@@ -48,9 +53,39 @@ def as_square(name: str, matrix: Any, n: int | None = None) -> tuple[int, Entrie
     return shape[0], entries
 
 
+def as_masses(mass: Entries, n: int, label: Callable[[int], str], *, stacklevel: int) -> Entries:
+    """A mass without what is below zero by rounding; real negative masses are refused, by name."""
+    own = mass.diagonal(n)
+    negative = np.flatnonzero(own < 0.0)
+    if not negative.size:
+        return mass
+    positive = own[own > 0.0]
+    least = ROUNDING * float(np.median(positive)) if positive.size else 0.0
+    size = np.zeros(n)
+    np.maximum.at(size, mass.rows, np.abs(mass.values))
+    real = negative[size[negative] > least]
+    if real.size:
+        reject(
+            part("mass", int(real[0])),
+            f"{own[real[0]]:.4g} kg at {label(int(real[0]))}"
+            + (f" and {real.size - 1} more" if real[1:].size else ""),
+            "no negative mass",
+            "Check its signs, and that stiffness and mass are not exchanged.",
+        )
+    named = ", ".join(label(int(dof)) for dof in negative[:6]) + (", ..." if negative.size > 6 else "")
+    warnings.warn(
+        f"mass: negative by rounding at {named}, {own[negative].min():.2g}: counted as none.",
+        AntiresWarning,
+        stacklevel=stacklevel + 1,
+    )
+    without = np.zeros(n, dtype=bool)
+    without[negative] = True
+    return mass.those(~(without[mass.rows] | without[mass.columns]))
+
+
 def as_term(name: str, matrix: Any, n: int) -> Entries:
     """Entries of a symmetric (n, n) matrix."""
-    shape, entries = _entries(name, matrix)
+    shape, entries = _entries(name, matrix, stacklevel=5)
     if shape != (n, n):
         reject(
             name,
@@ -80,7 +115,44 @@ def _is_symmetric(entries: Entries, n: int) -> bool:
     return bool(difference <= SYMMETRY * np.abs(entries.values).max())
 
 
-def _entries(name: str, matrix: Any) -> tuple[tuple[int, ...], Entries]:
+def _entries(name: str, matrix: Any, *, stacklevel: int) -> tuple[tuple[int, ...], Entries]:
+    """Shape and finite entries of a matrix, undamped."""
+    shape, entries = _given(name, _undamped(name, matrix, stacklevel + 1))
+    if shape[0] == shape[-1]:
+        _check_triangles(name, entries)
+    return shape, entries
+
+
+def _undamped(name: str, matrix: Any, stacklevel: int) -> Any:
+    """The real part of a matrix: hysteretic damping moves no antiresonance of the undamped structure."""
+    own = matrix if hasattr(matrix, "tocsr") else np.asarray(matrix)
+    if not (hasattr(own, "dtype") and np.issubdtype(own.dtype, np.complexfloating)):
+        return matrix
+    size = abs(own.real).max()
+    loss = float(abs(own.imag).max() / size) if size else 0.0
+    if loss > 0.0:
+        warnings.warn(
+            f"{name}: its imaginary part, {loss:.2g} of the real one, is left out: antiresonances are those "
+            "of the undamped structure. Give damping_ratio= to frf and simulate.",
+            AntiresWarning,
+            stacklevel=stacklevel,
+        )
+    return own.real
+
+
+def _check_triangles(name: str, entries: Entries) -> None:
+    """Refuse a matrix of which one triangle was exported; its mean with the mirror image would be wrong."""
+    above, below = (entries.rows < entries.columns).any(), (entries.rows > entries.columns).any()
+    if above != below:
+        reject(
+            name,
+            f"the {'upper' if above else 'lower'} triangle only",
+            "a symmetric matrix, both triangles of it",
+            "Pass A + A.T - diag(A): scipy.sparse.diags_array(A.diagonal()) is diag(A).",
+        )
+
+
+def _given(name: str, matrix: Any) -> tuple[tuple[int, ...], Entries]:
     """Shape and finite entries of a matrix; a sparse one is never made dense."""
     if not hasattr(matrix, "tocsr"):
         array = matrix.toarray() if hasattr(matrix, "toarray") else matrix

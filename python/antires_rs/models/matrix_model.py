@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from .description import ModelDescription
 from .dof_names import names_of
 from .entries import Columns
 from .independent import Independent
-from .matrices import as_sparse, as_square, as_term
+from .matrices import as_masses, as_sparse, as_square, as_term
 from .named_constraints import equations_by_number
 from .penalties import warn_penalties, warn_rounded
 from .recipes import MatrixRecipe
@@ -34,7 +34,8 @@ class MatrixModel(StructuralModel):
     ----------
     stiffness, mass : array_like or scipy.sparse, (n, n)
         Symmetric nominal matrices; the mass may be singular (massless dofs). Sparse ones stay sparse: memory
-        and time go with their entries.
+        and time go with their entries. An imaginary part (hysteretic damping) is left out, and a damping
+        matrix has no place: antiresonances are those of the undamped structure.
     stiffness_terms, mass_terms : sequence of array_like or scipy.sparse, (n, n)
         Contribution of each element (or group) to the matrix. A parameter with factor s turns K into
         ``K + (s - 1) K_i``; the terms need not add up to K.
@@ -56,8 +57,8 @@ class MatrixModel(StructuralModel):
     Warns
     -----
     AntiresWarning
-        Penalties of which rounding in the assembly has taken more than 2e-8 of the stiffness beside them; a
-        mass below zero by rounding.
+        An imaginary part; a mass below zero by rounding; penalties of which rounding in the assembly has
+        taken more than 2e-8 of the stiffness beside them.
 
     Notes
     -----
@@ -98,7 +99,7 @@ class MatrixModel(StructuralModel):
         recipe = MatrixRecipe(
             n,
             k,
-            as_square("mass", mass, n)[1],
+            as_masses(as_square("mass", mass, n)[1], n, partial(_label, names), stacklevel=2),
             tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms)),
             tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms)),
             names,
@@ -138,8 +139,7 @@ class MatrixModel(StructuralModel):
 
     def dof_label(self, dof: int) -> str:
         """Its name, or ``dof 3`` where it has none."""
-        names = self._recipe.names
-        return names[dof] if names else super().dof_label(dof)
+        return _label(self._recipe.names, dof)
 
     def _own_stiffness(self) -> FloatArray:
         """Diagonal of the stiffness, zero for dofs that were taken out."""
@@ -263,3 +263,7 @@ class MatrixModel(StructuralModel):
             f"MatrixModel({self.n_dof} dofs{out}, {self._core.n_stiffness_terms} stiffness terms, "
             f"{self._core.n_mass_terms} mass terms)"
         )
+
+
+def _label(names: tuple[str, ...], dof: int) -> str:
+    return names[dof] if names else f"dof {dof}"

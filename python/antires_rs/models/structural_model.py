@@ -76,8 +76,9 @@ class StructuralModel(Described):
         if np.isnan(freq).any():
             raise NumericalError(
                 "modes of (K, M)",
-                f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound. "
-                "Check its signs.",
+                f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound, "
+                f"most at {self._most_moved(shapes[:, np.isnan(freq)])}. Check its signs, or with geometric "
+                "stiffness whether the load is beyond buckling; antiresonances are still found.",
             )
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
         if limit is not None and keep == 0:
@@ -324,6 +325,11 @@ class StructuralModel(Described):
             rng=rng,
             progress=progress,
         )
+
+    def _most_moved(self, shapes: FloatArray) -> str:
+        """Names of the dofs that move most in some shapes (n, m)."""
+        whole = np.abs(self._whole_shapes(shapes.T))
+        return ", ".join(map(self.dof_label, dict.fromkeys(np.nan_to_num(whole).argmax(axis=1).tolist())))
 
     def _dof(self, name: str, value: Any) -> int:
         """Number of a dof that is given by its number or its name."""
