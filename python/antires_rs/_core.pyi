@@ -144,6 +144,7 @@ class Objective:
         max_seconds: float | None,
         on_progress: _Progress | None,
         checkpoint: Checkpoint | None,
+        start: Sequence[float] | None = None,
     ) -> dict[str, Any]: ...
 
 def align(cost: _Floats, alone_row: _Floats, alone_column: _Floats) -> NDArray[np.intp]: ...

@@ -60,8 +60,10 @@ mod search;
 pub mod secular;
 pub mod sensitivities;
 pub mod solver;
+mod zero_batch;
 
 pub use of_model::{antiresonances, bounded_antiresonances};
 pub use query::{Antiresonances, Query, Route, Transfer};
 pub use sensitivities::ZeroSensitivity;
 pub use solver::{AntiresonanceSolver, Prepared};
+pub use zero_batch::ZeroBatch;
