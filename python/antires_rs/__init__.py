@@ -75,6 +75,7 @@ _NAMES = {
     "models.parameters": ("Parameter", "mass_factor", "stiffness_factor", "stiffness_reduction"),
     "models.sections": ("Rectangle", "Section", "Tube"),
     "optimize.island_ga": ("IslandGA",),
+    "updating.reduction": ("Reduction", "ReductionReport"),
     "optimize.outcome": ("History", "OptimizeResult"),
     "order_sweep.diagram": ("StabilizationDiagram", "stabilization"),
     "planning.detectability": ("detectability",),

@@ -82,6 +82,7 @@ from .updating.parameter_intervals import ParameterIntervals
 from .updating.penalty import DamagePenalty
 from .updating.problem import UpdatingProblem
 from .updating.profile import ProfileLikelihood
+from .updating.reduction import Reduction, ReductionReport
 from .updating.results import UpdateResult
 from .updating.search import update
 from .updating.tables import FrequencyTable, ModalTable
@@ -126,6 +127,8 @@ __all__ = [
     "RationalFit",
     "Recording",
     "Rectangle",
+    "Reduction",
+    "ReductionReport",
     "Round",
     "SampledSet",
     "Section",

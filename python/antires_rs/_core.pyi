@@ -73,6 +73,9 @@ class Model:
     def antiresonances(
         self, responses: Sequence[int], excitation: int, f_max_hz: float, method: str, include_cancelled: bool
     ) -> list[tuple[_Floats, bool, bool]]: ...
+    def bounded_antiresonances(
+        self, responses: Sequence[int], excitation: int, f_max_hz: float, method: str, include_cancelled: bool
+    ) -> list[tuple[_Floats, _Floats, bool, bool]]: ...
 
 @final
 class Frame:
@@ -141,6 +144,7 @@ class Objective:
         max_seconds: float | None,
         on_progress: _Progress | None,
         checkpoint: Checkpoint | None,
+        start: Sequence[float] | None = None,
     ) -> dict[str, Any]: ...
 
 def align(cost: _Floats, alone_row: _Floats, alone_column: _Floats) -> NDArray[np.intp]: ...

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
     from ..optimize.outcome import History, OptimizeResult
     from .problem import UpdatingProblem
+    from .reduction import ReductionReport
 
 __all__ = ["FrequencyTable", "ModalTable", "UpdateResult"]
 
@@ -53,6 +54,8 @@ class UpdateResult(WithIntervals):
     problem : UpdatingProblem
     seed : int
         Master seed in force.
+    reduction : ReductionReport or None
+        What the reduced models came to that served the search; None if there were none, and in a file.
 
     Examples
     --------
@@ -69,6 +72,7 @@ class UpdateResult(WithIntervals):
     problem: UpdatingProblem
     search: OptimizeResult
     seed: int
+    reduction: ReductionReport | None
     x: FloatArray
     fun: float
     success: bool
@@ -79,10 +83,16 @@ class UpdateResult(WithIntervals):
     nit: int
     migrations: int
 
-    def __init__(self, problem: UpdatingProblem, search: OptimizeResult, seed: int) -> None:
+    def __init__(
+        self,
+        problem: UpdatingProblem,
+        search: OptimizeResult,
+        seed: int,
+        reduction: ReductionReport | None = None,
+    ) -> None:
         told = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations")
         of_search = {name: getattr(search, name) for name in told}
-        self._fill(problem=problem, search=search, seed=seed, **of_search)
+        self._fill(problem=problem, search=search, seed=seed, reduction=reduction, **of_search)
 
     @property
     def history(self) -> History:
@@ -121,6 +131,8 @@ class UpdateResult(WithIntervals):
         """What a reader should know before trusting the numbers."""
         notes = [] if self.success else [f"The search did not finish: {self.message}"]
         notes += self.problem.left_out
+        if self.reduction is not None:
+            notes.append(self.reduction.note)
         alone = int(np.isnan(self.table.after_hz).sum())
         if alone:
             notes.append(

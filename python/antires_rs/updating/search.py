@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
+from ..exceptions import NumericalError
 from ..optimize.arguments import guesses, seed_of, thread_count
 from ..optimize.checkpoint import Checkpoint
 from ..optimize.island_ga import IslandGA
@@ -17,6 +18,8 @@ from ..support.progress import watched
 from ..support.validation import FloatArray, reject
 from .fingerprint import fingerprint
 from .problem import UpdatingProblem
+from .reduced_search import reduced_search
+from .reduction import Reduction, ReductionReport, wanted_reduction
 from .results import UpdateResult
 
 __all__ = ["search", "update"]
@@ -32,6 +35,7 @@ def update(
     x0: Any = None,
     progress: bool | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
+    reduction: Literal["auto"] | bool | Reduction = "auto",
 ) -> UpdateResult:
     """Find the parameters that bring the model's antiresonances, or modes, to the measured ones.
 
@@ -55,6 +59,11 @@ def update(
         File in which the search is kept, written every two seconds and at the end. If it is there, the search
         goes on from it, bit-identical to one that never stopped; see
         :mod:`antires_rs.optimize.checkpoint`.
+    reduction : {'auto', True, False} or Reduction, optional
+        Whether to search on a reduced model, which is made anew where the search arrives until it agrees
+        there with the full one; all that the result tells is of the full model. 'auto' does so above 2,000
+        dofs, where antiresonances were measured, the parameters (60 at most) scale terms, and no checkpoint
+        is kept. See :class:`Reduction`, and ``reduction`` of the result.
 
     Returns
     -------
@@ -68,6 +77,8 @@ def update(
         Something that is not an UpdatingProblem, a guess outside the bounds, a checkpoint of another search.
     UnsuitableDataError
         A damaged checkpoint.
+    NumericalError
+        A reduction that was asked for cannot be made: measured dofs move as one.
 
     Examples
     --------
@@ -87,6 +98,14 @@ def update(
             "an UpdatingProblem",
             "Join model, parameters and measurement by UpdatingProblem first.",
         )
+    wanted = wanted_reduction(problem, reduction, checkpoint)
+    if wanted is not None:
+        asked = (wanted, optimizer, rng, workers, callback, x0, progress)
+        try:
+            return UpdateResult(problem, *_search_reduced(problem, *asked))
+        except NumericalError:
+            if reduction != "auto":
+                raise
     found, seed = search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
     return UpdateResult(problem, found, seed)
 
@@ -105,9 +124,7 @@ def search(
 
     The nominal model is evaluated first: what comes back is never worse, however short the search was.
     """
-    ga = IslandGA() if optimizer is None else optimizer
-    if not isinstance(ga, IslandGA):
-        reject("optimizer", optimizer, "an IslandGA", "Leave it out for IslandGA().")
+    ga = _optimizer(optimizer)
     first = guesses(x0, len(problem.parameters))
     kept = None if checkpoint is None else Checkpoint(checkpoint)
     seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
@@ -130,6 +147,55 @@ def search(
     if nominal is not None and nominal[1] < found.fun:
         found = replace(found, x=nominal[0], fun=nominal[1])
     return found, seed
+
+
+def _search_reduced(
+    problem: UpdatingProblem,
+    reduction: Reduction,
+    optimizer: IslandGA | None,
+    rng: Any,
+    workers: int | None,
+    callback: Callable[[dict[str, Any]], bool | None] | None,
+    x0: Any,
+    progress: bool | None,
+) -> tuple[OptimizeResult, int, ReductionReport]:
+    """The same on reduced models, and how they served."""
+    ga, seed = _optimizer(optimizer), seed_of(rng)
+    first = guesses(x0, len(problem.parameters))
+    nominal = nominal_first(problem)
+    low, high = problem.bounds.T
+    start = np.clip(problem.nominal, low, high)
+    with watched(callback, progress, ga.options["max_evaluations"]) as watcher:
+
+        def minimize(
+            core: Any, lower: FloatArray, upper: FloatArray, at: FloatArray, options: dict[str, Any] | None
+        ) -> OptimizeResult:
+            begin = at.tolist()
+            raw = core.minimize(
+                np.ascontiguousarray(lower),
+                np.ascontiguousarray(upper),
+                [*first, begin] if options is None else [begin],
+                ga.options if options is None else options,
+                seed,
+                thread_count(workers),
+                ga.max_seconds,
+                watcher,
+                None,
+                begin,
+            )
+            return OptimizeResult._of(raw, ga._in_force)
+
+        found, report = reduced_search(problem, reduction, minimize, start, seed)
+    if nominal is not None and nominal[1] < found.fun:
+        found = replace(found, x=nominal[0], fun=nominal[1])
+    return found, seed, report
+
+
+def _optimizer(given: IslandGA | None) -> IslandGA:
+    ga = IslandGA() if given is None else given
+    if not isinstance(ga, IslandGA):
+        reject("optimizer", given, "an IslandGA", "Leave it out for IslandGA().")
+    return ga
 
 
 def nominal_first(problem: UpdatingProblem) -> tuple[FloatArray, float] | None:

@@ -281,7 +281,8 @@ impl Objective {
         }
     }
 
-    /// Searches the box for the least J.
+    /// Searches the box for the least J; a polish begins at `start`, else at the nominal values.
+    #[pyo3(signature = (lower, upper, guesses, options, seed, threads, max_seconds, on_progress, checkpoint, start=None))]
     #[allow(clippy::too_many_arguments)]
     fn minimize<'py>(
         &self,
@@ -295,6 +296,7 @@ impl Objective {
         max_seconds: Option<f64>,
         on_progress: Option<Py<PyAny>>,
         checkpoint: Option<Bound<'py, PyAny>>,
+        start: Option<Vec<f64>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let mut search = Search::new(
             &lower,
@@ -308,7 +310,8 @@ impl Objective {
         .kept_in(checkpoint)?;
         let outcome = guarded(py, || {
             with!(&self.core, o => {
-                search.run(&mut ObjectiveEvaluator::new(o, threads).map_err(to_python)?)
+                let evaluator = ObjectiveEvaluator::new(o, threads).map_err(to_python)?;
+                search.run(&mut evaluator.starting_at(start))
             })
         })?;
         outcome_to_python(py, &outcome)

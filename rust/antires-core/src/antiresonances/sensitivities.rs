@@ -56,6 +56,21 @@ impl ZeroSensitivity {
         Ok(())
     }
 
+    /// Left and right null vector.
+    pub(super) fn vectors(&self) -> (&[f64], &[f64]) {
+        (&self.left, &self.right)
+    }
+
+    /// The zero.
+    pub(super) fn x(&self) -> f64 {
+        self.x
+    }
+
+    /// dH_ik/dx, with the factors of the two vectors.
+    pub(super) fn slope(&self) -> f64 {
+        self.slope
+    }
+
     /// dx/dp in (rad/s)² per unit of p; not finite at a double zero, which has no derivative.
     #[must_use]
     pub fn along(&self, slopes: &MatrixSlopes) -> f64 {

@@ -130,6 +130,7 @@ pub struct ObjectiveEvaluator<'a, O: Objective> {
     objective: &'a O,
     workers: Workers,
     workspaces: Vec<O::Workspace>,
+    start: Option<Vec<f64>>,
 }
 
 impl<'a, O: Objective> ObjectiveEvaluator<'a, O> {
@@ -145,7 +146,15 @@ impl<'a, O: Objective> ObjectiveEvaluator<'a, O> {
             objective,
             workers,
             workspaces,
+            start: None,
         })
+    }
+
+    /// The same, a search beginning at `start` in place of the point that the objective tells.
+    #[must_use]
+    pub fn starting_at(mut self, start: Option<Vec<f64>>) -> Self {
+        self.start = start;
+        self
     }
 
     /// What `question` finds of every candidate, each in its place.
@@ -184,7 +193,11 @@ impl<O: Objective> Evaluator for ObjectiveEvaluator<'_, O> {
     }
 
     fn composition(&self) -> Option<Composition> {
-        self.objective.composition()
+        let told = self.objective.composition()?;
+        Some(Composition {
+            start: self.start.clone().or(told.start),
+            ..told
+        })
     }
 
     fn linearize(

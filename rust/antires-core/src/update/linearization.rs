@@ -9,7 +9,8 @@
 //! wrong, and the optimizer's trust region finds out.
 
 use super::objective::{AntiresonanceObjective, Workspace};
-use crate::antiresonances::ZeroSensitivity;
+use crate::antiresonances::{ZeroBatch, ZeroSensitivity};
+use crate::fem::slopes::MatrixSlopes;
 use crate::modal::modes::eigenvalue;
 use crate::optimize::{Composition, Linearization, Objective};
 
@@ -41,7 +42,7 @@ impl Objective for AntiresonanceObjective {
             residuals: Vec::with_capacity(pairs.len()),
             jacobian: Vec::with_capacity(pairs.len() * n),
         };
-        let mut zero = ZeroSensitivity::default();
+        let (mut zero, mut batch) = (ZeroSensitivity::default(), ZeroBatch::default());
         for ((target, measured_hz, weight), pairing) in self.measured().zip(pairs) {
             let e = weight * pairing.residual;
             found.cost = self.misfit().add(found.cost, e);
@@ -56,17 +57,19 @@ impl Objective for AntiresonanceObjective {
                 } else {
                     zero.set(&mut formed.prepared, ends, x).ok()?;
                 }
-                for (entry, slopes) in found.jacobian[first..].iter_mut().zip(&slopes) {
-                    let slope = weight * zero.along(slopes) / eigenvalue(measured_hz);
-                    // A double zero has no derivative; the descent must not follow one.
-                    *entry += if slope.is_finite() {
-                        along * slope
-                    } else {
-                        0.0
-                    };
+                let row = Row {
+                    first,
+                    along,
+                    weight,
+                    measured: eigenvalue(measured_hz),
+                };
+                batch.push(&zero, row);
+                if batch.is_full() {
+                    add(&mut batch, &slopes, &mut found.jacobian);
                 }
             }
         }
+        add(&mut batch, &slopes, &mut found.jacobian);
         found.cost += unknowns.penalty_at(&snapped);
         Some(found)
     }
@@ -75,4 +78,28 @@ impl Objective for AntiresonanceObjective {
     fn repair(&self, x: &mut [f64]) {
         self.unknowns().snap(x);
     }
+}
+
+/// The row of the Jacobian that a root moves, and how.
+struct Row {
+    first: usize,
+    along: f64,
+    weight: f64,
+    measured: f64,
+}
+
+/// Adds what the roots in the batch have to say, and empties it.
+fn add(batch: &mut ZeroBatch<Row>, slopes: &[MatrixSlopes], jacobian: &mut [f64]) {
+    for (p, slopes) in slopes.iter().enumerate() {
+        batch.along(slopes, |row, dx| {
+            let slope = row.weight * dx / row.measured;
+            // A double zero has no derivative; the descent must not follow one.
+            jacobian[row.first + p] += if slope.is_finite() {
+                row.along * slope
+            } else {
+                0.0
+            };
+        });
+    }
+    batch.clear();
 }

@@ -11,8 +11,9 @@ use std::ops::{ControlFlow, RangeInclusive};
 
 use super::objective::{AntiresonanceObjective, Workspace};
 use super::sight::shown;
-use crate::antiresonances::ZeroSensitivity;
+use crate::antiresonances::{ZeroBatch, ZeroSensitivity};
 use crate::error::Result;
+use crate::fem::slopes::MatrixSlopes;
 use crate::modal::modes::eigenvalue;
 use crate::optimize::outcome::Interrupt;
 use crate::optimize::{Candidates, Objective, parallel_map};
@@ -46,7 +47,7 @@ impl AntiresonanceObjective {
         self.find_roots(&mut formed)?;
         let slopes = slopes_hz.map_or_else(Vec::new, |_| self.unknowns().slopes(x));
         let mut state = State::default();
-        let mut zero = ZeroSensitivity::default();
+        let (mut zero, mut batch) = (ZeroSensitivity::default(), ZeroBatch::default());
         for nth in 0..formed.roots.len() {
             let own = formed.roots[nth].hz.clone();
             for (root, &hz) in own.iter().enumerate() {
@@ -55,8 +56,9 @@ impl AntiresonanceObjective {
                 state.freq_hz.push(hz);
                 state.shown.push(visible);
                 let Some(band) = slopes_hz else { continue };
+                let first = state.slopes.len();
+                state.slopes.resize(first + slopes.len(), 0.0);
                 if !band.contains(&hz) {
-                    state.slopes.resize(state.slopes.len() + slopes.len(), 0.0);
                     continue;
                 }
                 let (ends, x) = (self.ends(nth), eigenvalue(hz));
@@ -65,15 +67,27 @@ impl AntiresonanceObjective {
                 } else {
                     zero.set(&mut formed.prepared, ends, x)?;
                 }
-                state.slopes.extend(slopes.iter().map(|along| {
-                    let slope = zero.along(along) / (2.0 * x);
-                    // A double zero has no derivative.
-                    if slope.is_finite() { slope } else { 0.0 }
-                }));
+                batch.push(&zero, (first, x));
+                if batch.is_full() {
+                    put(&mut batch, &slopes, &mut state.slopes);
+                }
             }
         }
+        put(&mut batch, &slopes, &mut state.slopes);
         Ok(state)
     }
+}
+
+/// Puts the slopes of the roots in the batch to their places, and empties it.
+fn put(batch: &mut ZeroBatch<(usize, f64)>, slopes: &[MatrixSlopes], into: &mut [f64]) {
+    for (p, along) in slopes.iter().enumerate() {
+        batch.along(along, |(first, x), dx| {
+            let slope = dx / (2.0 * x);
+            // A double zero has no derivative.
+            into[first + p] = if slope.is_finite() { slope } else { 0.0 };
+        });
+    }
+    batch.clear();
 }
 
 /// [`AntiresonanceObjective::state`] of every candidate, in order.

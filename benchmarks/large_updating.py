@@ -1,0 +1,136 @@
+"""Updating with 10 parameters and damage among 200 groups of elements, in models of 10,000 dofs.
+
+The meshes are those of ``reference.meshes``. What is measured is of another structure than the model: the
+stiffness of every group is off by some percent that no parameter knows, masses too, and frequencies have
+noise. Twelve accelerometers, all antiresonances up to the thirtieth mode. Damage is assessed against a
+baseline that was measured on the same structure, intact, with noise of its own.
+
+    python -m benchmarks.large_updating                                  # grillage, update and damage
+    python -m benchmarks.large_updating --mesh lattice --dofs 10000 --only update
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy: one core is what is measured
+
+import argparse
+import resource
+import time
+
+import numpy as np
+
+import antires_rs as ar
+from reference.meshes import MESHES, frame
+
+N_MODES, N_SENSORS, NOISE = 30, 12, 5e-4
+#: Standard deviations of what the model does not know: stiffness of groups, and mass.
+OFF_STIFFNESS, OFF_MASS = 0.02, 0.01
+
+
+def timed(work):
+    """What it gives, wall and CPU seconds."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    found = work()
+    return found, time.perf_counter() - wall, time.process_time() - cpu
+
+
+def said(what, wall_s, cpu_s, more=""):
+    peak_gb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    print(f"{what}: {wall_s:.1f} s, {cpu_s:.1f} CPU s, peak {peak_gb:.2f} GB{more}", flush=True)
+
+
+def grouped(mesh, n_groups):
+    """Elements in groups of neighbours: halved across their longest side until there are enough."""
+    nodes = np.asarray(mesh.nodes_m)
+    middles = np.array([0.5 * (nodes[a] + nodes[b]) for a, b in mesh.elements])
+    groups = [np.arange(len(middles))]
+    while len(groups) < n_groups:
+        largest = groups.pop(int(np.argmax([len(g) for g in groups])))
+        axis = int(np.argmax(np.ptp(middles[largest], axis=0)))
+        order = largest[np.argsort(middles[largest][:, axis], kind="stable")]
+        groups += [order[: order.size // 2], order[order.size // 2 :]]
+    return groups
+
+
+def of_groups(make, groups, bounds):
+    """A parameter for each group."""
+    return [make([int(e) for e in group], bounds=bounds, together=True) for group in groups]
+
+
+def reduction(elements, bounds):
+    return ar.stiffness_reduction(elements, bounds=bounds, together=True)
+
+
+def measured(model, sensors, force, limit_hz, rng):
+    """Antiresonances with noise."""
+    zeros = model.antiresonances(sensors, force, f_max_hz=limit_hz)
+    noisy = [np.sort(f * (1.0 + NOISE * rng.standard_normal(f.size))) for f in zeros]
+    stds = {dof: NOISE * f for dof, f in zip(sensors, noisy, strict=True)}
+    return ar.AntiresonanceSet(force, dict(zip(sensors, noisy, strict=True)), std_hz=stds)
+
+
+def main(given):
+    mesh = MESHES[given.mesh](given.dofs)
+    rng = np.random.default_rng([given.seed, given.dofs])
+    model, wall_s, cpu_s = timed(lambda: frame(mesh))
+    said(f"{given.mesh} {model.n_dof} dofs", wall_s, cpu_s)
+    free = [n for n in range(len(mesh.nodes_m)) if n not in set(mesh.held)]
+    nodes = rng.choice(free, N_SENSORS, replace=False)
+    sensors = [model.dof(int(node), "uvw"[i % 3]) for i, node in enumerate(nodes)]
+    force, limit_hz = sensors[2], float(model.modes(n_modes=N_MODES).freq_hz[-1])
+    fine = grouped(mesh, 200)
+    ones = np.ones(len(fine))
+    unknown = [
+        *of_groups(ar.stiffness_factor, fine, (0.1, 2.0)),
+        *of_groups(ar.mass_factor, fine, (0.1, 2.0)),
+    ]
+    off = np.concatenate([OFF_STIFFNESS * rng.standard_normal(200), OFF_MASS * rng.standard_normal(200)])
+    structure = model.with_parameters(unknown, np.concatenate([ones, ones]) + off)
+    if given.only != "damage":
+        coarse = of_groups(ar.stiffness_factor, grouped(mesh, 10), (0.7, 1.3))
+        truth = rng.uniform(0.8, 1.2, 10)
+        tested = structure.with_parameters(coarse, truth)
+        found = measured(tested, sensors, force, limit_hz, rng)
+        problem, wall_s, cpu_s = timed(lambda: ar.UpdatingProblem(model, coarse, found))
+        said(f"problem, {problem.measured_hz.size} antiresonances to {limit_hz:.1f} Hz", wall_s, cpu_s)
+        _, wall_s, cpu_s = timed(lambda: problem.cost(truth))
+        said("one objective value", wall_s, cpu_s)
+        result, wall_s, cpu_s = timed(
+            lambda: ar.update(problem, optimizer=ar.IslandGA(max_generations=20), rng=0, progress=False)
+        )
+        told = result.reduction
+        how = "" if told is None else f"; {told.rounds} bases, {told.size} dofs, to {told.difference:.0e}"
+        said(f"update, {result.nfev} values", wall_s, cpu_s, how)
+        print(f"largest error of a factor {np.abs(result.x - truth).max():.3f}, cost {result.fun:.3f}, "
+              f"{problem.cost(truth):.3f} at the truth")  # fmt: skip
+    if given.only != "update":
+        losses = of_groups(reduction, fine, (0.0, 0.95))
+        hit = int(rng.integers(200))
+        damaged = structure.with_parameters(losses[hit], 0.4)
+        before, now = (measured(each, sensors, force, limit_hz, rng) for each in (structure, damaged))
+        grouped_model = with_groups(model, fine)
+        result, wall_s, cpu_s = timed(lambda: ar.assess_damage(grouped_model, now, baseline=before))
+        said("damage among 200 groups", wall_s, cpu_s)
+        print(f"damaged: group {hit} by 40 %. {result.headline}")
+
+
+def with_groups(model, groups):
+    """The matrices of a model, a term for each group."""
+    stiffness = model.stiffness()
+    terms = [
+        model.with_parameters(of_groups(ar.stiffness_factor, [group], (0.1, 3.0)), [2.0]).stiffness()
+        - stiffness
+        for group in groups
+    ]
+    return ar.MatrixModel(stiffness, model.mass(), stiffness_terms=terms)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--mesh", choices=tuple(MESHES), default="grillage")
+    parser.add_argument("--dofs", type=int, default=10_000)
+    parser.add_argument("--seed", type=int, default=7)
+    parser.add_argument("--only", choices=("update", "damage"))
+    main(parser.parse_args())

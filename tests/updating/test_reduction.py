@@ -1,0 +1,184 @@
+"""Search on reduced models, against the full ones. Nothing was set on the structures and seeds used here."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.exceptions import InvalidInputError, NumericalError
+from antires_rs.updating.affine import Affine, bent_by
+from antires_rs.updating.reduced_basis import basis_at
+from antires_rs.updating.reduced_model import ReducedProblem, largest_difference
+from antires_rs.updating.reduction import wanted_reduction
+from reference.building_frames import building
+from reference.meshes import frame, tower
+
+LIMIT_HZ = 14.0
+FEW = ar.IslandGA(islands=1, population=6, max_generations=2)
+
+
+@pytest.fixture(scope="module")
+def concrete():
+    """A small building, half of whose dofs have no mass; its sensors and force."""
+    made = building((2, 1), 3)
+    sensors = [made.dof[int(made.heads[s, c]), d] for s, c, d in ((0, 0, "u"), (1, 5, "v"), (2, 3, "u"))]
+    sensors.append(made.dof[int(made.heads[2, 0]), "u"])
+    model = ar.MatrixModel(made.stiffness, made.mass, stiffness_terms=made.terms)
+    assert (made.mass.diagonal() == 0.0).sum() == model.n_dof // 2
+    return model, sensors, sensors[-1]
+
+
+def measured_of(model, sensors, force, limit_hz=LIMIT_HZ):
+    zeros = model.antiresonances(sensors, force, f_max_hz=limit_hz)
+    return ar.AntiresonanceSet(force, dict(zip(sensors, zeros, strict=True)))
+
+
+def concrete_problem(concrete, seed, **options):
+    """The nominal building against values of one whose groups are off by up to a quarter."""
+    model, sensors, force = concrete
+    n = len(model.default_elements)
+    factors = ar.stiffness_factor(range(n), bounds=(0.7, 1.3))
+    truth = np.random.default_rng(seed).uniform(0.75, 1.25, n)
+    measured = measured_of(model.with_parameters(factors, truth), sensors, force)
+    return ar.UpdatingProblem(model, factors, measured, **options), truth
+
+
+def reduced_at(problem, x, share=1.0, depth=2, largest=(160, 0.05)):
+    """The reduced problem for that share of the ranges around x."""
+    affine = Affine(problem)
+    widths = 0.5 * share * (problem.bounds[:, 1] - problem.bounds[:, 0])
+    limit_hz = 1.5 * problem.measured_hz.max()
+    return ReducedProblem(affine, basis_at(affine, x, widths, limit_hz, depth, largest))
+
+
+def test_matrices_are_sums_of_terms():
+    mesh = frame(tower(200))
+    parameters = [
+        ar.stiffness_factor([0, 1, 2], bounds=(0.5, 1.5), together=True),
+        ar.stiffness_reduction(4),
+        ar.mass_factor([0, 3], bounds=(0.5, 1.5), together=True),
+    ]
+    dof = mesh.dof(20, "u")
+    problem = ar.UpdatingProblem(mesh, parameters, ar.AntiresonanceSet(dof, {dof: [1.0]}))
+    parts = Affine(problem)
+    x = np.array([1.3, 0.4, 0.6])
+    there = mesh.with_parameters(parameters, x)
+    terms = parts.terms
+    stiffness = parts.stiffness + 0.3 * terms[0][0] - 0.4 * terms[1][0]
+    mass = parts.mass - 0.4 * terms[2][1]
+    assert abs(stiffness - there.stiffness()).max() <= 1e-12 * abs(stiffness).max()
+    assert abs(mass - there.mass()).max() <= 1e-12 * abs(mass).max()
+    assert terms[0][0].nnz < parts.stiffness.nnz
+    assert terms[2][0] is None
+
+
+@pytest.mark.parametrize("seed", [101, 102])
+def test_a_reduced_model_has_the_roots_of_the_full_one_and_tells_its_error(concrete, seed):
+    problem, _ = concrete_problem(concrete, seed)
+    rng = np.random.default_rng(seed)
+    centre = rng.uniform(0.8, 1.2, problem.nominal.size)
+    reduced = reduced_at(problem, centre, share=0.3)
+    assert reduced.size < problem.model.n_dof // 3
+    full = problem._core.pairs(centre)[0]
+    assert largest_difference(reduced.core.pairs(centre)[0], full) < 1e-5
+    for _ in range(10):
+        x = centre + rng.uniform(-0.08, 0.08, centre.size)
+        error = largest_difference(reduced.core.pairs(x)[0], problem._core.pairs(x)[0])
+        assert error < 1e-2
+        assert reduced.estimate(x) >= error
+
+
+def test_deeper_bases_are_better(concrete):
+    problem, truth = concrete_problem(concrete, 103)
+    full = problem._core.pairs(truth)[0]
+    errors = [
+        largest_difference(reduced_at(problem, truth, 0.2, depth).core.pairs(truth)[0], full)
+        for depth in (1, 2, 4)
+    ]
+    assert errors[0] > errors[1] > errors[2]
+    assert errors[2] < 1e-7
+
+
+@pytest.mark.parametrize("seed", [104, 105])
+def test_an_update_on_reduced_models_finds_what_the_full_model_does(concrete, seed):
+    problem, truth = concrete_problem(concrete, seed)
+    result = ar.update(problem, optimizer=FEW, rng=seed, reduction=True, progress=False)
+    seen = np.isfinite(result.std)
+    assert seen.any()
+    assert np.abs(result.x - truth)[seen].max() < 1e-4
+    assert result.reduction.agreed
+    assert result.reduction.difference <= 1e-6
+    assert result.fun == problem.cost(result.x)
+    assert result.reduction.note in result.notes
+    again = ar.update(problem, optimizer=FEW, rng=seed, workers=2, reduction=True, progress=False)
+    assert again.x.tobytes() == result.x.tobytes()
+
+
+def test_a_basis_that_is_too_small_says_so(concrete):
+    problem, _ = concrete_problem(concrete, 106)
+    small = ar.Reduction(size=14, rounds=2)
+    result = ar.update(problem, optimizer=FEW, rng=0, reduction=small, progress=False)
+    assert not result.reduction.agreed
+    assert result.reduction.difference > 1e-6
+    assert any("too small" in note for note in result.notes)
+    assert result.fun <= problem.cost(problem.nominal)
+
+
+def test_masses_and_reductions_of_a_frame_with_consistent_masses():
+    mesh = frame(tower(400))
+    parameters = [
+        ar.stiffness_reduction(range(20), together=True),
+        ar.stiffness_factor(range(20, 60), bounds=(0.6, 1.4), together=True),
+        ar.mass_factor(range(30), bounds=(0.8, 1.25), together=True),
+    ]
+    truth = np.array([0.25, 0.85, 1.1])
+    sensors = [mesh.dof(node, d) for node, d in ((20, "u"), (40, "v"), (53, "u"))]
+    tested = mesh.with_parameters(parameters, truth)
+    limit_hz = float(tested.modes(n_modes=9).freq_hz[-1])
+    measured = measured_of(tested, sensors, sensors[-1], limit_hz)
+    problem = ar.UpdatingProblem(mesh, parameters, measured)
+    result = ar.update(problem, optimizer=FEW, rng=1, reduction=True, progress=False)
+    assert np.abs(result.x - truth).max() < 1e-4
+    assert result.reduction.agreed
+
+
+def test_large_models_only_are_reduced_unasked(concrete):
+    problem, _ = concrete_problem(concrete, 107)
+    assert wanted_reduction(problem, "auto", None) is None
+    assert wanted_reduction(problem, True, None) == ar.Reduction()
+    result = ar.update(problem, optimizer=FEW, rng=0, progress=False)
+    assert result.reduction is None
+
+
+def test_what_cannot_be_reduced_is_told(concrete, tmp_path):
+    problem, _ = concrete_problem(concrete, 108)
+    with pytest.raises(InvalidInputError, match="checkpoint"):
+        ar.update(problem, reduction=True, checkpoint=tmp_path / "kept")
+    with pytest.raises(InvalidInputError, match="reduction"):
+        ar.update(problem, reduction="always")
+    assert "thickness" in bent_by([ar.thickness(0, bounds=(0.1, 0.2))])
+    both = [ar.stiffness_factor([0, 1], bounds=(0.9, 1.1), together=True), ar.stiffness_reduction(1)]
+    assert "term 1" in bent_by(both)
+    assert bent_by(ar.stiffness_reduction([0, 1])) is None
+
+
+def test_a_basis_with_fewer_vectors_than_sensors_is_refused(concrete):
+    problem, _ = concrete_problem(concrete, 109)
+    with pytest.raises(NumericalError, match="fewer vectors"):
+        ar.update(problem, optimizer=FEW, rng=0, reduction=ar.Reduction(size=3), progress=False)
+
+
+def test_two_sensors_on_a_stiff_tie_are_one_sensor_more():
+    n = 60
+    stretch = np.eye(n) - np.eye(n, k=-1)  # of springs to the mass before, the first to ground
+    term = 1e6 * stretch[:20].T @ stretch[:20]
+    stiffness = 1e6 * stretch.T @ stretch
+    stiffness[n - 2 :, n - 2 :] += 1e10 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    model = ar.MatrixModel(stiffness, np.eye(n), stiffness_terms=[term])
+    factor = ar.stiffness_factor(0, bounds=(0.9, 1.1))
+    measured = measured_of(model.with_parameters(factor, 1.05), [5, n - 2, n - 1], 5, 40.0)
+    problem = ar.UpdatingProblem(model, factor, measured)
+    result = ar.update(problem, optimizer=FEW, rng=0, reduction=True, progress=False)
+    assert abs(result.x[0] - 1.05) < 1e-6
+    assert result.reduction.agreed
