@@ -73,6 +73,9 @@ class Model:
     def antiresonances(
         self, responses: Sequence[int], excitation: int, f_max_hz: float, method: str, include_cancelled: bool
     ) -> list[tuple[_Floats, bool, bool]]: ...
+    def bounded_antiresonances(
+        self, responses: Sequence[int], excitation: int, f_max_hz: float, method: str, include_cancelled: bool
+    ) -> list[tuple[_Floats, _Floats, bool, bool]]: ...
 
 @final
 class Frame:

@@ -117,6 +117,10 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         """The core's model in which ``dofs`` are rows, and these rows."""
         return self._core, list(dofs)
 
+    def _core_as_given(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
+        """The same with the penalties, which else are taken out."""
+        return self._core_for(dofs)
+
     def _together(self, responses: Sequence[int], force: int) -> list[list[int]]:
         """Places of responses that one core has with the force, core by core."""
         return [list(range(len(responses)))]

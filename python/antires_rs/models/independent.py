@@ -67,8 +67,10 @@ class Independent(NamedTuple):
         return _core.Model.from_matrices(*self.matrices)
 
 
-def independent_of(given: Matrices, constraints: Entries | None, kept: set[int]) -> Independent:
-    """Of what a recipe holds; no dof of ``kept`` is taken out."""
+def independent_of(
+    given: Matrices, constraints: Entries | None, kept: set[int], *, penalties: bool = True
+) -> Independent:
+    """Of what a recipe holds; no dof of ``kept`` is taken out, ``penalties`` if so wanted."""
     n = given.n
     taken: dict[int, TakenOut] = {}
     left, equations = _without_multipliers(given, taken)
@@ -80,7 +82,7 @@ def independent_of(given: Matrices, constraints: Entries | None, kept: set[int])
         if gone:
             left = left.transformed(Dependent.of(gone).transformation(n))
             taken |= gone
-    found = stiff_parts(n, left.stiffness, left.mass, left.stiffness_terms, kept)
+    found = stiff_parts(n, left.stiffness, left.mass, left.stiffness_terms, kept) if penalties else None
     if found is not None:
         gone = {dof: TakenOut(STIFF, by) for dof, by in found.gone.items()}
         t = Dependent.of(gone).transformation(n)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..exceptions import InvalidInputError
 from ..support.validation import FloatArray, part, reject
-from .dependent import MULTIPLIER
+from .dependent import MULTIPLIER, STIFF
 from .description import ModelDescription
 from .dof_names import names_of
 from .entries import Columns
@@ -171,8 +171,18 @@ class MatrixModel(StructuralModel):
         moving = [dof if own is None else own for dof in dofs for own in [here.dependent.moving_as(dof)]]
         if any(here.dependent.reason(dof) is not None for dof in moving):
             here, core = self._with_rows(frozenset(moving))
-        assert here.rows is not None  # there are dependent dofs
-        return core, here.rows[moving].tolist()
+        return core, moving if here.rows is None else here.rows[moving].tolist()
+
+    def _core_as_given(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
+        taken = self._independent.dependent
+        if taken is None or not np.any(taken.reasons == STIFF):
+            return self._core_for(dofs)
+        here, moving = self._recipe.independent(penalties=False), list(dofs)
+        if here.dependent is not None:
+            moving = [dof if own is None else own for dof in dofs for own in [here.dependent.moving_as(dof)]]
+            if any(here.dependent.reason(dof) is not None for dof in moving):
+                here = self._recipe.independent(moving, penalties=False)
+        return self._applied(here.core()), moving if here.rows is None else here.rows[moving].tolist()
 
     def _together(self, responses: Sequence[int], force: int) -> list[list[int]]:
         dependent = self._independent.dependent
@@ -181,6 +191,12 @@ class MatrixModel(StructuralModel):
         own = [i for i, dof in enumerate(responses) if dependent.reason(dof) is None]
         alone = [[i] for i in range(len(responses)) if i not in own]
         return ([own] if own else []) + alone
+
+    def _applied(self, core: CoreModel) -> CoreModel:
+        """With the parameters applied so far."""
+        for applied in self._description.applied:
+            core = self._description.applied_to(core, applied)
+        return core
 
     def _with_rows(self, dofs: frozenset[int]) -> tuple[Independent, CoreModel]:
         """The same model with other dofs taken out than these; the last one is kept."""
@@ -195,9 +211,7 @@ class MatrixModel(StructuralModel):
                     "responses and forces of which none follows from the others",
                     "Ask for fewer of them at a time, or leave one out of what is measured.",
                 )
-            core = here.core()
-            for applied in self._description.applied:
-                core = self._description.applied_to(core, applied)
+            core = self._applied(here.core())
             known = dofs, here, core
             self._fill(_other=known)
         return known[1], known[2]

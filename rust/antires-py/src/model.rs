@@ -2,7 +2,9 @@
 
 use std::sync::OnceLock;
 
-use antires_core::antiresonances::{Query, Route, antiresonances};
+use antires_core::antiresonances::{
+    Antiresonances, Query, Route, antiresonances, bounded_antiresonances,
+};
 use antires_core::error::Error;
 use antires_core::fem::chain::mass_spring_chain;
 use antires_core::fem::model::Model as CoreModel;
@@ -22,6 +24,13 @@ const MOST_DENSE_DOFS: usize = 8000;
 
 /// Antiresonances (m,) in Hz, whether H is identically zero, and whether their number is in doubt.
 type PyRoots<'py> = (Bound<'py, PyArray1<f64>>, bool, bool);
+/// The same with bounds (m,) of their errors, second.
+type PyBoundedRoots<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    bool,
+    bool,
+);
 type PyModes<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
 /// A structural model of the core.
@@ -153,7 +162,7 @@ impl Model {
         let solved = run(py, || {
             let limited = f_max_hz.is_some() || n_modes.is_some();
             let low = if limited {
-                low_modes(&self.core, f_max_hz.unwrap_or(f64::INFINITY), n_modes)
+                low_modes(&self.core, f_max_hz.unwrap_or(f64::INFINITY), n_modes)?
             } else {
                 None
             };
@@ -235,21 +244,7 @@ impl Model {
         method: &str,
         include_cancelled: bool,
     ) -> PyResult<Vec<PyRoots<'py>>> {
-        let route = match method {
-            "modal" => Route::Modal,
-            "pencil" => Route::Pencil,
-            _ => {
-                return Err(to_python(
-                    Error::input("method", format!("{method:?}"), "'modal' or 'pencil'")
-                        .remedy("Leave it out for 'modal', the quicker of the two."),
-                ));
-            }
-        };
-        let query = Query {
-            route,
-            f_max_hz,
-            include_cancelled,
-        };
+        let query = query(f_max_hz, method, include_cancelled)?;
         let found = run(py, || {
             antiresonances(&self.core, &responses, excitation, &query)
         })?;
@@ -258,4 +253,47 @@ impl Model {
             .map(|a| (a.freq_hz.into_pyarray(py), a.identically_zero, a.doubtful))
             .collect())
     }
+
+    /// The same with a bound (m,) of the error of each, in Hz, infinite for one that is not certain.
+    fn bounded_antiresonances<'py>(
+        &self,
+        py: Python<'py>,
+        responses: Vec<usize>,
+        excitation: usize,
+        f_max_hz: f64,
+        method: &str,
+        include_cancelled: bool,
+    ) -> PyResult<Vec<PyBoundedRoots<'py>>> {
+        let query = query(f_max_hz, method, include_cancelled)?;
+        let found = run(py, || {
+            bounded_antiresonances(&self.core, &responses, excitation, &query)
+        })?;
+        let bounded = |a: Antiresonances| {
+            (
+                a.freq_hz.into_pyarray(py),
+                a.error_hz.into_pyarray(py),
+                a.identically_zero,
+                a.doubtful,
+            )
+        };
+        Ok(found.into_iter().map(bounded).collect())
+    }
+}
+
+fn query(f_max_hz: f64, method: &str, include_cancelled: bool) -> PyResult<Query> {
+    let route = match method {
+        "modal" => Route::Modal,
+        "pencil" => Route::Pencil,
+        _ => {
+            return Err(to_python(
+                Error::input("method", format!("{method:?}"), "'modal' or 'pencil'")
+                    .remedy("Leave it out for 'modal', the quicker of the two."),
+            ));
+        }
+    };
+    Ok(Query {
+        route,
+        f_max_hz,
+        include_cancelled,
+    })
 }

@@ -23,6 +23,7 @@
 //! | module | what it knows |
 //! |---|---|
 //! | [`query`] | what is asked for, and what comes back |
+//! | [`of_model`] | the antiresonances of a model, with bounds of their errors |
 //! | [`solver`] | K and M handed over once; both routes |
 //! | `search` | the modal route for one response, divided where rounding disturbs |
 //! | `pencil_route` | the roots of the deleted pencil, joined to those proven |
@@ -47,6 +48,7 @@ pub mod enclosure;
 pub mod end_poles;
 mod found;
 mod newton;
+pub mod of_model;
 mod pencil_route;
 mod placement;
 pub mod query;
@@ -60,7 +62,8 @@ pub mod sensitivities;
 pub mod solver;
 mod zero_batch;
 
+pub use of_model::{antiresonances, bounded_antiresonances};
 pub use query::{Antiresonances, Query, Route, Transfer};
 pub use sensitivities::ZeroSensitivity;
-pub use solver::{AntiresonanceSolver, Prepared, antiresonances};
+pub use solver::{AntiresonanceSolver, Prepared};
 pub use zero_batch::ZeroBatch;

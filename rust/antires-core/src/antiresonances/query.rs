@@ -25,6 +25,9 @@ pub struct Query {
 pub struct Antiresonances {
     /// Frequencies (Hz), ascending.
     pub freq_hz: Vec<f64>,
+    /// How far each may be from that of the matrices as given, infinite for one that is not certain; empty if it
+    /// was not asked for.
+    pub error_hz: Vec<f64>,
     /// True when H_ik is identically zero: response and excitation are not connected.
     pub identically_zero: bool,
     /// True when rounding leaves a doubt about their number that only the dense solvers could settle.

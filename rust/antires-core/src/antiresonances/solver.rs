@@ -9,17 +9,20 @@
 use std::sync::Arc;
 
 use super::pencil_route;
-use super::query::{Antiresonances, Query, Route, Transfer};
+use super::query::{Query, Route, Transfer};
 use super::search::{Memory, Search};
 use super::secular::Certainty;
-use crate::error::{Error, Result};
-use crate::fem::model::{Model, connected};
+use crate::error::Result;
+use crate::linalg::root_bounds::UNCERTAIN;
 use crate::linalg::sparse::SparseMatrix;
 use crate::modal::modal_columns::modal_columns;
 use crate::modal::modes::{eigenvalue, hertz};
 use crate::modal::on_pole::on_pole;
 use crate::modal::solved::{Solutions, Solved};
-use crate::modal::structure::{MOST_DENSE, Structure};
+use crate::modal::structure::Structure;
+
+/// Ulps of K and M by which factors without pivoting may move a root, beside √n.
+const FACTOR_ULPS: f64 = 64.0;
 
 /// Working memory for the models of one structure.
 ///
@@ -117,6 +120,22 @@ impl Prepared<'_> {
         self.doubtful
     }
 
+    /// How far (Hz) a root at `freq_hz` may be from that of the matrices, by factors of K − xM; infinite where those
+    /// do not tell.
+    pub fn bound(&mut self, ends: (usize, usize), freq_hz: f64) -> f64 {
+        let x = eigenvalue(freq_hz);
+        let ulps = FACTOR_ULPS + (self.solved.n_dof() as f64).sqrt();
+        let error = match self.solved.reduced().receptance_at(ends, x) {
+            Some(here) => (here.value / here.slope).abs() + ulps * here.ulp,
+            None => f64::INFINITY,
+        };
+        if error <= UNCERTAIN * x {
+            freq_hz - hertz(x - error)
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// Those of the response last found that cancel against a pole (Hz), appended to `freq_hz`.
     pub fn cancelled(&mut self, freq_hz: &mut Vec<f64>) {
         freq_hz.extend(self.memory.found().cancelled().map(hertz));
@@ -155,59 +174,4 @@ impl Prepared<'_> {
         }
         Ok(modal_columns(self.solved.dense()?, ends, x, left, right))
     }
-}
-
-/// Antiresonances of each response of a model.
-///
-/// # Errors
-/// [`crate::error::Error::InvalidInput`] for a dof outside the model, and those of the eigenproblems.
-pub fn antiresonances(
-    model: &Model,
-    responses: &[usize],
-    excitation: usize,
-    query: &Query,
-) -> Result<Vec<Antiresonances>> {
-    if model.n_dof() > MOST_DENSE {
-        check_large(model.n_dof(), query)?;
-    }
-    model.check_dof("excitation", excitation)?;
-    for &i in responses {
-        model.check_dof("response", i)?;
-    }
-    let (k_mat, m_mat) = (model.stiffness(), model.mass());
-    let mut solver = AntiresonanceSolver::new(&Arc::new(Structure::of(model)));
-    let mut prepared = solver.prepare(k_mat, m_mat);
-    let mut out = Vec::with_capacity(responses.len());
-    for &i in responses {
-        let mut found = Antiresonances::default();
-        found.identically_zero = !connected(k_mat, m_mat, i, excitation)
-            || prepared.find(i, excitation, query, &mut found.freq_hz)?
-                == Transfer::IdenticallyZero;
-        found.doubtful = !found.identically_zero && prepared.is_doubtful();
-        out.push(found);
-    }
-    Ok(out)
-}
-
-/// All roots of a large model cost n² memory and n³ time, and QZ 25 times that.
-fn check_large(n: usize, query: &Query) -> Result<()> {
-    if query.route == Route::Pencil {
-        return Err(Error::input(
-            "method",
-            format!("'pencil' for {n} dofs"),
-            format!("at most {MOST_DENSE} dofs for QZ, whose time grows with their cube"),
-        )
-        .remedy("Leave it out: 'modal' proves its roots."));
-    }
-    if query.f_max_hz.is_infinite() {
-        return Err(Error::input(
-            "f_max_hz",
-            format!("no limit for {n} dofs"),
-            format!("a limit in Hz for more than {MOST_DENSE} dofs: all roots need all modes"),
-        )
-        .remedy(
-            "Give the highest frequency that matters; time and memory go with the modes below it.",
-        ));
-    }
-    Ok(())
 }

@@ -26,6 +26,7 @@ use faer::prelude::Solve;
 use faer::{Auto, Col, Mat, MatRef, Par, Spec};
 
 use super::blocks::irreducible_blocks;
+use super::equilibrated::Equilibrated;
 use super::symmetric::SymmetricSolver;
 use super::tolerances::{
     QZ_BACKWARD_ERROR, REAL_ROOT, REPEATED_ROOT, REPEATED_ROOT_DISTANCE, ROOT_UNCERTAINTY,
@@ -72,14 +73,47 @@ pub fn real_eigenvalues(
         let mut col_dofs: Vec<usize> = block.cols.iter().map(|&c| cols[c]).collect();
         row_dofs.sort_unstable();
         col_dofs.sort_unstable();
-        let symmetric = (row_dofs == col_dofs).then(|| symmetric_eigenvalues(&block_a, &block_b));
+        let symmetric =
+            (n > 1 && row_dofs == col_dofs).then(|| symmetric_eigenvalues(&block_a, &block_b));
         match symmetric.flatten() {
+            _ if n == 1 => roots.extend(ratio(block_a[(0, 0)], block_b[(0, 0)], low, high)),
             Some(found) => roots.extend(found.into_iter().filter(|r| low < r.x && r.x <= high)),
             None => roots.extend(block_eigenvalues(block_a, block_b, low, high)?),
         }
     }
     roots.sort_by(|p, q| p.x.total_cmp(&q.x));
     Ok(roots)
+}
+
+/// What QZ takes for real and positive eigenvalues up to `high`, ascending, of the pencil scaled so that those near
+/// `x` keep their digits. They are not verified; where QZ fails there are none.
+#[must_use]
+pub fn roots_near(a: MatRef<'_, f64>, b: MatRef<'_, f64>, x: f64, high: f64) -> Vec<f64> {
+    let mut roots = Vec::new();
+    for block in irreducible_blocks(a, b).unwrap_or_default() {
+        let n = block.rows.len();
+        let part =
+            |m: MatRef<'_, f64>| Mat::from_fn(n, n, |i, j| m[(block.rows[i], block.cols[j])]);
+        let (block_a, block_b) = (part(a), part(b) * faer::Scale(x));
+        let scaled = Equilibrated::weighted(&block_a, &block_b, 1.0);
+        let ratios = qz_ratios(&scaled.a, &scaled.b).unwrap_or_default();
+        let found = ratios.iter().map(|(ratio, _)| ratio * x);
+        roots.extend(found.filter(|x| 0.0 < *x && *x <= high));
+    }
+    roots.sort_by(f64::total_cmp);
+    roots
+}
+
+/// The root of a block of one row, exact.
+fn ratio(a: f64, b: f64, low: f64, high: f64) -> Option<PencilRoot> {
+    let x = a / b;
+    (low < x && x <= high && x.is_finite()).then_some(PencilRoot {
+        x,
+        uncertainty: f64::EPSILON,
+        repeated: false,
+        certain: true,
+        backward_error: None,
+    })
 }
 
 /// Eigenvalues of a symmetric block; none when it is not fit for the symmetric solver.
@@ -102,6 +136,12 @@ fn symmetric_eigenvalues(a: &Mat<f64>, b: &Mat<f64>) -> Option<Vec<PencilRoot>> 
 /// Real eigenvalues of an irreducible block in (low, high], by QZ.
 fn block_eigenvalues(a: Mat<f64>, b: Mat<f64>, low: f64, high: f64) -> Result<Vec<PencilRoot>> {
     let n = a.nrows();
+    let scaled = Equilibrated::of(&a, &b);
+    let (a, b) = if scaled.is_graded {
+        (scaled.a, scaled.b)
+    } else {
+        (a, b)
+    };
     let (norm_a, norm_b) = (a.norm_l2(), b.norm_l2());
     if norm_a == 0.0 || norm_b == 0.0 {
         // No stiffness: every root is zero. No mass: every root is infinite.

@@ -25,6 +25,7 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{Mat, MatRef, Par};
 
+use super::balance::Balance;
 use super::standard::StandardSymmetric;
 use super::tolerances::{INFINITE_MODE, MASS_PIVOT_RATIO, zero_eigenvalue};
 use crate::error::{Error, Result};
@@ -42,6 +43,8 @@ pub struct SymmetricSolver {
     /// Shift σ of the massless path, with the largest μ; none when M was reduced directly.
     shift: Option<(f64, f64)>,
     zero: f64,
+    /// How the matrices were scaled; none where they were not.
+    balance: Option<Balance>,
 }
 
 /// Ulp of every entry of K, in φᵀ K φ, up to which λ is zero.
@@ -66,6 +69,7 @@ impl SymmetricSolver {
             vectors: Mat::zeros(n, n),
             shift: None,
             zero: 0.0,
+            balance: None,
         }
     }
 
@@ -79,13 +83,18 @@ impl SymmetricSolver {
     #[must_use]
     pub fn uncertainty(&self, lambda: f64) -> f64 {
         let ulps = self.n as f64 * f64::EPSILON;
+        let units = self.balance.as_ref().map_or(1.0, |b| b.eigenvalue(1.0));
         match self.shift {
             None => {
-                ulps * self.standard.values()[self.n - 1]
-                    .abs()
-                    .max(self.standard.values()[0].abs())
+                let (first, last) = (
+                    self.standard.values()[0],
+                    self.standard.values()[self.n - 1],
+                );
+                ulps * units * last.abs().max(first.abs())
             }
-            Some((sigma, largest_mu)) => ulps * largest_mu * (lambda + sigma).powi(2),
+            Some((sigma, largest_mu)) => {
+                ulps * units * largest_mu * (lambda / units + sigma).powi(2)
+            }
         }
     }
 
@@ -108,6 +117,39 @@ impl SymmetricSolver {
     /// [`Error::Numerical`] when K and M share a null vector (a dof with neither stiffness nor mass),
     /// when M is indefinite, or when the eigensolver does not converge.
     pub fn solve(&mut self, stiffness: MatRef<'_, f64>, mass: MatRef<'_, f64>) -> Result<()> {
+        self.balance = Balance::of(self.n, |j| (stiffness[(j, j)], mass[(j, j)]));
+        let Some(balance) = self.balance.take() else {
+            return self.solve_as_given(stiffness, mass);
+        };
+        let (k, m) = (
+            Mat::from_fn(self.n, self.n, |i, j| {
+                balance.stiffness_entry(i, j, stiffness[(i, j)])
+            }),
+            Mat::from_fn(self.n, self.n, |i, j| {
+                balance.mass_entry(i, j, mass[(i, j)])
+            }),
+        );
+        self.solve_as_given(k.as_ref(), m.as_ref())?;
+        for value in &mut self.eigenvalues {
+            *value = balance.eigenvalue(*value);
+        }
+        self.zero = balance.eigenvalue(self.zero);
+        let finite = self.eigenvalues.len();
+        for j in 0..self.n {
+            for dof in 0..self.n {
+                let entry = &mut self.vectors[(dof, j)];
+                *entry = if j < finite {
+                    balance.shape(dof, *entry)
+                } else {
+                    balance.massless_shape(dof, *entry)
+                };
+            }
+        }
+        self.balance = Some(balance);
+        Ok(())
+    }
+
+    fn solve_as_given(&mut self, stiffness: MatRef<'_, f64>, mass: MatRef<'_, f64>) -> Result<()> {
         self.shift = None;
         if self.scale_by_diagonal_mass(stiffness, mass) {
             return self.finish_diagonal();

@@ -1,0 +1,104 @@
+"""Pencils that are hard on eigensolvers, each root within its stated bound of the exact one: a share of
+``benchmarks/torture.py``, which has 1,000 of them."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+
+pytest.importorskip("flint", reason="python-flint is not installed: no exact roots to compare with")
+pytest.importorskip("mpmath", reason="mpmath is not installed: no numbers of 50 digits")
+
+from reference.exact_pencils import ExactRoots
+from reference.torture import KINDS, OF_EACH, torture
+from reference.torture_verdict import Verdict, compare, verdict
+from tests.support.campaign import some_of
+
+SEEDS = some_of([6, OF_EACH])
+#: Most seconds for one pencil.
+SLOWEST = 5.0
+#: Kinds in which rounding of the entries moves roots by per cents, so that many cannot be certain.
+HOPELESS = {"penalties"}
+#: Most roots of the others that may be told to be uncertain.
+MOST_UNCERTAIN = 0.02
+
+
+@pytest.mark.parametrize("seeds", SEEDS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_root_is_within_its_bound(kind, seeds):
+    judged = [verdict(torture(kind, seed)) for seed in range(seeds)]
+    assert not [(seed, v.wrong) for seed, v in enumerate(judged) if v.wrong]
+    assert max(v.seconds for v in judged) < SLOWEST
+    uncertain, certain = (sum(getattr(v, name) for v in judged) for name in ("uncertain", "certain"))
+    if kind not in HOPELESS:
+        assert uncertain <= MOST_UNCERTAIN * certain + 1
+
+
+def test_exact_roots_of_a_chain_in_closed_form():
+    n = 6
+    k_mat = 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    exact = ExactRoots(k_mat, np.eye(n), 0, 0)
+    wanted = 4.0 * np.sin(np.pi * np.arange(1, n) / (2.0 * n)) ** 2
+    np.testing.assert_allclose([float(root.x) for root in exact.roots], wanted, rtol=1e-15)
+    assert all(root.multiplicity == 1 and root.imaginary == 0 for root in exact.roots)
+
+
+def test_a_wrong_root_and_a_missing_one_are_seen():
+    case = torture("rods", 1)
+    exact = ExactRoots(case.stiffness, case.mass, case.response, case.excitation)
+    freq, error = ar.MatrixModel(case.stiffness, case.mass).antiresonances(
+        case.response, case.excitation, bounds=True, include_cancelled=True
+    )
+    right, off, short = Verdict(), Verdict(), Verdict()
+    compare(right, exact, freq, error)
+    compare(off, exact, freq * (1.0 + 1e-9), error)
+    compare(short, exact, freq[1:], error[1:])
+    assert not right.wrong
+    assert len(off.wrong) >= freq.size
+    assert len(short.wrong) == 1
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e12])
+def test_units_of_the_dofs_change_neither_roots_nor_modes(size):
+    n = 9
+    rng = np.random.default_rng(3)
+    k_mat = 2e4 * np.eye(n) - 1e4 * (np.eye(n, k=1) + np.eye(n, k=-1))
+    m_mat = np.diag(rng.uniform(0.5, 2.0, n))
+    d = np.exp2(np.round(np.log2(np.geomspace(1.0, size, n))))
+    plain = ar.MatrixModel(k_mat, m_mat)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ar.AntiresWarning)  # stiff beside the middle dof
+        graded = ar.MatrixModel(k_mat * np.outer(d, d), m_mat * np.outer(d, d))
+    np.testing.assert_allclose(graded.modes().freq_hz, plain.modes().freq_hz, rtol=1e-12)
+    np.testing.assert_allclose(
+        np.abs(graded.modes().shapes * d), np.abs(plain.modes().shapes), rtol=1e-9, atol=1e-12
+    )
+    for i, k in [(0, 0), (2, 7)]:
+        for method in ("modal", "pencil"):
+            found = graded.antiresonances(i, k, method=method)
+            np.testing.assert_allclose(found, plain.antiresonances(i, k), rtol=1e-11)
+    line = np.linspace(1.0, 40.0, 7)
+    ratio = graded.frf(2, 7, line, damping_ratio=0.01) / plain.frf(2, 7, line, damping_ratio=0.01)
+    np.testing.assert_allclose(ratio * d[2] * d[7], 1.0, rtol=1e-8)
+
+
+def test_bounds_of_several_responses():
+    chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
+    found = chain.antiresonances([0, 1, 2], 0, bounds=True)
+    assert [freq.size for freq, _ in found] == [2, 1, 0]
+    for (freq, error), plain in zip(found, chain.antiresonances([0, 1, 2], 0), strict=True):
+        np.testing.assert_allclose(freq, plain, rtol=1e-13)
+        assert np.all((error > 0) & (error < 1e-11 * freq))
+
+
+def test_roots_that_are_not_certain_are_told():
+    # A tie of 1e20 N/m has taken the digits of the springs beside it already in the sums of the assembly.
+    n = 8
+    k_mat = 2e4 * np.eye(n) - 1e4 * (np.eye(n, k=1) + np.eye(n, k=-1))
+    k_mat[1:3, 1:3] += 1e20 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    with pytest.warns(ar.AntiresWarning, match="up to"):
+        model = ar.MatrixModel(k_mat, np.eye(n))
+    with pytest.warns(ar.AntiresWarning, match="not certain|missing or double"):
+        model.antiresonances(0, 0, bounds=True)
