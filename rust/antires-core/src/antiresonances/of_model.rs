@@ -95,7 +95,9 @@ fn each(
             .map_or(query.f_max_hz, |b| b.scaled_frequency(query.f_max_hz)),
         ..*query
     };
-    let mut solver = AntiresonanceSolver::new(&Arc::new(Structure::of(model)));
+    let structure = Structure::of(model);
+    structure.check_room()?;
+    let mut solver = AntiresonanceSolver::new(&Arc::new(structure));
     let mut prepared = solver.prepare(k_mat, m_mat);
     let mut out = Vec::with_capacity(responses.len());
     for &i in responses {
