@@ -29,6 +29,7 @@ _NAMES = {
         "MissingDependencyError",
         "NumericalError",
         "ObjectiveError",
+        "OutOfMemoryError",
         "UnsuitableDataError",
     ),
     "identification.identify": ("identify_antiresonances",),

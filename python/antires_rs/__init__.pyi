@@ -20,6 +20,7 @@ from .exceptions import (
     MissingDependencyError,
     NumericalError,
     ObjectiveError,
+    OutOfMemoryError,
     UnsuitableDataError,
 )
 from .identification.identify import identify_antiresonances
@@ -117,6 +118,7 @@ __all__ = [
     "NodeSpring",
     "NumericalError",
     "ObjectiveError",
+    "OutOfMemoryError",
     "OptimizeResult",
     "Parameter",
     "ParameterIntervals",

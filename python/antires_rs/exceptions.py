@@ -18,6 +18,7 @@ __all__ = [
     "MissingDependencyError",
     "NumericalError",
     "ObjectiveError",
+    "OutOfMemoryError",
     "UnsuitableDataError",
     "catalogue",
 ]
@@ -149,6 +150,33 @@ class NumericalError(AntiresError, ArithmeticError):
 
     def __str__(self) -> str:
         return f"{self.what} failed: {self.detail}"
+
+
+class OutOfMemoryError(NumericalError, MemoryError):
+    """There is not enough memory for a computation; it is asked for before the computation begins.
+
+    Attributes
+    ----------
+    what, detail : str
+        The computation, and what would do with less.
+    bytes_wanted : int
+        What it needs.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> print(ar.OutOfMemoryError("all modes", 4_320_000_000_000, "Ask for fewer."))
+    all modes failed: 4.32e+03 GB of memory are not there. Ask for fewer.
+    """
+
+    def __init__(self, what: str, bytes_wanted: int, detail: str = "") -> None:
+        super().__init__(
+            what,
+            f"{1e-9 * bytes_wanted:.3g} GB of memory are not there. "
+            + (detail or "Ask for less at a time: a lower f_max_hz, fewer dofs."),
+        )
+        self.args = (what, bytes_wanted, detail)
+        self.bytes_wanted = bytes_wanted
 
 
 class ObjectiveError(_Refusal, AntiresError, ValueError):

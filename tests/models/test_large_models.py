@@ -115,8 +115,10 @@ def test_modes_of_a_large_model():
 def test_no_room_for_all_modes_is_our_error():
     model = ar.MatrixModel(*chain(300_000))
     for ask in (model.modes, lambda: model.frf(0, 0, [1.0], damping_ratio=0.01)):
-        with pytest.raises(NumericalError, match="GB of memory for dense matrices are not there"):
+        with pytest.raises(NumericalError, match="GB of memory are not there") as told:
             ask()
+        assert isinstance(told.value, MemoryError)
+        assert told.value.bytes_wanted == 8 * 6 * 300_000**2
 
 
 def test_the_nominal_model_is_never_lost():

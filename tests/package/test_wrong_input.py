@@ -298,7 +298,7 @@ def test_every_class_of_the_catalogue_is_raised(monkeypatch):
         with pytest.raises(ar.AntiresError) as caught:
             cause()
         raised.add(type(caught.value).__name__)
-    assert raised == set(exceptions.catalogue()) - {"AntiresError", "InternalError"}
+    assert raised == set(exceptions.catalogue()) - {"AntiresError", "InternalError", "OutOfMemoryError"}
 
 
 @pytest.mark.parametrize(
@@ -308,6 +308,7 @@ def test_every_class_of_the_catalogue_is_raised(monkeypatch):
         ("UnsuitableDataError", ValueError),
         ("NumericalError", ArithmeticError),
         ("ObjectiveError", ValueError),
+        ("OutOfMemoryError", MemoryError),
         ("InternalError", RuntimeError),
         ("MissingDependencyError", ImportError),
     ],

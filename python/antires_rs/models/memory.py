@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..exceptions import NumericalError
+from ..exceptions import OutOfMemoryError
 
 __all__ = ["check_room_for_all_modes"]
 
@@ -17,8 +17,8 @@ def check_room_for_all_modes(n_dof: int) -> None:
     try:
         np.empty(MATRICES * n_dof * n_dof)
     except MemoryError:
-        raise NumericalError(
+        raise OutOfMemoryError(
             f"all modes of {n_dof} dofs",
-            f"{8e-9 * MATRICES * n_dof**2:.3g} GB of memory for dense matrices are not there. "
-            "Ask for the modes up to f_max_hz, or for the lowest n_modes.",
+            8 * MATRICES * n_dof**2,
+            "All modes need dense matrices. Ask for the modes up to f_max_hz, or for the lowest n_modes.",
         ) from None

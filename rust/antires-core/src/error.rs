@@ -34,9 +34,30 @@ pub enum Error {
         /// How it failed.
         detail: String,
     },
+
+    /// There is not enough memory for a computation.
+    #[error("{what} needs {bytes} bytes of memory, which are not there")]
+    Memory {
+        /// The computation.
+        what: String,
+        /// What it needs.
+        bytes: usize,
+    },
 }
 
 impl Error {
+    /// Asks for the memory of so many numbers, and gives it back: what takes it later cannot fail half-way.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] where it is not there.
+    pub fn check_memory(what: impl FnOnce() -> String, numbers: usize) -> Result<()> {
+        let mut probe: Vec<f64> = Vec::new();
+        probe.try_reserve_exact(numbers).map_err(|_| Self::Memory {
+            what: what(),
+            bytes: numbers.saturating_mul(size_of::<f64>()),
+        })
+    }
+
     /// An unusable argument, still without what to do about it: [`Refusal::remedy`] makes it an error.
     #[allow(clippy::needless_pass_by_value)] // numbers and literals read better without a `&`
     pub fn input(
@@ -162,6 +183,13 @@ mod tests {
             error.to_string(),
             "islands: got 0; wanted at least 1. Leave it out for 4."
         );
+    }
+
+    #[test]
+    fn memory_that_is_not_there_is_an_error_with_its_size() {
+        let all = Error::check_memory(|| "modes".into(), usize::MAX / 16);
+        assert!(matches!(all, Err(Error::Memory { bytes, .. }) if bytes > 1 << 59));
+        assert_eq!(Error::check_memory(|| "modes".into(), 1000), Ok(()));
     }
 
     #[test]

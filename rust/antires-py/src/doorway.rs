@@ -13,6 +13,7 @@ use pyo3::types::PyTuple;
 import_exception!(antires_rs.exceptions, InternalError);
 import_exception!(antires_rs.exceptions, InvalidInputError);
 import_exception!(antires_rs.exceptions, NumericalError);
+import_exception!(antires_rs.exceptions, OutOfMemoryError);
 import_exception!(antires_rs.exceptions, ObjectiveError);
 
 /// How often signals are looked at: often enough for a person, seldom enough to cost nothing.
@@ -31,6 +32,7 @@ pub fn to_python(error: Error) -> PyErr {
             Err(error) => error,
         }),
         Error::Numerical { what, detail } => NumericalError::new_err((what, detail)),
+        Error::Memory { what, bytes } => OutOfMemoryError::new_err((what, bytes)),
         other => InternalError::new_err(other.to_string()),
     }
 }

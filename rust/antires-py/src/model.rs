@@ -162,7 +162,7 @@ impl Model {
         let solved = run(py, || {
             let limited = f_max_hz.is_some() || n_modes.is_some();
             let low = if limited {
-                low_modes(&self.core, f_max_hz.unwrap_or(f64::INFINITY), n_modes)
+                low_modes(&self.core, f_max_hz.unwrap_or(f64::INFINITY), n_modes)?
             } else {
                 None
             };

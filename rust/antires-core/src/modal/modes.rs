@@ -7,7 +7,7 @@ use faer::{Mat, MatRef};
 use super::reduced::ReducedModes;
 use super::scaled::{ScaledMatrices, Scope};
 use super::structure::Structure;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fem::model::Model;
 use crate::linalg::symmetric::SymmetricSolver;
 
@@ -54,7 +54,12 @@ impl AllModes {
     /// # Errors
     /// Those of [`SymmetricSolver::solve`].
     pub fn of(model: &Model) -> Result<Self> {
-        let mut solver = SymmetricSolver::new(model.n_dof());
+        let n = model.n_dof();
+        Error::check_memory(
+            || format!("all modes of {n} dofs"),
+            n.saturating_mul(n).saturating_mul(6),
+        )?;
+        let mut solver = SymmetricSolver::new(n);
         let (k, m) = (model.stiffness().to_dense(), model.mass().to_dense());
         solver.solve(k.as_ref(), m.as_ref())?;
         Ok(Self {
@@ -85,9 +90,21 @@ pub fn modes(model: &Model) -> Result<Modes> {
 /// The lowest modes of a model, up to `f_max_hz` and at most `most` of them, from factors of K − xM: a count
 /// by inertia proves that none is missing. None where those are not cheap, where they are more than a part
 /// of all modes, or where rounding leaves a doubt: then [`AllModes`] has to tell.
-#[must_use]
-pub fn low_modes(model: &Model, f_max_hz: f64, most: Option<usize>) -> Option<Modes> {
+///
+/// # Errors
+/// [`Error::Memory`](crate::error::Error::Memory).
+pub fn low_modes(model: &Model, f_max_hz: f64, most: Option<usize>) -> Result<Option<Modes>> {
     let structure = Structure::of(model);
+    structure.check_room()?;
+    Ok(by_factors(structure, model, f_max_hz, most))
+}
+
+fn by_factors(
+    structure: Structure,
+    model: &Model,
+    f_max_hz: f64,
+    most: Option<usize>,
+) -> Option<Modes> {
     if !structure.is_reducible() {
         return None;
     }

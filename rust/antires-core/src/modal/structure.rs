@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use crate::error::{Error, Result};
 use crate::fem::model::Model;
 use crate::fem::parameters::Parameter;
 use crate::fem::term::Term;
@@ -29,6 +30,12 @@ const DENSE_COST: f64 = 0.05;
 
 /// Most dofs for which the dense solvers may be asked.
 pub const MOST_DENSE: usize = 2000;
+
+/// Dense matrices that all modes take at a time.
+const DENSE_MATRICES: usize = 6;
+
+/// Vectors of a Krylov space for which there must be room.
+const KRYLOV_VECTORS: usize = 200;
 
 /// Most dofs for which the degrees of the determinants are kept.
 const MOST_DEGREES: usize = 64;
@@ -209,6 +216,21 @@ impl Structure {
             degrees: Some(degrees(n, &stiffness, &mass)),
             ..structure
         }
+    }
+
+    /// Whether there is room for K, M, two factors and the Krylov space, or for dense matrices.
+    ///
+    /// # Errors
+    /// [`Error::Memory`](crate::error::Error::Memory) where there is none.
+    pub fn check_room(&self) -> Result<()> {
+        let n = self.n_dof();
+        let matrices = match &self.layout {
+            Layout::Dense => n.saturating_mul(n).saturating_mul(DENSE_MATRICES),
+            Layout::Band(_) => 4 * (n + self.half).saturating_mul(self.half + 2),
+            Layout::Sparse(layout) => 2 * layout.symbolic.n_values() + 4 * layout.origin.len(),
+        };
+        let numbers = matrices.saturating_add(n.saturating_mul(KRYLOV_VECTORS));
+        Error::check_memory(|| format!("a model of {n} dofs"), numbers)
     }
 
     /// Upper bound of the degree in x of det(K_ik − x M_ik): of the number of roots. None for large

@@ -100,8 +100,10 @@ impl ModalObjective {
                 .remedy("Identify in a wider band."));
         }
         let unknowns = Unknowns::new(model, parameters, penalty, snap)?;
+        let structure = Structure::under(&unknowns.model, &unknowns.parameters);
+        structure.check_room()?;
         Ok(Self {
-            structure: Arc::new(Structure::under(&unknowns.model, &unknowns.parameters)),
+            structure: Arc::new(structure),
             unknowns,
             weights: vec![1.0; measured.len()],
             measured,

@@ -123,6 +123,7 @@ impl AntiresonanceObjective {
             .map(|nth| measured_with(&targets, nth))
             .collect();
         let structure = Arc::new(Structure::under(model, &unknowns.parameters));
+        structure.check_room()?;
         Ok(Self {
             structure,
             unknowns,
