@@ -20,9 +20,11 @@ import resource
 import time
 
 import numpy as np
+import scipy.sparse as sp
 
 import antires_rs as ar
-from reference.meshes import MESHES, frame
+from reference.concrete_frames import DIRECTIONS
+from reference.meshes import MESHES, Mesh, frame
 
 N_MODES, N_SENSORS, NOISE = 30, 12, 5e-4
 #: Standard deviations of what the model does not know: stiffness of groups, and mass.
@@ -57,10 +59,6 @@ def grouped(mesh, n_groups):
 def of_groups(make, groups, bounds):
     """A parameter for each group."""
     return [make([int(e) for e in group], bounds=bounds, together=True) for group in groups]
-
-
-def reduction(elements, bounds):
-    return ar.stiffness_reduction(elements, bounds=bounds, together=True)
 
 
 def measured(model, sensors, force, limit_hz, rng):
@@ -106,25 +104,37 @@ def main(given):
         print(f"largest error of a factor {np.abs(result.x - truth).max():.3f}, cost {result.fun:.3f}, "
               f"{problem.cost(truth):.3f} at the truth")  # fmt: skip
     if given.only != "update":
-        losses = of_groups(reduction, fine, (0.0, 0.95))
         hit = int(rng.integers(200))
-        damaged = structure.with_parameters(losses[hit], 0.4)
+        lost = ar.stiffness_reduction([int(e) for e in fine[hit]], together=True)
+        damaged = structure.with_parameters(lost, 0.4)
         before, now = (measured(each, sensors, force, limit_hz, rng) for each in (structure, damaged))
-        grouped_model = with_groups(model, fine)
+        grouped_model = with_groups(mesh, model, fine)
         result, wall_s, cpu_s = timed(lambda: ar.assess_damage(grouped_model, now, baseline=before))
         said("damage among 200 groups", wall_s, cpu_s)
         print(f"damaged: group {hit} by 40 %. {result.headline}")
 
 
-def with_groups(model, groups):
-    """The matrices of a model, a term for each group."""
-    stiffness = model.stiffness()
-    terms = [
-        model.with_parameters(of_groups(ar.stiffness_factor, [group], (0.1, 3.0)), [2.0]).stiffness()
-        - stiffness
-        for group in groups
-    ]
-    return ar.MatrixModel(stiffness, model.mass(), stiffness_terms=terms)
+def with_groups(mesh, model, groups):
+    """The matrices of a model, a term for each group: that of a mesh of its elements alone."""
+    terms = []
+    for group in groups:
+        elements = [mesh.elements[e] for e in group]
+        nodes = sorted({node for pair in elements for node in pair})
+        own = {node: number for number, node in enumerate(nodes)}
+        part = Mesh(
+            mesh.name,
+            np.asarray(mesh.nodes_m)[nodes],
+            [(own[a], own[b]) for a, b in elements],
+            [own[node] for node in nodes if node in set(mesh.held)],
+        )
+        alone = frame(part)
+        free = [(node, d) for node in nodes if node not in set(mesh.held) for d in DIRECTIONS]
+        here = [alone.dof(own[node], d) for node, d in free]
+        there = np.array([model.dof(node, d) for node, d in free])
+        term = alone.stiffness()[np.ix_(here, here)].tocoo()
+        placed = (term.data, (there[term.row], there[term.col]))
+        terms.append(sp.coo_array(placed, shape=(model.n_dof, model.n_dof)).tocsc())
+    return ar.MatrixModel(model.stiffness(), model.mass(), stiffness_terms=terms)
 
 
 if __name__ == "__main__":

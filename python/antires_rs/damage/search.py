@@ -18,6 +18,7 @@ from ..support.progress import step
 from ..support.validation import FloatArray
 from .evidence import HIGHEST, Fit, fitted
 from .likelihood import Likelihood
+from .screening import COARSE, worth_a_scan
 from .view import View
 
 __all__ = ["Search"]
@@ -188,12 +189,15 @@ class Search:
             base = np.zeros(self.likelihood.n)
             base[list(parent.elements)] = np.clip(parent.beta, 0.0, HIGHEST)
             further = self._further(parent.elements)
-            rows = np.repeat(base[None], len(further) * _GRID.size, axis=0)
+            chosen_few = worth_a_scan(parent.view, further, size)
+            grid = _GRID if chosen_few is None or size == 1 else COARSE
+            further = further if chosen_few is None else chosen_few
+            rows = np.repeat(base[None], len(further) * grid.size, axis=0)
             for nth, e in enumerate(further):
-                rows[nth * _GRID.size : (nth + 1) * _GRID.size, e] = _GRID
+                rows[nth * grid.size : (nth + 1) * grid.size, e] = grid
             left = [self.likelihood.unexplained(roots) for roots in self.likelihood.roots(rows, slopes=False)]
             for nth, e in enumerate(further):
-                at = nth * _GRID.size + int(np.argmin(left[nth * _GRID.size : (nth + 1) * _GRID.size]))
+                at = nth * grid.size + int(np.argmin(left[nth * grid.size : (nth + 1) * grid.size]))
                 found.append((left[at], tuple(sorted((*parent.elements, e))), rows[at]))
         chosen: dict[Elements, FloatArray] = {}
         most = _REFINED[min(size, len(_REFINED)) - 1]

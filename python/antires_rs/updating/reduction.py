@@ -84,6 +84,17 @@ class ReductionReport:
         Whether it is within the tolerance.
     full_evaluations : int
         Evaluations of the full model.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> chain = ar.MassSpringChain([1.0] * 60, [1e5] * 59, ground_first_n_per_m=1e5)
+    >>> springs = ar.stiffness_factor(range(30), bounds=(0.8, 1.2), together=True)
+    >>> tested = chain.with_parameters(springs, 1.1)
+    >>> zeros = ar.AntiresonanceSet(59, {30: tested.antiresonances(30, 59, f_max_hz=10.0)})
+    >>> found = ar.update(ar.UpdatingProblem(chain, springs, zeros), rng=0, reduction=True)
+    >>> found.x.round(4), found.reduction.agreed, found.reduction.size < 30
+    (array([1.1]), True, True)
     """
 
     n_dof: int
