@@ -60,9 +60,11 @@ def compared(mesh: str, size: int) -> None:
     dofs = [int(dof) for dof in moving[np.linspace(0, moving.size - 1, N_PAIRS).astype(int)]]
     limit_hz = float(models[0].modes(N_MODES).freq_hz[-1]) * 1.01
     found, seconds = zip(*(all_pairs(model, dofs, limit_hz) for model in models[:2]), strict=True)
-    exact = roots_of(models[2], dofs, dofs, limit_hz)
+    try:
+        away = apart(found[1], roots_of(models[2], dofs, dofs, limit_hz))
+    except ar.NumericalError:
+        away = "not settled with rotary mass"
     roots = sum(zeros.size for zeros in found[1])
-    away = apart(found[1][: len(exact)], exact)
     print(
         f"{mesh:9s} {whole.n_dof:6d} {mass.shape[0] - moving.size:6d} {roots:6d}"
         f" {seconds[0]:11.3f} {seconds[1]:7.3f} {seconds[1] / seconds[0]:6.2f}   {away}",
