@@ -1,110 +1,53 @@
 """Large sparse models: building them, and antiresonances of 16 responses with 30 modes in band.
 
-Rivals, each from the same matrices and in one run, CPU seconds on one thread:
+Rivals (``benchmarks.large_rivals``), each from the same matrices and in one run, CPU seconds on one thread:
 
 - *eigsh*: shift-invert Lanczos with SuperLU for 30 modes and half as many more, one flexibility residual,
   roots by scan and bisection of the truncated series;
-- *Lanczos*: one SuperLU factor of K + sigma M, a Krylov space of the load in the inner product of M to
-  convergence below the limit, partial fractions, roots by scan and bisection.
+- *Lanczos*: one factor of K + sigma M by SuperLU, a Krylov space of the load in the inner product of M to
+  convergence below the limit, partial fractions, roots by scan and bisection;
+- the same two with factors by CHOLMOD, where cvxopt is installed.
 
 With ``--check`` the roots of four pairs are compared with shift-invert on the deleted pencils; ``--lumped``
-lumps the masses, rotations without mass. Run ``python -m benchmarks.large_models tower --sizes 1000``.
+lumps the masses, rotations without mass. *memory* is what a process with our part alone grows by, over the
+bytes of SuperLU's factors; ``--plot FILE`` draws the growth with the number of dofs. The ``block`` is a solid
+by scikit-fem. Run ``python -m benchmarks.large_models tower --sizes 1000``.
 """
 
 from __future__ import annotations
 
+import os
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy: one core is what is measured
+
 import argparse
-import resource
+import gc
+import importlib.util
+import multiprocessing
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 import scipy.sparse.linalg as sla
 
 import antires_rs as ar
+from benchmarks.large_rivals import N_MODES, by_eigsh, by_lanczos, cholmod, definite, superlu
 from reference.meshes import MESHES, frame, lumped
+from reference.solid_meshes import block
 
-N_MODES, N_RESPONSES, SCAN = 30, 16, 40
+N_RESPONSES = 16
+RIVALS = {"eigsh": (by_eigsh, None), "Lanczos": (by_lanczos, superlu)}
+if importlib.util.find_spec("cvxopt"):
+    RIVALS |= {"eigsh, CHOLMOD": (by_eigsh, cholmod), "Lanczos, CHOLMOD": (by_lanczos, cholmod)}
+NAMES = ["ours", *RIVALS]
 
 
 def timed(work: Callable[[], Any]) -> tuple[Any, float]:
     """What ``work`` returns, and the CPU seconds that it took."""
     start = time.process_time()
     return work(), time.process_time() - start
-
-
-def definite(mass: Any) -> Any:
-    """The mass with 1e-9 where it has none, for rivals that need one."""
-    return (mass + sp.diags_array(np.where(mass.diagonal() == 0.0, 1e-9, 0.0))).tocsc()
-
-
-def bisected(value: Callable[[Any], Any], poles: Any, limit: float) -> Any:
-    """Roots of ``value`` in (0, limit): a scan of each gap between poles, then bisection."""
-    ends = np.concatenate([[0.0], np.sort(poles[(poles > 0) & (poles < limit)]), [limit]])
-    share = 0.5 - 0.5 * np.cos(np.linspace(0.01, np.pi - 0.01, SCAN))
-    x = (ends[:-1, None] + np.diff(ends)[:, None] * share).ravel()
-    sign = np.sign(value(x))
-    at = np.flatnonzero((sign[1:] != sign[:-1]) & (np.arange(1, x.size) % SCAN != 0))
-    low, high, left = x[at], x[at + 1], sign[at]
-    for _ in range(55):
-        middle = 0.5 * (low + high)
-        same = np.sign(value(middle)) == left
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return 0.5 * (low + high)
-
-
-def by_eigsh(k: Any, m: Any, dofs: list[int], force: int, limit: float) -> list[Any]:
-    """Roots from modes by shift-invert and one flexibility residual."""
-    sigma = 0.1 * limit
-    lu = sla.splu((k + sigma * m).tocsc())
-    inverse = sla.LinearOperator(k.shape, matvec=lu.solve)
-    most = N_MODES + N_MODES // 2
-    lam, phi = sla.eigsh(k, most, m, sigma=-sigma, OPinv=inverse)
-    load = np.zeros(k.shape[0])
-    load[force] = 1.0
-    rest = lu.solve(load) - phi @ (phi[force] / (lam + sigma))
-
-    def receptance(dof: int) -> Callable[[Any], Any]:
-        return lambda x: (phi[dof] * phi[force]) @ (1.0 / (lam[:, None] - x)) + rest[dof]
-
-    return [bisected(receptance(dof), lam, limit) for dof in dofs]
-
-
-def by_lanczos(k: Any, m: Any, dofs: list[int], force: int, limit: float) -> list[Any]:
-    """Roots from the Krylov space of the load."""
-    sigma = 0.1 * limit
-    lu = sla.splu((k + sigma * m).tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-    load = np.zeros(k.shape[0])
-    load[force] = 1.0
-    w, alpha, beta = lu.solve(load), [], []
-    q, mq = np.empty((400, w.size)), np.empty((400, w.size))
-    norm = np.sqrt(w @ (m @ w))
-    s, first, n = 1.02 * limit + sigma, norm, 0
-    while True:
-        q[n] = w / norm
-        mq[n] = m @ q[n]
-        w = lu.solve(mq[n])
-        n += 1
-        for _ in range(2):
-            part = mq[:n] @ w
-            w -= part @ q[:n]
-            alpha += [part[-1]] if len(alpha) < n else []
-        norm = np.sqrt(w @ (m @ w))
-        if n % 10 == 0:
-            t = np.diag(alpha) + np.diag(beta, 1) + np.diag(beta, -1)
-            last = np.linalg.solve(np.eye(n) - s * t, np.eye(n)[0])[-1]
-            if abs(s * norm * last) < 1e-13 or n == len(q):
-                break
-        beta.append(norm)
-    theta, y = np.linalg.eigh(t)
-    rows, strength, poles = q[:n, dofs].T @ y, first * y[0], 1.0 / theta - sigma
-
-    def receptance(row: Any) -> Callable[[Any], Any]:
-        return lambda x: (row * strength) @ (1.0 / (1.0 - theta[:, None] * (x + sigma)))
-
-    return [bisected(receptance(row), poles, limit) for row in rows]
 
 
 def deleted(k: Any, m: Any, i: int, j: int, limit: float) -> Any:
@@ -126,37 +69,102 @@ def missed(found: Any, wanted: Any) -> tuple[int, int]:
     return near(wanted, found), near(found, wanted)
 
 
-def study(kind: str, n_dof: int, *, is_lumped: bool, check: bool) -> None:
-    """One line of the table."""
+def matrices(kind: str, n_dof: int, *, is_lumped: bool) -> tuple[Any, Any, float]:
+    """Stiffness and mass of a mesh, and the CPU seconds of its ``FrameModel`` (none for the block)."""
+    if kind == "block":
+        k, m = block(n_dof)
+        return k, m, float("nan")
     mesh = MESHES[kind](n_dof)
     model, built = timed(lambda: frame(mesh))
     k, m = model.stiffness().tocsc(), model.mass().tocsc()
-    m = lumped(m) if is_lumped else m
+    return k, lumped(m) if is_lumped else m, built
+
+
+def sensors(n: int, directions: int) -> tuple[list[int], int]:
+    """Responses in translations of nodes drawn at random, and the force at one of them."""
+    rng = np.random.default_rng(0)
+    nodes = rng.choice(n // directions, N_RESPONSES, replace=False)
+    dofs = sorted((directions * nodes + rng.integers(0, 3, N_RESPONSES)).tolist())
+    return dofs, dofs[5]
+
+
+def memory_bytes(which: str) -> int:
+    """Resident memory of this process: ``VmRSS`` now, ``VmHWM`` its peak (Linux)."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return 1024 * int(next(line for line in lines if line.startswith(which)).split()[1])
+
+
+def growth(k: Any, m: Any, dofs: list[int], force: int, f_max_hz: float) -> int:
+    """Bytes by which this process grows at most with our part: the model and its antiresonances."""
+    gc.collect()
+    Path("/proc/self/clear_refs").write_text("5")  # the peak begins anew
+    before = memory_bytes("VmRSS")
+    ar.MatrixModel(k, m).antiresonances(dofs, force, f_max_hz=f_max_hz)
+    return memory_bytes("VmHWM") - before
+
+
+def study(kind: str, n_dof: int, given: argparse.Namespace) -> dict[str, Any]:
+    """One line of the table."""
+    k, m, built = matrices(kind, n_dof, is_lumped=given.lumped)
     model, from_matrices = timed(lambda: ar.MatrixModel(k, m))
     whole = definite(m)
-    lam = sla.eigsh(k, N_MODES, whole, sigma=-1.0, return_eigenvectors=False)
+    shift = 1e-3 * float((k.diagonal() / whole.diagonal()).min())
+    lam = sla.eigsh(k, given.modes, whole, sigma=-shift, return_eigenvectors=False)
     limit = 1.002 * lam.max()
-    f_max_hz = np.sqrt(limit) / (2 * np.pi)
-    rng = np.random.default_rng(0)
-    nodes = rng.choice(model.n_dof // 6, N_RESPONSES, replace=False)
-    dofs = sorted((6 * nodes + rng.integers(0, 3, N_RESPONSES)).tolist())
-    force = dofs[5]
-    ours, seconds = timed(lambda: model.antiresonances(dofs, force, f_max_hz=f_max_hz))
-    ours = [(2 * np.pi * hz) ** 2 for hz in ours]
-    eigsh, by_modes = timed(lambda: by_eigsh(k, whole, dofs, force, limit))
-    lanczos, by_space = timed(lambda: by_lanczos(k, whole, dofs, force, limit))
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    apart = [
-        sum(np.array(missed(a, b)) for a, b in zip(other, ours, strict=True)) for other in (eigsh, lanczos)
-    ]
+    f_max_hz = float(np.sqrt(limit) / (2 * np.pi))
+    dofs, force = sensors(model.n_dof, 3 if kind == "block" else 6)
+    zeros, cpu_s = timed(lambda: model.antiresonances(dofs, force, f_max_hz=f_max_hz))
+    ours, seconds, roots = [(2 * np.pi * hz) ** 2 for hz in zeros], [cpu_s], {}
+    for name, (rival, factors) in RIVALS.items():
+        if name in given.without:
+            seconds.append(float("nan"))
+            continue
+        roots[name], cpu_s = timed(lambda: rival(k, whole, dofs, force, limit, factors))  # noqa: B023
+        seconds.append(cpu_s)
+    apart = {
+        name: tuple(sum(np.array(missed(a, b)) for a, b in zip(theirs, ours, strict=True)).tolist())
+        for name, theirs in roots.items()
+        if "CHOLMOD" not in name
+    }
+    with multiprocessing.get_context("spawn").Pool(1) as alone:
+        memory = alone.apply(growth, (k, m, dofs, force, f_max_hz))
+    factor = superlu(k + 0.1 * limit * whole)[1]
     print(
-        f"{kind:9s}{model.n_dof:8d}{built:8.2f}{from_matrices:8.2f}{seconds:9.3f}{by_modes:9.2f}{by_space:9.3f}"
-        f"{sum(map(len, ours)):7d}  {apart[0]} {apart[1]}  {memory:.2f} GB",
+        f"{kind:9s}{model.n_dof:8d}{built:8.2f}{from_matrices:8.2f}"
+        + "".join(f"{cpu_s:9.3f}" for cpu_s in seconds)
+        + f"{sum(map(len, ours)):7d}  {apart}  {memory / 2**20:.0f} MB, {memory / factor:.1f}",
         flush=True,
     )
-    if check:
+    if given.check:
         pairs = [missed(ours[q], deleted(k, whole, dofs[q], force, limit)) for q in range(0, N_RESPONSES, 4)]
         print(f"{'':9s}against the deleted pencils, four pairs (missed, invented): {pairs}", flush=True)
+    return {"kind": kind, "n_dof": model.n_dof, "seconds": seconds}
+
+
+def plot(rows: list[dict[str, Any]], file: str) -> None:
+    """Seconds over dofs, one panel for each kind of mesh."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    kinds = list(dict.fromkeys(row["kind"] for row in rows))
+    figure, axes = plt.subplots(
+        1, len(kinds), figsize=(3.2 * len(kinds), 3.4), sharey=True, squeeze=False, layout="constrained"
+    )
+    greys = dict(zip(NAMES, ["0.0", "0.55", "0.3", "0.75", "0.45"], strict=False))
+    styles = dict(zip(NAMES, ["-o", "--s", ":^", "--d", ":v"], strict=False))
+    for ax, kind in zip(axes[0], kinds, strict=True):
+        own = [row for row in rows if row["kind"] == kind]
+        for nth, name in enumerate(NAMES):
+            seconds = [row["seconds"][nth] for row in own]
+            ax.loglog(
+                [row["n_dof"] for row in own], seconds, styles[name], color=greys[name], label=name, ms=4
+            )
+        ax.set(title=kind, xlabel="degrees of freedom")
+    axes[0, 0].set_ylabel(f"CPU time of {N_RESPONSES} responses, s")
+    axes[0, 0].legend(fontsize=8)
+    figure.savefig(file, dpi=130)
 
 
 def main() -> None:
@@ -164,15 +172,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("kinds", nargs="*", default=list(MESHES))
     parser.add_argument("--sizes", type=int, nargs="+", default=[300, 1000, 2000, 5000, 10000])
+    parser.add_argument("--modes", type=int, default=N_MODES, help="modes in band")
     parser.add_argument("--lumped", action="store_true")
     parser.add_argument("--check", action="store_true")
+    parser.add_argument("--without", nargs="*", default=[], choices=list(RIVALS), help="rivals left out")
+    parser.add_argument("--plot", metavar="FILE")
     given = parser.parse_args()
-    print(
-        "mesh         dofs   frame  matrix     ours    eigsh  Lanczos  roots  missed, invented by both  peak"
-    )
-    for kind in given.kinds:
-        for n_dof in given.sizes:
-            study(kind, n_dof, is_lumped=given.lumped, check=given.check)
+    columns = "".join(f"  {name}" for name in NAMES)
+    print(f"mesh         dofs   frame  matrix{columns}  roots  missed, invented by them  memory", flush=True)
+    rows = [study(kind, n_dof, given) for kind in given.kinds for n_dof in given.sizes]
+    if given.plot:
+        plot(rows, given.plot)
 
 
 if __name__ == "__main__":

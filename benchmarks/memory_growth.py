@@ -30,7 +30,7 @@ def problem(size: int) -> ar.UpdatingProblem:
     """Ten groups of beams of a tower, three responses."""
     model = frame(MESHES["tower"](size))
     groups = np.array_split(np.arange(len(model.elements)), N_PARAMETERS)
-    unknowns = [ar.stiffness_factor(group.tolist(), bounds=(0.7, 1.3)) for group in groups]
+    unknowns = [ar.Parameter("stiffness_factor", tuple(group.tolist()), (0.7, 1.3)) for group in groups]
     dofs = [int(dof) for dof in np.linspace(0, model.n_dof - 1, N_RESPONSES).astype(int)]
     limit_hz = float(model.modes(N_MODES).freq_hz[-1])
     found = model.antiresonances(dofs, dofs[-1], f_max_hz=limit_hz)

@@ -23,7 +23,7 @@
 //! | module | what it knows |
 //! |---|---|
 //! | [`query`] | what is asked for, and what comes back |
-//! | [`of_model`] | the antiresonances of a model, with bounds of their errors |
+//! | [`of_model`], `bounded`, `candidates` | the antiresonances of a model; with bounds of their errors; what has yet to be confirmed |
 //! | [`solver`] | K and M handed over once; both routes |
 //! | `search` | the modal route for one response, divided where rounding disturbs |
 //! | `pencil_route` | the roots of the deleted pencil, joined to those proven |
@@ -42,7 +42,9 @@
 //! A. Fregolent, The use of antiresonances for robust model updating, J. Sound Vib. 236 (2000) 227-243.
 
 pub mod beyond_last_pole;
+mod bounded;
 pub mod bracket;
+mod candidates;
 pub mod cell;
 pub mod enclosure;
 pub mod end_poles;

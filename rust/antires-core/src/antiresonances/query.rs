@@ -1,5 +1,8 @@
 //! What is asked for, and what comes back.
 
+use crate::error::{Error, Result};
+use crate::modal::structure::MOST_DENSE;
+
 /// How the roots are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Route {
@@ -18,6 +21,35 @@ pub struct Query {
     pub f_max_hz: f64,
     /// Whether roots that cancel against a pole are returned too.
     pub include_cancelled: bool,
+}
+
+impl Query {
+    /// Refuses what no memory and patience serve: all roots of a large model cost n² memory and n³ time, and QZ 25
+    /// times that.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] without a limit, and for the pencil route.
+    pub fn check_large(&self, n: usize) -> Result<()> {
+        if self.route == Route::Pencil {
+            return Err(Error::input(
+                "method",
+                format!("'pencil' for {n} dofs"),
+                format!("at most {MOST_DENSE} dofs for QZ, whose time grows with their cube"),
+            )
+            .remedy("Leave it out: 'modal' proves its roots."));
+        }
+        if self.f_max_hz.is_infinite() {
+            return Err(Error::input(
+                "f_max_hz",
+                format!("no limit for {n} dofs"),
+                format!("a limit in Hz for more than {MOST_DENSE} dofs: all roots need all modes"),
+            )
+            .remedy(
+                "Give the highest frequency that matters; time and memory go with the modes below it.",
+            ));
+        }
+        Ok(())
+    }
 }
 
 /// Antiresonances of one response.

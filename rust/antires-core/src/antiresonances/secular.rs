@@ -131,7 +131,7 @@ pub fn roots(
         };
         let verdict = match pattern {
             Pattern::OneSign if place == Place::BetweenPoles => Verdict::Monotone,
-            Pattern::OneSign if h.constant == 0.0 => Verdict::Rootless,
+            Pattern::OneSign if h.falls_off() => Verdict::Rootless,
             Pattern::Counted if between_one_sign(h, cell) => Verdict::Monotone,
             Pattern::Counted => Verdict::Rootless,
             _ => screening.verdict(index, h, search.rest),

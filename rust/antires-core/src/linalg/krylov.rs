@@ -15,14 +15,15 @@
 //! method, summed. The identity for the error is exact, and y_p is a product of p factors that costs nothing
 //! to follow, so the space grows until the error is below rounding everywhere up to a given x.
 //!
-//! M may be singular. Then a = A⁻¹e has a part without mass, for which the inner product of M is blind, and
+//! Summed as it stands, the poles far above leave their rounding: they are large, and all but cancel. What they
+//! are at x = −σ is known by itself, a = A⁻¹e, and beside it they are small:
 //!
 //! ```text
-//! u(x) = a + s (I − s A⁻¹M)⁻¹ A⁻¹M a ≈ a + s β_0 Σ_j (Q y_j) y_1j / (1 − s θ_j)
-//!      = a − β_0 Σ_j (Q y_j) y_1j / θ_j + β_0 Σ_j (Q y_j) y_1j / θ_j² / (λ_j − x)
+//! u(x) = a + s Σ_j c_j / (λ_j − x),       c_j = β_0 (Q y_j) y_1j
 //! ```
 //!
-//! from the space of A⁻¹M a: what has no mass is in the constant.
+//! M may be singular. Then a has a part without mass, for which the inner product of M is blind, and the space
+//! starts from A⁻¹M a instead: u(x) = a + s (I − s A⁻¹M)⁻¹ A⁻¹M a, of the same form with c_j over θ_j.
 //!
 //! The start depends on the load alone: the same matrices give the same bits whatever was solved before.
 //!
@@ -65,15 +66,17 @@ pub struct Krylov {
     ritz: Vec<f64>,
     unsorted: Vec<f64>,
     order: Vec<usize>,
+    start: Start,
     start_norm: f64,
-    /// A⁻¹e, where the space starts from what it leaves.
-    constant: Vec<f64>,
+    /// A⁻¹e.
+    response: Vec<f64>,
 }
 
 /// What a space starts from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Start {
     /// A⁻¹e: all directions have a mass.
+    #[default]
     Response,
     /// A⁻¹M A⁻¹e, A⁻¹e kept aside: some may have none, see the module.
     Remainder,
@@ -109,10 +112,10 @@ impl Krylov {
         self.weighted.clear();
         let mut w = load.to_vec();
         op.shifted.solve(&mut w);
-        self.constant.clear();
+        self.start = start;
+        self.response.clone_from(&w);
         if start == Start::Remainder {
-            self.constant.extend_from_slice(&w);
-            op.mass.multiply(&self.constant, &mut w);
+            op.mass.multiply(&self.response, &mut w);
             w[self.n..].fill(0.0);
             op.shifted.solve(&mut w);
         }
@@ -234,16 +237,26 @@ impl Krylov {
         &self.theta
     }
 
-    /// Size of the load: β_0.
+    /// Entry `i` of A⁻¹e: the response at x = −σ.
     #[must_use]
-    pub fn start_norm(&self) -> f64 {
-        self.start_norm
+    pub fn response(&self, i: usize) -> f64 {
+        self.response[i]
     }
 
-    /// Entry `i` of A⁻¹e; none where the space starts from it.
+    /// Largest modulus of the response at x = −σ.
     #[must_use]
-    pub fn constant(&self, i: usize) -> Option<f64> {
-        self.constant.get(i).copied()
+    pub fn largest_response(&self) -> f64 {
+        self.response.iter().fold(0.0, |m, a| m.max(a.abs()))
+    }
+
+    /// Part of the load in y_j, over θ_j: c_j = that (Q y_j)_i.
+    #[must_use]
+    pub fn strength(&self, j: usize) -> f64 {
+        let strength = self.start_norm * self.first(j);
+        match self.start {
+            Start::Response => strength,
+            Start::Remainder => strength / self.theta[j],
+        }
     }
 
     /// First component of y_j.

@@ -2,10 +2,9 @@
 //! of them.
 //!
 //! ```text
-//! H_ik(x) = Σ_j φ_ij φ_kj / (λ_j − x),    λ_j = 1/θ_j − σ
+//! H_ik(x) = H_ik(−σ) + (x + σ) Σ_j c_ij / (λ_j − x),    c_ij = φ_ij φ_kj θ_j,  λ_j = 1/θ_j − σ
 //! ```
 //!
-//! and a constant where the space starts from the remainder ([`Start`]).
 //! Those up to the limit are the modes that the load excites; those far above stand for all other modes
 //! together ([`Krylov`]).
 
@@ -22,6 +21,9 @@ pub(super) const FOUND: f64 = 1e-6;
 
 /// Part of a mode in the load, relative to the largest, below which a pole that is not found is rounding.
 const UNSEEN: f64 = 1e-11;
+
+/// Response at x = −σ, relative to the largest, below which nothing is left of it.
+const NOTHING: f64 = 1e-14;
 
 /// Rounding errors of Θ within which two poles are one.
 const REPEATED: f64 = 32.0;
@@ -188,31 +190,19 @@ impl Poles {
         h.clear();
         let krylov = &self.krylov;
         krylov.row(i, &mut self.row);
+        let known = krylov.response(i);
+        h.begin(self.sigma, known);
         let (mut size_i, mut size_k, mut modes) = (0.0_f64, 0.0_f64, 0);
         let top = (4.0 * (self.limit + self.sigma)).recip();
         let largest_theta = krylov.theta()[0];
         let mut floor = 0.0;
-        let aside = krylov.constant(i);
         for (j, (&theta, &phi_i)) in krylov.theta().iter().zip(&self.row).enumerate() {
-            let strength = krylov.start_norm() * krylov.first(j);
+            let phi_k = krylov.strength(j);
             let rounding = j < self.found.len() && !self.found[j];
             if theta <= f64::EPSILON * largest_theta {
-                // So stiff that its term is constant in band; beside A⁻¹e it is nothing.
-                match aside {
-                    None => h.constant += strength * phi_i,
-                    Some(_) => floor += self.highest() * (strength * phi_i).abs() / f64::EPSILON,
-                }
+                // So stiff that beside the response it is nothing but its rounding.
+                floor += (phi_k * phi_i * theta).abs() / f64::EPSILON;
                 continue;
-            }
-            let mut phi_k = strength / theta;
-            if aside.is_some() {
-                if !rounding {
-                    h.constant -= phi_k * phi_i;
-                    floor += (phi_k * phi_i).abs();
-                }
-                phi_k /= theta;
-            } else if j >= self.found.len() {
-                floor += (strength * phi_i).abs();
             }
             if theta >= top {
                 size_i = size_i.max(phi_i.abs());
@@ -220,6 +210,9 @@ impl Poles {
             }
             if rounding {
                 continue;
+            }
+            if j >= self.found.len() {
+                floor += (phi_k * phi_i * theta).abs();
             }
             let lambda = self.pole(theta);
             let lambda = if lambda.abs() <= self.zero {
@@ -236,16 +229,14 @@ impl Poles {
                 modes = h.poles.len();
             }
         }
-        if let Some(aside) = aside {
-            h.constant += aside;
-            floor += aside.abs();
-        }
         h.cancelled
             .extend(hidden.iter().filter(|&&l| l <= self.limit));
-        h.floor_error = 4.0 * f64::EPSILON * (floor + h.constant.abs());
-        if aside.is_some() && h.constant.abs() <= h.floor_error {
-            h.constant = 0.0;
-        }
+        h.floor_error = 4.0 * f64::EPSILON * floor;
         h.finish(n, modes, (size_i, size_k));
+        let error = 4.0 * f64::EPSILON * known.abs();
+        if error > h.residue_error {
+            h.floor_error += error / self.sigma;
+        }
+        h.is_zero &= known.abs() <= NOTHING * krylov.largest_response();
     }
 }

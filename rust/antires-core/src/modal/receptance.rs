@@ -1,5 +1,8 @@
 //! One receptance as partial fractions: H_ik(x) = Σ c_r / (λ_r − x) + d.
 //!
+//! Of a Krylov space it is that over a factor without roots, H_ik(x) = (x + σ) Σ c_r / (λ_r − x), with a first
+//! pole at −σ whose residue is −H_ik(−σ): exact there, and small rounding from poles far above.
+//!
 //! Eigenvalues that coincide at working precision share one pole, whose residue is the sum over
 //! their eigenspace (the parts depend on the basis, the sum does not). A pole whose residue is below
 //! 1e-12 of the largest is not seen by i or k: the mode has a node there, the FRF
@@ -28,8 +31,10 @@ fn ulps(n: usize) -> f64 {
 /// Partial fractions of one receptance.
 #[derive(Debug, Clone, Default)]
 pub struct Receptance {
-    /// Poles λ seen by both dofs, strictly ascending.
+    /// Poles λ seen by both dofs, strictly ascending, after those that are no modes.
     pub poles: Vec<f64>,
+    /// Number of poles at the beginning that are no modes: one or none, at −σ.
+    pub beside: usize,
     /// Residues φ_i φ_k, one a pole.
     pub residues: Vec<f64>,
     /// Constant part, from massless directions.
@@ -88,7 +93,7 @@ impl Receptance {
         self.poles.clear();
         self.residues.clear();
         self.cancelled.clear();
-        (self.constant, self.floor_error) = (0.0, 0.0);
+        (self.constant, self.floor_error, self.beside) = (0.0, 0.0, 0);
         self.most_roots = None;
     }
 
@@ -103,6 +108,18 @@ impl Receptance {
         let poles = self.poles.iter().zip(&self.residues);
         let below = poles.take_while(|(l, _)| **l <= limit);
         below.map(|(_, c)| c.abs()).fold(0.0, f64::max)
+    }
+
+    /// Begins with the pole at −σ of a response of `known` there.
+    pub fn begin(&mut self, sigma: f64, known: f64) {
+        self.poles.push(-sigma);
+        self.residues.push(-known);
+        self.beside = 1;
+    }
+
+    /// Residues of the modes.
+    fn of_modes(&self) -> &[f64] {
+        &self.residues[self.beside..]
     }
 
     /// Adds a mode, λ ascending; within `repeated` of the last it shares its pole.
@@ -120,12 +137,12 @@ impl Receptance {
         }
     }
 
-    /// Sets the cancelled ones of the lowest `modes` poles aside; the others stand for modes far above.
+    /// Sets the cancelled ones of the lowest `modes` poles aside, those that are no modes counted; the others stand for modes far above.
     /// `size_i` and `size_k` are the largest entries of the modes at the two dofs.
     pub fn finish(&mut self, n: usize, modes: usize, (size_i, size_k): (f64, f64)) {
         let scale = size_i * size_k;
         let of = if modes == 0 { self.poles.len() } else { modes };
-        let largest = self.residues[..of]
+        let largest = self.residues[self.beside..of]
             .iter()
             .fold(0.0_f64, |m, c| m.max(c.abs()));
         self.residue_error = ulps(n) * f64::EPSILON * scale;
@@ -143,7 +160,7 @@ impl Receptance {
     fn drop_negligible(&mut self, modes: usize) {
         let mut kept = 0;
         for r in 0..self.poles.len() {
-            if r < modes && self.residues[r].abs() <= self.negligible {
+            if (self.beside..modes).contains(&r) && self.residues[r].abs() <= self.negligible {
                 self.cancelled.push(self.poles[r]);
             } else {
                 self.poles[kept] = self.poles[r];
@@ -160,8 +177,8 @@ impl Receptance {
     /// as many pairs of them as there are roots at most leave none for elsewhere.
     #[must_use]
     pub fn pattern(&self) -> Pattern {
-        let first = self.residues[0];
-        if self.residues.iter().all(|c| c * first > 0.0) {
+        let first = self.of_modes().first().copied().unwrap_or_default();
+        if self.of_modes().iter().all(|c| c * first > 0.0) {
             return Pattern::OneSign;
         }
         let sure = |c: &f64| c.abs() > SURE_RESIDUE * self.residue_error;
@@ -176,6 +193,12 @@ impl Receptance {
             }
             _ => Pattern::Open,
         }
+    }
+
+    /// Whether H falls off to zero far above its poles.
+    #[must_use]
+    pub fn falls_off(&self) -> bool {
+        self.constant == 0.0 && self.beside == 0
     }
 
     /// H at x.

@@ -5,13 +5,16 @@
 //! | [`pattern`] | where entries are |
 //! | [`matrix`] | their values: product, forms, dense copies |
 //! | [`symbolic`] | the ordering that keeps L sparse, and its blocks: once a pattern |
-//! | [`factors`] | the values of L and D, count of negative pivots, solution |
+//! | [`factors`] | the values of L and D by `blocks`; count of negative `pivots`, `solution` |
 //!
 //! K and M of one model share a pattern, so that K − xM is a sum of values.
 
+mod blocks;
 pub mod factors;
 pub mod matrix;
 pub mod pattern;
+mod pivots;
+mod solution;
 pub mod symbolic;
 
 pub use factors::SparseFactors;
