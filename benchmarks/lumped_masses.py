@@ -2,7 +2,7 @@
 
 All pairs of 6 x 6 dofs, each force with its six responses in one call, up to the frequency that 20 modes lie
 below; CPU seconds on one thread, the best of three. The roots are compared with those of the same matrices
-with 1e-9 of rotary mass, above 500 dofs with 1e-7: less takes long there. Run
+with 1e-9 of rotary mass. Run
 ``python -m benchmarks.lumped_masses``; ``--sizes 300 1000`` for fewer.
 """
 
@@ -19,8 +19,6 @@ import antires_rs as ar
 from reference.meshes import MESHES, frame, lumped
 
 N_MODES, N_PAIRS = 20, 6
-#: Dofs up to which the rotary mass is 1e-9.
-MOST_COMPARED = 500
 SIZES = (300, 1000, 2000, 5000)
 
 
@@ -52,9 +50,7 @@ def compared(mesh: str, size: int) -> None:
     whole = frame(MESHES[mesh](size))
     stiffness, consistent = whole.stiffness(), whole.mass()
     mass = lumped(consistent)
-    rotary = mass + sp.diags_array(
-        np.where(mass.diagonal() == 0.0, 1e-9 if whole.n_dof <= MOST_COMPARED else 1e-7, 0.0)
-    )
+    rotary = mass + sp.diags_array(np.where(mass.diagonal() == 0.0, 1e-9, 0.0))
     models = [ar.MatrixModel(stiffness, m) for m in (consistent, mass, rotary)]
     moving = np.flatnonzero(mass.diagonal() > 0.0)
     dofs = [int(dof) for dof in moving[np.linspace(0, moving.size - 1, N_PAIRS).astype(int)]]

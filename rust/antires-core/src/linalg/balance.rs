@@ -5,7 +5,8 @@
 //! ```
 //!
 //! D brings each diagonal entry of K + σM near one, which is the scaling that a Cholesky factor of it likes best
-//! (A. van der Sluis, Numer. Math. 14 (1969) 14-23), with σ the middle of K_jj / M_jj. Springs of 1e20 N/m, masses of
+//! (A. van der Sluis, Numer. Math. 14 (1969) 14-23), with σ the lower quartile of K_jj / M_jj: that of the
+//! dofs whose modes are low, where half of them may have next to no mass. Springs of 1e20 N/m, masses of
 //! nearly nothing and dofs in units of their own then leave the others alone. Nothing is rounded.
 
 use super::sparse::SparseMatrix;
@@ -58,7 +59,7 @@ impl Balance {
         let mut ratios: Vec<f64> = k.iter().zip(&m).map(|(k, m)| k / m).collect();
         ratios.retain(|r| *r > 0.0 && r.is_finite());
         ratios.sort_by(f64::total_cmp);
-        let sigma = ratios.get(ratios.len() / 2).copied().unwrap_or(1.0);
+        let sigma = ratios.get(ratios.len() / 4).copied().unwrap_or(1.0);
         let sizes: Vec<f64> = k.iter().zip(&m).map(|(k, m)| k + sigma * m).collect();
         let present = || sizes.iter().copied().filter(|s| *s > 0.0);
         let least = present().fold(f64::INFINITY, f64::min);

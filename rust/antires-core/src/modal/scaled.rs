@@ -4,8 +4,8 @@
 //! K̃ = S P K Pᵀ S,   M̃ = S P M Pᵀ S        P the ordering of the [`Structure`], S diagonal
 //! ```
 //!
-//! S holds powers of two that bring each diagonal entry of M near one; where a dof has no mass, that of K near
-//! the largest of the others. They round nothing, give translations and rotations one unit, and scale H_ik by a
+//! S holds powers of two that bring each diagonal entry of M near one; where a dof has no mass, or next to none,
+//! that of K near the largest of the others. They round nothing, give translations and rotations one unit, and scale H_ik by a
 //! factor, which moves no zero. A *row* is a place in the ordering.
 
 use std::sync::Arc;
@@ -18,6 +18,9 @@ use crate::linalg::sparse::{SparseFactors, SparseMatrix};
 
 /// Least pivot of M, relative to its diagonal, for which all directions have a mass.
 const LEAST_MASS: f64 = 1e-8;
+
+/// K_jj / M_jj over that of the softer dofs from which on a dof has next to no mass.
+const FAR_STIFFER: f64 = 1e8;
 
 /// K̃ and M̃, with the memory for factors.
 pub struct ScaledMatrices {
@@ -119,24 +122,41 @@ impl ScaledMatrices {
     fn set_scale(&mut self, k: &SparseMatrix, m: &SparseMatrix) {
         let n = self.structure.n_dof();
         let to_one = |value: f64| (-0.5 * value.log2()).round().exp2();
-        let mut stiffest = 0.0_f64;
+        let stiffest = self.stiffest(k, m);
         self.scale.clear();
         for row in 0..n {
             let dof = self.structure.dof(row);
-            let mass = m.diagonal(dof);
-            let scale = to_one(mass);
-            if mass > 0.0 {
-                stiffest = stiffest.max(k.diagonal(dof) * scale * scale);
-            }
-            self.scale.push(scale);
+            let (stiffness, mass) = (k.diagonal(dof), m.diagonal(dof));
+            self.scale.push(if stiffness > stiffest * mass {
+                to_one(stiffness / stiffest)
+            } else if mass > 0.0 {
+                to_one(mass)
+            } else {
+                1.0
+            });
         }
-        for row in 0..n {
-            let dof = self.structure.dof(row);
-            if m.diagonal(dof) == 0.0 {
-                let own = k.diagonal(dof) / if stiffest > 0.0 { stiffest } else { 1.0 };
-                self.scale[row] = if own > 0.0 { to_one(own) } else { 1.0 };
-            }
+    }
+
+    /// Largest K_jj / M_jj of the dofs that have more than next to no mass, one where none has.
+    fn stiffest(&self, k: &SparseMatrix, m: &SparseMatrix) -> f64 {
+        let rate = |dof: usize| k.diagonal(dof) / m.diagonal(dof);
+        let mut rates: Vec<f64> = (0..self.structure.n_dof())
+            .filter(|&dof| m.diagonal(dof) > 0.0)
+            .map(rate)
+            .filter(|rate| *rate > 0.0)
+            .collect();
+        let largest = rates.iter().copied().fold(0.0, f64::max);
+        let least = rates.iter().copied().fold(f64::INFINITY, f64::min);
+        if largest <= FAR_STIFFER * least {
+            return if largest > 0.0 { largest } else { 1.0 };
         }
+        let quarter = rates.len() / 4;
+        let typical = *rates.select_nth_unstable_by(quarter, f64::total_cmp).1;
+        let moving = rates
+            .iter()
+            .copied()
+            .filter(|rate| *rate <= FAR_STIFFER * typical);
+        moving.fold(0.0, f64::max)
     }
 
     /// The ordering.
