@@ -30,7 +30,7 @@ __all__ = ["MatrixModel"]
 #: Cores for other dofs, made when asked for.
 _REMADE = {"_other", "_whole_core"}
 #: Decades between the K / M of dofs from which on one method alone loses roots; most dofs to ask both.
-_APART, _MOST_FOR_BOTH = 8.0, 400
+_APART, _MOST_FOR_BOTH = 8.0, 200
 
 
 class MatrixModel(StructuralModel):
