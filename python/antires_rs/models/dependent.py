@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from .entries import Entries
 
-__all__ = ["CONSTRAINT", "MULTIPLIER", "STIFF", "Dependent", "TakenOut", "congruent", "without"]
+__all__ = ["CONSTRAINT", "MULTIPLIER", "RIGID", "STIFF", "Dependent", "TakenOut", "congruent", "without"]
 
-MULTIPLIER, CONSTRAINT, STIFF = range(3)
+MULTIPLIER, CONSTRAINT, STIFF, RIGID = range(4)
 #: Of what a dof is made, shares below this are those of a stiff spring and its neighbours.
 _SHARE = 1e-8
 
@@ -74,6 +74,10 @@ class Dependent(NamedTuple):
         first = int(np.argmax(np.abs(shares)))
         others = np.abs(np.delete(shares, first)).sum()
         return int(masters[first]) if abs(shares[first] - 1.0) + others <= _SHARE else None
+
+    def masters(self, dof: int) -> set[int]:
+        """The dofs by which ``dof`` moves, if it is taken out."""
+        return {*self.by.columns[self.by.rows == dof].tolist()} if self.reason(dof) is not None else set()
 
 
 def without(entries: Entries, rows: NDArray[np.intp]) -> Entries:

@@ -117,6 +117,15 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         """The core's model in which ``dofs`` are rows, and these rows."""
         return self._core, list(dofs)
 
+    def _core_exactly(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
+        """The same with the motion over penalties, so that the highest roots are there too."""
+        return self._core_for(dofs)
+
+    @property
+    def _needs_both_methods(self) -> bool:
+        """Whether only poles and QZ together, each root confirmed, are right: few dofs, K / M far apart."""
+        return False
+
     def _core_as_given(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
         """The same with the penalties, which else are taken out."""
         return self._core_for(dofs)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support.validation import part, reject
 from .constraints import Equation, equations_of, solved
-from .dependent import CONSTRAINT, MULTIPLIER, STIFF, Dependent, TakenOut, congruent, without
+from .dependent import CONSTRAINT, MULTIPLIER, RIGID, STIFF, Dependent, TakenOut, congruent, without
 from .entries import Entries
 from .stiff_parts import stiff_parts
 
@@ -68,9 +68,17 @@ class Independent(NamedTuple):
 
 
 def independent_of(
-    given: Matrices, constraints: Entries | None, kept: set[int], *, penalties: bool = True
+    given: Matrices,
+    constraints: Entries | None,
+    kept: set[int],
+    *,
+    penalties: bool = True,
+    whole: bool = False,
 ) -> Independent:
-    """Of what a recipe holds; no dof of ``kept`` is taken out, ``penalties`` if so wanted."""
+    """Of what a recipe holds; no dof of ``kept`` is taken out, ``penalties`` if so wanted.
+
+    With the motion over penalties where ``whole``, so that none of the highest roots is lost.
+    """
     n = given.n
     taken: dict[int, TakenOut] = {}
     left, equations = _without_multipliers(given, taken)
@@ -82,9 +90,9 @@ def independent_of(
         if gone:
             left = left.transformed(Dependent.of(gone).transformation(n))
             taken |= gone
-    found = stiff_parts(n, left.stiffness, left.mass, left.stiffness_terms, kept) if penalties else None
+    found = stiff_parts(*left, kept, whole=whole) if penalties else None
     if found is not None:
-        gone = {dof: TakenOut(STIFF, by) for dof, by in found.gone.items()}
+        gone = {dof: TakenOut(RIGID if dof in found.rigid else STIFF, by) for dof, by in found.gone.items()}
         t = Dependent.of(gone).transformation(n)
         left = Matrices(
             n,

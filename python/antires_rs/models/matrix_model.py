@@ -10,7 +10,7 @@ import numpy as np
 
 from ..exceptions import InvalidInputError
 from ..support.validation import FloatArray, part, reject
-from .dependent import MULTIPLIER, STIFF
+from .dependent import MULTIPLIER, RIGID, STIFF, Dependent
 from .description import ModelDescription
 from .dof_names import names_of
 from .entries import Columns
@@ -25,6 +25,12 @@ if TYPE_CHECKING:
     from .._core import Model as CoreModel
 
 __all__ = ["MatrixModel"]
+
+
+#: Cores for other dofs, made when asked for.
+_REMADE = {"_other", "_whole_core"}
+#: Decades between the K / M of dofs from which on one method alone loses roots; most dofs to ask both.
+_APART, _MOST_FOR_BOTH = 8.0, 200
 
 
 class MatrixModel(StructuralModel):
@@ -165,21 +171,43 @@ class MatrixModel(StructuralModel):
         return dof
 
     def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
-        here, core = self._independent, self._core
+        return self._core_with(dofs, self._independent, self._core)
+
+    def _core_exactly(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
+        taken = self._independent.dependent
+        if taken is None or not np.any(taken.reasons == RIGID):
+            return self._core_for(dofs)
+        if "_whole_core" not in self.__dict__:
+            here = self._recipe.independent(whole=True)
+            self._fill(_whole_core=(here, self._applied(here.core())))
+        return self._core_with(dofs, *self.__dict__["_whole_core"], whole=True)
+
+    @cached_property
+    def _needs_both_methods(self) -> bool:
+        if self.n_dof > _MOST_FOR_BOTH:
+            return False
+        k, m = self._recipe.stiffness.diagonal(self.n_dof), self._recipe.mass.diagonal(self.n_dof)
+        moving = (k > 0.0) & (m > 0.0)
+        rates = np.log10(k[moving]) - np.log10(m[moving])
+        return bool(rates.size) and float(np.ptp(rates)) >= _APART
+
+    def _core_with(
+        self, dofs: Sequence[int], here: Independent, core: CoreModel, *, whole: bool = False
+    ) -> tuple[CoreModel, list[int]]:
         if here.dependent is None:
             return core, list(dofs)
-        moving = [dof if own is None else own for dof in dofs for own in [here.dependent.moving_as(dof)]]
+        moving = _followed(here.dependent, dofs)
         if any(here.dependent.reason(dof) is not None for dof in moving):
-            here, core = self._with_rows(frozenset(moving))
+            here, core = self._with_rows(frozenset(moving), whole=whole)
         return core, moving if here.rows is None else here.rows[moving].tolist()
 
     def _core_as_given(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
         taken = self._independent.dependent
-        if taken is None or not np.any(taken.reasons == STIFF):
+        if taken is None or not np.any(taken.reasons >= STIFF):
             return self._core_for(dofs)
         here, moving = self._recipe.independent(penalties=False), list(dofs)
         if here.dependent is not None:
-            moving = [dof if own is None else own for dof in dofs for own in [here.dependent.moving_as(dof)]]
+            moving = _followed(here.dependent, dofs)
             if any(here.dependent.reason(dof) is not None for dof in moving):
                 here = self._recipe.independent(moving, penalties=False)
         return self._applied(here.core()), moving if here.rows is None else here.rows[moving].tolist()
@@ -188,7 +216,9 @@ class MatrixModel(StructuralModel):
         dependent = self._independent.dependent
         if dependent is None:
             return super()._together(responses, force)
-        own = [i for i, dof in enumerate(responses) if dependent.reason(dof) is None]
+        # Both ends of a penalty in one core would leave it there for the other responses.
+        masters = dependent.masters(force)
+        own = [i for i, dof in enumerate(responses) if dependent.reason(dof) is None and dof not in masters]
         alone = [[i] for i in range(len(responses)) if i not in own]
         return ([own] if own else []) + alone
 
@@ -198,12 +228,12 @@ class MatrixModel(StructuralModel):
             core = self._description.applied_to(core, applied)
         return core
 
-    def _with_rows(self, dofs: frozenset[int]) -> tuple[Independent, CoreModel]:
+    def _with_rows(self, dofs: frozenset[int], *, whole: bool) -> tuple[Independent, CoreModel]:
         """The same model with other dofs taken out than these; the last one is kept."""
         known = self.__dict__.get("_other")
-        if known is None or known[0] != dofs:
+        if known is None or known[0] != (dofs, whole):
             try:
-                here = self._recipe.independent(dofs)
+                here = self._recipe.independent(dofs, whole=whole)
             except InvalidInputError as exc:
                 reject(
                     "dofs",
@@ -212,12 +242,12 @@ class MatrixModel(StructuralModel):
                     "Ask for fewer of them at a time, or leave one out of what is measured.",
                 )
             core = self._applied(here.core())
-            known = dofs, here, core
+            known = (dofs, whole), here, core
             self._fill(_other=known)
         return known[1], known[2]
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in super().__getstate__().items() if name != "_other"}
+        return {name: value for name, value in super().__getstate__().items() if name not in _REMADE}
 
     @property
     def n_dof(self) -> int:
@@ -281,3 +311,9 @@ class MatrixModel(StructuralModel):
 
 def _label(names: tuple[str, ...], dof: int) -> str:
     return names[dof] if names else f"dof {dof}"
+
+
+def _followed(dependent: Dependent, dofs: Sequence[int]) -> list[int]:
+    """Of each dof the one that moves as it does, itself where there is none."""
+    followed = [dependent.moving_as(dof) for dof in dofs]
+    return [dof if own is None else own for dof, own in zip(dofs, followed, strict=True)]

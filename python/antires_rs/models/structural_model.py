@@ -241,10 +241,13 @@ class StructuralModel(Described):
         force = self._dof("excitation", excitation)
         found: list[Any] = [None] * len(dofs)
         for which in self._together(dofs, force):
-            own = self._core_as_given if bounds else self._core_for
+            own = self._core_as_given if bounds else self._core_exactly
             core, at = own([*(dofs[i] for i in which), force])
             asked = (at[:-1], at[-1], limit, method, bool(include_cancelled))
-            call = partial(core.bounded_antiresonances if bounds else core.antiresonances, *asked)
+            solved = (
+                core.bounded_antiresonances if bounds or self._needs_both_methods else core.antiresonances
+            )
+            call = partial(solved, *asked)
             roots: Any = (
                 call()
                 if self.n_dof < MANY_DOFS
