@@ -71,8 +71,8 @@ class MatrixModel(StructuralModel):
     Taken out are also Lagrange multipliers (rows without mass and with nothing on the diagonal of the
     stiffness) and what is held by penalties: 3e5 times as stiff as the softer dofs and more, these without
     the ties they may all be in. Modes, not antiresonances, leave out the motion over a penalty that is 1e7
-    times as stiff as most other dofs. All dofs keep their numbers, and a sensor or force may be at any of them: where
-    one was taken out, another dof of its equation is taken out instead.
+    times as stiff as most other dofs. All dofs keep their numbers, and a sensor or force may be at any of
+    them: where one was taken out, another dof of its equation is taken out instead.
 
     Examples
     --------

@@ -1,9 +1,9 @@
 r"""How stiff a dof is without the ties it is in.
 
 Scaled to a diagonal of ones, :math:`|k_{ij}| / \sqrt{k_{ii} k_{jj}}`, dofs of a tie are joined by couplings
-of the order of one, and to its neighbours by those that a penalty leaves, 2e-3 and less. Where what is joined can move
-as a rigid body, these neighbours alone are what holds it. None of this depends on the units of a dof, nor on
-how many of the dofs are soft.
+of the order of one, and to its neighbours by those that a penalty leaves, 2e-3 and less. Where what is
+joined can move as a rigid body, these neighbours alone are what holds it. None of this depends on the units
+of a dof, nor on how many of the dofs are soft.
 """
 
 from __future__ import annotations
