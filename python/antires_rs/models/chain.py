@@ -77,7 +77,7 @@ class MassSpringChain(StructuralModel):
         self._build(ModelDescription(recipe))
         warn_penalties(
             self,
-            self.stiffness().diagonal(),
+            self.stiffness(),
             "Leave out masses that are held, and join masses that move as one.",
             stacklevel=2,
         )

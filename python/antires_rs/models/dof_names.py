@@ -69,6 +69,16 @@ def names_of(name: str, given: Any, n: int) -> tuple[str, ...]:
         first: dict[str, int] = {}
         twice = next(label for row, label in enumerate(made) if first.setdefault(label, row) != row)
         reject(name, f"{twice!r} more than once", "a name of its own for each row", "Rename one of them.")
+    at: dict[tuple[int, int], str] = {}
+    for label in made:
+        point = point_of(label)
+        if point is not None and at.setdefault(point, label) != label:
+            reject(
+                name,
+                f"{at[point]!r} and {label!r}, two spellings of one name",
+                "a name of its own for each row",
+                "Rename one of them.",
+            )
     return made
 
 

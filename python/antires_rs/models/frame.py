@@ -99,7 +99,7 @@ class FrameModel(StructuralModel):
         self._build(ModelDescription(recipe))
         warn_penalties(
             self,
-            self.stiffness().diagonal(),
+            self.stiffness(),
             "Use fixed= for rigid supports, and softer springs for ties.",
             stacklevel=2,
         )

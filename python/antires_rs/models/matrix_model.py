@@ -69,9 +69,10 @@ class MatrixModel(StructuralModel):
     Notes
     -----
     Taken out are also Lagrange multipliers (rows without mass and with nothing on the diagonal of the
-    stiffness) and what is held by penalties, 3e5 times as stiff as the softer dofs and more; the highest
-    modes may go with these. All dofs keep their numbers, and a sensor or force may be at any of them: where
-    one was taken out, another dof of its equation is taken out instead.
+    stiffness) and what is held by penalties: 3e5 times as stiff as the softer dofs and more, these without
+    the ties they may all be in. Modes, not antiresonances, leave out the motion over a penalty that is 1e7
+    times as stiff as most other dofs. All dofs keep their numbers, and a sensor or force may be at any of
+    them: where one was taken out, another dof of its equation is taken out instead.
 
     Examples
     --------
@@ -117,8 +118,9 @@ class MatrixModel(StructuralModel):
         warn_rounded(self, independent.rounded, stacklevel=2)
         warn_penalties(
             self,
-            self._own_stiffness(),
+            self.stiffness(),
             "Take ties and supports out by constraints=, or use penalties a million times softer.",
+            taken_out=() if independent.dependent is None else independent.dependent.dofs.tolist(),
             stacklevel=2,
         )
 
@@ -146,13 +148,6 @@ class MatrixModel(StructuralModel):
     def dof_label(self, dof: int) -> str:
         """Its name, or ``dof 3`` where it has none."""
         return _label(self._recipe.names, dof)
-
-    def _own_stiffness(self) -> FloatArray:
-        """Diagonal of the stiffness, zero for dofs that were taken out."""
-        own, dependent = np.array(self.stiffness().diagonal()), self._independent.dependent
-        if dependent is not None:
-            own[dependent.dofs] = 0.0
-        return own
 
     @cached_property
     def _independent(self) -> Independent:

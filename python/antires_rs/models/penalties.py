@@ -8,12 +8,14 @@ cantilever on springs all of it at 1e13.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..exceptions import AntiresWarning
+from .entries import Entries
+from .stiff_softness import without_ties
 
 if TYPE_CHECKING:
     from .structural_model import StructuralModel
@@ -28,12 +30,16 @@ _LOST = 2e-8
 _NAMED = 6
 
 
-def warn_penalties(model: StructuralModel, stiffness: Any, remedy: str, *, stacklevel: int) -> None:
-    """Name the dofs that are too stiff beside the others; ``stiffness`` (n,) is the diagonal."""
-    diagonal = np.abs(np.asarray(stiffness, dtype=np.float64))
+def warn_penalties(
+    model: StructuralModel, stiffness: Any, remedy: str, *, taken_out: Sequence[int] = (), stacklevel: int
+) -> None:
+    """Name the dofs that are too stiff beside the others, but for those ``taken_out`` of ``stiffness``."""
+    entries = Entries.of(stiffness) if isinstance(stiffness, np.ndarray) else Entries.of_sparse(stiffness)
+    diagonal = np.abs(entries.diagonal(model.n_dof))
+    diagonal[list(taken_out)] = 0.0
     if not diagonal.any():
         return
-    middle = float(np.median(diagonal[diagonal > 0.0]))
+    middle = float(np.median(np.abs(without_ties(model.n_dof, entries))[diagonal > 0.0]))
     stiff = np.flatnonzero(diagonal >= _MOST * middle)
     if not stiff.size:
         return

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .entries import Entries
+from .stiff_softness import without_ties
 
 __all__ = ["FALLEN", "RIGID", "STIFF", "Bars", "penalty_groups"]
 
@@ -37,22 +38,38 @@ _DENSE, _BLOCK = 300, 128
 
 
 class Bars(NamedTuple):
-    """What counts as stiff: the softer stiffness (N/m), stiffness over mass (1/s2), and the masses (n,)."""
+    """What counts as stiff: the softer stiffness (N/m), stiffness over mass (1/s2), and the masses (n,).
+
+    Rigid is what is stiff beside the softer diagonals with the ties in them: where ties are on most dofs, no
+    motion over them is left out.
+    """
 
     stiffness: float
     rate: float
+    rigid: tuple[float, float]
     mass: Any
 
     @classmethod
-    def of(cls, k: Any, m: Any) -> Bars:
-        """Of the diagonals of stiffness, some of it positive, and mass."""
-        moving = (m > 0.0) & (k > 0.0)
-        rate = float(np.quantile(k[moving] / m[moving], _SOFTER)) if moving.any() else 0.0
-        return cls(float(np.quantile(k[k > 0.0], _SOFTER)), rate, m)
+    def of(cls, n: int, stiffness: Entries, m: Any) -> Bars:
+        """Of stiffness, some of its diagonal positive, and the diagonal of the mass."""
+        given = _softer(stiffness.diagonal(n), m)
+        softer = _softer(without_ties(n, stiffness), m)
+        return cls(min(softer[0], given[0]), min(softer[1], given[1]), given, m)
 
-    def pass_(self, value: Any, dof: Any, bar: tuple[float, float]) -> Any:
-        """Whether a stiffness is so many times the softer ones."""
-        return (value >= bar[0] * self.stiffness) & (value >= bar[1] * self.rate * self.mass[dof])
+    def are_stiff(self, value: Any, dof: Any) -> Any:
+        """Whether a stiffness may be that of a penalty."""
+        return (value >= STIFF[0] * self.stiffness) & (value >= STIFF[1] * self.rate * self.mass[dof])
+
+    def are_rigid(self, value: Any, dof: Any) -> Any:
+        """Whether it is so stiff that the motion over it may be left out."""
+        return (value >= RIGID[0] * self.rigid[0]) & (value >= RIGID[1] * self.rigid[1] * self.mass[dof])
+
+
+def _softer(k: Any, m: Any) -> tuple[float, float]:
+    """The lower quartile of stiffness, and of stiffness over mass."""
+    moving = (m > 0.0) & (k > 0.0)
+    rate = float(np.quantile(k[moving] / m[moving], _SOFTER)) if moving.any() else 0.0
+    return float(np.quantile(k[k > 0.0], _SOFTER)), rate
 
 
 def penalty_groups(n: int, stiffness: Entries, bars: Bars) -> list[tuple[NDArray[np.intp], bool]]:
@@ -60,7 +77,7 @@ def penalty_groups(n: int, stiffness: Entries, bars: Bars) -> list[tuple[NDArray
     from scipy.sparse.csgraph import connected_components
 
     k = stiffness.diagonal(n)
-    stiff = bars.pass_(k, slice(None), STIFF)
+    stiff = bars.are_stiff(k, slice(None))
     if not stiff.any():
         return []
     chosen = np.flatnonzero(stiff)
@@ -71,7 +88,7 @@ def penalty_groups(n: int, stiffness: Entries, bars: Bars) -> list[tuple[NDArray
     coupling = np.abs(near.values / size[near.rows] / size[near.columns])
     largest = np.zeros(n)
     np.maximum.at(largest, near.rows, coupling)
-    held = (largest > 0.0) & (largest <= _LOOSE) & bars.pass_(k, slice(None), RIGID)
+    held = (largest > 0.0) & (largest <= _LOOSE) & bars.are_rigid(k, slice(None))
     scaled = stiffness._replace(values=stiffness.values / size[stiffness.rows] / size[stiffness.columns])
     matrix = scaled.sparse(n)[chosen]
     own, beside = matrix[:, chosen], matrix[:, watched]

@@ -10,7 +10,7 @@ from collections import defaultdict
 from decimal import Context, Decimal
 from typing import Any
 
-from .penalty_signs import FALLEN, RIGID, STIFF, Bars
+from .penalty_signs import FALLEN, STIFF, Bars
 
 __all__ = ["DIGITS", "Cluster", "Row"]
 
@@ -56,7 +56,7 @@ class Cluster:
             if float(self._given[dof].get(dof, 0)) >= STIFF[0] * self._bars.stiffness
         }
         fallen = any(now <= FALLEN * float(self._given[dof][dof]) for dof, now in self.left.items())
-        self.rigid = {dof for dof, pivot, _ in pivots if self._bars.pass_(float(pivot), dof, RIGID)}
+        self.rigid = {dof for dof, pivot, _ in pivots if self._bars.are_rigid(float(pivot), dof)}
         if not fallen and not (supported and self.rigid):
             return False
         for dof, pivot, by in reversed(pivots):
@@ -79,7 +79,7 @@ class Cluster:
                 heapq.heappush(heap, (len(rows[dof]), dof))
                 continue
             pivot = rows[dof].get(dof, Decimal(0))
-            if not self._bars.pass_(float(pivot), dof, STIFF):
+            if not self._bars.are_stiff(float(pivot), dof):
                 continue
             work += count * count
             if work > _MOST_WORK:

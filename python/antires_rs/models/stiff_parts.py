@@ -65,7 +65,7 @@ def stiff_parts(
     k, m = stiffness.diagonal(n), mass.diagonal(n)
     if not (k > 0.0).any():
         return None
-    bars = Bars.of(k, m)
+    bars = Bars.of(n, stiffness, m)
     groups = penalty_groups(n, stiffness, bars)
     if not groups:
         return None
