@@ -14,6 +14,9 @@ use crate::modal::modes::{eigenvalue, hertz};
 /// Most dofs of which each root is confirmed on the dense deleted pencil, and both routes are asked.
 pub(super) const MOST_CHECKED: usize = 400;
 
+/// Relative distance in x, beside its bound, at which a root lies on a pole: what modes are known to.
+const ON_POLE: f64 = 1e-10;
+
 /// Rounding of x = ω² to Hz, relative.
 const TO_HERTZ: f64 = 4.0 * f64::EPSILON;
 
@@ -48,6 +51,11 @@ pub(super) fn bounded(
         }
         Err(_) => false,
     };
+    // A root that only the pencil has, on a pole, cancels: the FRF shows nothing there.
+    let cancelling = match &first {
+        Ok(_) if !query.include_cancelled => prepared.eigenvalues()?.to_vec(),
+        _ => Vec::new(),
+    };
     let certifier = RootBounds::of(&matrices.0.deleted(i, k), &matrices.1.deleted(i, k));
     let x_of = |freq_hz: &[f64]| -> Vec<f64> { freq_hz.iter().map(|&f| eigenvalue(f)).collect() };
     let mut x = x_of(&found.freq_hz);
@@ -65,6 +73,7 @@ pub(super) fn bounded(
                     .places(candidates)
                     .into_iter()
                     .filter(sure)
+                    .filter(|root| !cancelling.iter().any(|&pole| on_pole(root, pole)))
                     .collect()
             };
             add_new(&mut roots, &confirmed(&by_qz));
@@ -96,6 +105,11 @@ pub(super) fn bounded(
     found.freq_hz = roots.iter().map(|root| hertz(root.x)).collect();
     found.error_hz = roots.iter().map(hertz_error).collect();
     Ok(found)
+}
+
+/// Whether a root lies on a pole.
+fn on_pole(root: &Bounded, pole: f64) -> bool {
+    (root.x - pole).abs() <= root.bound + ON_POLE * root.x
 }
 
 /// Whether some dof has neither stiffness nor mass.

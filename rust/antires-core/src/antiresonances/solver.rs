@@ -141,6 +141,14 @@ impl Prepared<'_> {
         freq_hz.extend(self.memory.found().cancelled().map(hertz));
     }
 
+    /// Eigenvalues of the whole structure, ascending.
+    ///
+    /// # Errors
+    /// Those of [`Solved::dense`].
+    pub fn eigenvalues(&mut self) -> Result<&[f64]> {
+        Ok(self.solved.dense()?.eigenvalues())
+    }
+
     /// Null vectors of the deleted pencil at a root `x` that cancels against a pole, into `left` and `right`;
     /// returns leftᵀ M right.
     ///

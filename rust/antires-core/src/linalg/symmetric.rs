@@ -162,7 +162,8 @@ impl SymmetricSolver {
         shifted
     }
 
-    /// For a well-conditioned diagonal M: the standard problem of M^(-1/2) K M^(-1/2).
+    /// For a well-conditioned diagonal M, no dof so much stiffer for its mass than others that it would take their
+    /// digits: the standard problem of M^(-1/2) K M^(-1/2).
     fn scale_by_diagonal_mass(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) -> bool {
         let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
         for j in 0..self.n {
@@ -174,7 +175,13 @@ impl SymmetricSolver {
             least = least.min(m[(j, j)]);
             most = most.max(m[(j, j)]);
         }
-        if least <= MASS_PIVOT_RATIO * most {
+        let rates = || (0..self.n).map(|j| k[(j, j)] / m[(j, j)]);
+        let (slowest, fastest) = rates()
+            .filter(|rate| *rate > 0.0)
+            .fold((f64::INFINITY, 0.0_f64), |(lo, hi), r| {
+                (lo.min(r), hi.max(r))
+            });
+        if least <= MASS_PIVOT_RATIO * most || slowest <= MASS_PIVOT_RATIO * fastest {
             return false;
         }
         for i in 0..self.n {
