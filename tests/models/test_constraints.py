@@ -117,7 +117,72 @@ def test_what_cannot_be_kept_is_told():
         ar.eliminate_constraints(k, m, [{1: 1.0, 3: 1.0}, {0: 1.0, 2: -1.0}], keep=[0, 2])
     with pytest.raises(ar.InvalidInputError, match=r"constraints\[0\].*6"):
         ar.eliminate_constraints(k, m, [{6: 1.0}])
-    with pytest.raises(ar.InvalidInputError, match="not finite"):
+    with pytest.raises(ar.InvalidInputError, match=r"constraints\[0\]: got nan; wanted a finite number"):
         ar.eliminate_constraints(k, m, [{1: np.nan}])
     with pytest.raises(ar.InvalidInputError, match="mass: got a matrix of shape"):
         ar.eliminate_constraints(k, np.eye(3), [{1: 1.0}])
+
+
+WRONG_EQUATIONS = {
+    "a text": ("abc", "constraints: got 'abc'"),
+    "a number": (3, "constraints: got 3"),
+    "one dict": ({1: 1.0, 2: -1.0}, r"one dict.*Put it in a list"),
+    "a coefficient that is a text": ([{1: "a"}], r"constraints\[0\]"),
+    "a row of texts": (["abc"], r"constraints\[0\]"),
+    "a complex row": (np.full((1, 6), 1j), r"constraints\[0\]: got complex"),
+    "a row": (np.ones(6), r"constraints\[0\]: got a row of shape"),
+    "a name without names": ([{"1:Z": 1.0}], r"constraints\[0\]: got '1:Z'"),
+    "a sparse row": (scipy.sparse.coo_array(np.ones(6)), r"sparse array of shape \(6,\)"),
+    "more columns": (scipy.sparse.csr_array(np.ones((1, 9))), r"sparse array of shape \(1, 9\)"),
+    "fewer columns": (scipy.sparse.csr_array(np.ones((1, 5))), r"sparse array of shape \(1, 5\)"),
+    "NaN": (scipy.sparse.csr_array(np.full((1, 6), np.nan)), "constraints: got 6 NaN"),
+    "infinite": (scipy.sparse.csr_array(np.full((1, 6), np.inf)), "constraints: got 6 NaN or infinite"),
+    "complex": (scipy.sparse.csr_array(np.full((1, 6), 1j)), "constraints: got complex"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_EQUATIONS)
+def test_wrong_equations_are_refused(case):
+    k, m, _ = random_structure(1, 6)
+    given, match = WRONG_EQUATIONS[case]
+    with pytest.raises(ar.InvalidInputError, match=match):
+        ar.eliminate_constraints(k, m, given)
+    with pytest.raises(ar.InvalidInputError, match=match):
+        ar.MatrixModel(k, m, constraints=given)
+
+
+@pytest.mark.parametrize("keep", [3, "1:Z", np.array(3)])
+def test_dofs_to_keep_are_a_sequence(keep):
+    k, m, _ = random_structure(1, 6)
+    with pytest.raises(ar.InvalidInputError, match="keep: got"):
+        ar.MatrixModel(k, m, keep=keep)
+    with pytest.raises(ar.InvalidInputError, match="keep: got"):
+        ar.eliminate_constraints(k, m, [], keep=keep)
+
+
+def test_a_name_asks_for_names():
+    k, m, _ = random_structure(1, 6)
+    for wrong in ({"constraints": [{"1:Z": 1.0}]}, {"keep": ["1:Z"]}):
+        with pytest.raises(ar.InvalidInputError, match="no names.*dofs="):
+            ar.MatrixModel(k, m, **wrong)
+
+
+@pytest.mark.parametrize("wrong", [3, "a", None, np.ones((2, 6)), np.ones(6)])
+def test_matrices_that_are_none(wrong):
+    k, m, _ = random_structure(1, 6)
+    for call in (ar.lagrange_rows, lambda k, m: ar.eliminate_constraints(k, m, [{1: 1.0}])):
+        with pytest.raises(ar.InvalidInputError, match="stiffness: got"):
+            call(wrong, m)
+        with pytest.raises(ar.InvalidInputError, match="mass: got"):
+            call(k, wrong)
+
+
+def test_sparse_equations_are_those_of_the_dense():
+    k, m, rng = random_structure(2, 6)
+    c = np.zeros((2, 6))
+    c[0, [1, 3]], c[1, [2, 4, 5]] = [1.0, -1.0], rng.uniform(0.5, 1.0, 3)
+    dense = ar.MatrixModel(k, m, constraints=c).antiresonances(0, 0)
+    for kind in (scipy.sparse.csr_array, scipy.sparse.coo_array, scipy.sparse.csc_matrix):
+        np.testing.assert_array_equal(ar.MatrixModel(k, m, constraints=kind(c)).antiresonances(0, 0), dense)
+    empty = ar.MatrixModel(k, m, constraints=scipy.sparse.csr_array((0, 6)))
+    assert "taken out" not in repr(empty)

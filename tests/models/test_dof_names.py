@@ -146,3 +146,8 @@ def test_a_map_of_a_file_names_rows(tmp_path):
         model = ar.MatrixModel(k, m, dofs=dofs)
         assert [model.dof_label(dof) for dof in range(3)] == ["12:Y", "12:Z", "14:RX"]
     assert ar.read_matrices(k, m, dofs=file).dof("12 UZ") == 1
+
+
+def test_two_spellings_of_one_name_are_refused():
+    with pytest.raises(ar.InvalidInputError, match=r"'1:Z' and '1 UZ', two spellings"):
+        ar.MatrixModel(np.eye(2), np.eye(2), dofs=["1:Z", "1 UZ"])

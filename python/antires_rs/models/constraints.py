@@ -13,22 +13,21 @@ section 13.2.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.validation import integer, part, reject
+from ..support.validation import part, reject
+from .equations import Equation, dofs_to_keep, equations_of, square
 
-__all__ = ["Constrained", "eliminate_constraints", "equations_of", "lagrange_rows", "solved"]
+__all__ = ["Constrained", "eliminate_constraints", "lagrange_rows", "solved"]
 
 #: Coefficients so much below the largest of their equation are rounding.
 _ROUNDING = 1e-12
 #: A dof whose coefficient is at least this share of the largest may be the one that is taken out.
 _PIVOT = 0.1
-
-Equation = dict[int, float]
 
 
 class Constrained(NamedTuple):
@@ -94,7 +93,8 @@ def eliminate_constraints(
     Raises
     ------
     InvalidInputError
-        A dof outside the matrices; equations that tie the dofs of ``keep`` to each other or fix one of them.
+        A dof outside the matrices; coefficients that are not finite or not real; matrices that are not
+        square; equations that tie the dofs of ``keep`` to each other or fix one of them.
 
     Notes
     -----
@@ -114,9 +114,8 @@ def eliminate_constraints(
     """
     from scipy.sparse import coo_array, csc_array
 
-    n = int(np.shape(stiffness)[0])
-    kept = {integer(part("keep", i), dof, low=0, high=n - 1) for i, dof in enumerate(keep)}
-    gone = solved(equations_of(constraints, n), kept)
+    n = int(square("stiffness", stiffness).shape[0])
+    gone = solved(equations_of(constraints, n), dofs_to_keep(keep, n))
     dofs = np.array([dof for dof in range(n) if dof not in gone], dtype=np.intp)
     row_of = {int(dof): row for row, dof in enumerate(dofs)}
     entries = [(int(dof), row, 1.0) for row, dof in enumerate(dofs)]
@@ -125,9 +124,7 @@ def eliminate_constraints(
     t = csc_array(coo_array((values, (rows, columns)), shape=(n, dofs.size)))
 
     def reduced(name: str, matrix: Any) -> Any:
-        if np.shape(matrix) != (n, n):
-            reject(name, f"a matrix of shape {np.shape(matrix)}", f"shape ({n}, {n}), as the stiffness", "")
-        product = csc_array(t.T @ csc_array(matrix) @ t)
+        product = csc_array(t.T @ square(name, matrix, n) @ t)
         return 0.5 * (product + product.T)  # the products round differently above and below
 
     return Constrained(
@@ -156,6 +153,11 @@ def lagrange_rows(stiffness: Any, mass: Any) -> tuple[NDArray[np.intp], Any]:
     constraints : scipy.sparse array, (c, m)
         For :func:`eliminate_constraints` with the matrices of ``dofs``.
 
+    Raises
+    ------
+    InvalidInputError
+        Matrices that are not square, or not of one size.
+
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
@@ -164,9 +166,8 @@ def lagrange_rows(stiffness: Any, mass: Any) -> tuple[NDArray[np.intp], Any]:
     >>> dofs, equations.toarray()
     (array([0, 1]), array([[ 1., -1.]]))
     """
-    from scipy.sparse import csr_array
-
-    k, m = csr_array(stiffness), csr_array(mass)
+    k = square("stiffness", stiffness)
+    m = square("mass", mass, k.shape[0])
     without_mass = np.asarray(abs(m).sum(axis=1)).ravel() == 0.0
     alone = np.flatnonzero(
         without_mass & (k.diagonal() == 0.0) & (np.asarray(abs(k).sum(axis=1)).ravel() > 0.0)
@@ -176,41 +177,6 @@ def lagrange_rows(stiffness: Any, mass: Any) -> tuple[NDArray[np.intp], Any]:
     rows = alone[~joined]
     dofs = np.setdiff1d(np.arange(k.shape[0]), rows)
     return dofs, k[rows][:, dofs]
-
-
-def equations_of(constraints: Any, n: int, number: Callable[[str, Any], int] | None = None) -> list[Equation]:
-    """Each equation by its dofs; ``number`` finds those that are called by a name."""
-    if number is None:
-
-        def number(name: str, dof: Any) -> int:
-            return integer(name, dof, low=0, high=n - 1)
-
-    if hasattr(constraints, "tocsr"):
-        table = constraints.tocsr()
-        return [
-            {
-                int(dof): float(value)
-                for dof, value in zip(
-                    table.indices[table.indptr[i] : table.indptr[i + 1]],
-                    table.data[table.indptr[i] : table.indptr[i + 1]],
-                    strict=True,
-                )
-            }
-            for i in range(table.shape[0])
-        ]
-    found: list[Equation] = []
-    for i, each in enumerate(constraints):
-        name = part("constraints", i)
-        if not isinstance(each, Mapping):
-            row = np.asarray(each, dtype=np.float64)
-            if row.shape != (n,):
-                reject(name, f"a row of shape {row.shape}", f"({n},), or a dict of dofs", "One number a dof.")
-            each = {int(dof): row[dof] for dof in np.flatnonzero(row)}
-        own = {number(name, dof): float(value) for dof, value in each.items()}
-        if not np.all(np.isfinite(list(own.values()))):
-            reject(name, "a coefficient that is not finite", "finite coefficients", "Correct the equation.")
-        found.append(own)
-    return found
 
 
 def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..support.validation import part, reject
-from .constraints import Equation, equations_of, solved
+from .constraints import solved
 from .dependent import CONSTRAINT, MULTIPLIER, RIGID, STIFF, Dependent, TakenOut, congruent, without
 from .entries import Entries
+from .equations import Equation, equations_of
 from .stiff_parts import stiff_parts
 
 if TYPE_CHECKING:

@@ -58,7 +58,8 @@ class MatrixModel(StructuralModel):
     ------
     InvalidInputError
         A matrix that is not square, symmetric and finite, of another size, or a negative mass; constraints
-        between dofs to keep.
+        between dofs to keep, or not finite, not real or of another width; one name for two dofs, in two
+        spellings too.
 
     Warns
     -----

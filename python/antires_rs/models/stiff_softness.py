@@ -41,14 +41,17 @@ def without_ties(n: int, stiffness: Entries) -> FloatArray:
     between = weak & (np.abs(scaled.values) > least) & (at != group[stiffness.columns])
     outward = np.zeros(count)
     np.maximum.at(outward, at[between], np.abs(stiffness.values[between]))
-    tied = np.flatnonzero((outward > 0.0) & (number > 1) & (number <= _MOST))
-    if not tied.size:
+    tied = (outward > 0.0) & (number > 1) & (number <= _MOST)
+    if not tied.any():
         return k
-    matrix, order = scaled.sparse(n), np.argsort(group, kind="stable")
-    first = np.concatenate([[0], np.cumsum(number)])
-    for each in tied:
-        dofs = order[first[each] : first[each + 1]]
-        own = matrix[dofs][:, dofs].toarray()
-        if np.linalg.eigvalsh(own)[0] <= _LEFT:
-            k[dofs] = np.minimum(k[dofs], 2.0 * outward[each])
-    return k
+    place = np.empty(n, dtype=np.intp)  # of each dof in its group
+    place[np.argsort(group, kind="stable")] = np.arange(n) - np.repeat(np.cumsum(number) - number, number)
+    inside = scaled.those(tied[at] & (at == group[stiffness.columns]))
+    held = group[inside.rows]
+    for size_of in np.unique(number[tied]):
+        these = np.flatnonzero(tied & (number == size_of))
+        own, chosen = np.zeros((these.size, size_of, size_of)), number[held] == size_of
+        part = inside.those(chosen)
+        own[np.searchsorted(these, held[chosen]), place[part.rows], place[part.columns]] = part.values
+        tied[these] = np.linalg.eigvalsh(own)[:, 0] <= _LEFT
+    return np.where(tied[group], np.minimum(k, 2.0 * outward[group]), k)
