@@ -88,8 +88,12 @@ write = antires_rs.optimize.checkpoint.Checkpoint.__init__
 def often(self, path, every_s=0.0):
     write(self, path, every_s)
 antires_rs.optimize.checkpoint.Checkpoint.__init__ = often
-print("begun", flush=True)
-ar.update(t.problem(), optimizer=ar.IslandGA(**t.SEARCH), rng=3, workers=1, checkpoint=sys.argv[1])
+told = []
+def tell(state):  # once, at the first generation: before it there is nothing to write
+    told or print("begun", flush=True)
+    told.append(state)
+optimizer = ar.IslandGA(**t.SEARCH)
+ar.update(t.problem(), optimizer=optimizer, rng=3, workers=1, checkpoint=sys.argv[1], callback=tell)
 """
 
 

@@ -10,7 +10,8 @@ from antires_rs.exceptions import InvalidInputError, NumericalError
 from antires_rs.updating.affine import Affine, bent_by
 from antires_rs.updating.reduced_basis import basis_at
 from antires_rs.updating.reduced_model import ReducedProblem, largest_difference
-from antires_rs.updating.reduction import wanted_reduction
+from antires_rs.updating.reduced_search import reduced_search
+from antires_rs.updating.reduction import Reduction, wanted_reduction
 from reference.building_frames import building
 from reference.meshes import frame, tower
 
@@ -182,3 +183,47 @@ def test_two_sensors_on_a_stiff_tie_are_one_sensor_more():
     result = ar.update(problem, optimizer=FEW, rng=0, reduction=True, progress=False)
     assert abs(result.x[0] - 1.05) < 1e-6
     assert result.reduction.agreed
+
+
+def searched(problem, *, seconds_left=lambda: np.inf, interrupted_at=None):
+    """The reduced search with a descent of the core, and how often that was asked for."""
+    options, asked = FEW.options, []
+
+    def minimize(core, lower, upper, at, _):
+        asked.append(at)
+        if len(asked) == interrupted_at:
+            raise KeyboardInterrupt
+        begin = at.tolist()
+        raw = core.minimize(lower.copy(), upper.copy(), [begin], options, 0, 1, None, None, None, begin)
+        return ar.OptimizeResult._of(raw, options)
+
+    found, _ = reduced_search(problem, Reduction(), minimize, problem.nominal, 0, seconds_left)
+    return found, len(asked)
+
+
+def test_the_time_limit_is_that_of_all_searches_together(concrete):
+    problem, _ = concrete_problem(concrete, 31)
+    free, many = searched(problem)
+    assert many > 1
+    assert free.status != "budget" or "time" not in free.message
+    found, once = searched(problem, seconds_left=lambda: 0.0)
+    assert once == 1
+    assert (found.status, found.success) == ("budget", False)
+    assert "time limit" in found.message
+    assert found.fun == problem.cost(found.x)
+
+
+def test_ctrl_c_between_searches_hands_back_the_best(concrete):
+    problem, _ = concrete_problem(concrete, 31)
+    found, _ = searched(problem, interrupted_at=2)
+    assert (found.status, found.success) == ("interrupted", False)
+    assert found.fun == problem.cost(found.x)
+    with pytest.raises(KeyboardInterrupt):
+        searched(problem, interrupted_at=1)
+
+
+def test_a_short_time_limit_ends_an_update_on_reduced_models(concrete):
+    problem, _ = concrete_problem(concrete, 31)
+    result = ar.update(problem, optimizer=ar.IslandGA(max_seconds=0.0), reduction=True, rng=0)
+    assert result.status == "budget"
+    assert result.reduction.rounds == 1

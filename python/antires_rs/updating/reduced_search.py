@@ -40,6 +40,14 @@ _ATTEMPTS, _SAME = 4, 0.02
 _EXACT, _AROUND, _BETTER = 1e-6, 0.2, 0.95
 #: What ends a search at once.
 _STOPPED = ("interrupted", "callback")
+_INTERRUPTED = {
+    "status": "interrupted",
+    "message": "Interrupted by the user; this is the best found until then.",
+}
+_NO_TIME = {
+    "status": "budget",
+    "message": "The time limit was reached before searches on reduced models agreed.",
+}
 
 #: Of (objective, lower and upper bounds, where a polish begins, options; None for the optimizer's own).
 Minimize = Callable[[Any, FloatArray, FloatArray, FloatArray, dict[str, Any] | None], OptimizeResult]
@@ -47,21 +55,29 @@ Minimize = Callable[[Any, FloatArray, FloatArray, FloatArray, dict[str, Any] | N
 
 @one_blas_thread
 def reduced_search(
-    problem: UpdatingProblem, reduction: Reduction, minimize: Minimize, start: FloatArray, seed: int
+    problem: UpdatingProblem,
+    reduction: Reduction,
+    minimize: Minimize,
+    start: FloatArray,
+    seed: int,
+    seconds_left: Callable[[], float],
 ) -> tuple[OptimizeResult, ReductionReport]:
-    """What the search found, its cost that of the full model, and how the reduced ones served."""
-    search = _Search(problem, reduction, minimize, np.random.default_rng(seed))
-    best = search.run(start)
-    low, high = problem.bounds.T
-    for _ in range(_ATTEMPTS):
-        if best.unexplained <= _EXACT or search.stopped:
-            break
-        other = search.run(search.rng.uniform(low, high))
-        agreed = bool(np.all(np.abs(other.x - best.x) <= _SAME * (high - low)))
-        if other.cost < best.cost:
-            best = other
-        if agreed:
-            break
+    """What the search found, its cost that of the full model, and how the reduced ones served.
+
+    ``seconds_left`` ends it at zero, after the first answer. Ctrl-C hands back the best answer, once there is
+    one.
+    """
+    search = _Search(problem, reduction, minimize, np.random.default_rng(seed), seconds_left)
+    ended: dict[str, Any] = {}
+    try:
+        best = _agreed(search, start)
+    except KeyboardInterrupt:
+        if search.best is None:
+            raise
+        best, ended = search.best, _INTERRUPTED
+    if search.stopped and not ended:
+        last = search.found[-1]
+        ended = {"status": last.status, "message": last.message} if last.status in _STOPPED else _NO_TIME
     report = ReductionReport(
         n_dof=problem.model.n_dof,
         size=best.reduced.size,
@@ -73,7 +89,25 @@ def reduced_search(
     )
     first = search.found[0]
     nfev, njev = (sum(getattr(each, name) or 0 for each in search.found) for name in ("nfev", "njev"))
-    return replace(first, x=best.x, fun=best.cost, nfev=nfev, njev=njev), report
+    if ended:
+        ended = {**ended, "success": False}
+    return replace(first, x=best.x, fun=best.cost, nfev=nfev, njev=njev, **ended), report
+
+
+def _agreed(search: _Search, start: FloatArray) -> _Answer:
+    """The answer from ``start``; unless it explains everything, the best of it and others until two agree."""
+    best = search.run(start)
+    low, high = search.problem.bounds.T
+    for _ in range(_ATTEMPTS):
+        if best.unexplained <= _EXACT or search.stopped:
+            break
+        other = search.run(search.rng.uniform(low, high))
+        agreed = bool(np.all(np.abs(other.x - best.x) <= _SAME * (high - low)))
+        if other.cost < best.cost:
+            best = other
+        if agreed:
+            break
+    return best
 
 
 class _Answer:
@@ -92,12 +126,18 @@ class _Search:
     """Searches from one point after the other."""
 
     def __init__(
-        self, problem: UpdatingProblem, reduction: Reduction, minimize: Minimize, rng: np.random.Generator
+        self,
+        problem: UpdatingProblem,
+        reduction: Reduction,
+        minimize: Minimize,
+        rng: np.random.Generator,
+        seconds_left: Callable[[], float],
     ) -> None:
-        self.rng = rng
+        self.problem, self.rng = problem, rng
         self.found: list[OptimizeResult] = []
+        self.best: _Answer | None = None
         self.bases = 0
-        self._problem, self._reduction, self._minimize = problem, reduction, minimize
+        self._reduction, self._minimize, self._seconds_left = reduction, minimize, seconds_left
         # The smallest search there is around a polish, and one that polishes a few points.
         self._descent = IslandGA(islands=1, population=4, max_generations=1).options
         self._look = IslandGA(islands=3, population=6, max_generations=8, polish_interval=3).options
@@ -105,12 +145,12 @@ class _Search:
 
     @property
     def stopped(self) -> bool:
-        """Whether somebody stopped the search."""
-        return self.found[-1].status in _STOPPED
+        """Whether somebody stopped the search, or its time is over."""
+        return self.found[-1].status in _STOPPED or self._seconds_left() <= 0.0
 
     def run(self, start: FloatArray) -> _Answer:
         """The answer that a search from ``start`` ends at."""
-        low, high = self._problem.bounds.T
+        low, high = self.problem.bounds.T
         reduced = self._reduced(start, 1.0, _DEPTH)
         near = reduced.approached(start, self.rng)
         best = self._answer(reduced, (low, high), near, self._descent if self.found else None)
@@ -140,7 +180,7 @@ class _Search:
 
     def _around(self, x: FloatArray, share: float) -> tuple[FloatArray, FloatArray]:
         """A part of the box."""
-        low, high = self._problem.bounds.T
+        low, high = self.problem.bounds.T
         reach = share * (high - low)
         return np.maximum(low, x - reach), np.minimum(high, x + reach)
 
@@ -152,12 +192,15 @@ class _Search:
         options: dict[str, Any] | None,
     ) -> _Answer:
         self.found.append(self._minimize(reduced.core, *box, near, options))
-        return _Answer(self._problem, reduced, self.found[-1].x)
+        answer = _Answer(self.problem, reduced, self.found[-1].x)
+        if self.best is None or answer.cost < self.best.cost:
+            self.best = answer
+        return answer
 
     def _reduced(self, x: FloatArray, share: float, depth: int) -> ReducedProblem:
         """For that share of the parameters' ranges around ``x``."""
         self.bases += 1
-        problem, wanted = self._problem, self._reduction
+        problem, wanted = self.problem, self._reduction
         half_widths = 0.5 * share * (problem.bounds[:, 1] - problem.bounds[:, 0])
         limit_hz = _BAND * float(problem.measured_hz.max())
         largest = wanted.size, wanted.least

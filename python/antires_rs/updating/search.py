@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Literal
@@ -161,6 +162,11 @@ def _search_reduced(
 ) -> tuple[OptimizeResult, int, ReductionReport]:
     """The same on reduced models, and how they served."""
     ga, seed = _optimizer(optimizer), seed_of(rng)
+    end = float("inf") if ga.max_seconds is None else time.monotonic() + ga.max_seconds
+
+    def seconds_left() -> float:
+        return max(0.0, end - time.monotonic())
+
     first = guesses(x0, len(problem.parameters))
     nominal = nominal_first(problem)
     low, high = problem.bounds.T
@@ -178,14 +184,14 @@ def _search_reduced(
                 ga.options if options is None else options,
                 seed,
                 thread_count(workers),
-                ga.max_seconds,
+                None if ga.max_seconds is None else seconds_left(),
                 watcher,
                 None,
                 begin,
             )
             return OptimizeResult._of(raw, ga._in_force)
 
-        found, report = reduced_search(problem, reduction, minimize, start, seed)
+        found, report = reduced_search(problem, reduction, minimize, start, seed, seconds_left)
     if nominal is not None and nominal[1] < found.fun:
         found = replace(found, x=nominal[0], fun=nominal[1])
     return found, seed, report
