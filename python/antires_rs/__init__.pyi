@@ -74,6 +74,7 @@ from .planning.placement import Round
 from .planning.plan import plan_test
 from .planning.sensor_plan import SensorPlan
 from .rational.fit import RationalFit, fit_rational
+from .series.series import Series
 from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
@@ -133,6 +134,7 @@ __all__ = [
     "SampledSet",
     "Section",
     "SensorPlan",
+    "Series",
     "SeverityIntervals",
     "StabilizationDiagram",
     "TrackEvent",
