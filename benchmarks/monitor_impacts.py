@@ -1,9 +1,9 @@
 """Single impacts on a plane frame, watched: false alarms, and what is detected at a90 and at twice that.
 
-The portal frame of reference/structures.py under one hammer blow a record (4 s at 512 Hz, 1 % damping, 1 % noise
-of each channel's rms), eight of its sensors: 100 intact records as the baseline, 100 more, 100 with one element
-at 1 x and 100 at 2 x its a90. That is what ``ar.detectability`` says of a single test against a single one whose
-values scatter as those of the baseline do from record to record.
+The portal frame of reference/structures.py under one hammer blow a record (4 s at 512 Hz, 1 % damping, 1 %
+noise of each channel's rms), eight of its sensors: 100 intact records as the baseline, 100 more, 100 with one
+element at 1 x and 100 at 2 x its a90. That is what ``ar.detectability`` says of a single test against a
+single one whose values scatter as those of the baseline do from record to record.
 
     python -m benchmarks.monitor_impacts                        # some twenty minutes
     python -m benchmarks.monitor_impacts --records 30 --seed 22
@@ -115,10 +115,14 @@ def main():
     n = options.records
     intact = sets_of(options, 0.0, 0, 2 * n)
     a90, std = smallest(options, intact[:n])
-    print(f"values scatter by {100 * std:.3f} % from record to record; a90 of element {options.element}: "
-          f"{100 * a90:.2f} %")
+    print(
+        f"values scatter by {100 * std:.3f} % from record to record; a90 of element {options.element}: "
+        f"{100 * a90:.2f} %"
+    )
     damaged = [sets_of(options, times * a90, 10_000 * times, n) for times in (1, 2)]
-    watched = ar.monitor(intact + damaged[0] + damaged[1], baseline=slice(0, n), false_alarm_rate=options.rate)
+    watched = ar.monitor(
+        intact + damaged[0] + damaged[1], baseline=slice(0, n), false_alarm_rate=options.rate
+    )
     print(watched)
     for i, name in enumerate(("baseline", "intact", "1 x a90", "2 x a90")):
         part = watched.alarm[i * n : (i + 1) * n]

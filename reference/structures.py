@@ -287,7 +287,7 @@ def beam_matrices(start, end, thickness_m):
 
 
 def _portal(seed):
-    """Nodes, where their sensors look, elements (node, node, thickness), masses by node, of the portal frame."""
+    """Of the portal frame: nodes, where sensors look, elements (node, node, thickness), masses by node."""
     rng = np.random.default_rng([seed, 6])
     corners = [(x, y * STOREY_M) for y in range(3) for x in (0.0, BAY_M)]
     members = [(0, 2), (1, 3), (2, 4), (3, 5), (2, 3), (4, 5)]

@@ -1,8 +1,8 @@
 """Which antiresonance of a test is which of the baseline: one list of places for all tests.
 
-Every test is matched to the places of the baseline, never to the test before it, so that a lost value does not
-drift. What moves all values alike (temperature) is taken off first: the median of the shifts that a first match
-finds.
+Every test is matched to the places of the baseline, never to the test before it, so that a lost value does
+not drift. What moves all values alike (temperature) is taken off first: the median of the shifts that a first
+match finds.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ class Places:
 class Values:
     """The values of some tests at the places.
 
-    ``log_hz`` and ``std``, of the logarithm, are (n, m), NaN where a test does not have it or its deviation is not
-    known; ``looked`` (n, m) says whether the test has the response at all; ``strange`` has by test the
+    ``log_hz`` and ``std``, of the logarithm, are (n, m), NaN where a test does not have it or its deviation
+    is not known; ``looked`` (n, m) says whether the test has the response at all; ``strange`` has by test the
     (dof, frequency in Hz) of what no place takes.
     """
 

@@ -85,7 +85,7 @@ class Basis:
 
 
 def folds_of(n: int) -> NDArray[np.intp]:
-    """The part to which each baseline test belongs, (n,): every k-th test, so that all parts span all times."""
+    """Part to which each baseline test belongs, (n,): every k-th test, so that all parts span all times."""
     return np.arange(n) % min(n, FOLDS)
 
 
@@ -98,6 +98,8 @@ def basis_of(y: FloatArray, conditions: Mapping[str, FloatArray]) -> Basis:
         Values with NaN.
     conditions : mapping of str to (n,)
     """
+    if not conditions:
+        return Basis(())
     used: tuple[Column, ...] = ()
     unused: list[str] = []
     error = _left_out(y, Basis(()), conditions)

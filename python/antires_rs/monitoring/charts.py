@@ -22,7 +22,7 @@ from .normal import degrees_of
 __all__ = ["Chart", "Charts", "charts_of"]
 
 #: How the rate of false alarms is shared out.
-SHARES = {"T2": 0.5, "EWMA": 0.3, "events": 0.2}
+SHARES = {"T2": 0.6, "EWMA": 0.2, "events": 0.2}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,7 +50,9 @@ class Chart(ReadOnly):
             return np.asarray(np.nan_to_num(self.statistic / self.limit))
 
     def __repr__(self) -> str:
-        return f"Chart({np.sum(self.ratio > 1.0)} of {self.statistic.size} above the limit, rate {self.rate:g})"
+        return (
+            f"Chart({np.sum(self.ratio > 1.0)} of {self.statistic.size} above the limit, rate {self.rate:g})"
+        )
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,9 @@ def charts_of(
     own = {name: column[baseline] for name, column in conditions.items()}
     basis = basis_of(y[baseline], own)
     x = basis.rows(own, baseline.size)
-    degrees = degrees_of(y[baseline] - learned(y[baseline], std[baseline], own, basis, np.inf).regression.at(x))
+    degrees = degrees_of(
+        y[baseline] - learned(y[baseline], std[baseline], own, basis, np.inf).regression.at(x)
+    )
     whole = learned(y[baseline], std[baseline], own, basis, degrees)
     free = not basis.columns
     inverses = Inverses(whole.correlation)
@@ -112,7 +116,8 @@ def charts_of(
         frozen(chi_square(limit_w, found.count)),
         SHARES["T2"] * rate,
     )
-    slow = _ewma(found, hotelling, baseline, whole, inverses, rate)
+    unsure = whole.beyond(conditions, len(y)) / whole.deviation(std, conditions)
+    slow = _ewma(found, hotelling, baseline, whole, inverses, rate, basis.rows(conditions, len(y)), unsure)
     learned_events = values.take(baseline)
     chart = events(values, learned_events)
     chart[baseline] = left_out_events(learned_events, folds)
@@ -121,9 +126,7 @@ def charts_of(
     vanished = Chart(
         frozen(np.where(judged, chart, np.nan)), frozen(np.full(chart.size, limit)), SHARES["events"] * rate
     )
-    return Charts(
-        {"T2": hotelling, "EWMA": slow, "events": vanished}, whole, found, free, limit_w, inverses
-    )
+    return Charts({"T2": hotelling, "EWMA": slow, "events": vanished}, whole, found, free, limit_w, inverses)
 
 
 def _ewma(
@@ -133,11 +136,13 @@ def _ewma(
     whole: Learned,
     inverses: Inverses,
     rate: float,
+    x: FloatArray,
+    beyond: FloatArray,
 ) -> Chart:
     """The chart of slow changes."""
     bounds = np.sqrt(1.0 / np.maximum(hotelling.ratio, 1.0))
     error = whole.basis.size / baseline.size
-    slow = means(found.z, bounds, inverses, error)
+    slow = means(found.z, bounds, inverses, x, whole.regression.inverse, beyond)
     share = SHARES["EWMA"] * rate
     limit_w, usual = drawn(found.z[baseline], whole.correlation, error, share)
     first = np.sort(baseline)

@@ -49,7 +49,9 @@ class Inverses:
         if key not in self._kept:
             if len(self._kept) >= self._MOST:
                 self._kept.clear()
-            self._kept[key] = np.linalg.inv(self._correlation[np.ix_(there, there)])
+            self._kept[key] = np.asarray(
+                np.linalg.inv(self._correlation[np.ix_(there, there)]), dtype=np.float64
+            )
         return self._kept[key]
 
     def t2(self, z: FloatArray) -> float:

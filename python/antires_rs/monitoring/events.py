@@ -1,10 +1,10 @@
 r"""Antiresonances that vanish, merge or appear: how surprising the pattern of a test is.
 
 A place that a share q of the baseline's tests has costs :math:`-\ln q` where a test has it and
-:math:`-\ln(1 - q)` where not, less what it costs on average; a value at no place costs as the baseline has such
-values rarely. Shares are those of n tests plus one half. What the test before showed as well counts twice: chance
-does not do the same again. The limit for a rate goes beyond the baseline by an exponential tail, whose scale is
-at least that of one place that was never missed.
+:math:`-\ln(1 - q)` where not, less what it costs on average; a value at no place costs as the baseline has
+such values rarely. Shares are those of n tests plus one half. What the test before showed as well counts
+twice: chance does not do the same again. The limit for a rate goes beyond the baseline by an exponential
+tail, whose scale is at least that of one place that was never missed.
 """
 
 from __future__ import annotations
@@ -74,7 +74,9 @@ def _chart(values: Values, costs: Sequence[_Costs]) -> FloatArray:
         chart[i] = float(place.sum()) + new
         if before is not None:
             chart[i] += float(np.minimum(np.maximum(place, 0.0), np.maximum(before[0], 0.0)).sum())
-            again = sum(any(dof == d and abs(f / g - 1.0) < _SAME for d, g in before[1]) for dof, f in strange)
+            again = sum(
+                any(dof == d and abs(f / g - 1.0) < _SAME for d, g in before[1]) for dof, f in strange
+            )
             chart[i] += cost.strange * again
         before = (place, strange)
     return chart
@@ -87,4 +89,4 @@ def event_limit(chart: FloatArray, tests: int, rate: float) -> float:
     if tests * rate > 3.0:
         highest = float(np.quantile(chart, 1.0 - rate))
     scale = max(one, float(np.std(chart)))
-    return highest + scale * max(0.25, np.log(1.0 / (tests * rate)))
+    return float(highest + scale * max(0.25, float(np.log(1.0 / (tests * rate)))))

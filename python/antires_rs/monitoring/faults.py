@@ -1,8 +1,9 @@
 """Sensors that fail, told from damage.
 
-Damage beside the force may move the antiresonances of one response alone; so a response that deviates alone is
-no fault by that. It is one if the test lacks it, if the data check names its channel where that of the baseline
-did not, or if it lost its antiresonances while those of all other responses are where they should be.
+Damage beside the force may move the antiresonances of one response alone; so a response that deviates alone
+is no fault by that. It is one if the test lacks it, if the data check names its channel where that of the
+baseline did not, or if it lost its antiresonances while those of all other responses are where they should
+be.
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..support.validation import FloatArray
 from .association import Places, Values
 
 __all__ = ["Fault", "lost_alone", "obvious"]
@@ -77,7 +77,11 @@ def obvious(
                 continue
             if dof not in one:
                 here[dof] = "not in this test"
-            elif own.sum() >= 2 and not there[own].any() and np.mean(there[others] if others.any() else 0) >= _OTHERS:
+            elif (
+                own.sum() >= 2
+                and not there[own].any()
+                and np.mean(there[others] if others.any() else 0) >= _OTHERS
+            ):
                 here[dof] = f"none of its {own.sum()} antiresonances, those of the others in place"
         if here:
             found[i] = [Fault(dof, text) for dof, text in here.items()]
@@ -117,9 +121,3 @@ def _findings(one: AntiresonanceSet) -> dict[tuple[Any, str], str]:
             for dof in where:
                 found[dof, name] = f"data check: {name.replace('_', ' ')}"
     return found
-
-
-def response_parts(places: Places, regular: FloatArray) -> dict[Any, FloatArray]:
-    """Which of the regular places belong to each response, as masks."""
-    dof = places.dof[regular]
-    return {one: dof == one for one in dict.fromkeys(dof.tolist())}

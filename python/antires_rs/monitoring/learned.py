@@ -17,6 +17,8 @@ __all__ = ["Learned", "learned"]
 
 #: A stated deviation above the usual by this factor is that of a poor test: the excess is added.
 _POOR = 1.5
+#: Beyond the baseline's range the slope of each value may differ from its line's by this share.
+_CURVED = 0.01
 
 
 @dataclass(frozen=True)
@@ -24,8 +26,8 @@ class Learned:
     """The baseline of m values.
 
     ``variance`` (m,) of the logarithm of each, ``usual`` (m,) its stated standard deviation, ``correlation``
-    (m, m) of the normal scores with ``factors`` (m, k) in it, ``attenuation`` by condition: the share of a slope
-    that errors of the condition hide.
+    (m, m) of the normal scores with ``factors`` (m, k) in it, ``attenuation`` by condition: the share of a
+    slope that errors of the condition hide.
     """
 
     basis: Basis
@@ -46,7 +48,22 @@ class Learned:
         n = len(std)
         excess = np.nan_to_num(np.maximum(std**2 - (_POOR * self.usual) ** 2, 0.0))
         unsure = 1.0 + self.regression.leverage(self.basis.rows(conditions, n))
-        return np.asarray(np.sqrt(self.variance * unsure[:, None] + excess))
+        bent = self.beyond(conditions, n) ** 2
+        return np.asarray(np.sqrt(self.variance * unsure[:, None] + excess + bent))
+
+    def beyond(self, conditions: Mapping[str, FloatArray], n: int) -> FloatArray:
+        """Standard deviation, (n, m), of what each value does by itself outside the baseline's range."""
+        variance = np.zeros((n, self.variance.size))
+        for one in self.basis.columns:
+            value = np.where(np.isnan(conditions[one.name]), one.middle, conditions[one.name])
+            away = np.maximum(np.maximum(one.low - value, value - one.high), 0.0)
+            if away.any():
+                ends = [
+                    np.abs(self.basis.slopes(self.regression.coefficients, one.name, above))
+                    for above in (True, False)
+                ]
+                variance += (_CURVED * away[:, None] * np.maximum(*ends)) ** 2
+        return np.sqrt(variance)
 
 
 def learned(
@@ -73,8 +90,9 @@ def learned(
 def _attenuation(rest: FloatArray, variance: FloatArray, slope: FloatArray, std: float) -> float:
     """Share of a slope that is hidden by errors of the condition.
 
-    The residuals tell along the slope how far a condition is from what the values say: with r the reliability of
-    the condition, its variance is (1 - r) / r of that of the condition, beside what the values' own scatter makes.
+    The residuals tell along the slope how far a condition is from what the values say: with r the reliability
+    of the condition, its variance is (1 - r) / r of that of the condition, beside what the values' own
+    scatter makes.
     """
     weight = np.where(np.isnan(rest), 0.0, slope / variance)
     told = weight @ slope

@@ -5,8 +5,9 @@ A chi-square over its degrees of freedom p is made nearly normal by
 .. math:: w = \frac{(T^2 / p)^{1/3} - (1 - 2 / (9 p))}{\sqrt{2 / (9 p)}},
 
 so that tests with other values missing can be compared. The limit for a rate a is the larger of two: that of
-a normal variable whose mean and variance are known from n tests (Student's t), and that of a generalized Pareto
-tail fitted to the highest fifth, whose shape few tests tell little of: it is drawn to that of a normal tail.
+a normal variable whose mean and variance are known from n tests (Student's t), and that of a generalized
+Pareto tail fitted to the highest fifth, whose shape few tests tell little of: it is drawn to that of a normal
+tail.
 
 References: E. B. Wilson, M. M. Hilferty, Proc. Natl. Acad. Sci. 17 (1931) 684-688; J. R. M. Hosking,
 J. R. Wallis, Technometrics 29 (1987) 339-349.
@@ -33,7 +34,9 @@ def wilson_hilferty(t2: FloatArray, p: FloatArray) -> FloatArray:
     """w of the module; NaN without any value."""
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = 2.0 / (9.0 * p)
-        return np.asarray(np.where(p > 0, ((t2 / p) ** (1.0 / 3.0) - (1.0 - spread)) / np.sqrt(spread), np.nan))
+        return np.asarray(
+            np.where(p > 0, ((t2 / p) ** (1.0 / 3.0) - (1.0 - spread)) / np.sqrt(spread), np.nan)
+        )
 
 
 def chi_square(w: float, p: FloatArray) -> FloatArray:
@@ -45,11 +48,11 @@ def chi_square(w: float, p: FloatArray) -> FloatArray:
 
 def upper_limit(w: FloatArray, rate: float) -> float:
     """What a further one exceeds with probability ``rate``."""
-    from scipy.stats import t  # slow to import
+    from scipy.special import stdtrit
 
     w = np.sort(w[~np.isnan(w)])
     n = w.size
-    normal = float(w.mean() + t.isf(rate, n - 1) * w.std(ddof=1) * np.sqrt(1.0 + 1.0 / n))
+    normal = float(w.mean() + float(-stdtrit(n - 1, rate)) * w.std(ddof=1) * np.sqrt(1.0 + 1.0 / n))
     start = float(np.quantile(w, 1.0 - TAIL))
     above = w[w > start] - start
     if above.size < 3:

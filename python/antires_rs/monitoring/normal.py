@@ -1,13 +1,15 @@
 """Scatter of single values: their variances, and how heavy the tails are.
 
-Residuals over their standard deviation follow Student's t with nu degrees of freedom, one nu for all values, so
-that a wild value counts for as much as it is rare: it is replaced by the normal deviate of its probability.
-Scales are the likeliest under that t.
+Residuals over their standard deviation follow Student's t with nu degrees of freedom, one nu for all values,
+so that a wild value counts for as much as it is rare: it is replaced by the normal deviate of its
+probability. Scales are the likeliest under that t.
 
 Reference: K. L. Lange, R. J. A. Little, J. M. G. Taylor, J. Am. Stat. Assoc. 84 (1989) 881-896.
 """
 
 from __future__ import annotations
+
+from math import lgamma
 
 import numpy as np
 
@@ -51,8 +53,6 @@ def variances(rest: FloatArray, stated: FloatArray, degrees: float, lost: float)
 
 def degrees_of(rest: FloatArray) -> float:
     """Likeliest degrees of freedom of residuals (n, m), each column with a scale of its own."""
-    from scipy.stats import t  # slow to import
-
     enough = np.sum(~np.isnan(rest), axis=0) >= 8
     if not enough.any():
         return float("inf")
@@ -61,7 +61,7 @@ def degrees_of(rest: FloatArray) -> float:
     best = (-np.inf, np.inf)
     for degrees in DEGREES:
         scale = np.sqrt(variances(rest, none, degrees, 0.0))
-        law = np.nansum(t.logpdf(rest / scale, min(degrees, 1e6)) - np.log(scale))
+        law = np.nansum(_log_density(rest / scale, degrees) - np.log(scale))
         best = max(best, (float(law), degrees))
     return best[1]
 
@@ -70,7 +70,15 @@ def scores(scaled: FloatArray, degrees: float) -> FloatArray:
     """Normal deviates of residuals over their standard deviation."""
     if np.isinf(degrees):
         return np.clip(scaled, -_LARGEST, _LARGEST)
-    from scipy.stats import norm, t  # slow to import
+    from scipy.special import ndtri, stdtr
 
-    tail = np.maximum(t.sf(np.abs(scaled), degrees), 1e-200)
-    return np.asarray(np.clip(np.sign(scaled) * norm.isf(tail), -_LARGEST, _LARGEST))
+    tail = np.maximum(stdtr(degrees, -np.abs(scaled)), 1e-200)
+    return np.asarray(np.clip(-np.sign(scaled) * ndtri(tail), -_LARGEST, _LARGEST))
+
+
+def _log_density(x: FloatArray, degrees: float) -> FloatArray:
+    """Of Student's t, less what is the same for all degrees of freedom."""
+    if np.isinf(degrees):
+        return np.asarray(-0.5 * x**2 - 0.5 * np.log(2.0))
+    half = lgamma((degrees + 1.0) / 2.0) - lgamma(degrees / 2.0) - 0.5 * np.log(degrees)
+    return np.asarray(half - 0.5 * (degrees + 1.0) * np.log1p(x**2 / degrees))

@@ -1,4 +1,4 @@
-"""What may move a test's values without damage: conditions that are not known, or outside the baseline's range."""
+"""What may move values without damage: conditions not known, or outside the baseline's range."""
 
 from __future__ import annotations
 
