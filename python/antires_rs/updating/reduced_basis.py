@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from .._core import Model as CoreModel
     from ..support.validation import FloatArray
 
-__all__ = ["Basis", "basis_at"]
+__all__ = ["Basis", "basis_at", "beside", "point_basis", "solved"]
 
 #: Shift, as a share of the limit in omega squared: small keeps digits of the lowest modes.
 _SHIFT = 0.1
@@ -63,11 +63,40 @@ def basis_at(
     ``half_widths`` are the half of what each parameter may change by, ``depth`` the Krylov vectors of a
     sensor, ``largest`` the most vectors and the least size of one that parameters make.
     """
+    size, least = largest
+    carried = _carried(affine.at(x), (affine.sensors, affine.forces), f_max_hz, depth)
+    shifted, factors, sigma = carried.shifted, carried.factors, carried.sigma
+    own = _orthonormal(shifted, np.hstack(carried.blocks))[:, :size]
+    moved = _moved(factors, affine, half_widths, sigma, carried.moving)
+    more = _beside(shifted, own, moved, size - own.shape[1], least)
+    return Basis(np.hstack([own, more]), factors, sigma, carried.limit)
+
+
+def point_basis(
+    core: CoreModel, sensors: list[int], forces: list[int], f_max_hz: float, depth: int
+) -> tuple[Basis, FloatArray]:
+    """The basis of one model without parameters, and the vectors that these move most, of unit size."""
+    carried = _carried(core, (sensors, forces), f_max_hz, depth)
+    own = _orthonormal(carried.shifted, np.hstack(carried.blocks))
+    return Basis(own, carried.factors, carried.sigma, carried.limit), carried.moving
+
+
+@dataclass(frozen=True)
+class _Carried:
+    """Vectors that carry a model, block by block, with K + sigma M and its factors."""
+
+    shifted: Any
+    factors: Any
+    sigma: float
+    limit: float
+    blocks: list[FloatArray]
+    moving: FloatArray
+
+
+def _carried(core: CoreModel, ends: tuple[list[int], list[int]], f_max_hz: float, depth: int) -> _Carried:
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
-    size, least = largest
-    core = affine.at(x)
     stiffness, mass = matrices(core)
     limit = (2.0 * np.pi * f_max_hz) ** 2
     sigma = _SHIFT * limit
@@ -76,18 +105,15 @@ def basis_at(
         shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )
     blocks, first = [_modes(core, f_max_hz)], []
-    for rows, count in ((affine.sensors, depth), (affine.forces, depth + _MORE_OF_FORCE)):
+    for rows, count in zip(ends, (depth, depth + _MORE_OF_FORCE), strict=True):
         loads = np.zeros((mass.shape[0], len(rows)))
         loads[rows, range(len(rows))] = 1.0
         for _ in range(count):
             blocks.append(factors.solve(loads))
             loads = np.asarray(mass @ blocks[-1])
         first.append(blocks[-count])
-    own = _orthonormal(shifted, np.hstack(blocks))[:, :size]
     moving = _units(shifted, np.hstack([blocks[0], *first]))
-    moved = _moved(factors, affine, half_widths, sigma, moving)
-    beside = _beside(shifted, own, moved, size - own.shape[1], least)
-    return Basis(np.hstack([own, beside]), factors, sigma, limit)
+    return _Carried(shifted, factors, sigma, limit, blocks, moving)
 
 
 def _modes(core: CoreModel, f_max_hz: float) -> FloatArray:
@@ -105,8 +131,14 @@ def _moved(
         if half <= 0.0:
             continue
         loads = half * np.asarray((k if k is not None else m) @ vectors) * (1.0 if k is not None else sigma)
-        blocks += [factors.solve(loads[:, at : at + _AT_ONCE]) for at in range(0, loads.shape[1], _AT_ONCE)]
+        blocks.append(solved(factors, loads))
     return blocks
+
+
+def solved(factors: Any, loads: FloatArray) -> FloatArray:
+    """A^-1 times many loads (n, m)."""
+    parts = [factors.solve(loads[:, at : at + _AT_ONCE]) for at in range(0, loads.shape[1], _AT_ONCE)]
+    return np.hstack(parts) if parts else loads
 
 
 def _units(shifted: Any, vectors: FloatArray) -> FloatArray:
@@ -138,17 +170,22 @@ def _without(shifted: Any, vectors: FloatArray, core: FloatArray) -> FloatArray:
 
 def _beside(shifted: Any, core: FloatArray, moved: list[FloatArray], room: int, least: float) -> FloatArray:
     """The largest directions of what moves out of the core."""
-    none = np.empty((core.shape[0], 0))
     if not moved or room <= 0:
-        return none
-    vectors = np.hstack(moved)
+        return np.empty((core.shape[0], 0))
+    return beside(shifted, core, np.hstack(moved), room, least)[0]
+
+
+def beside(
+    shifted: Any, core: FloatArray, vectors: FloatArray, room: int, least: float
+) -> tuple[FloatArray, FloatArray]:
+    """The largest directions of ``vectors`` (n, m) beside an orthonormal core, and their sizes."""
     weighted = shifted @ vectors
     inside = core.T @ weighted
     # What is kept is far above the digits that the difference loses.
     sizes, rotation = _principal(vectors.T @ weighted - inside.T @ inside)
     kept = int(np.count_nonzero(sizes[:room] > least))
     if kept == 0:
-        return none
+        return np.empty((core.shape[0], 0)), np.empty(0)
     turn = rotation[:, :kept] / sizes[:kept]
     found = _without(shifted, vectors @ turn - core @ (inside @ turn), core)
-    return _orthonormal(shifted, found)
+    return _orthonormal(shifted, found), sizes[:kept]
