@@ -37,10 +37,11 @@ PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --di
 
 tools: $(STAMP) $(DOCS_STAMP)
 
-test-python: tools  ## tests of the Python package, the documentation built among them, with its coverage
-	$(PYTEST) --cov antires_rs
+test-python: tools  ## tests of the Python package, the documentation built among them
+	$(PYTEST)
 
-coverage: tools  ## the same, line by line, into target/coverage/html
+# Not in every run: before Python 3.12 a tracer costs a third of the time of a test, and no limit hangs on the figure.
+coverage: tools  ## the same with the coverage of the package, line by line into target/coverage/html
 	$(PYTEST) --cov antires_rs --cov-report html
 
 campaign: $(STAMP)  ## the studies of which the suites have a part, and thirty times the random files and cases
