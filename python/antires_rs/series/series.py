@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, Self, overload
 
 import numpy as np
@@ -13,9 +15,13 @@ from ..measured.compare import Comparison, compare
 from ..measured.track import track
 from ..measured.tracks import Tracks
 from ..support.validation import reject
+from .encoded import encoded
 from .frames import series_frame
+from .kept import InMemory, Kept, Row, parts_of
 from .kept_tests import NO_SET, KeptTests, SomeSets
+from .parquet_file import write_series
 from .printed import printed
+from .store import stored_rows
 
 __all__ = ["Series"]
 
@@ -130,6 +136,47 @@ class Series(KeptTests):
             A test that has no set, or a malformed option.
         """
         return compare(self._set("i", i), self._set("j", j), **options)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write all of it into one Parquet file, whole or not at all; see :meth:`load`.
+
+        Raises
+        ------
+        InvalidInputError
+            A folder that does not exist.
+        MissingDependencyError
+            pyarrow is not installed.
+        """
+        place = InMemory(self.sets)
+        rows = []
+        for i, one in enumerate(self.sets):
+            outcome = self.failed[i] if one is None else encoded(one)
+            conditions = {name: float(column[i]) for name, column in self.conditions.items()}
+            time = None if self.times is None else self.times[i]
+            rows.append(Row(self.names[i], conditions, time, Kept.of("", outcome, place, i)))
+        write_series(Path(path), rows, None)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """A series out of a file; its sets are read when they are asked for.
+
+        Parameters
+        ----------
+        path : path-like
+            What :meth:`save` wrote, or the ``store`` of :func:`~antires_rs.identify_series`: of one that
+            runs, or was stopped, it gives the tests so far.
+
+        Raises
+        ------
+        FileNotFoundError
+            There is none.
+        InvalidInputError
+            A file of another kind, or of a newer version.
+        MissingDependencyError
+            pyarrow is not installed.
+        """
+        rows, unfinished = stored_rows(Path(path))
+        return cls(**parts_of(rows), interrupted=unfinished)
 
     def to_dataframe(self) -> Any:
         """One row an antiresonance: test, name, time, the conditions, and the columns of a set.
