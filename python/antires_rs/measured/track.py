@@ -10,6 +10,7 @@ import numpy as np
 from ..order_sweep.table import ResponseTable
 from ..support.pickling import frozen
 from ..support.validation import FloatArray, finite_scalar, reject
+from .evidence import SeriesOfTests
 from .matching import MAX_SHIFT, check_sets, check_shift, paired, variance_hz
 from .tracks import TrackEvent, Tracks
 
@@ -33,14 +34,19 @@ class _Track:
 
 
 def track(
-    sets: Sequence[Any], conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0
+    sets: Sequence[Any] | SeriesOfTests,
+    conditions: Any = None,
+    *,
+    max_shift: float = MAX_SHIFT,
+    std_between: float = 0.0,
 ) -> Tracks:
     """Follow every antiresonance over many tests of one structure.
 
     Parameters
     ----------
-    sets : list of AntiresonanceSet
-        In the order of the tests, two or more, of the same excitation.
+    sets : list of AntiresonanceSet, or Series
+        In the order of the tests, two or more, of the same excitation. Tests of a series that failed are left
+        out, with their conditions.
     conditions : sequence, (n_tests,), optional
         What differs from test to test (temperature, damage, date, load): numbers or texts. Default: 0, 1, ...
     max_shift : float
@@ -78,6 +84,9 @@ def track(
       0      2    23.900   23.800    -0.418  lost at 2 years
       0      1    31.000   31.000    +0.000  new at 1 year, lost at 2 years
     """
+    if isinstance(sets, SeriesOfTests):
+        followed: Tracks = sets.tracks(conditions, max_shift=max_shift, std_between=std_between)
+        return followed
     given = check_sets("sets", sets, 2)
     shift = check_shift(max_shift)
     between = finite_scalar("std_between", std_between, low=0.0, high=0.5)
