@@ -32,7 +32,8 @@ class Reduction:
     Parameters
     ----------
     size : int, default 160
-        Most vectors; at least as many as modes to 1.5 times the highest measured frequency, forces and sensors.
+        Most vectors; at least as many as modes (to 1.5 times the highest measured frequency), forces and
+        sensors.
     least : float, default 0.05
         A direction that parameters move the basis by less than this, relatively, over half of their ranges,
         is left out. Smaller is larger, slower and better.
