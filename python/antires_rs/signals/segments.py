@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..support.validation import ComplexArray, FloatArray
 
@@ -51,7 +52,7 @@ class Segments:
         What both are to be multiplied by, ``matrix`` in rows and in columns.
     """
 
-    values: ComplexArray
+    values: NDArray[np.complexfloating[Any, Any]]
     matrix: ComplexArray
     unit: FloatArray
     scale: FloatArray
