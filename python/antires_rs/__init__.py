@@ -85,6 +85,8 @@ _NAMES = {
     "planning.plan": ("plan_test",),
     "planning.sensor_plan": ("SensorPlan",),
     "rational.fit": ("RationalFit", "fit_rational"),
+    "series.identify_series": ("identify_series",),
+    "series.series": ("Series",),
     "signals.frequency_response": ("FrequencyResponse",),
     "signals.recording": ("Recording",),
     "signals.transfer_functions": ("frf", "transmissibility", "transmissibility_sum"),

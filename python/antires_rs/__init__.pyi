@@ -75,6 +75,8 @@ from .planning.placement import Round
 from .planning.plan import plan_test
 from .planning.sensor_plan import SensorPlan
 from .rational.fit import RationalFit, fit_rational
+from .series.identify_series import identify_series
+from .series.series import Series
 from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
@@ -110,8 +112,8 @@ __all__ = [
     "Hypothesis",
     "InternalError",
     "InvalidInputError",
-    "LostWorkerError",
     "IslandGA",
+    "LostWorkerError",
     "MassSpringChain",
     "MatrixModel",
     "MissingDependencyError",
@@ -135,6 +137,7 @@ __all__ = [
     "SampledSet",
     "Section",
     "SensorPlan",
+    "Series",
     "SeverityIntervals",
     "StabilizationDiagram",
     "TrackEvent",
@@ -159,6 +162,7 @@ __all__ = [
     "identifiability",
     "identify_antiresonances",
     "identify_modes",
+    "identify_series",
     "inertia",
     "lagrange_rows",
     "length",

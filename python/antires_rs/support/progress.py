@@ -15,7 +15,7 @@ from functools import wraps
 from threading import Event, Thread
 from typing import Any, ParamSpec, TypeVar
 
-__all__ = ["counted", "interruptible", "patient", "step", "waiting", "watched"]
+__all__ = ["apart", "counted", "interruptible", "patient", "step", "waiting", "watched"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -94,6 +94,16 @@ def waiting(what: str, progress: bool | None) -> Iterator[None]:
         over.set()
         if thread is not None:
             thread.join()
+
+
+@contextmanager
+def apart() -> Iterator[None]:
+    """Inside, steps are not those of who waits outside: for one task of many that are counted there."""
+    token = _AT.set(None)
+    try:
+        yield
+    finally:
+        _AT.reset(token)
 
 
 def step(text: str) -> None:

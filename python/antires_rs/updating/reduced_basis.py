@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..exceptions import NumericalError
 from .affine import Affine, matrices
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ _SHIFT = 0.1
 _MORE_OF_FORCE = 4
 #: A direction this small beside the others is rounding.
 _ROUNDING = 1e-7
+#: Directions of one parameter are left out below this part of the least size.
+_PART = 0.2
 #: So many right-hand sides are solved for at once.
 _AT_ONCE = 256
 
@@ -62,6 +65,11 @@ def basis_at(
 
     ``half_widths`` are the half of what each parameter may change by, ``depth`` the Krylov vectors of a
     sensor, ``largest`` the most vectors and the least size of one that parameters make.
+
+    Raises
+    ------
+    NumericalError
+        Fewer vectors than modes, forces and sensors need.
     """
     from scipy import sparse
     from scipy.sparse.linalg import splu
@@ -83,9 +91,16 @@ def basis_at(
             blocks.append(factors.solve(loads))
             loads = np.asarray(mass @ blocks[-1])
         first.append(blocks[-count])
+    needed = blocks[0].shape[1] + len(affine.sensors) + len(affine.forces)
+    if size < needed:
+        raise NumericalError(
+            f"a reduced model of {size} vectors",
+            f"the modes to {f_max_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
+            f"reduction=Reduction(size={2 * needed}) or more, or reduction=False.",
+        )
     own = _orthonormal(shifted, np.hstack(blocks))[:, :size]
     moving = _units(shifted, np.hstack([blocks[0], *first]))
-    moved = _moved(factors, affine, half_widths, sigma, moving)
+    moved = _moved(factors, affine, half_widths, sigma, moving, own, _PART * least)
     beside = _beside(shifted, own, moved, size - own.shape[1], least)
     return Basis(np.hstack([own, beside]), factors, sigma, limit)
 
@@ -96,17 +111,61 @@ def _modes(core: CoreModel, f_max_hz: float) -> FloatArray:
     return np.asarray(shapes[:, freq_hz <= f_max_hz])
 
 
+@dataclass(frozen=True)
+class _Moved:
+    """What parameters make of vectors: v = A^-1 l, l, and the part of v in the core, by columns."""
+
+    vectors: FloatArray
+    loads: FloatArray
+    inside: FloatArray
+
+    @classmethod
+    def by(
+        cls, nth: int, affine: Affine, change: float, factors: Any, of: FloatArray, core: FloatArray
+    ) -> _Moved:
+        """By one parameter: l = (dK + sigma dM) v."""
+        places = affine.places[nth]
+        held = change * affine.times(nth, of)
+        n, m = of.shape
+        loads = np.zeros((n, m))
+        loads[places] = held
+        parts = range(0, m, _AT_ONCE)
+        vectors = np.hstack([factors.solve(loads[:, at : at + _AT_ONCE]) for at in parts])
+        return cls(vectors, loads, core[places].T @ held)
+
+    def principal(self, places: Any, least: float, most: int) -> tuple[_Moved, FloatArray]:
+        """The largest combinations in what is outside of the core, and their sizes."""
+        # What is kept is far above the digits that the difference loses.
+        gram = self.vectors[places].T @ self.loads[places] - self.inside.T @ self.inside
+        sizes, rotation = _principal(gram)
+        kept = int(np.count_nonzero(sizes[:most] > least))
+        turn = rotation[:, :kept]
+        return _Moved(self.vectors @ turn, self.loads @ turn, self.inside @ turn), sizes[:kept]
+
+
 def _moved(
-    factors: Any, affine: Affine, half_widths: FloatArray, sigma: float, vectors: FloatArray
-) -> list[FloatArray]:
-    """A^-1 (dK + sigma dM) v for every parameter, over half of its range."""
-    blocks = []
-    for (k, m), half in zip(affine.terms, half_widths, strict=True):
-        if half <= 0.0:
-            continue
-        loads = half * np.asarray((k if k is not None else m) @ vectors) * (1.0 if k is not None else sigma)
-        blocks += [factors.solve(loads[:, at : at + _AT_ONCE]) for at in range(0, loads.shape[1], _AT_ONCE)]
-    return blocks
+    factors: Any,
+    affine: Affine,
+    half_widths: FloatArray,
+    sigma: float,
+    of: FloatArray,
+    core: FloatArray,
+    least: float,
+) -> _Moved | None:
+    """By all parameters, over half of their ranges."""
+    found = []
+    for nth, half in enumerate(half_widths):
+        if half > 0.0:
+            change = half * (1.0 if affine.terms[nth][0] is not None else sigma)
+            moved = _Moved.by(nth, affine, change, factors, of, core)
+            found.append(moved.principal(affine.places[nth], least, of.shape[1])[0])
+    if not found:
+        return None
+    return _Moved(
+        np.hstack([each.vectors for each in found]),
+        np.hstack([each.loads for each in found]),
+        np.hstack([each.inside for each in found]),
+    )
 
 
 def _units(shifted: Any, vectors: FloatArray) -> FloatArray:
@@ -136,19 +195,13 @@ def _without(shifted: Any, vectors: FloatArray, core: FloatArray) -> FloatArray:
     return vectors
 
 
-def _beside(shifted: Any, core: FloatArray, moved: list[FloatArray], room: int, least: float) -> FloatArray:
+def _beside(shifted: Any, core: FloatArray, moved: _Moved | None, room: int, least: float) -> FloatArray:
     """The largest directions of what moves out of the core."""
     none = np.empty((core.shape[0], 0))
-    if not moved or room <= 0:
+    if moved is None or room <= 0 or moved.vectors.shape[1] == 0:
         return none
-    vectors = np.hstack(moved)
-    weighted = shifted @ vectors
-    inside = core.T @ weighted
-    # What is kept is far above the digits that the difference loses.
-    sizes, rotation = _principal(vectors.T @ weighted - inside.T @ inside)
-    kept = int(np.count_nonzero(sizes[:room] > least))
-    if kept == 0:
+    largest, sizes = moved.principal(slice(None), least, room)
+    if sizes.size == 0:
         return none
-    turn = rotation[:, :kept] / sizes[:kept]
-    found = _without(shifted, vectors @ turn - core @ (inside @ turn), core)
+    found = _without(shifted, (largest.vectors - core @ largest.inside) / sizes, core)
     return _orthonormal(shifted, found)
