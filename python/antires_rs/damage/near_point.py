@@ -34,7 +34,7 @@ __all__ = ["Local", "NearPoint"]
 _GENERATIONS, _LEAST = 4, 1e-4
 #: A direction of several elements together that is smaller is one of them twice.
 _INERTIA = 0.5
-_SAME, _NO_LIMIT = 1e-5, 10**6
+_SAME = 1e-5
 #: So many sets of elements are kept.
 _KEPT = 32
 
@@ -70,13 +70,13 @@ class NearPoint:
         if len(alone) == 1:
             return alone[0][0]
         own = self.basis.vectors
-        joined = beside(self._shifted, own, np.hstack([v for v, _ in alone]), _NO_LIMIT, _SAME)[0]
+        joined = beside(self._shifted, own, np.hstack([v for v, _ in alone]), _SAME)
         others = [
             (e, natural) for e in elements for f, (_, natural) in zip(elements, alone, strict=True) if f != e
         ]
         moved = self._moved(others)
         core = np.hstack([own, joined])
-        return np.hstack([joined, beside(self._shifted, core, moved, _NO_LIMIT, _LEAST)[0]])
+        return np.hstack([joined, beside(self._shifted, core, moved, _LEAST)])
 
     def _of_one(self, element: int) -> tuple[FloatArray, FloatArray]:
         """What answers damage of one element, and the same in the size in which it does, with signs."""
@@ -88,7 +88,7 @@ class NearPoint:
             if nth:
                 inertia = self.basis.limit * _INERTIA * (self.mass @ last)
                 moved = np.hstack([moved, solved(self.basis.factors, inertia)])
-            new = beside(self._shifted, core, moved, _NO_LIMIT, _LEAST)[0]
+            new = beside(self._shifted, core, moved, _LEAST)
             if not new.shape[1]:
                 break
             turn, sizes, _ = np.linalg.svd(new.T @ (self._shifted @ moved), full_matrices=False)

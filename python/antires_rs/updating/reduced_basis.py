@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..exceptions import NumericalError
 from .affine import Affine, matrices
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ _SHIFT = 0.1
 _MORE_OF_FORCE = 4
 #: A direction this small beside the others is rounding.
 _ROUNDING = 1e-7
+#: Directions of one parameter are left out below this part of the least size.
+_PART = 0.2
 #: So many right-hand sides are solved for at once.
 _AT_ONCE = 256
 
@@ -62,14 +65,26 @@ def basis_at(
 
     ``half_widths`` are the half of what each parameter may change by, ``depth`` the Krylov vectors of a
     sensor, ``largest`` the most vectors and the least size of one that parameters make.
+
+    Raises
+    ------
+    NumericalError
+        Fewer vectors than modes, forces and sensors need.
     """
     size, least = largest
     carried = _carried(affine.at(x), (affine.sensors, affine.forces), f_max_hz, depth)
-    shifted, factors, sigma = carried.shifted, carried.factors, carried.sigma
+    needed = carried.blocks[0].shape[1] + len(affine.sensors) + len(affine.forces)
+    if size < needed:
+        raise NumericalError(
+            f"a reduced model of {size} vectors",
+            f"the modes to {f_max_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
+            f"reduction=Reduction(size={2 * needed}) or more, or reduction=False.",
+        )
+    shifted, factors = carried.shifted, carried.factors
     own = _orthonormal(shifted, np.hstack(carried.blocks))[:, :size]
-    moved = _moved(factors, affine, half_widths, sigma, carried.moving)
+    moved = _moved(factors, affine, half_widths, carried.sigma, carried.moving, own, _PART * least)
     more = _beside(shifted, own, moved, size - own.shape[1], least)
-    return Basis(np.hstack([own, more]), factors, sigma, carried.limit)
+    return Basis(np.hstack([own, more]), factors, carried.sigma, carried.limit)
 
 
 def point_basis(
@@ -79,6 +94,18 @@ def point_basis(
     carried = _carried(core, (sensors, forces), f_max_hz, depth)
     own = _orthonormal(carried.shifted, np.hstack(carried.blocks))
     return Basis(own, carried.factors, carried.sigma, carried.limit), carried.moving
+
+
+def beside(shifted: Any, core: FloatArray, vectors: FloatArray, least: float) -> FloatArray:
+    """The directions of ``vectors`` (n, m) of more than the least size beside an orthonormal core."""
+    loads = np.asarray(shifted @ vectors)
+    return _beside(shifted, core, _Moved(vectors, loads, core.T @ loads), vectors.shape[1], least)
+
+
+def solved(factors: Any, loads: FloatArray) -> FloatArray:
+    """A^-1 times many loads (n, m)."""
+    parts = [factors.solve(loads[:, at : at + _AT_ONCE]) for at in range(0, loads.shape[1], _AT_ONCE)]
+    return np.hstack(parts) if parts else loads
 
 
 @dataclass(frozen=True)
@@ -94,6 +121,7 @@ class _Carried:
 
 
 def _carried(core: CoreModel, ends: tuple[list[int], list[int]], f_max_hz: float, depth: int) -> _Carried:
+    """``ends`` are sensors and forces."""
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
@@ -122,23 +150,59 @@ def _modes(core: CoreModel, f_max_hz: float) -> FloatArray:
     return np.asarray(shapes[:, freq_hz <= f_max_hz])
 
 
+@dataclass(frozen=True)
+class _Moved:
+    """What parameters make of vectors: v = A^-1 l, l, and the part of v in the core, by columns."""
+
+    vectors: FloatArray
+    loads: FloatArray
+    inside: FloatArray
+
+    @classmethod
+    def by(
+        cls, nth: int, affine: Affine, change: float, factors: Any, of: FloatArray, core: FloatArray
+    ) -> _Moved:
+        """By one parameter: l = (dK + sigma dM) v."""
+        places = affine.places[nth]
+        held = change * affine.times(nth, of)
+        n, m = of.shape
+        loads = np.zeros((n, m))
+        loads[places] = held
+        return cls(solved(factors, loads), loads, core[places].T @ held)
+
+    def principal(self, places: Any, least: float, most: int) -> tuple[_Moved, FloatArray]:
+        """The largest combinations in what is outside of the core, and their sizes."""
+        # What is kept is far above the digits that the difference loses.
+        gram = self.vectors[places].T @ self.loads[places] - self.inside.T @ self.inside
+        sizes, rotation = _principal(gram)
+        kept = int(np.count_nonzero(sizes[:most] > least))
+        turn = rotation[:, :kept]
+        return _Moved(self.vectors @ turn, self.loads @ turn, self.inside @ turn), sizes[:kept]
+
+
 def _moved(
-    factors: Any, affine: Affine, half_widths: FloatArray, sigma: float, vectors: FloatArray
-) -> list[FloatArray]:
-    """A^-1 (dK + sigma dM) v for every parameter, over half of its range."""
-    blocks = []
-    for (k, m), half in zip(affine.terms, half_widths, strict=True):
-        if half <= 0.0:
-            continue
-        loads = half * np.asarray((k if k is not None else m) @ vectors) * (1.0 if k is not None else sigma)
-        blocks.append(solved(factors, loads))
-    return blocks
-
-
-def solved(factors: Any, loads: FloatArray) -> FloatArray:
-    """A^-1 times many loads (n, m)."""
-    parts = [factors.solve(loads[:, at : at + _AT_ONCE]) for at in range(0, loads.shape[1], _AT_ONCE)]
-    return np.hstack(parts) if parts else loads
+    factors: Any,
+    affine: Affine,
+    half_widths: FloatArray,
+    sigma: float,
+    of: FloatArray,
+    core: FloatArray,
+    least: float,
+) -> _Moved | None:
+    """By all parameters, over half of their ranges."""
+    found = []
+    for nth, half in enumerate(half_widths):
+        if half > 0.0:
+            change = half * (1.0 if affine.terms[nth][0] is not None else sigma)
+            moved = _Moved.by(nth, affine, change, factors, of, core)
+            found.append(moved.principal(affine.places[nth], least, of.shape[1])[0])
+    if not found:
+        return None
+    return _Moved(
+        np.hstack([each.vectors for each in found]),
+        np.hstack([each.loads for each in found]),
+        np.hstack([each.inside for each in found]),
+    )
 
 
 def _units(shifted: Any, vectors: FloatArray) -> FloatArray:
@@ -168,24 +232,13 @@ def _without(shifted: Any, vectors: FloatArray, core: FloatArray) -> FloatArray:
     return vectors
 
 
-def _beside(shifted: Any, core: FloatArray, moved: list[FloatArray], room: int, least: float) -> FloatArray:
+def _beside(shifted: Any, core: FloatArray, moved: _Moved | None, room: int, least: float) -> FloatArray:
     """The largest directions of what moves out of the core."""
-    if not moved or room <= 0:
-        return np.empty((core.shape[0], 0))
-    return beside(shifted, core, np.hstack(moved), room, least)[0]
-
-
-def beside(
-    shifted: Any, core: FloatArray, vectors: FloatArray, room: int, least: float
-) -> tuple[FloatArray, FloatArray]:
-    """The largest directions of ``vectors`` (n, m) beside an orthonormal core, and their sizes."""
-    weighted = shifted @ vectors
-    inside = core.T @ weighted
-    # What is kept is far above the digits that the difference loses.
-    sizes, rotation = _principal(vectors.T @ weighted - inside.T @ inside)
-    kept = int(np.count_nonzero(sizes[:room] > least))
-    if kept == 0:
-        return np.empty((core.shape[0], 0)), np.empty(0)
-    turn = rotation[:, :kept] / sizes[:kept]
-    found = _without(shifted, vectors @ turn - core @ (inside @ turn), core)
-    return _orthonormal(shifted, found), sizes[:kept]
+    none = np.empty((core.shape[0], 0))
+    if moved is None or room <= 0 or moved.vectors.shape[1] == 0:
+        return none
+    largest, sizes = moved.principal(slice(None), least, room)
+    if sizes.size == 0:
+        return none
+    found = _without(shifted, (largest.vectors - core @ largest.inside) / sizes, core)
+    return _orthonormal(shifted, found)

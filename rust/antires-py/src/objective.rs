@@ -188,6 +188,21 @@ impl Objective {
         Ok((hz.into_pyarray(py), Some(mac_and_shapes)))
     }
 
+    /// J and the pairs of antiresonances at x (n,), of one solution.
+    fn cost_and_pairs<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<(f64, Bound<'py, PyArray1<f64>>)> {
+        let mut x = x.as_array().to_vec();
+        let o = self.of_antiresonances()?;
+        o.repair(&mut x);
+        let pairs = run(py, || o.pairs(&x, &mut o.workspace()))?;
+        let hz = pairs.iter().map(|p| p.partner_hz.unwrap_or(f64::NAN));
+        let hz: Vec<f64> = hz.collect();
+        Ok((o.cost_of(&x, &pairs), hz.into_pyarray(py)))
+    }
+
     /// Residuals e of measured antiresonances at x (n,), (m,); none of modes, whose pairs tell them.
     fn residuals<'py>(
         &self,
@@ -233,12 +248,7 @@ impl Objective {
         from_hz: f64,
         to_hz: f64,
     ) -> PyResult<Vec<PyState<'py>>> {
-        let Core::Antiresonance(objective) = &self.core else {
-            return Err(to_python(
-                Error::input("objective", "of modes", "one of antiresonances")
-                    .remedy("Modes have no antiresonances."),
-            ));
-        };
+        let objective = self.of_antiresonances()?;
         let band = with_slopes.then_some(from_hz..=to_hz);
         root_states(py, objective, &candidates, band.as_ref(), threads)
     }
@@ -339,6 +349,18 @@ impl Objective {
             })
         })?;
         outcome_to_python(py, &outcome)
+    }
+}
+
+impl Objective {
+    fn of_antiresonances(&self) -> PyResult<&AntiresonanceObjective> {
+        match &self.core {
+            Core::Antiresonance(objective) => Ok(objective),
+            Core::Modal(_) => Err(to_python(
+                Error::input("objective", "of modes", "one of antiresonances")
+                    .remedy("Modes have no antiresonances."),
+            )),
+        }
     }
 }
 
