@@ -261,12 +261,7 @@ impl Objective {
         from_hz: f64,
         to_hz: f64,
     ) -> PyResult<PyNullVectors<'py>> {
-        let Core::Antiresonance(objective) = &self.core else {
-            return Err(to_python(
-                Error::input("objective", "of modes", "one of antiresonances")
-                    .remedy("Modes have no antiresonances."),
-            ));
-        };
+        let objective = self.of_antiresonances()?;
         let (x, n) = (x.as_array().to_vec(), objective.unknowns().n_dof());
         let found = run(py, || {
             let band = from_hz..=to_hz;
