@@ -24,7 +24,7 @@ from ..support.progress import apart
 from ..support.validation import reject
 from .encoded import encoded
 
-__all__ = ["Instructions", "Outcome", "Unread", "identified", "loaded"]
+__all__ = ["Instructions", "Outcome", "Unread", "identified", "loaded", "why_not"]
 
 #: Plain data of a set, or the reason why there is none.
 Outcome = dict[str, Any] | str
