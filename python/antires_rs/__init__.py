@@ -26,6 +26,7 @@ _NAMES = {
         "AntiresWarning",
         "InternalError",
         "InvalidInputError",
+        "LostWorkerError",
         "MissingDependencyError",
         "NumericalError",
         "ObjectiveError",

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..exceptions import ObjectiveError
 from ..support.validation import FloatArray, integer, reject
-from .arguments import MOST_WORKERS
+from ..support.workers.counts import MOST_WORKERS
 
 __all__ = ["Batch"]
 

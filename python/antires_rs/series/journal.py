@@ -47,9 +47,12 @@ class Journal:
         if config is not None:
             self._file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
             _lock(self._file, path)
-        self._read = open(path, "rb")  # noqa: SIM115 (as long as a set may be asked for)
         self._flushed = monotonic()
-        self._end = self._taken_up(config)
+        try:
+            self._end = self._taken_up(config)
+        except BaseException:
+            self.close()
+            raise
         if config is not None:
             os.ftruncate(self._file, self._end)
             os.lseek(self._file, self._end, os.SEEK_SET)
@@ -73,8 +76,9 @@ class Journal:
 
     def plain(self, key: int) -> Plain:
         """The set whose line begins at a byte."""
-        self._read.seek(key)
-        found: Plain = _parsed(self._read.readline())["outcome"]
+        with open(self.path, "rb") as file:
+            file.seek(key)
+            found: Plain = _parsed(file.readline())["outcome"]
         return found
 
     def set(self, key: int) -> AntiresonanceSet:
@@ -91,7 +95,6 @@ class Journal:
 
     def remove(self) -> None:
         """Close for good: another file holds all of it."""
-        self._read.close()
         if os.name == "posix":
             self.path.unlink(missing_ok=True)
         self.close()
@@ -112,16 +115,17 @@ class Journal:
     def _taken_up(self, config: dict[str, Any] | None) -> int:
         """Read what is whole; returns where it ends."""
         end = 0
-        for line in self._read:
-            data = _parsed(line)
-            if not data:
-                break
-            if end == 0:
-                _check(self.path, data, config)
-            else:
-                kept = Kept.of(data["fingerprint"], data["outcome"], self, end)
-                self.kept[data["name"]] = kept, data["conditions"], data["time"]
-            end += len(line)
+        with open(self.path, "rb") as file:
+            for line in file:
+                data = _parsed(line)
+                if not data:
+                    break
+                if end == 0:
+                    _check(self.path, data, config)
+                else:
+                    kept = Kept.of(data["fingerprint"], data["outcome"], self, end)
+                    self.kept[data["name"]] = kept, data["conditions"], data["time"]
+                end += len(line)
         return end
 
 

@@ -35,8 +35,9 @@ class SeriesFile:
         self.path = path
         arrow, parquet = pyarrow("a series in a file"), pyarrow_parquet("a series in a file")
         try:
-            self._file = parquet.ParquetFile(path)
-            facts = json.loads((self._file.schema_arrow.metadata or {}).get(b"antires_rs", b"{}"))
+            with open(path, "rb") as file:
+                schema = parquet.read_schema(file)
+            facts = json.loads((schema.metadata or {}).get(b"antires_rs", b"{}"))
         except (arrow.ArrowInvalid, ValueError) as exc:
             got = f"{str(path)!r}, which cannot be read ({exc})"
             reject("path", got, "a series that antires_rs wrote", "Name another file.")
@@ -48,8 +49,10 @@ class SeriesFile:
             reject("path", f"{str(path)!r} of version {facts['version']}", f"{VERSION}", "Update antires_rs.")
         self.config: dict[str, Any] | None = facts["config"]
         self._in_group: int = facts["tests_in_row_group"]
+        self._made = _made(path)
         self._held: dict[int, dict[str, list[Any]]] = {}
-        self.rows = self._all_rows(facts["conditions"])
+        with parquet.ParquetFile(path) as opened:
+            self.rows = self._all_rows(opened, facts["conditions"])
 
     def plain(self, key: int) -> Plain:
         """The set of one test as plain data."""
@@ -72,18 +75,22 @@ class SeriesFile:
         if group not in self._held:
             while len(self._held) >= HELD:
                 del self._held[next(iter(self._held))]
-            held = self._file.read_row_group(group).to_pydict()
+            if _made(self.path) != self._made:
+                got = f"{str(self.path)!r}, which was written anew"
+                reject("path", got, "the file that this series was loaded from", "Load it again.")
+            with pyarrow_parquet("a series in a file").ParquetFile(self.path) as file:
+                held = file.read_row_group(group).to_pydict()
             held["first"] = [i for i, row in enumerate(held["row"]) if row == "test"]
             self._held[group] = held
         return self._held[group]
 
-    def _all_rows(self, conditions: list[str]) -> list[Row]:
-        known = set(self._file.schema_arrow.names)
+    def _all_rows(self, opened: Any, conditions: list[str]) -> list[Row]:
+        known = set(opened.schema_arrow.names)
         timed = ["time"] if "time" in known else []
         wanted = ["row", "name", *timed, *conditions, "failed", "fingerprint", "facts"]
         rows: list[Row] = []
-        for group in range(self._file.num_row_groups):
-            table = self._file.read_row_group(group, columns=wanted)
+        for group in range(opened.num_row_groups):
+            table = opened.read_row_group(group, columns=wanted)
             own = table.filter([row == "test" for row in table.column("row").to_pylist()])
             columns = {name: own.column(name).to_pylist() for name in wanted if name != "time"}
             times = own.column("time").to_numpy() if timed else [None] * own.num_rows
@@ -103,3 +110,9 @@ class SeriesFile:
         if failed is not None or facts is None:
             return Kept.of(fingerprint, failed or "", self, key)
         return Kept.of_facts(fingerprint, json.loads(facts), self, key)
+
+
+def _made(path: Path) -> tuple[int, int]:
+    """What is another for a file that was replaced."""
+    state = path.stat()
+    return state.st_ino, state.st_mtime_ns

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.compare import Comparison, compare
-from ..measured.track import track
+from ..measured.matching import MAX_SHIFT
+from ..measured.track import followed
 from ..measured.tracks import Tracks
 from ..support.validation import reject
 from .encoded import encoded
@@ -102,16 +103,20 @@ class Series(KeptTests):
         given |= {i: NO_SET for i, one in enumerate(sets) if one is None and i not in given}
         return cls(tuple(sets), names=names, conditions=conditions, times=times, failed=given)
 
-    def tracks(self, conditions: Any = None, **options: Any) -> Tracks:
+    def tracks(
+        self, conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0
+    ) -> Tracks:
         """Every antiresonance followed over the tests that have a set.
+
+        A test that lacks a response, whose sensor was out, tells nothing of its antiresonances.
 
         Parameters
         ----------
         conditions : str or sequence, (n,), optional
             The name of a condition, "times", "names", or what differs from test to test. Default: the indices
             of the tests.
-        **options
-            ``max_shift`` and ``std_between`` as for :func:`~antires_rs.track`.
+        max_shift, std_between : float
+            As for :func:`~antires_rs.track`.
 
         Returns
         -------
@@ -125,7 +130,8 @@ class Series(KeptTests):
         """
         kept = [(i, one) for i, one in enumerate(self.sets) if one is not None]
         labels = self._labels(conditions)
-        return track([one for _, one in kept], [labels[i] for i, _ in kept], **options)
+        sets, named = [one for _, one in kept], [labels[i] for i, _ in kept]
+        return followed(sets, named, self.dofs, max_shift, std_between)
 
     def compare(self, i: int, j: int, **options: Any) -> Comparison:
         """Two tests compared; options as for :func:`~antires_rs.compare`.

@@ -9,11 +9,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import reject
-from .encoded import decoded
 from .journal import Journal, journal_path, same_config
-from .kept import InMemory, Kept, Plain, Row
+from .kept import Kept, Packed, Plain, Row
 from .parquet_file import write_series
 from .parquet_reader import SeriesFile
 from .pyarrow_package import pyarrow
@@ -43,8 +41,7 @@ class MemoryStore:
     """Results in memory, nothing of before."""
 
     def __init__(self) -> None:
-        self._sets: list[AntiresonanceSet | None] = []
-        self._place = InMemory(self._sets)
+        self._place = Packed()
 
     def known(self, name: str, fingerprint: str) -> None:
         """Nothing is."""
@@ -52,9 +49,8 @@ class MemoryStore:
     def keep(
         self, name: str, fingerprint: str, conditions: Mapping[str, float], time: Any, outcome: Plain | str
     ) -> Kept:
-        """The set itself is kept."""
-        self._sets.append(None if isinstance(outcome, str) else decoded(outcome))
-        return Kept.of(fingerprint, outcome, self._place, len(self._sets) - 1)
+        """Its plain data are kept."""
+        return Kept.of(fingerprint, outcome, self._place, self._place.add(outcome))
 
     def finish(self, rows: Sequence[Row]) -> Sequence[Row]:
         """Nothing is left to do."""

@@ -7,9 +7,7 @@ use antires_core::optimize::{
 };
 use proptest::prelude::{any, prop_assert, prop_assert_eq, proptest};
 
-mod common;
-
-use common::{assert_monotone, bits, config, rastrigin, run, sparse, sphere};
+use crate::common::{assert_monotone, bits, config, rastrigin, run, sparse, sphere};
 
 #[test]
 fn the_sphere_is_solved_and_the_islands_agree() {

@@ -8,9 +8,7 @@ use antires_core::optimize::{
 };
 use proptest::prelude::{any, prop_assert, prop_assert_eq, proptest};
 
-mod common;
-
-use common::{assert_monotone, bits, config, rastrigin, sparse, sphere};
+use crate::common::{assert_monotone, bits, config, rastrigin, sparse, sphere};
 
 const N: usize = 12;
 const M: usize = 25;

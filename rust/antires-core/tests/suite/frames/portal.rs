@@ -17,7 +17,7 @@ use antires_core::fem::section::{Section, Shape, Shear};
 use antires_core::modal::modes::modes;
 use nalgebra::{Rotation3, Vector3};
 
-use crate::build::{beam, model, plain};
+use super::build::{beam, model, plain};
 
 const HEIGHT_M: f64 = 0.9;
 const SPAN_M: f64 = 1.4;

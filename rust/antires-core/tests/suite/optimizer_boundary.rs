@@ -10,9 +10,7 @@ use antires_core::optimize::{
     Objective, Progress, Status, minimize, minimize_objective,
 };
 
-mod common;
-
-use common::{bits, rastrigin, run, sparse, sphere};
+use crate::common::{bits, rastrigin, run, sparse, sphere};
 
 struct Snapping;
 

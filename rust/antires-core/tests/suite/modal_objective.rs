@@ -9,9 +9,7 @@ use antires_core::optimize::{Bounds, Hooks, IslandOptions, Objective, minimize_o
 use antires_core::update::misfit::Misfit;
 use antires_core::update::modal_objective::{MeasuredMode, ModalObjective};
 
-mod common;
-
-use common::chain8::{
+use crate::common::chain8::{
     INTACT, PAPER, assert_found, assert_same_for_any_threads, chain8, damaged, each, search,
 };
 

@@ -17,7 +17,7 @@ use antires_core::fem::frame::dofs::Dimension;
 use antires_core::fem::section::{Section, Shape, Shear};
 use antires_core::modal::modes::modes;
 
-use crate::build::{line, model, steel, tube};
+use super::build::{line, model, steel, tube};
 
 const LENGTH_M: f64 = 1.7;
 const MESHES: [usize; 4] = [4, 8, 16, 32];

@@ -9,8 +9,8 @@ use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::fem::section::Shape;
 use antires_core::linalg::sparse::SparseMatrix;
 
-use crate::build::{model, tree};
-use crate::laws::rigid_motions;
+use super::build::{model, tree};
+use super::laws::rigid_motions;
 
 const BOTH: [Dimension; 2] = [Dimension::Plane, Dimension::Space];
 const AXIS: [f64; 3] = [0.3, -0.2, 0.9];

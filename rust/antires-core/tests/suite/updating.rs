@@ -11,9 +11,7 @@ use antires_core::update::misfit::Misfit;
 use antires_core::update::objective::{AntiresonanceObjective, Target};
 use antires_core::update::sight::Sees;
 
-mod common;
-
-use common::chain8::{
+use crate::common::chain8::{
     INTACT, PAPER, assert_found, assert_same_for_any_threads, chain8, damaged, each, search,
 };
 

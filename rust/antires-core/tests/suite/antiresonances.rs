@@ -8,9 +8,7 @@ use antires_core::modal::modes::modes;
 use faer::Mat;
 use proptest::prelude::*;
 
-mod common;
-
-use common::config;
+use crate::common::config;
 
 const SPRING: f64 = 56.7e3;
 const MASS: f64 = 0.4194;

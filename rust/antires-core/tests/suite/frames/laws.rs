@@ -8,7 +8,7 @@ use antires_core::modal::modes::modes;
 use faer::Mat;
 use nalgebra::Vector3;
 
-use crate::build::{model, tree};
+use super::build::{model, tree};
 
 const BOTH: [Dimension; 2] = [Dimension::Plane, Dimension::Space];
 

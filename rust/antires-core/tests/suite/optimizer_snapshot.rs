@@ -4,9 +4,7 @@ use antires_core::error::Result;
 use antires_core::optimize::{Bounds, Hooks, IslandOptions, Outcome, minimize_objective};
 use proptest::prelude::{any, prop, prop_assert, proptest};
 
-mod common;
-
-use common::{bits, config, rastrigin, sparse};
+use crate::common::{bits, config, rastrigin, sparse};
 
 const N: usize = 7;
 

@@ -10,7 +10,7 @@ use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::fem::term::Term;
 use faer::Mat;
 
-use crate::build::{beam, line, model, tree, tube};
+use super::build::{beam, line, model, tree, tube};
 
 fn refused(change: impl Fn(&mut FrameDescription)) -> String {
     let mut description = tree(Dimension::Plane);
