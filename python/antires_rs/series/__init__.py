@@ -6,5 +6,5 @@ Knows the order of the tests and what is kept of each; uses ``io``, ``identifica
 - ``series``: the value, :class:`antires_rs.Series`, on ``kept_tests``; in words ``printed``, in rows
   ``frames``
 - ``conditions``: what was measured beside the tests, in any table, as arrays in their order
-- ``slim``: what is kept of a set
+- ``kept``: what is kept of a test
 """
