@@ -172,7 +172,7 @@ def follow(
     born: float,
 ) -> NDArray[np.intp]: ...
 def minimize(
-    function: Callable[[_Floats], _Floats],
+    function: Callable[[_Floats], tuple[_Floats, str | None]],
     lower: _Floats,
     upper: _Floats,
     guesses: Sequence[Sequence[float]],
@@ -180,6 +180,7 @@ def minimize(
     seed: int,
     max_seconds: float | None,
     on_progress: _Progress | None,
+    checkpoint: Checkpoint | None,
 ) -> dict[str, Any]: ...
 def island_options(options: dict[str, Any]) -> dict[str, Any]: ...
 def nominal_values(model: Model, parameters: Sequence[_Parameter]) -> _Floats: ...

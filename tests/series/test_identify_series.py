@@ -166,6 +166,23 @@ def test_memory_does_not_grow_with_the_records(tmp_path, monkeypatch):
         assert (many[1] - few[1]) / 100 < 5e3
 
 
+@pytest.mark.parametrize("workers", [1, 2, "threads"])
+def test_any_workers_give_the_same_bits(tmp_path, workers):
+    where = folder(tmp_path)
+    sources = [*sorted(where.glob("*.npz")), where / "absent.npz", dead(1, [1]), record(2)]
+    alone = ar.identify_series(sources, **OPTIONS)
+    assert alone.failed.keys() == {3}
+    assert ar.identify_series(sources, **OPTIONS, workers=workers) == alone
+
+
+def test_a_function_reads_files_of_any_kind(tmp_path):
+    (tmp_path / "a.own").write_text("7")
+    series = ar.identify_series(
+        [tmp_path / "a.own"], **OPTIONS, reading=lambda path: record(int(path.read_text()))
+    )
+    assert series[0] == ar.identify_series([record(7)], **OPTIONS)[0]
+
+
 WRONG = {
     "one record": ({"sources": record()}, ar.InvalidInputError, "sources"),
     "empty": ({"sources": []}, ar.InvalidInputError, "sources"),

@@ -6,8 +6,9 @@ import inspect
 import json
 import warnings
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
+from pathlib import Path
 from time import monotonic
 from typing import Any
 
@@ -42,7 +43,7 @@ def identify_series(
     conditions: Any = None,
     store: str | PathLike[str] | None = None,
     workers: Any = None,
-    reading: Mapping[str, Any] | None = None,
+    reading: Mapping[str, Any] | Callable[[Path], Any] | None = None,
     progress: bool | None = None,
     **options: Any,
 ) -> Series:
@@ -69,9 +70,10 @@ def identify_series(
     workers : int, "processes", "threads" or executor, optional
         Who identifies them: by default this process. The results do not depend on it, bit for bit. Processes
         read files themselves; records in memory, and functions, are sent to them.
-    reading : mapping, optional
+    reading : mapping or callable, optional
         Options of the reader of the files (:func:`~antires_rs.read_uff` and the others), such as ``dofs``,
-        ``unit`` and ``fs_hz``; "format" names it where the ending does not.
+        ``unit`` and ``fs_hz``; "format" names it where the ending does not. Or a function of a path that
+        gives a Recording or a FrequencyResponse, for files of any other kind.
     progress : bool, optional
         A line on standard error with the rest time; by default on a terminal and in a notebook.
     **options
@@ -128,8 +130,9 @@ def identify_series(
     table, beside = condition_table(conditions)
     found = listed(sources, beside)
     table.expect(found.count)
-    given = {"excitation": excitation, "band_hz": band, "reading": dict(reading or {}), **chosen}
-    instructions = Instructions(dict(reading or {}), {"excitation": excitation, "band_hz": band, **chosen})
+    read = reading if callable(reading) else dict(reading or {})
+    given = {"excitation": excitation, "band_hz": band, "reading": read, **chosen}
+    instructions = Instructions(read, {"excitation": excitation, "band_hz": band, **chosen})
     opened = open_store(store, json.loads(json.dumps(given, default=_plain)))
     run = _Run(found, table, opened)
     try:
@@ -238,4 +241,7 @@ def _band(band_hz: Any) -> tuple[float, float]:
 
 def _plain(value: Any) -> Any:
     """What JSON does not know, for the record of the options."""
-    return value.tolist() if hasattr(value, "tolist") else repr(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    # A function by its name: its repr has an address.
+    return getattr(value, "__qualname__", None) or repr(value)

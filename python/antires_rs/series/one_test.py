@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,7 +24,7 @@ from ..support.progress import apart
 from ..support.validation import reject
 from .encoded import encoded
 
-__all__ = ["Instructions", "Outcome", "Unread", "identified", "loaded"]
+__all__ = ["Instructions", "Outcome", "Unread", "identified", "loaded", "why_not"]
 
 #: Plain data of a set, or the reason why there is none.
 Outcome = dict[str, Any] | str
@@ -36,7 +36,7 @@ LEAST = 2
 class Instructions:
     """What is done with every source: options of the readers and of the identification."""
 
-    reading: Mapping[str, Any]
+    reading: Mapping[str, Any] | Callable[[Path], Any]
     options: Mapping[str, Any]
 
 
@@ -78,11 +78,11 @@ def why_not(exc: Exception) -> str:
     return f"{type(exc).__name__}: {exc}"
 
 
-def _signal(reading: Mapping[str, Any], given: Any) -> Any:
+def _signal(reading: Mapping[str, Any] | Callable[[Path], Any], given: Any) -> Any:
     if isinstance(given, list):
         return [_signal(reading, one) for one in given]
     if isinstance(given, Path):
-        return _read(given, dict(reading))
+        return reading(given) if callable(reading) else _read(given, dict(reading))
     return given() if callable(given) else given
 
 
