@@ -2,9 +2,9 @@
 
 The structure is an eight-mass chain whose masses and springs are within 2 % of the nominal ones (those of
 ``ar.cases.chain8``), which is all that an assessment may know. Temperature moves the stiffness of every
-spring, by 3 % over the span of the year for the most sensitive one and by 1.8 % for the least. It is measured
-with an error. Each sensor of each record is out with a probability of 2 %: dead from the beginning, or from
-somewhere inside the record on. From day 300 on an element has lost 1.5 times its a90.
+spring, by 3 % over the span of the year for the most sensitive one and by 1.8 % for the least. It is
+measured with an error. Each sensor of each record is out with a probability of 2 %: dead from the beginning,
+or from somewhere inside the record on. From day 300 on an element has lost 1.5 times its a90.
 
 Records are synthesised by SciPy alone (:mod:`reference.virtual_records`).
 """

@@ -17,6 +17,7 @@ from .exceptions import (
     AntiresWarning,
     InternalError,
     InvalidInputError,
+    LostWorkerError,
     MissingDependencyError,
     NumericalError,
     ObjectiveError,
@@ -78,6 +79,7 @@ from .planning.placement import Round
 from .planning.plan import plan_test
 from .planning.sensor_plan import SensorPlan
 from .rational.fit import RationalFit, fit_rational
+from .series.identify_series import identify_series
 from .series.series import Series
 from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
@@ -117,6 +119,7 @@ __all__ = [
     "InternalError",
     "InvalidInputError",
     "IslandGA",
+    "LostWorkerError",
     "MassSpringChain",
     "MatrixModel",
     "MissingDependencyError",
@@ -166,6 +169,7 @@ __all__ = [
     "identifiability",
     "identify_antiresonances",
     "identify_modes",
+    "identify_series",
     "inertia",
     "lagrange_rows",
     "length",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, Self, overload
 
 import numpy as np
@@ -10,12 +12,17 @@ from numpy.typing import NDArray
 
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.compare import Comparison, compare
-from ..measured.track import track
+from ..measured.matching import MAX_SHIFT
+from ..measured.track import followed
 from ..measured.tracks import Tracks
 from ..support.validation import reject
+from .encoded import encoded
 from .frames import series_frame
+from .kept import InMemory, Kept, Row, parts_of
 from .kept_tests import NO_SET, KeptTests, SomeSets
+from .parquet_file import write_series
 from .printed import printed
+from .store import stored_rows
 
 __all__ = ["Series"]
 
@@ -96,16 +103,20 @@ class Series(KeptTests):
         given |= {i: NO_SET for i, one in enumerate(sets) if one is None and i not in given}
         return cls(tuple(sets), names=names, conditions=conditions, times=times, failed=given)
 
-    def tracks(self, conditions: Any = None, **options: Any) -> Tracks:
+    def tracks(
+        self, conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0
+    ) -> Tracks:
         """Every antiresonance followed over the tests that have a set.
+
+        A test that lacks a response, whose sensor was out, tells nothing of its antiresonances.
 
         Parameters
         ----------
         conditions : str or sequence, (n,), optional
             The name of a condition, "times", "names", or what differs from test to test. Default: the indices
             of the tests.
-        **options
-            ``max_shift`` and ``std_between`` as for :func:`~antires_rs.track`.
+        max_shift, std_between : float
+            As for :func:`~antires_rs.track`.
 
         Returns
         -------
@@ -119,7 +130,8 @@ class Series(KeptTests):
         """
         kept = [(i, one) for i, one in enumerate(self.sets) if one is not None]
         labels = self._labels(conditions)
-        return track([one for _, one in kept], [labels[i] for i, _ in kept], **options)
+        sets, named = [one for _, one in kept], [labels[i] for i, _ in kept]
+        return followed(sets, named, self.dofs, max_shift, std_between)
 
     def compare(self, i: int, j: int, **options: Any) -> Comparison:
         """Two tests compared; options as for :func:`~antires_rs.compare`.
@@ -130,6 +142,47 @@ class Series(KeptTests):
             A test that has no set, or a malformed option.
         """
         return compare(self._set("i", i), self._set("j", j), **options)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write all of it into one Parquet file, whole or not at all; see :meth:`load`.
+
+        Raises
+        ------
+        InvalidInputError
+            A folder that does not exist.
+        MissingDependencyError
+            pyarrow is not installed.
+        """
+        place = InMemory(self.sets)
+        rows = []
+        for i, one in enumerate(self.sets):
+            outcome = self.failed[i] if one is None else encoded(one)
+            conditions = {name: float(column[i]) for name, column in self.conditions.items()}
+            time = None if self.times is None else self.times[i]
+            rows.append(Row(self.names[i], conditions, time, Kept.of("", outcome, place, i)))
+        write_series(Path(path), rows, None)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """A series out of a file; its sets are read when they are asked for.
+
+        Parameters
+        ----------
+        path : path-like
+            What :meth:`save` wrote, or the ``store`` of :func:`~antires_rs.identify_series`: of one that
+            runs, or was stopped, it gives the tests so far.
+
+        Raises
+        ------
+        FileNotFoundError
+            There is none.
+        InvalidInputError
+            A file of another kind, or of a newer version.
+        MissingDependencyError
+            pyarrow is not installed.
+        """
+        rows, unfinished = stored_rows(Path(path))
+        return cls(**parts_of(rows), interrupted=unfinished)
 
     def to_dataframe(self) -> Any:
         """One row an antiresonance: test, name, time, the conditions, and the columns of a set.
