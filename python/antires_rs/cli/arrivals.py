@@ -24,6 +24,15 @@ class Arrivals:
         #: Whether the last look found files that still grow.
         self.growing = False
 
+    @property
+    def at_once(self) -> bool:
+        """Whether the package that tells of changes is installed."""
+        try:
+            import watchdog  # noqa: F401 - only asked whether it is there
+        except ImportError:
+            return False
+        return True
+
     def complete(self) -> list[Path]:
         """Those that have stopped changing; a test in a folder of its own counts by its latest file."""
         found, self.growing = [], False
@@ -42,12 +51,12 @@ class Arrivals:
     @contextmanager
     def waiting(self) -> Iterator[Callable[[float], None]]:
         """A function that waits for seconds, or less if something changes and watchdog is there."""
-        try:
-            from watchdog.events import FileSystemEventHandler
-            from watchdog.observers import Observer
-        except ImportError:
+        if not self.at_once:
             yield time.sleep
             return
+        from watchdog.events import FileSystemEventHandler
+        from watchdog.observers import Observer
+
         changed = Event()
 
         class Handler(FileSystemEventHandler):

@@ -25,6 +25,9 @@ def watch(args: argparse.Namespace) -> int:
     arrivals = Arrivals(args.folder, () if args.conditions is None else (args.conditions,))
     judged: list[Path] = []
     teller = _Teller(args)
+    if not arrivals.at_once:
+        every = f"the folder is looked at every {args.every:g} s"
+        print(f'{every}; at once with: pip install "antires-rs[watch]"', flush=True)
     try:
         with arrivals.waiting() as wait:
             while True:
