@@ -33,8 +33,8 @@ def digest(pools):
     zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), max_order=24)
     ga = ar.IslandGA(max_evaluations=200)
     found = ga.minimize(value, [(-1, 1)] * 3, rng=0, workers=2 if pools else "threads")
-    parts = (searched.x, found.x, *(zeros.table(n).freq_hz for n in zeros.responses))
-    return hashlib.sha256(b"".join(np.asarray(part).tobytes() for part in parts)).hexdigest()[:12]
+    parts = searched.x.tobytes() + found.x.tobytes() + str(zeros).encode()
+    return hashlib.sha256(parts).hexdigest()[:12]
 
 
 def send(pipe, pools):

@@ -1,4 +1,4 @@
-"""A Python objective of 50 ms, 160 a generation, on two workers: speed, and what happens when things go wrong.
+"""A Python objective of 50 ms, 160 a generation, on two workers: speed, and what goes wrong.
 
     python -m benchmarks.python_objective [--dask]
 
@@ -57,6 +57,7 @@ class Trouble:
         self.folder, self.at, self.kill = folder, at, kill
 
     def __call__(self, x):
+        """The value, or trouble."""
         count = len(os.listdir(self.folder))
         Path(self.folder, f"{os.getpid()}-{time.monotonic_ns()}").touch()
         if count == self.at:
@@ -105,7 +106,7 @@ def kinds(with_dask):
         yield "Dask", cluster()
 
 
-class cluster:  # noqa: N801
+class cluster:
     """A Dask client with two processes of one thread."""
 
     def __enter__(self):
