@@ -12,6 +12,7 @@ import hashlib
 import multiprocessing
 import sys
 import time
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -30,6 +31,7 @@ def digest(pools):
         case.updating_problem(), optimizer=ar.IslandGA(max_evaluations=400), rng=0, workers=2
     )
     record = case.experiment(0, rng=0, duration_s=20.0)
+    warnings.simplefilter("ignore", ar.AntiresWarning)  # the record is short
     zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), max_order=24)
     ga = ar.IslandGA(max_evaluations=200)
     found = ga.minimize(value, [(-1, 1)] * 3, rng=0, workers=2 if pools else "threads")
