@@ -14,7 +14,7 @@ RUST   := $(shell find rust -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.l
 SOURCES := python tests reference examples benchmarks docs .ci
 
 .DEFAULT_GOAL := all
-.PHONY: all help demo test test-rust test-python coverage campaign lint format build docs wheel sdist bench clean
+.PHONY: all help demo test tools test-rust test-python coverage campaign lint format build docs wheel sdist bench clean
 
 all: format lint build test  ## format, lint, build and test
 
@@ -24,7 +24,10 @@ help:  ## list the targets
 demo: build  ## build, then run the eight-mass chain from record to damage
 	$(BIN)/antires demo --out demo_output
 
-test: test-rust test-python  ## cargo and pytest suites
+# Rust's tests and .venv at one time: linking keeps one core busy, and pip waits for the network.
+test:  ## cargo and pytest suites
+	+$(MAKE) --no-print-directory --jobs 2 test-rust tools
+	+$(MAKE) --no-print-directory test-python
 
 test-rust:  ## tests of the Rust core
 	cargo test --locked
@@ -32,10 +35,13 @@ test-rust:  ## tests of the Rust core
 # One worker a core, each with one thread of BLAS.
 PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
-test-python: $(STAMP) $(DOCS_STAMP)  ## tests of the Python package, the documentation built among them, with its coverage
-	$(PYTEST) --cov antires_rs
+tools: $(STAMP) $(DOCS_STAMP)
 
-coverage: $(STAMP) $(DOCS_STAMP)  ## the same, line by line, into target/coverage/html
+test-python: tools  ## tests of the Python package, the documentation built among them
+	$(PYTEST)
+
+# Not in every run: before Python 3.12 a tracer costs a third of the time of a test, and no limit hangs on the figure.
+coverage: tools  ## the same with the coverage of the package, line by line into target/coverage/html
 	$(PYTEST) --cov antires_rs --cov-report html
 
 campaign: $(STAMP)  ## the studies of which the suites have a part, and thirty times the random files and cases
@@ -46,7 +52,7 @@ campaign: $(STAMP)  ## the studies of which the suites have a part, and thirty t
 
 lint: build  ## clippy, rustdoc, ruff, import contracts, mypy, stubtest
 	cargo fmt --check
-	cargo clippy --locked --workspace --all-targets -- -D warnings
+	cargo clippy --locked --workspace --all-targets --all-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps -p antires-core
 	$(BIN)/ruff format --check $(SOURCES)
 	$(BIN)/ruff check $(SOURCES)
@@ -84,7 +90,7 @@ TEST_TOOLS = $(call group,test)
 DOCS_TOOLS = $(call group,docs)
 BUILD_TOOLS = $(call listed,["build-system"]["requires"])
 
-docs: $(STAMP) $(DOCS_STAMP)  ## pages and executed gallery into docs/_build/html, warnings are errors
+docs: tools  ## pages and executed gallery into docs/_build/html, warnings are errors
 	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
 
 # Messages of dependencies name their source files; the folders of this machine stay out of a wheel.

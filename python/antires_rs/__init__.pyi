@@ -17,6 +17,7 @@ from .exceptions import (
     AntiresWarning,
     InternalError,
     InvalidInputError,
+    LostWorkerError,
     MissingDependencyError,
     NumericalError,
     ObjectiveError,
@@ -74,6 +75,8 @@ from .planning.placement import Round
 from .planning.plan import plan_test
 from .planning.sensor_plan import SensorPlan
 from .rational.fit import RationalFit, fit_rational
+from .series.identify_series import identify_series
+from .series.series import Series
 from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
@@ -110,6 +113,7 @@ __all__ = [
     "InternalError",
     "InvalidInputError",
     "IslandGA",
+    "LostWorkerError",
     "MassSpringChain",
     "MatrixModel",
     "MissingDependencyError",
@@ -133,6 +137,7 @@ __all__ = [
     "SampledSet",
     "Section",
     "SensorPlan",
+    "Series",
     "SeverityIntervals",
     "StabilizationDiagram",
     "TrackEvent",
@@ -157,6 +162,7 @@ __all__ = [
     "identifiability",
     "identify_antiresonances",
     "identify_modes",
+    "identify_series",
     "inertia",
     "lagrange_rows",
     "length",

@@ -15,6 +15,7 @@ __all__ = [
     "Argument",
     "InternalError",
     "InvalidInputError",
+    "LostWorkerError",
     "MissingDependencyError",
     "NumericalError",
     "ObjectiveError",
@@ -204,6 +205,36 @@ class InternalError(AntiresError, RuntimeError):
     >>> issubclass(ar.InternalError, RuntimeError)   # please report it, with the message
     True
     """
+
+
+class LostWorkerError(AntiresError, RuntimeError):
+    """A task was given up: every worker that began it was lost, killed by the system or by the task itself.
+
+    Attributes
+    ----------
+    task : int
+        Which one, counted from 0 in the order of the tasks.
+    losses : int
+        Workers lost with it.
+    reason : str
+        What is known of the last one.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> print(ar.LostWorkerError(7, 11, "exit code -9").reason)
+    exit code -9
+    """
+
+    def __init__(self, task: int, losses: int, reason: str) -> None:
+        super().__init__(task, losses, reason)
+        self.task, self.losses, self.reason = task, losses, reason
+
+    def __str__(self) -> str:
+        return (
+            f"task {self.task} was given up: {self.losses} workers that had begun it were lost, the last "
+            f"with {self.reason}. Do this one task alone to see why; code -9 is often memory that ran out."
+        )
 
 
 class MissingDependencyError(AntiresError, ImportError):

@@ -13,14 +13,14 @@ FREQ = np.arange(1, 2240) / 16
 def test_a_folder_is_identified_on_the_command_line_and_in_a_job(tmp_path, capsys):
     folder = tmp_path / "frfs"
     folder.mkdir()
-    for dof, h in enumerate(accelerance(*chain8_matrices(), 0, FREQ, 0.01)):
+    for dof, h in enumerate(accelerance(*chain8_matrices(), 0, FREQ, 0.01)[:4]):
         columns = np.c_[FREQ, 20 * np.log10(np.abs(h)), np.degrees(np.angle(h))]
         np.savetxt(folder / f"H_{dof}_0.csv", columns, delimiter=",")
     (tmp_path / "notes.txt").write_text("not in the folder")
     call = ["identify", str(folder), "--band", "3", "130", "--excitation", "0", "--json"]
     assert cli.main([*call, "--pairs", "db_deg"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert [row["dof"] for row in found["antiresonances"]] == list(range(8))
+    assert [row["dof"] for row in found["antiresonances"]] == list(range(4))
     assert cli.main(call) == 1
     assert "--first freq" in capsys.readouterr().err
     job = tmp_path / "job.toml"

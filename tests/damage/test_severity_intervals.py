@@ -10,6 +10,7 @@ from scipy.stats import kstest
 import antires_rs as ar
 from antires_rs.damage.evidence import HIGHEST, fitted
 from antires_rs.damage.sampling import sampled
+from tests.support.campaign import some_of
 from tests.support.wrong_chains import N, assessed
 
 
@@ -98,10 +99,11 @@ def test_nothing_declared_is_nothing():
     assert not sure.high.any()
 
 
-def test_ranks_of_true_severities_are_uniform():
+@pytest.mark.parametrize("tests", some_of([12, 24]))
+def test_ranks_of_true_severities_are_uniform(tests):
     """The error of the model counts: without it ranks would gather at both ends."""
     ranks = []
-    for seed in range(24):
+    for seed in range(tests):
         rng = np.random.default_rng(3000 + seed)
         element, loss = seed % 5, rng.uniform(0.05, 0.9)
         losses = np.zeros(N - 1)

@@ -13,6 +13,7 @@ from antires_rs.identification.uncertainty import Influence
 from antires_rs.order_sweep.shared import shared
 from antires_rs.signals.noise import channel_noise, noise_power
 from antires_rs.signals.recording import Recording
+from antires_rs.signals.segments import Segments
 from reference.virtual_records import (
     accelerance,
     chain8_matrices,
@@ -118,7 +119,7 @@ def draw(rng, level, count=40):
 def lines_of(x):
     covariance = x @ x.conj().transpose(0, 2, 1) / x.shape[2]
     values, vector = np.linalg.eigh(covariance)
-    return Lines(FREQ, vector[:, :, -1].T, values[:, -1], segments=x)
+    return Lines(FREQ, vector[:, :, -1].T, values[:, -1], segments=Segments.of(x))
 
 
 @pytest.mark.parametrize("level", [0.01, 0.1])

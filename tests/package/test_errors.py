@@ -124,6 +124,8 @@ def _readings_in(scope):
     )
     nodes = list(ast.walk(scope))
     told |= {n.name for n in nodes if isinstance(n, ast.ExceptHandler) and n.name}
+    if not told:
+        return set()
     while True:  # what is made of a sentence is one too
         more = {
             target.id

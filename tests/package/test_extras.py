@@ -20,6 +20,7 @@ PACKAGES = {
     "uff": ("pyuff",),
     "hdf5": ("h5py",),
     "tables": ("pandas", "xarray"),
+    "series": ("pyarrow",),
     "ansys": ("ansys-mapdl-reader",),
 }
 #: Extras that bring so much with them that "all" leaves them out.
@@ -153,6 +154,21 @@ def test_tables_say_what_to_install(bare, study, method):
     for thing in (study["record"], study["lines"], study["zeros"]):
         with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[tables\]"'):
             getattr(thing, method)()
+
+
+def test_a_series_in_a_file_says_what_to_install(bare, study, tmp_path):
+    series = ar.Series.from_sets([study["zeros"]])
+    for call in (
+        lambda: series.save(tmp_path / "a.parquet"),
+        lambda: ar.identify_series(
+            [study["record"]], excitation=0, band_hz=(3, 130), store=tmp_path / "a.parquet"
+        ),
+    ):
+        with pytest.raises(ar.MissingDependencyError, match=r'pyarrow.*pip install "antires-rs\[series\]"'):
+            call()
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[tables\]"'):
+        series.to_dataframe()
 
 
 def test_everything_else_needs_no_extra(bare, study, tmp_path, capsys):

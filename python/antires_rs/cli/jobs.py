@@ -77,7 +77,7 @@ def search(args: argparse.Namespace) -> int:
     """Carry out a job."""
     job = read_job(args.job)
     if job.task != args.task:
-        sections = {"damage": "[damage]", "update": "[[parameters]]"}
+        sections = {"damage": "[damage]", "update": "[[parameters]]", "series": "[series]"}
         reject(
             "JOB",
             f"{str(args.job)!r}, which has {sections[job.task]}",
@@ -90,6 +90,11 @@ def search(args: argparse.Namespace) -> int:
 def resume(args: argparse.Namespace) -> int:
     """Go on with a job."""
     job = read_job(_job_of(args.target))
+    if job.task == "series":
+        from .series import series
+
+        args.job = job.path
+        return series(args)
     folder = RunFolder.of(job)
     if not folder.unfinished and folder.state not in (None, "searching") and folder.result.is_file():
         from ..jobs.run import out_of_time

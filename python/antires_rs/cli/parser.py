@@ -49,6 +49,22 @@ def parser() -> argparse.ArgumentParser:
         job.add_argument("--fresh", action="store_true", help="begin anew, though a search of this job waits")
         _common(job)
         job.set_defaults(run=_command("jobs", "search"), task=task)
+    series = commands.add_parser(
+        "series",
+        help="antiresonances of many tests, as a job file says",
+        description="Identify all tests of a job with [series]; 'antires init --task series' writes one. Run "
+        "again it goes on where it was stopped, and takes in new files.",
+    )
+    series.add_argument("job", metavar="JOB", type=Path, help="a job file, TOML")
+    series.add_argument(
+        "--workers",
+        type=number(int, 1),
+        default=None,
+        metavar="N",
+        help="processes that identify (default: 1); no number depends on it",
+    )
+    series.add_argument("--json", action="store_true", help="print JSON instead of the tables")
+    series.set_defaults(run=_command("series", "series"))
     again = commands.add_parser(
         "resume",
         help="go on with a search that was interrupted",
@@ -111,7 +127,7 @@ def _init(commands: Any) -> None:
     )
     init.add_argument(
         "--task",
-        **one_of("damage", "update"),
+        **one_of("damage", "update", "series"),
         default="damage",
         help="what the job is to do (default: %(default)s)",
     )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
+from ..signals.segments import pieces
 from ..support.validation import FloatArray
 from .evidence import Evidence
 from .findings import Finding, NotTested, Said
@@ -56,7 +58,7 @@ def constant(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], 
     ], still
 
 
-def clipped(data: FloatArray, labels: tuple[Any, ...]) -> Said:
+def clipped(data: Iterable[FloatArray], labels: tuple[Any, ...]) -> Said:
     """Channels whose samples pile up at their largest or smallest value."""
     found: Said = []
     for label, x in zip(labels, data, strict=True):
@@ -94,15 +96,19 @@ def _pile(x: FloatArray) -> int:
 
 def duplicated(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], list[int]]:
     """Pairs of channels that are one signal up to a factor; also the rows to leave out."""
-    moved = data - data.mean(axis=1, keepdims=True)
-    norm = np.sqrt(np.einsum("ij,ij->i", moved, moved))
-    same = np.abs(moved @ moved.T) / np.maximum(norm[:, None] * norm, 1e-300)
+    mean = data.mean(axis=1, keepdims=True)
+    products = np.zeros((len(data), len(data)))
+    for some in pieces(data.shape[1], len(data)):
+        moved = data[:, some] - mean
+        products += moved @ moved.T
+    norm = np.sqrt(np.diag(products))
+    same = np.abs(products) / np.maximum(norm[:, None] * norm, 1e-300)
     found, extra = [], []
     for p, q in zip(*np.nonzero(np.triu(same > SAME, 1)), strict=True):
         if q in extra:
             continue
         extra.append(int(q))
-        factor = float(moved[p] @ moved[q]) / float(norm[p]) ** 2
+        factor = float(products[p, q]) / float(norm[p]) ** 2
         text = f"Channels {labels[p]!r} and {labels[q]!r} hold one signal, up to a factor of {factor:.4g}."
         found.append(
             Finding(

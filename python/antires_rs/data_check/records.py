@@ -137,11 +137,12 @@ def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
         force = None
     if not rows:
         return said, None
-    moving, names = data[rows], tuple(labels[p] for p in rows)
+    moving = data if not still else data[rows]
+    names = tuple(labels[p] for p in rows)
     if force is None:
         said += channels.clipped(moving, names)
     else:
-        said += channels.clipped(np.vstack([moving, force]), (*names, FORCE))
+        said += channels.clipped([*moving, force], (*names, FORCE))
     if hits:
         why = "in a record of impacts, rest and blows look like dropouts and spikes"
         said += [NotTested(channels.DROPOUTS, why), NotTested(channels.SPIKES, why)]

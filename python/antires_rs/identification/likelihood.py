@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..signals.eigen import dominant
+from ..signals.segments import pieces
 from ..support.validation import ComplexArray, FloatArray
 from .numerators import NumeratorFit
 
@@ -127,8 +128,12 @@ def _misfits(
     stack = np.zeros((terms, fit.n, len(solutions)))
     for i, c in enumerate(solutions):
         stack[: c.shape[0], :, i] = c
-    values = fit.values(stack.reshape(terms, -1)).reshape(largest.size, fit.n, -1)
-    seen = np.sum(values.conj() * (covariance @ values), axis=1).real
-    total = np.sum(np.abs(values) ** 2, axis=1)
-    share = seen / np.maximum(total, 1e-300)
+    share = np.empty((largest.size, len(solutions)))
+    for lines in pieces(largest.size, fit.n * len(solutions)):
+        values = fit.values(stack.reshape(terms, -1), lines).reshape(-1, fit.n, len(solutions))
+        seen = covariance[lines] @ values
+        seen *= values.conj()
+        total = np.einsum("fis,fis->fs", values.real, values.real)
+        total += np.einsum("fis,fis->fs", values.imag, values.imag)
+        share[lines] = seen.real.sum(axis=1) / np.maximum(total, 1e-300)
     return np.asarray(np.maximum(capped @ (largest[:, None] - share), 1e-300))

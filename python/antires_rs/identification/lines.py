@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..signals.segments import Segments
 from ..support.validation import ComplexArray, FloatArray
 
 __all__ = ["FORCE", "SNR_CAP", "Lines", "unit"]
@@ -25,7 +26,7 @@ SNR_CAP = 1e4
 class Lines:
     """Response vectors ``(n_rows, n_freq)``, of unit norm at every line, and their ``snr``, (n_freq,).
 
-    ``segments`` are the scaled spectra that were averaged, (n_freq, n_rows, n_segments), with unit noise in
+    ``segments`` are the spectra that were averaged, (n_freq, n_rows, n_segments), scaled to unit noise in
     every row; None where there are fewer than two. ``independent`` is the number of independent lines over
     the number of lines: the spectra of tapered, overlapping segments are correlated from line to line.
     ``averages_ratio`` is the number of segments over that of independent averages. ``draws`` are the
@@ -41,7 +42,7 @@ class Lines:
     vectors: ComplexArray
     snr: FloatArray
     added_decay_per_s: float = 0.0
-    segments: ComplexArray | None = None
+    segments: Segments | None = None
     independent: float = 1.0
     averages_ratio: float = 1.0
     draws: NDArray[np.int64] | None = None
@@ -51,22 +52,22 @@ class Lines:
 
     def part(self, first: int, last: int) -> Lines:
         """Some of the lines."""
-        some, runs = (None if a is None else a[first:last] for a in (self.segments, self.runs))
+        inside = slice(first, last)
         return replace(
             self,
-            freq_hz=self.freq_hz[first:last],
-            vectors=self.vectors[:, first:last],
-            snr=self.snr[first:last],
-            segments=some,
-            size=None if self.size is None else self.size[first:last],
-            runs=runs,
+            freq_hz=self.freq_hz[inside],
+            vectors=self.vectors[:, inside],
+            snr=self.snr[inside],
+            segments=None if self.segments is None else self.segments.part(inside),
+            size=None if self.size is None else self.size[inside],
+            runs=None if self.runs is None else self.runs[inside],
         )
 
     def projected(self, directions: FloatArray) -> Lines:
         """The same lines in an orthonormal basis, (n_rows, n_directions), that holds their signal."""
         inside = directions.T @ self.vectors
         share = np.sum(np.abs(inside) ** 2, axis=0)
-        segments = None if self.segments is None else directions.T @ self.segments
+        segments = None if self.segments is None else self.segments.projected(directions)
         runs = None
         if self.runs is not None:
             runs = (directions.T @ self.runs) / np.sqrt(np.maximum(share, 1e-300))[:, None, None]
@@ -79,7 +80,8 @@ class Lines:
         if self.runs is None:
             return self
         draws = np.arange(self.runs.shape[2])
-        return replace(self, segments=np.sqrt(self.snr)[:, None, None] * self.runs, draws=draws)
+        each = Segments.of(np.sqrt(self.snr)[:, None, None] * self.runs)
+        return replace(self, segments=each, draws=draws)
 
     @property
     def n_tests(self) -> int:
@@ -91,10 +93,7 @@ class Lines:
     def covariance(self) -> ComplexArray:
         """Covariance of the rows at every line, (n_freq, n_rows, n_rows), in units of the noise."""
         if self.segments is not None:
-            return np.asarray(
-                self.segments @ self.segments.conj().transpose(0, 2, 1) / self.segments.shape[2],
-                dtype=np.complex128,
-            )
+            return self.segments.covariance()
         v = self.vectors.T
         return np.asarray(self.snr[:, None, None] * v[:, :, None] * v[:, None, :].conj())
 

@@ -131,16 +131,16 @@ class NumeratorFit:
         return c.reshape(order + 1, self.n), float(c @ self.form[:size, :size] @ c)
 
     def _leading(self, size: int) -> FloatArray:
-        """Cholesky factor of the leading block, as BLAS wants it."""
-        return np.asfortranarray(self._root[:size, :size])
+        """Columns of the factor's transpose, in BLAS' order, in which that of the leading block stands."""
+        return self._root.T[:, :size]
 
-    def values(self, c: FloatArray) -> ComplexArray:
+    def values(self, c: FloatArray, lines: slice = slice(None)) -> ComplexArray:
         """N at the lines, (n_freq, n); ``c`` may hold several solutions side by side."""
         signed = self._signs[: c.shape[0], None] * c
         even, odd = signed[0::2], signed[1::2]
-        out = np.empty((self.basis.p.shape[0], c.shape[1]), dtype=np.complex128)
-        out.real = self._even[:, : even.shape[0]] @ even
-        out.imag = self._odd[:, : odd.shape[0]] @ odd
+        out = np.empty((len(self.basis.p[lines]), c.shape[1]), dtype=np.complex128)
+        out.real = self._even[lines, : even.shape[0]] @ even
+        out.imag = self._odd[lines, : odd.shape[0]] @ odd
         return out
 
     def projected(self, fields: ComplexArray, order: int, lines: slice) -> FloatArray:
@@ -189,11 +189,11 @@ def _root(form: FloatArray) -> FloatArray:
     )
 
 
-def _solved(root: FloatArray, right: FloatArray, *, transposed: bool = False) -> FloatArray:
-    """Solution with a lower triangular matrix in Fortran's order, or with its transpose."""
-    from scipy.linalg.blas import dtrsv  # slow to import
+def _solved(upper: FloatArray, right: FloatArray, *, transposed: bool = False) -> FloatArray:
+    """Solution with a lower triangular factor or its transpose, of which these are the leading columns."""
+    from scipy.linalg.lapack import dtrtrs  # slow to import
 
-    return np.asarray(dtrsv(root, right, lower=1, trans=int(transposed)))
+    return np.asarray(dtrtrs(upper, right, lower=0, trans=int(not transposed))[0])
 
 
 class NumeratorSweep:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +12,7 @@ from ..signals.averaging import Averaging
 from ..support.validation import choice, integer, reject
 from .formulations import OF_MAGNITUDES, check_formulation
 
-__all__ = ["DEFAULT", "IdentificationOptions", "checked_options"]
+__all__ = ["DEFAULT", "IdentificationOptions", "checked_options", "options_of"]
 
 # Beyond, a narrower band or windows serve better than more orders.
 HIGHEST_ORDER = 200
@@ -102,6 +103,30 @@ class IdentificationOptions:
 
 #: The options of a call that gives none.
 DEFAULT = IdentificationOptions()
+
+
+#: Arguments of a call that are of the averages, and those of the rule: None stands for not given.
+OF_AVERAGES = ("nperseg", "noverlap", "window", "method")
+OF_RULE = (
+    "freq_tol",
+    "damping_tol",
+    "min_rows",
+    "max_damping",
+    "min_dominance",
+    "persistent",
+    "min_share",
+    "min_depth_db",
+)
+
+
+def options_of(given: Mapping[str, Any]) -> IdentificationOptions:
+    """The options of a call out of its arguments by name: all but source, place, band, dofs and progress."""
+    own = (*OF_AVERAGES, *OF_RULE)
+    return checked_options(
+        Averaging(*(given[name] for name in OF_AVERAGES)),
+        rule={name: given[name] for name in OF_RULE},
+        **{name: value for name, value in given.items() if name not in own},
+    )
 
 
 def checked_options(

@@ -16,6 +16,7 @@ from ..signals.rankone import response_vectors
 from ..signals.recording import Recording
 from ..signals.repeats import AveragedResponse
 from ..signals.segment_length import LEAST_LINES
+from ..signals.segments import Segments
 from ..signals.spectra import CrossSpectra, lines_in
 from ..support.validation import ComplexArray, FloatArray, reject
 from .curve_lines import curve_lines
@@ -105,18 +106,16 @@ def lines_of_recording(
     return lines
 
 
-def _segments(spectra: CrossSpectra, scale: FloatArray, use_force: bool) -> ComplexArray | None:
-    """Spectra of the segments scaled to unit noise in every row, lines first."""
+def _segments(spectra: CrossSpectra, scale: FloatArray, use_force: bool) -> Segments | None:
+    """Spectra of the segments scaled to unit noise in every row."""
     if spectra.segments is None or spectra.n_averages < 2:
         return None
-    scaled = np.ascontiguousarray((spectra.segments * scale[:, None, None]).transpose(2, 0, 1))
-    some = scaled[:, : FORCE if use_force else None]
-    if some.shape[1] < 2:
+    scaled = spectra.segments.times(scale)
+    some = slice(FORCE if use_force else None)
+    if scale[some].size < 2:
         return scaled
-    largest, rest, _ = dominant(
-        some.conj() @ some.transpose(0, 2, 1) / scaled.shape[2], np.ones(some.shape[1])
-    )
-    return np.asarray(scaled / np.sqrt(floors(largest, rest))[:, None, None])
+    largest, rest, _ = dominant(scaled.covariance()[:, some, some], np.ones(scale[some].size))
+    return scaled.times(1.0 / np.sqrt(floors(largest, rest))[:, None])
 
 
 def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, use_force: bool) -> Lines:

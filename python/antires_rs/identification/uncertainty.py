@@ -17,11 +17,12 @@ Econometrica 50 (1982) 1-25.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ..order_sweep.limits import WIDEST
+from ..signals.segments import pieces
 from ..support.validation import ComplexArray, FloatArray
 from .lines import Lines
 from .numerators import NumeratorFit
@@ -43,6 +44,8 @@ class Influence:
 
     def __init__(self, fit: NumeratorFit, c: FloatArray, misfit: float, lines: Lines) -> None:
         self.fit, self.c = fit, c
+        self._values = fit.values(c)
+        self._draw_count = 1 if lines.segments is None else lines.segments.count
         self._sums: FloatArray | None = None
         self._excess = 1.0
         values, self._vectors = np.linalg.eigh(fit.form[: c.size, : c.size])
@@ -52,14 +55,14 @@ class Influence:
         keep[0] = False
         self._inverse = np.where(keep, 1.0 / np.where(keep, gap, 1.0), 0.0)
         if lines.segments is not None:
-            pushed = self._pushed(lines.segments)
-            count = lines.segments.shape[2]
-            self._push = self._projected(pushed)
+            draws, count = lines.segments.at, lines.segments.count
+            whole = slice(0, lines.freq_hz.size)
+            self._push = self._pushed(draws, whole)
             scale = lines.averages_ratio / count**2
             if lines.draws is not None:
                 self._sums = sums_by_draw(self._push, lines.draws) / count
                 if self._sums.shape[1] == count:  # of one impact each: inside it, blocks of lines
-                    each = [self._projected(pushed, block) for block in _blocks(len(pushed))]
+                    each = [self._pushed(draws, block) for block in _blocks(whole.stop)]
                     self._push = np.concatenate(
                         [one - one.mean(axis=1, keepdims=True) for one in each], axis=1
                     )
@@ -67,25 +70,29 @@ class Influence:
                     return
         else:
             single = (np.sqrt(lines.snr) * lines.vectors).T[:, :, None]
-            pushed = self._pushed(single)
-            blocks = _blocks(len(pushed))
+            blocks = _blocks(len(single))
             count, scale = len(blocks), 1.0
-            self._push = np.concatenate([self._projected(pushed, block) for block in blocks], axis=1)
+            self._push = np.concatenate([self._pushed(single.__getitem__, block) for block in blocks], axis=1)
         self._push -= self._push.mean(axis=1, keepdims=True)
         self._scale = scale * count / (count - 1)
 
-    def _pushed(self, draws: ComplexArray) -> ComplexArray:
-        """x x' N less its part along N, (n_freq, n, n_draws); ``draws`` x are (n_freq, n, n_draws)."""
-        n = self.fit.values(self.c)
-        along = n.conj()[:, None, :] @ draws
-        length = np.sum(np.abs(n) ** 2, axis=1)[:, None, None]
-        return np.asarray(draws * along.conj() - n[:, :, None] * (np.abs(along) ** 2 / length))
+    def _pushed(self, draws: Callable[[slice], ComplexArray], lines: slice) -> FloatArray:
+        """Products of the polynomials with x x' N less its part along N, (n_coefficients, n_draws).
 
-    def _projected(self, pushed: ComplexArray, lines: slice = slice(None)) -> FloatArray:
-        """Its product with the polynomials over some lines, (n_coefficients, n_draws)."""
-        some = pushed[lines]
-        flat = self.fit.projected(some.reshape(len(some), -1), self.c.shape[0] - 1, lines)
-        return flat.reshape(self.c.size, pushed.shape[2])
+        Summed over some lines; the draws x at lines are (n_lines, n, n_draws).
+        """
+        total: FloatArray | None = None
+        for some in pieces(lines.stop - lines.start, self._values.shape[1] * self._draw_count):
+            at = slice(lines.start + some.start, lines.start + some.stop)
+            n, x = self._values[at], draws(at)
+            along = n.conj()[:, None, :] @ x
+            length = np.sum(np.abs(n) ** 2, axis=1)[:, None, None]
+            part = x * along.conj()
+            part -= n[:, :, None] * (np.abs(along) ** 2 / length)
+            flat = self.fit.projected(part.reshape(len(part), -1), self.c.shape[0] - 1, at)
+            total = flat if total is None else total + flat
+        assert total is not None
+        return total.reshape(self.c.size, -1)
 
     def pool(self, roots: Sequence[ComplexArray]) -> None:
         """Let the zeros of all rows tell how much repeats of the test scatter beyond what is inside each."""

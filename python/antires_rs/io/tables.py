@@ -12,15 +12,12 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ._common import missing_package
 
-__all__ = ["rows_of", "to_dataframe", "to_xarray"]
+__all__ = ["frame_of", "rows_of", "to_dataframe", "to_xarray"]
 
 
 def to_dataframe(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:
     """A pandas.DataFrame: a column a channel over time or frequency, or a row an antiresonance."""
-    try:
-        import pandas as pd
-    except ImportError as exc:
-        raise missing_package("to_dataframe", "pandas", "tables", exc) from exc
+    pd = _pandas()
     if isinstance(source, Recording):
         index = pd.Index(_instants(source), name="time_s")
         frame = pd.DataFrame(
@@ -36,7 +33,20 @@ def to_dataframe(source: Recording | FrequencyResponse | AntiresonanceSet) -> An
             columns=pd.Index(list(source.dofs), dtype=object),
         )
     names, rows = rows_of(source)
-    return pd.DataFrame(rows, columns=names)
+    return frame_of(rows, names)
+
+
+def frame_of(rows: list[dict[str, Any]], names: list[str]) -> Any:
+    """A pandas.DataFrame of rows with some of these columns."""
+    return _pandas().DataFrame(rows, columns=names)
+
+
+def _pandas() -> Any:
+    try:
+        import pandas as pd
+    except ImportError as exc:
+        raise missing_package("to_dataframe", "pandas", "tables", exc) from exc
+    return pd
 
 
 def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:

@@ -32,7 +32,7 @@ class Job:
     parameters : list of dict
     sections : dict of str to dict
         The others; empty where the job is silent.
-    task : {"update", "damage"}
+    task : {"update", "damage", "series"}
     """
 
     def __init__(self, path: Path, text: str) -> None:
@@ -44,7 +44,7 @@ class Job:
         for name, rows in tables.items():
             for place, row in rows:
                 self._check(SECTIONS[name], place, row)
-        for name in ("data", "model"):
+        for name in ("data",) if "series" in raw else ("data", "model"):
             if name not in tables:
                 self.reject((), f"no section [{name}]", f"one [{name}]", SECTIONS[name].help)
         self.data = [row for _, row in tables["data"]]
@@ -107,6 +107,8 @@ class Job:
                 self.missing(place, key.name)
 
     def _task(self, raw: Mapping[str, Any]) -> str:
+        if "series" in raw:
+            return self._series(raw)
         if ("damage" in raw) == ("parameters" in raw):
             both = "damage" in raw
             self.reject(
@@ -124,6 +126,21 @@ class Job:
                 "Its keys belong to a job with [[parameters]].",
             )
         return "damage" if "damage" in raw else "update"
+
+    def _series(self, raw: Mapping[str, Any]) -> str:
+        known = ("data", "series", "identification", "output")
+        for name in raw:
+            if name not in known:
+                self.reject(
+                    (name,),
+                    f"[{name}] beside [series]",
+                    "one of " + ", ".join(f"[{one}]" for one in known),
+                    "A series has no model: remove it, or write another job for one of its tests.",
+                )
+        if len(self.data) > 1:
+            wanted = "one [data], whose file is a folder or a pattern"
+            self.reject(("data",), "several [[data]]", wanted, "Write a job for each force.")
+        return "series"
 
     def only(self, place: Keys, table: Mapping[str, Any], kind: str) -> None:
         """Refuse keys that belong to another kind of model or parameter, or to another format."""

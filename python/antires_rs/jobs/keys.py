@@ -8,11 +8,12 @@ from __future__ import annotations
 from .keys_data import DATA, IDENTIFICATION
 from .keys_model import MODEL, PARAMETERS
 from .keys_search import DAMAGE, OUTPUT, SEARCH, UPDATING
+from .keys_series import SERIES
 
 __all__ = ["SECTIONS"]
 
 #: In the order of a job file.
 SECTIONS = {
     section.name: section
-    for section in (DATA, IDENTIFICATION, MODEL, PARAMETERS, UPDATING, DAMAGE, SEARCH, OUTPUT)
+    for section in (DATA, SERIES, IDENTIFICATION, MODEL, PARAMETERS, UPDATING, DAMAGE, SEARCH, OUTPUT)
 }

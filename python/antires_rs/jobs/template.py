@@ -14,6 +14,7 @@ __all__ = ["template"]
 _HEAD = {
     "damage": "Look for damage: antires damage {name}",
     "update": "Update a model: antires update {name}",
+    "series": "Identify many tests: antires series {name}",
 }
 #: What is filled in as an example, by model; None stands for every model.
 _EXAMPLES: dict[str, dict[str, str]] = {
@@ -58,7 +59,7 @@ def template(
 
     Parameters
     ----------
-    task : {"damage", "update"}
+    task : {"damage", "update", "series"}
     model : {"chain", "frame", "matrices", "result"}
     name : str
         Of the job file, for its heading.
@@ -90,6 +91,11 @@ def template(
     if dofs:
         pairs = [f"{_quoted(channel)} = {dof}" for channel, dof in dofs.items()]
         filled["dofs"] = "{ " + ", ".join(pairs) + " }"
+    if task == "series":
+        filled["file"] = _quoted("records" if data == "record.uff" else data)
+        for part in ("data", "series", "identification", "output"):
+            lines += _section(SECTIONS[part], filled if part == "data" else {})
+        return "\n".join(lines)
     lines += _section(SECTIONS["data"], filled, of=format_of(data) or "")
     lines += _section(SECTIONS["model"], {"kind": _quoted(model), **_EXAMPLES[model]}, of=model)
     lines += _TABLES.get(model, [])

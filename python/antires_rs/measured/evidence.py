@@ -7,9 +7,9 @@ of them. Whoever asks a set for them gets the objects themselves, with all that 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
-__all__ = ["CrossCheck", "DataCheck", "Finding"]
+__all__ = ["CrossCheck", "DataCheck", "Finding", "SeriesOfTests"]
 
 
 class Finding(Protocol):
@@ -37,3 +37,11 @@ class CrossCheck(Protocol):
 
     def is_confirmed(self, dof: Any, freq_hz: float) -> bool | None:
         """Whether this very antiresonance is confirmed; None if it was not judged."""
+
+
+@runtime_checkable
+class SeriesOfTests(Protocol):
+    """Many tests of one structure, see :class:`antires_rs.Series`."""
+
+    def tracks(self, conditions: Any = None, **options: Any) -> Any:
+        """Every antiresonance followed over them."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,10 +10,11 @@ import numpy as np
 from ..order_sweep.table import ResponseTable
 from ..support.pickling import frozen
 from ..support.validation import FloatArray, finite_scalar, reject
+from .evidence import SeriesOfTests
 from .matching import MAX_SHIFT, check_sets, check_shift, paired, variance_hz
 from .tracks import TrackEvent, Tracks
 
-__all__ = ["track"]
+__all__ = ["followed", "track"]
 
 
 # Two values nearer than this may become one; farther apart, one of them was lost.
@@ -33,14 +34,19 @@ class _Track:
 
 
 def track(
-    sets: Sequence[Any], conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0
+    sets: Sequence[Any] | SeriesOfTests,
+    conditions: Any = None,
+    *,
+    max_shift: float = MAX_SHIFT,
+    std_between: float = 0.0,
 ) -> Tracks:
     """Follow every antiresonance over many tests of one structure.
 
     Parameters
     ----------
-    sets : list of AntiresonanceSet
-        In the order of the tests, two or more, of the same excitation.
+    sets : list of AntiresonanceSet, or Series
+        In the order of the tests, two or more, of the same excitation. Tests of a series that failed are left
+        out, with their conditions.
     conditions : sequence, (n_tests,), optional
         What differs from test to test (temperature, damage, date, load): numbers or texts. Default: 0, 1, ...
     max_shift : float
@@ -78,6 +84,26 @@ def track(
       0      2    23.900   23.800    -0.418  lost at 2 years
       0      1    31.000   31.000    +0.000  new at 1 year, lost at 2 years
     """
+    if isinstance(sets, SeriesOfTests):
+        found: Tracks = sets.tracks(conditions, max_shift=max_shift, std_between=std_between)
+        return found
+    given = check_sets("sets", sets, 2)
+    dofs = [dof for dof in given[0] if all(dof in one for one in given)]
+    return followed(given, conditions, dofs, max_shift, std_between)
+
+
+def followed(
+    sets: Sequence[Any], conditions: Any, dofs: Sequence[Any], max_shift: float, std_between: float
+) -> Tracks:
+    """Tracks of some responses; a test that lacks one of them tells nothing of it.
+
+    Parameters
+    ----------
+    sets, conditions, max_shift, std_between
+        As for :func:`track`.
+    dofs : sequence of dof
+        Each in one set at least.
+    """
     given = check_sets("sets", sets, 2)
     shift = check_shift(max_shift)
     between = finite_scalar("std_between", std_between, low=0.0, high=0.5)
@@ -91,17 +117,16 @@ def track(
                 f"that of the first, {first.excitation!r}",
                 "Follow each excitation by itself.",
             )
-    dofs = [dof for dof in first if all(dof in one for one in given)]
     if not dofs:
         reject("sets", "sets without a common dof", "sets of the same responses", "Leave out the others.")
     columns: list[tuple[Any, FloatArray, FloatArray]] = []
     events: list[TrackEvent] = []
     for dof in dofs:
-        tables = [one.tables[dof] for one in given]
+        tables = {test: one.tables[dof] for test, one in enumerate(given) if dof in one}
         tracks, seen = _followed(tables, shift, between)
         order = sorted(range(len(tracks)), key=lambda i: tracks[i].freq_hz)
         for i in order:
-            columns.append((dof, *_column(tracks[i], tables)))
+            columns.append((dof, *_column(tracks[i], tables, len(given))))
         at = {i: len(columns) - len(order) + rank for rank, i in enumerate(order)}
         events += [TrackEvent(kind, test, dof, at[i], freq) for kind, test, i, freq in seen]
     labels = np.empty(len(columns), dtype=object)
@@ -118,35 +143,37 @@ def track(
 
 
 def _followed(
-    tables: list[ResponseTable], shift: float, between: float
+    tables: Mapping[int, ResponseTable], shift: float, between: float
 ) -> tuple[list[_Track], list[tuple[str, int, int, float]]]:
-    """Tracks of one response, and (kind, test, track, frequency) of what happened to them."""
-    tracks = [_Track(0, tables[0], row) for row in range(len(tables[0]))]
+    """Tracks of one response by test, and (kind, test, track, frequency) of what happened to them."""
+    (before, first), *others = tables.items()
+    tracks = [_Track(before, first, row) for row in range(len(first))]
     events: list[tuple[str, int, int, float]] = []
-    for test, table in enumerate(tables[1:], start=1):
+    for test, table in others:
         where = np.array([one.freq_hz for one in tracks])
         # Of a track that is new to this test only the test's own deviation is looked at, twice.
         variance = np.broadcast_to(2.0 * variance_hz(table, between), (where.size, len(table)))
         pairs = dict(paired(where, table.freq_hz, shift, variance))
         for i, one in enumerate(tracks):
-            was = test - 1 in one.rows
+            was = before in one.rows
             if i in pairs and not was:
                 events.append(("back", test, i, float(table.freq_hz[pairs[i]])))
             elif was and i not in pairs:
                 near = np.abs(where / where[i] - 1.0) <= NEIGHBOUR
-                merged = any(near[k] and k != i for k in pairs if test - 1 in tracks[k].rows)
+                merged = any(near[k] and k != i for k in pairs if before in tracks[k].rows)
                 events.append(("merged" if merged else "lost", test, i, float(where[i])))
         for i, row in pairs.items():
             tracks[i].follow(test, table, row)
         for row in sorted(set(range(len(table))) - set(pairs.values())):
             events.append(("new", test, len(tracks), float(table.freq_hz[row])))
             tracks.append(_Track(test, table, row))
+        before = test
     return tracks, events
 
 
-def _column(one: _Track, tables: list[ResponseTable]) -> tuple[FloatArray, FloatArray]:
+def _column(one: _Track, tables: Mapping[int, ResponseTable], count: int) -> tuple[FloatArray, FloatArray]:
     """Frequency and deviation of a track by test."""
-    freq, std = np.full(len(tables), np.nan), np.full(len(tables), np.nan)
+    freq, std = np.full(count, np.nan), np.full(count, np.nan)
     for test, row in one.rows.items():
         freq[test], std[test] = tables[test].freq_hz[row], tables[test].std_hz[row]
     return freq, std

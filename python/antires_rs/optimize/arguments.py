@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from typing import Any
 
@@ -10,11 +9,10 @@ import numpy as np
 
 from .. import _core
 from ..support.validation import FloatArray, finite_scalar, integer, real_array, reject
+from ..support.workers.counts import MOST_WORKERS, processors
 
-__all__ = ["MOST_WORKERS", "check_bounds", "check_option_type", "guesses", "seed_of", "texts", "thread_count"]
+__all__ = ["check_bounds", "check_option_type", "guesses", "seed_of", "texts", "thread_count"]
 
-#: More than any machine has; a larger number is a slip.
-MOST_WORKERS = 1024
 #: Largest count that the core can hold.
 _MOST = 2**63 - 1
 _INTEGERS = {
@@ -43,9 +41,7 @@ def thread_count(workers: int | None) -> int:
     """Threads to use: the given number, or the processors this process may run on."""
     if workers is not None:
         return integer("workers", workers, low=1, high=MOST_WORKERS)
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    return processors()
 
 
 def check_bounds(bounds: Any) -> FloatArray:

@@ -56,15 +56,15 @@ class Autocorrelation:
 
         lags = np.zeros(self.longest)
         for part in parts_of(self.rec):
-            x = part.responses - part.responses.mean(axis=1, keepdims=True)
-            power = np.einsum("ij,ij->i", x, x)
-            x = x[power > 0.0]
             n = next_fast_len(part.n_samples + self.longest, real=True)
-            total = np.zeros(n // 2 + 1)
-            for one, size in zip(x, power[power > 0.0], strict=True):
+            total = np.zeros(n // 2 + 1, dtype=np.float32)
+            for row in part.responses:
                 # Seven digits do: what is looked for are the widths of peaks.
-                spectrum = rfft(one.astype(np.float32), n)
-                total += (spectrum.real**2 + spectrum.imag**2) / size
+                x = (row - row.mean()).astype(np.float32)
+                size = float(x @ x)
+                if size > 0.0:
+                    spectrum = rfft(x * np.float32(size**-0.5), n)
+                    total += spectrum.real**2 + spectrum.imag**2
             lags += np.fft.irfft(total, n)[: self.longest]
         return lags
 

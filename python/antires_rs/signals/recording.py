@@ -77,7 +77,7 @@ class Recording(ReadOnly):
                 "Transpose it: channels come first.",
             )
         put = object.__setattr__  # the one place where a frozen value is filled
-        put(self, "responses", frozen(array))
+        put(self, "responses", frozen(array, responses))
         put(self, "fs_hz", finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz"))
         put(self, "dofs", dof_labels("dofs", dofs, array.shape[0]))
         if force is not None:

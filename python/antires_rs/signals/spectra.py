@@ -20,6 +20,7 @@ Random Data, 4th ed., 2010; G. T. Rocklin, J. Crowley, H. Vold, Proc. IMAC 3 (19
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -31,15 +32,9 @@ from ..support.validation import ComplexArray, FloatArray, integer, real_array, 
 from .noise import noise_power
 from .pooled import parts_of, shortest
 from .recording import Recording
+from .segments import Segments, pieces
 
-__all__ = [
-    "CrossSpectra",
-    "averaged_products",
-    "channels_of",
-    "cross_spectra",
-    "effective_averages",
-    "window_values",
-]
+__all__ = ["CrossSpectra", "cross_spectra", "effective_averages", "rows_of", "window_values"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +56,7 @@ class CrossSpectra:
     n_effective : float
         Independent averages that would scatter as much: fewer than ``n_averages`` where segments overlap.
         0 (default) stands for ``n_averages``.
-    segments : (n_channels, n_segments, n_freq) complex or None
+    segments : Segments or None
         What was averaged: ``matrix`` is the mean over segments of conj(A) B.
     draws : (n_segments,) int or None
         To which of several independent draws, records or impacts, each segment belongs; None for one record.
@@ -73,7 +68,7 @@ class CrossSpectra:
     noise: FloatArray | None = None
     added_decay_per_s: float = 0.0
     n_effective: float = 0.0
-    segments: ComplexArray | None = None
+    segments: Segments | None = None
     draws: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
@@ -133,12 +128,6 @@ def effective_averages(taper: FloatArray, step: int, n_segments: int) -> float:
     )
 
 
-def averaged_products(spectra: ComplexArray) -> ComplexArray:
-    """Mean over segments of conj(A) B; (n_channels, n_segments, n_freq) to (n_freq, n, n)."""
-    by_line = np.ascontiguousarray(spectra.transpose(2, 0, 1))
-    return np.asarray(by_line.conj() @ by_line.transpose(0, 2, 1) / spectra.shape[1], dtype=np.complex128)
-
-
 def cross_spectra(
     rec: Recording,
     *,
@@ -196,26 +185,45 @@ def cross_spectra(
     lines = slice(0, freq.size) if band_hz is None else lines_in(freq, band_hz)
     freq = freq[lines]
     step = n_seg - overlap
-    each = [_transforms(channels_of(part, include_force), taper, step, lines) for part in parts_of(rec)]
-    counts = [one.shape[1] for one in each]
-    spectra = np.concatenate(each, axis=1) if len(each) > 1 else each[0]
-    spectra *= np.sqrt(density[lines] / (rec.fs_hz * (taper @ taper)))
+    parts = parts_of(rec)
+    counts = [1 + (part.n_samples - n_seg) // step for part in parts]
+    factor = np.sqrt(density[lines] / (rec.fs_hz * (taper @ taper)))
+    rows = [rows_of(part, include_force) for part in parts]
+    # Of one size in all channels, so that single precision holds them in any unit.
+    unit = np.array([max(float(np.abs(row).max()) for row in own) or 1.0 for own in zip(*rows, strict=True)])
+    products = np.zeros((freq.size, unit.size, unit.size), dtype=np.complex128)
+    segments = np.empty((freq.size, unit.size, sum(counts)), dtype=np.complex64)
+    done = 0
+    for own in rows:
+        for some in _transforms(own, unit, taper, step, lines):
+            products += some.conj() @ some.transpose(0, 2, 1)
+            segments[:, :, done : done + some.shape[2]] = some
+            done += some.shape[2]
+    scale = factor[:, None] * unit
+    products *= scale[:, :, None]
+    products *= scale[:, None, :] / done
     return CrossSpectra(
         freq,
-        averaged_products(spectra),
-        spectra.shape[1],
+        products,
+        done,
         n_effective=sum(effective_averages(taper, step, count) for count in counts),
-        segments=spectra,
-        draws=np.repeat(np.arange(len(each)), counts) if len(each) > 1 else None,
+        segments=Segments(segments, products, scale, np.ones(scale.shape)),
+        draws=np.repeat(np.arange(len(parts)), counts) if len(parts) > 1 else None,
     )
 
 
-def _transforms(data: FloatArray, taper: FloatArray, step: int, lines: slice) -> ComplexArray:
-    """Spectra of all segments, (n_channels, n_segments, n_lines); nothing else transforms segments."""
-    segments = np.lib.stride_tricks.sliding_window_view(data, taper.size, axis=1)[:, ::step]
-    return np.stack(
-        [np.fft.rfft((one - one.mean(axis=1, keepdims=True)) * taper)[:, lines] for one in segments]
-    )
+def _transforms(
+    rows: list[FloatArray], unit: FloatArray, taper: FloatArray, step: int, lines: slice
+) -> Iterator[ComplexArray]:
+    """Spectra of all segments, (n_lines, n_channels, n_more) at a time; nothing else transforms segments."""
+    views = [np.lib.stride_tricks.sliding_window_view(row, taper.size)[::step] for row in rows]
+    for some in pieces(len(views[0]), len(rows) * taper.size):
+        spectra = []
+        for view, size in zip(views, unit, strict=True):
+            piece = view[some] - view[some].mean(axis=1, keepdims=True)
+            piece *= taper / size
+            spectra.append(np.fft.rfft(piece)[:, lines].T)
+        yield np.stack(spectra, axis=1)
 
 
 def lines_in(freq_hz: FloatArray, band_hz: tuple[float, float]) -> slice:
@@ -245,9 +253,9 @@ def force_of(rec: Recording) -> FloatArray:
     return rec.force
 
 
-def channels_of(rec: Recording, include_force: bool) -> FloatArray:
-    """The responses, and below them the force where it is wanted."""
-    return np.vstack([rec.responses, force_of(rec)]) if include_force else rec.responses
+def rows_of(rec: Recording, include_force: bool) -> list[FloatArray]:
+    """The responses, and after them the force where it is wanted."""
+    return [*rec.responses, force_of(rec)] if include_force else [*rec.responses]
 
 
 def window_values(window: Any, n: int) -> FloatArray:

@@ -17,7 +17,8 @@ from ..exceptions import UnsuitableDataError
 from ..support.validation import ComplexArray, FloatArray, choice
 from .pooled import parts_of
 from .recording import Recording
-from .spectra import CrossSpectra, averaged_products, channels_of, lines_in
+from .segments import Segments
+from .spectra import CrossSpectra, lines_in, rows_of
 
 __all__ = ["Event", "find_events", "is_transient", "transient_spectra"]
 
@@ -54,12 +55,14 @@ class Event:
 
 def _energy(rec: Recording, block: int, every: int = 1) -> FloatArray:
     """Mean energy of each block, channels at equal weight, about a median of every so-many-th sample."""
-    x = rec.responses - np.median(rec.responses[:, ::every], axis=1, keepdims=True)
-    power = x.var(axis=1, keepdims=True)
-    power[power == 0.0] = 1.0
     n = rec.n_samples // block
-    squares = (x[:, : n * block] ** 2 / power).mean(axis=0)
-    return np.asarray(squares.reshape(n, block).mean(axis=1))
+    energy = np.zeros(n)
+    for row in rec.responses:
+        x = row - np.median(row[::every])
+        power = float(x.var()) or 1.0
+        x = x[: n * block].reshape(n, block)
+        energy += np.einsum("ij,ij->i", x, x) / (power * block * rec.n_channels)
+    return energy
 
 
 def is_transient(rec: Recording) -> bool:
@@ -238,32 +241,27 @@ def transient_spectra(
     quiet_power: list[FloatArray] = []
     energy = 0.0
     for part, events in zip(parts, found, strict=True):
-        data = channels_of(part, include_force)
-        quiet = data[:, : max(events[0].hit - 4 * FINE_BLOCK_SAMPLES, 0)]
-        rest = quiet.shape[1] >= LEAST_REST
-        offset = quiet.mean(axis=1, keepdims=True) if rest else 0.0
+        rows = rows_of(part, include_force)
+        before = slice(0, max(events[0].hit - 4 * FINE_BLOCK_SAMPLES, 0))
+        rest = before.stop >= LEAST_REST
+        offset = [row[before].mean() if rest else 0.0 for row in rows]
         if rest:
-            quiet_power.append(quiet.var(axis=1))
+            quiet_power.append(np.array([row[before].var() for row in rows]))
         for event in events:
-            piece = data[:, event.start : event.stop] - offset
-            t = (np.arange(piece.shape[1]) - (event.hit - event.start)) / rec.fs_hz
+            t = (np.arange(event.stop - event.start) - (event.hit - event.start)) / rec.fs_hz
             # The same exponential before the impact too: the window must be one exponential for its shift
             # to be exact.
             taper = np.exp(-decay * t)
             energy += float(taper @ taper)
-            each.append(np.fft.rfft(piece * taper, length)[:, lines])
-    spectra = np.stack(each, axis=1)
+            inside = slice(event.start, event.stop)
+            moved = ((row[inside] - level) * taper for row, level in zip(rows, offset, strict=True))
+            each.append(np.stack([np.fft.rfft(one, length)[lines] for one in moved], axis=1))
+    segments = Segments.of(np.stack(each, axis=2))
     noise = np.mean(quiet_power, axis=0) * energy / len(each) if quiet_power else None
     if noise is not None and noise.min() <= 0.0:
         noise = None
     return CrossSpectra(
-        freq,
-        averaged_products(spectra),
-        len(each),
-        noise,
-        decay,
-        segments=spectra,
-        draws=np.arange(len(each)),
+        freq, segments.matrix, len(each), noise, decay, segments=segments, draws=np.arange(len(each))
     )
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .validation import reject
 
-__all__ = ["final_path", "put_in_place", "write_atomically"]
+__all__ = ["final_path", "put_in_place", "write_atomically", "written_beside"]
 
 #: A file that is being written: its name to be, and the process.
 _BESIDE = re.compile(r"\.(.+)\.(\d+)\.tmp")
@@ -19,6 +20,19 @@ def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
     """Write beside the target, then put it in place in one step; returns the path.
 
     What a process that was killed had begun to write beside the target is removed.
+    """
+    with written_beside(path) as beside, open(beside, "wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+    return Path(path)
+
+
+@contextmanager
+def written_beside(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """The path of a file to be written and flushed to the disk inside; then it takes the place of the target.
+
+    If writing fails nothing is left and the target stays as it was.
     """
     target = Path(path)
     if not target.parent.is_dir():
@@ -33,16 +47,12 @@ def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
     # Same folder, so that the replacement is one step of the file system.
     beside = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     try:
-        with open(beside, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
+        yield beside
         put_in_place(beside, target)
     except BaseException:
         beside.unlink(missing_ok=True)
         raise
     _forget_half_written(target)
-    return target
 
 
 def put_in_place(beside: Path, target: Path) -> None:

@@ -98,8 +98,12 @@ def _freeze(value: Any) -> None:
             _freeze(item)
 
 
-def frozen(array: NDArray[Any]) -> NDArray[Any]:
-    """Read-only copy."""
+def frozen(array: NDArray[Any], given: Any = None) -> NDArray[Any]:
+    """Read-only copy; what is read-only itself, or was made anew of what was ``given``, is not copied."""
+    if given is not None and not (isinstance(given, np.ndarray) and np.may_share_memory(array, given)):
+        array.setflags(write=False)
+    if array.base is None and array.flags.c_contiguous and not array.flags.writeable:
+        return array
     copy = np.array(array, order="C")
     copy.setflags(write=False)
     return copy

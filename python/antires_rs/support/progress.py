@@ -15,7 +15,7 @@ from functools import wraps
 from threading import Event, Thread
 from typing import Any, ParamSpec, TypeVar
 
-__all__ = ["interruptible", "patient", "step", "waiting", "watched"]
+__all__ = ["apart", "counted", "interruptible", "patient", "step", "waiting", "watched"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -96,11 +96,29 @@ def waiting(what: str, progress: bool | None) -> Iterator[None]:
             thread.join()
 
 
+@contextmanager
+def apart() -> Iterator[None]:
+    """Inside, steps are not those of who waits outside: for one task of many that are counted there."""
+    token = _AT.set(None)
+    try:
+        yield
+    finally:
+        _AT.reset(token)
+
+
 def step(text: str) -> None:
     """Name what is being done, if anyone is waiting for it."""
     at = _AT.get()
     if at is not None:
         at[0] = text
+
+
+def counted(what: str, done: int, total: int | None, seconds: float) -> str:
+    """A step of many alike: how far it is, and how long the rest takes at this pace."""
+    if total is None:
+        return f"{what} {done}"
+    left = f", about {_span((total - done) * seconds / done)} left" if 0 < done < total else ""
+    return f"{what} {done} of {total}{left}"
 
 
 def patient(what: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
@@ -167,8 +185,11 @@ def _left(evaluations: int, seconds: float, done: int) -> str:
     """How long the budget lasts at this pace; most searches end before it does."""
     if done <= 0:
         return "time left not known yet"
-    left = evaluations * seconds / done
+    return f"at most {_span(evaluations * seconds / done)} left"
+
+
+def _span(seconds: float) -> str:
     for unit, size in (("h", 3600.0), ("min", 60.0)):
-        if left >= 2.0 * size:
-            return f"at most {left / size:.0f} {unit} left"
-    return f"at most {left:.0f} s left"
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{seconds:.0f} s"

@@ -18,6 +18,8 @@ from .model_dofs import Part
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from numpy.typing import NDArray
+
     from .._core import Model as CoreModel
     from ..models.parameter import Parameter
     from ..support.validation import FloatArray
@@ -51,8 +53,8 @@ def matrices(core: CoreModel) -> tuple[Any, Any]:
 class Affine:
     """The sums of a problem, its parameters as :func:`bent_by` allows.
 
-    ``terms`` are those of each parameter, (K_j, M_j), one of them None; ``parts`` the targets, response and
-    force by row.
+    ``terms`` are those of each parameter, (K_j, M_j), one of them None, ``places`` the rows where these have
+    entries; ``parts`` the targets, response and force by row.
     """
 
     def __init__(self, problem: UpdatingProblem) -> None:
@@ -68,10 +70,19 @@ class Affine:
         self._parameters = problem.model.description.core_parameters(problem.parameters)
         self.stiffness, self.mass = matrices(self.core)
         self.terms = [self._term(nth) for nth in range(len(problem.parameters))]
+        self.places = [_filled(k if k is not None else m) for k, m in self.terms]
+        self._cut = [
+            (k if k is not None else m).tocsr()[rows][:, rows]
+            for (k, m), rows in zip(self.terms, self.places, strict=True)
+        ]
 
     def at(self, x: FloatArray) -> CoreModel:
         """The full model at ``x``."""
         return self.core.at(self._parameters, np.ascontiguousarray(x))
+
+    def times(self, nth: int, vectors: FloatArray) -> FloatArray:
+        """The term of a parameter times vectors (n, m), in its places."""
+        return np.asarray(self._cut[nth] @ vectors[self.places[nth]])
 
     def rows(self, dofs: Any) -> FloatArray:
         """Rows of measured dofs."""
@@ -86,3 +97,8 @@ class Affine:
         term = (k - self.stiffness if of_stiffness else m - self.mass) / factor
         term.eliminate_zeros()
         return (term, None) if of_stiffness else (None, term)
+
+
+def _filled(matrix: Any) -> NDArray[np.intp]:
+    """Rows with entries."""
+    return np.flatnonzero(np.diff(matrix.tocsr().indptr))

@@ -1,8 +1,10 @@
 """The search on reduced models: a basis where the search stands, a search on it, its answer on the full one.
 
-The first search is the optimizer's own, over the whole box; those after it are descents within a trust
-region around where the last one ended, on a basis made there. They end when full and reduced model agree at
-the answer. Unless that answer explains everything, others begin elsewhere until two agree.
+The first basis is that of the middle of the box, and the first search the optimizer's own. Those after it are
+descents within a trust region around where the last one ended, on a basis made there whose frequencies are
+brought to those of the full model at that place (Alexandrov & Lewis, Optim. Eng. 2 (2001) 413-430, correct
+so in a first order; here the slopes are the basis' own). They end when full and reduced model agree at the
+answer. Unless that answer explains everything, others begin elsewhere until two agree.
 """
 
 from __future__ import annotations
@@ -29,8 +31,18 @@ __all__ = ["reduced_search"]
 
 #: Half-widths of the first trust region and the least, as shares of the bounds' distance.
 _FIRST_TRUST, _LEAST_TRUST = 0.25, 1e-3
-#: Krylov vectors of a sensor in the first basis: each later one has one more.
-_DEPTH = 2
+#: It is halved where the cost falls by less than the first part of what the reduced model promised, doubled
+#: from the second on.
+_POOR, _GOOD = 0.25, 0.75
+#: Krylov vectors of a sensor in the first basis, and in those around a place.
+_DEPTH, _DEPTH_THERE = 2, 3
+#: The first basis has directions of this part of the least size: it serves the whole box.
+_FINER = 0.4
+#: Below this difference of full and reduced frequencies the basis stays, and is corrected, again where that
+#: has left no more than the second part of it.
+_CLOSE, _CORRECTS = 1e-4, 0.1
+#: Largest share of the box that a basis around a place serves.
+_WIDEST = 0.5
 #: Modes are taken up to this multiple of the highest measured frequency, as the objective asks for roots.
 _BAND = 1.5
 #: Most searches from elsewhere, until two end within this part of the box.
@@ -38,6 +50,8 @@ _ATTEMPTS, _SAME = 4, 0.02
 #: A mean residual of nothing but rounding; else a search looks around its answer within this part of the box,
 #: and goes on from a cost lower than this part of what it was.
 _EXACT, _AROUND, _BETTER = 1e-6, 0.2, 0.95
+#: A cost above another by less than this factor is as good, where full and reduced model agree.
+_EQUAL = 1.001
 #: What ends a search at once.
 _STOPPED = ("interrupted", "callback")
 _INTERRUPTED = {
@@ -85,7 +99,7 @@ def reduced_search(
         estimate=best.reduced.estimate(best.x),
         difference=best.difference,
         agreed=best.difference <= reduction.tolerance,
-        full_evaluations=2 * search.bases,
+        full_evaluations=len(search.found),
     )
     first = search.found[0]
     nfev, njev = (sum(getattr(each, name) or 0 for each in search.found) for name in ("nfev", "njev"))
@@ -100,25 +114,26 @@ def _agreed(search: _Search, start: FloatArray) -> _Answer:
     low, high = search.problem.bounds.T
     for _ in range(_ATTEMPTS):
         if best.unexplained <= _EXACT or search.stopped:
-            break
+            return best
         other = search.run(search.rng.uniform(low, high))
         agreed = bool(np.all(np.abs(other.x - best.x) <= _SAME * (high - low)))
         if other.cost < best.cost:
             best = other
         if agreed:
             break
-    return best
+    return best if best.unexplained <= _EXACT or search.stopped else search.look_around(best)
 
 
 class _Answer:
-    """A candidate on the full model."""
+    """A candidate on the full model, and the reduced one's cost there."""
 
-    def __init__(self, problem: UpdatingProblem, reduced: ReducedProblem, x: FloatArray) -> None:
-        self.x, self.reduced = x, reduced
-        self.cost = problem.cost(x)
-        pairs = problem._core.pairs(x)[0]
-        self.difference = largest_difference(reduced.core.pairs(x)[0], pairs)
-        residuals = np.where(np.isnan(pairs), 1.0, (pairs / problem.measured_hz) ** 2 - 1.0)
+    def __init__(
+        self, problem: UpdatingProblem, reduced: ReducedProblem, x: FloatArray, promised: float
+    ) -> None:
+        self.x, self.reduced, self.promised = x, reduced, promised
+        self.cost, self.full_hz = problem._core.cost_and_pairs(x)
+        self.difference = largest_difference(reduced.paired_hz(x), self.full_hz)
+        residuals = np.where(np.isnan(self.full_hz), 1.0, (self.full_hz / problem.measured_hz) ** 2 - 1.0)
         self.unexplained = float(np.abs(residuals).mean())
 
 
@@ -142,6 +157,7 @@ class _Search:
         self._descent = IslandGA(islands=1, population=4, max_generations=1).options
         self._look = IslandGA(islands=3, population=6, max_generations=8, polish_interval=3).options
         self._affine = Affine(problem)
+        self._whole: ReducedProblem | None = None
 
     @property
     def stopped(self) -> bool:
@@ -150,33 +166,41 @@ class _Search:
 
     def run(self, start: FloatArray) -> _Answer:
         """The answer that a search from ``start`` ends at."""
-        low, high = self.problem.bounds.T
-        reduced = self._reduced(start, 1.0, _DEPTH)
+        reduced = self._first()
         near = reduced.approached(start, self.rng)
-        best = self._answer(reduced, (low, high), near, self._descent if self.found else None)
-        trust, rounds, looked = _FIRST_TRUST, 1, False
-        while rounds < self._reduction.rounds and trust >= _LEAST_TRUST and not self.stopped:
-            if best.difference <= self._reduction.tolerance:
-                if looked or best.unexplained <= _EXACT:
+        options = self._descent if self.found else None
+        best = self._answer(reduced, self._around(near, 1.0), near, options)
+        return self._settled(best)
+
+    def look_around(self, best: _Answer) -> _Answer:
+        """The better one where there is one near ``best``."""
+        there = self._answer(best.reduced, self._around(best.x, _AROUND), best.x, self._look)
+        return self._settled(there) if there.cost < _BETTER * best.cost else best
+
+    def _settled(self, best: _Answer) -> _Answer:
+        """Where descents from ``best`` end, full and reduced model in agreement."""
+        trust, rounds, reduced, close = _FIRST_TRUST, 1, best.reduced, _CLOSE
+        while trust >= _LEAST_TRUST and not self._agrees(best) and not self.stopped:
+            if best.reduced is reduced:  # it has moved since the last basis or correction
+                fresh = best.difference > close
+                if fresh and rounds == self._reduction.rounds:
                     break
-                # Once: is there a better place around this one?
-                there, looked = (
-                    self._answer(best.reduced, self._around(best.x, _AROUND), best.x, self._look),
-                    True,
-                )
-                if there.cost < _BETTER * best.cost:
-                    best = there
-                continue
-            reduced = self._reduced(best.x, 2.0 * trust, _DEPTH + rounds)
+                reduced = self._reduced(best.x, min(_WIDEST, 2.0 * trust)) if fresh else reduced
+                reduced = reduced.corrected(best.x, best.full_hz)
+                rounds += fresh
+                close = _CLOSE if fresh else _CORRECTS * best.difference
             there = self._answer(reduced, self._around(best.x, trust), best.x, self._descent)
-            rounds += 1
-            if there.cost > best.cost and there.difference > self._reduction.tolerance:
-                trust *= 0.25
+            if there.cost > (_EQUAL if self._agrees(there) else 1.0) * best.cost:
+                trust *= _POOR
                 continue
-            # Where the basis does not gain by its new place, its box is too large for it.
-            trust *= 1.0 if there.difference < 0.1 * best.difference else 0.5
+            gain = (best.cost - there.cost) / max(best.cost - there.promised, np.finfo(float).tiny)
+            trust *= 2.0 if gain > _GOOD else 0.5 if gain < _POOR else 1.0
             best = there
         return best
+
+    def _agrees(self, found: _Answer) -> bool:
+        """Whether a model corrected near it is the full one there."""
+        return found.reduced.is_corrected and found.difference <= self._reduction.tolerance
 
     def _around(self, x: FloatArray, share: float) -> tuple[FloatArray, FloatArray]:
         """A part of the box."""
@@ -192,17 +216,29 @@ class _Search:
         options: dict[str, Any] | None,
     ) -> _Answer:
         self.found.append(self._minimize(reduced.core, *box, near, options))
-        answer = _Answer(self.problem, reduced, self.found[-1].x)
+        answer = _Answer(self.problem, reduced, self.found[-1].x, self.found[-1].fun)
         if self.best is None or answer.cost < self.best.cost:
             self.best = answer
         return answer
 
-    def _reduced(self, x: FloatArray, share: float, depth: int) -> ReducedProblem:
+    def _first(self) -> ReducedProblem:
+        """For the whole box: made around its middle, reductions at their nominal values."""
+        if self._whole is None:
+            problem = self.problem
+            low, high = problem.bounds.T
+            reductions = np.array([p.quantity == "stiffness_reduction" for p in problem.parameters])
+            middle = np.where(reductions, np.clip(problem.nominal, low, high), 0.5 * (low + high))
+            self._whole = self._reduced(middle, 1.0, _DEPTH, _FINER)
+        return self._whole
+
+    def _reduced(
+        self, x: FloatArray, share: float, depth: int = _DEPTH_THERE, finer: float = 1.0
+    ) -> ReducedProblem:
         """For that share of the parameters' ranges around ``x``."""
         self.bases += 1
         problem, wanted = self.problem, self._reduction
         half_widths = 0.5 * share * (problem.bounds[:, 1] - problem.bounds[:, 0])
         limit_hz = _BAND * float(problem.measured_hz.max())
-        largest = wanted.size, wanted.least
+        largest = wanted.size, finer * wanted.least
         basis = basis_at(self._affine, x, half_widths, limit_hz, depth, largest)
         return ReducedProblem(self._affine, basis)

@@ -26,12 +26,14 @@ class Reduction:
 
     The model is projected on modes, on the first Krylov vectors of force and sensors, and on what parameters
     make of these to first order. The reduced model has the same parameters and stands for the full one near
-    a point; the search goes on with a basis made where it arrived, until both agree there.
+    a point; the search goes on with a basis made where it arrived, its frequencies corrected by those of the
+    full model there, until both agree.
 
     Parameters
     ----------
     size : int, default 160
-        Most vectors.
+        Most vectors; at least as many as modes (to 1.5 times the highest measured frequency), forces and
+        sensors.
     least : float, default 0.05
         A direction that parameters move the basis by less than this, relatively, over half of their ranges,
         is left out. Smaller is larger, slower and better.
@@ -76,10 +78,11 @@ class ReductionReport:
     rounds : int
         Bases made.
     estimate : float
-        Error that was to be expected of the last reduced model's frequencies at the answer, relative.
+        Error that was to be expected of the last reduced model's frequencies at the answer, uncorrected,
+        relative.
     difference : float
-        The largest relative difference, at the answer, of a frequency of the reduced from that of the full
-        model.
+        The largest relative difference, at the answer, of a frequency of the reduced model, corrected at the
+        place before, from that of the full model.
     agreed : bool
         Whether it is within the tolerance.
     full_evaluations : int

@@ -64,7 +64,7 @@
 //! | [`optimize`] | the island genetic algorithm and its polish, for any f(x) | `error`, `rng` |
 //! | [`update`] | J, where the models meet the optimizer | `error`, `fem`, `modal`, `antiresonances`, `optimize` |
 //!
-//! `tests/architecture.rs` holds the sources to this table, and forbids circles between files.
+//! `tests/suite/architecture.rs` holds the sources to this table, and forbids circles between files.
 //!
 //! # References
 //!

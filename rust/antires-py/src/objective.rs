@@ -22,7 +22,9 @@ use crate::doorway::{Watch, guarded, run, to_python};
 use crate::model::Model;
 use crate::optimizer::{Search, outcome_to_python};
 use crate::parameters::{ParameterParts, core_parameters};
-use crate::states::{PyModalState, PyState, mode_states, root_states};
+use crate::states::{
+    PyModalState, PyNullVectors, PyState, mode_states, null_vectors_to_python, root_states,
+};
 
 /// Frequencies (m,), dofs (k,) and shapes (m, k) of modes measured together.
 type ModeParts<'py> = (
@@ -186,6 +188,21 @@ impl Objective {
         Ok((hz.into_pyarray(py), Some(mac_and_shapes)))
     }
 
+    /// J and the pairs of antiresonances at x (n,), of one solution.
+    fn cost_and_pairs<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<(f64, Bound<'py, PyArray1<f64>>)> {
+        let mut x = x.as_array().to_vec();
+        let o = self.of_antiresonances()?;
+        o.repair(&mut x);
+        let pairs = run(py, || o.pairs(&x, &mut o.workspace()))?;
+        let hz = pairs.iter().map(|p| p.partner_hz.unwrap_or(f64::NAN));
+        let hz: Vec<f64> = hz.collect();
+        Ok((o.cost_of(&x, &pairs), hz.into_pyarray(py)))
+    }
+
     /// Residuals e of measured antiresonances at x (n,), (m,); none of modes, whose pairs tell them.
     fn residuals<'py>(
         &self,
@@ -231,14 +248,26 @@ impl Objective {
         from_hz: f64,
         to_hz: f64,
     ) -> PyResult<Vec<PyState<'py>>> {
-        let Core::Antiresonance(objective) = &self.core else {
-            return Err(to_python(
-                Error::input("objective", "of modes", "one of antiresonances")
-                    .remedy("Modes have no antiresonances."),
-            ));
-        };
+        let objective = self.of_antiresonances()?;
         let band = with_slopes.then_some(from_hz..=to_hz);
         root_states(py, objective, &candidates, band.as_ref(), threads)
+    }
+
+    /// Roots at x (n,) as of `states`, with the null vectors of those between two limits.
+    fn null_vectors<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'_, f64>,
+        from_hz: f64,
+        to_hz: f64,
+    ) -> PyResult<PyNullVectors<'py>> {
+        let objective = self.of_antiresonances()?;
+        let (x, n) = (x.as_array().to_vec(), objective.unknowns().n_dof());
+        let found = run(py, || {
+            let band = from_hz..=to_hz;
+            Ok::<_, Error>(objective.null_vectors(&x, &mut objective.workspace(), &band))
+        })?;
+        Ok(null_vectors_to_python(py, found, n))
     }
 
     /// See [`mode_states`].
@@ -315,6 +344,18 @@ impl Objective {
             })
         })?;
         outcome_to_python(py, &outcome)
+    }
+}
+
+impl Objective {
+    fn of_antiresonances(&self) -> PyResult<&AntiresonanceObjective> {
+        match &self.core {
+            Core::Antiresonance(objective) => Ok(objective),
+            Core::Modal(_) => Err(to_python(
+                Error::input("objective", "of modes", "one of antiresonances")
+                    .remedy("Modes have no antiresonances."),
+            )),
+        }
     }
 }
 

@@ -160,6 +160,16 @@ impl AntiresonanceObjective {
         self.pairs_of(&mut self.form(x, ws))
     }
 
+    /// J at `x`, of which these are the pairs.
+    #[must_use]
+    pub fn cost_of(&self, x: &[f64], pairs: &[Pairing]) -> f64 {
+        let weighted = pairs.iter().zip(&self.weights);
+        let misfit = weighted.fold(0.0, |total, (pairing, weight)| {
+            self.misfit.add(total, weight * pairing.residual)
+        });
+        misfit + self.unknowns.penalty_at(&self.unknowns.snapped(x))
+    }
+
     /// New working memory.
     pub(super) fn memory(&self) -> Workspace {
         Workspace {

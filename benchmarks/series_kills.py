@@ -1,0 +1,79 @@
+"""SIGKILL at random times during one series, until it has been killed so often; then it is left alone.
+
+The file must be that of a series that nobody stopped, byte for byte, and nothing else may be left.
+
+Run: ``python -m benchmarks.series_kills [KILLS] [SEED]``, 20 and 0 by default; a minute or two.
+"""
+
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import antires_rs as ar
+from antires_rs.series.journal import Journal, journal_path
+from reference.small_records import OPTIONS, dead, record
+
+#: Tests of the series; a process lives for so long, in s, from its first result on.
+TESTS, LIFE_S = 250, (0.0, 1.2)
+#: Every tenth lacks a sensor, every twenty-fifth all.
+CHILD = "from benchmarks.series_kills import identified; import sys; identified(sys.argv[1])"
+
+
+def identified(folder):
+    conditions = {"temperature_c": np.linspace(-5.0, 30.0, TESTS)}
+    ar.identify_series(
+        f"{folder}/records", **OPTIONS, store=f"{folder}/year.parquet", conditions=conditions, progress=False
+    )
+
+
+def made(folder):
+    (folder / "records").mkdir(parents=True)
+    for i in range(TESTS):
+        dofs = (0, 1, 2) if i % 25 == 3 else (i % 3,)
+        one = dead(i, dofs) if i % 10 == 3 or i % 25 == 3 else record(i)
+        ar.write_npz(folder / "records" / f"test_{i}.npz", one)
+
+
+def killed_at(folder, after_s):
+    """Tests that are kept after a kill; None if the series was through before."""
+    part = journal_path(folder / "year.parquet")
+    size = part.stat().st_size if part.exists() else 0
+    with subprocess.Popen([sys.executable, "-c", CHILD, str(folder)]) as child:
+        while child.poll() is None and not (part.exists() and part.stat().st_size > size):
+            time.sleep(0.005)
+        time.sleep(after_s)
+        if child.poll() is not None:
+            return None
+        child.send_signal(signal.SIGKILL)
+    return len(Journal.read(part).kept) if part.exists() else 0
+
+
+def main(kills=20, seed=0):
+    rng = np.random.default_rng(seed)
+    with tempfile.TemporaryDirectory() as name:
+        whole, killed = Path(name, "whole"), Path(name, "killed")
+        made(whole)
+        (killed).mkdir()
+        (killed / "records").symlink_to(whole / "records")
+        identified(whole)
+        kept = []
+        while len(kept) < kills and (at := killed_at(killed, rng.uniform(*LIFE_S))) is not None:
+            kept.append(at)
+        subprocess.run([sys.executable, "-c", CHILD, str(killed)], check=True)
+        same = (killed / "year.parquet").read_bytes() == (whole / "year.parquet").read_bytes()
+        left = sorted(path.name for path in killed.iterdir())
+        size = (whole / "year.parquet").stat().st_size
+        failed = len(ar.Series.load(whole / "year.parquet").failed)
+    print(f"{len(kept)} kills during a series of {TESTS} tests ({failed} failed); kept after each: {kept}")
+    print(f"same file, {size:,} bytes: {same}; left beside the records: {left}")
+    return same and left == ["records", "year.parquet"]
+
+
+if __name__ == "__main__":
+    sys.exit(not main(*map(json.loads, sys.argv[1:])))

@@ -1,0 +1,78 @@
+"""A Dask client: what is different from other executors.
+
+Dask begins a task anew whose worker was lost, until it has lost a few with one task (``allowed-failures`` of
+its scheduler, 3) and gives that one up; what it gives up, or cancels as its scheduler restarts, is submitted
+again.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+from ..validation import reject
+from .engine import Answer, Engine
+from .executors import SMALL_BYTES, Submitted
+from .schedule import Chunk
+
+__all__ = ["OnDask"]
+
+#: How often the cluster is asked for its size, which may change.
+_ASK_S = 2.0
+
+
+class OnDask(Submitted):
+    """Chunks as futures of a Dask client; functions are sent by cloudpickle, as Dask does."""
+
+    def __init__(self, client: Any, function: Callable[..., Any], shared: Any) -> None:
+        if getattr(client, "asynchronous", False):
+            reject("workers", "an asynchronous Dask client", "a synchronous one", "Make it by Client(...).")
+        import cloudpickle
+
+        super().__init__(client, 1, payload=cloudpickle.dumps((function, shared)))
+        self._pickled = cloudpickle.dumps
+        self._asked = -_ASK_S
+        self._scattered: Any = None
+
+    @property
+    def workers(self) -> int:
+        """Threads of the cluster's workers, at least one: it may still be growing."""
+        now = time.monotonic()
+        if now > self._asked + _ASK_S:
+            self._asked = now
+            with suppress(OSError, RuntimeError, ValueError):  # the scheduler is away; the futures will tell
+                self._count = max(1, sum(self.executor.nthreads().values()))
+        return self._count
+
+    def _packed(self, tasks: list[Any]) -> bytes:
+        data: bytes = self._pickled(tasks)
+        return data
+
+    def _sent_payload(self) -> Any:
+        if len(self._payload) <= SMALL_BYTES:
+            return self._payload
+        if self._scattered is None:
+            self._scattered = self.executor.scatter(self._payload, hash=False)
+        return self._scattered
+
+    def _begin(self, function: Callable[..., Any], *args: Any) -> Any:
+        return self.executor.submit(function, *args, pure=False)
+
+    def _lost(self, chunk: Chunk, error: BaseException) -> Answer:
+        self._scattered = None  # it may have been on the worker that was lost
+        if self.executor.status == "closed":
+            reject(
+                "workers",
+                "a Dask client that has lost its scheduler",
+                "one that is connected",
+                "Connect anew to a scheduler that runs.",
+            )
+        answer = super()._lost(chunk, error)
+        # Lost workers for each time that Dask gives up.
+        return Answer(chunk, lost=answer.lost, losses=1 + getattr(error, "allowed_failures", 0))
+
+    def successor(self) -> Engine | None:
+        """Nobody: its scheduler replaces workers."""
+        return None

@@ -1,0 +1,202 @@
+"""One door to all workers: the same results in order, losses, exceptions, and nothing left behind."""
+
+import itertools
+import multiprocessing
+import os
+import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.support import progress
+from antires_rs.support.workers.door import Failed, Workers, in_order
+from antires_rs.support.workers.schedule import Schedule
+from tests.support import worker_tasks as work
+
+SPAWN = multiprocessing.get_context("spawn")
+SQUARES = [n * n for n in range(60)]
+
+
+class SubmitOnly:
+    """An executor of another make, which knows ``submit`` only."""
+
+    def __init__(self, executor):
+        self.executor = executor
+
+    def submit(self, *args):
+        return self.executor.submit(*args)
+
+
+class MapOnly:
+    def map(self, function, tasks):
+        return [function(task) for task in tasks]
+
+
+@pytest.mark.parametrize("workers", [None, 1, 2, "threads", map, MapOnly()], ids=str)
+def test_results_come_in_order(workers):
+    assert list(in_order(work.square, range(60), workers)) == SQUARES
+    assert multiprocessing.active_children() == []
+
+
+def test_executors_of_the_caller_stay_open():
+    with ThreadPoolExecutor(2) as threads, ProcessPoolExecutor(2, SPAWN) as processes, SPAWN.Pool(2) as pool:
+        for workers in (threads, processes, pool, threads.map, pool.map, SubmitOnly(processes)):
+            assert list(in_order(work.square, range(60), workers)) == SQUARES
+        assert threads.submit(work.square, 3).result() == 9
+
+
+def test_loky_sends_what_does_not_pickle():
+    loky = pytest.importorskip("joblib.externals.loky")
+    executor = loky.get_reusable_executor(2)
+    assert list(in_order(lambda x: x + 1, range(5), executor)) == [1, 2, 3, 4, 5]
+    executor.shutdown()
+
+
+@pytest.mark.parametrize("workers", [None, 2])
+def test_what_is_shared_comes_first(workers):
+    assert list(in_order(work.scaled, range(3), workers, shared=7)) == [0, 7, 14]
+
+
+def test_a_generator_is_read_a_little_ahead_only():
+    read = []
+
+    def tasks():
+        for n in itertools.count():
+            read.append(n)
+            yield n
+
+    results = in_order(work.nap, tasks(), "threads", seconds_a_chunk=0.02)
+    assert list(itertools.islice(results, 10)) == list(range(10))
+    results.close()
+    assert len(read) < 10 + 40 * (os.cpu_count() or 1)
+
+
+@pytest.mark.parametrize("workers", [None, 2, "threads", map], ids=str)
+def test_an_exception_is_raised_in_its_turn_with_the_number_of_its_task(workers):
+    results = in_order(work.fails_at_seven, range(20), workers)
+    assert list(itertools.islice(results, 7)) == list(range(7))
+    with pytest.raises(ZeroDivisionError, match="seven") as caught:
+        next(results)
+    assert "This was task 7, counted from 0." in caught.value.__notes__
+    given = list(in_order(work.fails_at_seven, range(9), workers, errors="return"))
+    assert isinstance(given[7], Failed)
+    assert isinstance(given[7].error, ZeroDivisionError)
+    assert given[:7] == list(range(7))
+    assert multiprocessing.active_children() == []
+
+
+def test_a_result_that_does_not_travel_is_an_exception_of_its_task():
+    (given,) = in_order(work.does_not_travel, [1], "processes", errors="return")
+    assert "pickle" in str(given.error)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
+@pytest.mark.parametrize("kind", ["ours", "executor", "pool"])
+def test_a_task_may_take_four_workers_along(kind, tmp_path):
+    tasks = [(tmp_path, n, 4) for n in range(12)]
+    if kind == "ours":
+        assert list(in_order(work.kills, tasks, 2)) == list(range(12))
+    elif kind == "executor":
+        with ProcessPoolExecutor(2, SPAWN) as executor:
+            assert list(in_order(work.kills, tasks, executor)) == list(range(12))
+    else:
+        with SPAWN.Pool(2) as pool:
+            assert list(in_order(work.kills, tasks, pool)) == list(range(12))
+    assert len(os.listdir(tmp_path)) == 4
+    assert multiprocessing.active_children() == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
+def test_a_task_that_always_kills_is_given_up_alone(tmp_path):
+    tasks = [(tmp_path, n, 99) for n in range(8)]
+    given = list(in_order(work.kills, tasks, 2, losses=2, errors="return"))
+    assert [n for n, one in enumerate(given) if isinstance(one, Failed)] == [5]
+    error = given[5].error
+    assert isinstance(error, ar.LostWorkerError)
+    assert (error.task, error.losses, error.reason) == (5, 3, "exit code -9")
+    assert "task 5 was given up: 3 workers" in str(error)
+
+
+def test_processes_last_from_round_to_round_and_end_when_left_in_the_middle():
+    with Workers(work.worker, 2, seconds_a_chunk=0.01) as workers:
+        first, second = (set(workers.in_order(range(8))) for _ in range(2))
+        assert first == second
+        assert os.getpid() not in first
+    assert multiprocessing.active_children() == []
+    start = time.monotonic()
+    workers = Workers(work.long_nap, 2)
+
+    def enough():
+        if time.monotonic() > start + 0.5:
+            raise TimeoutError
+
+    with pytest.raises(TimeoutError), workers:
+        list(workers.in_order(range(4), poll=enough))
+    assert time.monotonic() - start < 5.0
+    assert multiprocessing.active_children() == []
+
+
+def test_what_workers_cannot_be_is_said():
+    for wrong in ("eight", 0, 2.5, True, 3000, object(), ProcessPoolExecutor):
+        with pytest.raises(ar.InvalidInputError, match="^workers: got "):
+            list(in_order(work.square, [1], wrong))
+    with pytest.raises(ar.InvalidInputError, match="cannot be sent.*threads"):
+        list(in_order(lambda x: x, [1], 2))
+    with pytest.raises(ar.InvalidInputError, match="tasks that cannot be sent"):
+        list(in_order(work.square, [lambda: 0], 2))
+    closed = ThreadPoolExecutor(1)
+    closed.shutdown()
+    with pytest.raises(ar.InvalidInputError, match="takes nothing"):
+        list(in_order(work.square, [1], closed))
+
+
+def chunks(schedule, workers=2, seconds_a_task=0.01):
+    """Numbers of the tasks in every chunk, each done before the next is asked for."""
+    found = []
+    while (chunk := schedule.next(workers, 1000)) is not None:
+        found.append((chunk.first, len(chunk.tasks)))
+        schedule.done(chunk, chunk.tasks, seconds_a_task * len(chunk.tasks))
+    return found
+
+
+def test_chunks_last_as_long_as_asked_and_get_smaller_towards_the_end():
+    sizes = [size for _, size in chunks(Schedule(range(1000), 0.5, 1, {}))]
+    assert sizes[:3] == [1, 8, 50]
+    assert max(sizes) == 50
+    assert sizes[-1] == 1
+    assert sum(sizes) == 1000
+    assert [n for n, _ in chunks(Schedule(range(5), 100.0, 1, {}), seconds_a_task=200.0)] == [0, 1, 2, 3, 4]
+
+
+def test_a_lost_chunk_is_cut_until_the_task_that_ends_workers_is_alone():
+    arrived = {}
+    schedule = Schedule(range(200), 1.0, 3, arrived)
+    lost = 0
+    while (chunk := schedule.next(1, 1000)) is not None:
+        if 137 in chunk.tasks:
+            lost += 1
+            schedule.lost(chunk, "killed")
+        else:
+            schedule.done(chunk, chunk.tasks, 0.001 * len(chunk.tasks))
+    assert sorted(arrived) == list(range(200))
+    assert arrived[137].error.losses == 4
+    assert lost <= 4 + 3
+    assert all(arrived[n] == n for n in range(200) if n != 137)
+
+
+def test_one_blas_thread_in_every_worker():
+    pytest.importorskip("threadpoolctl")
+    matrix = np.random.default_rng(0).normal(size=(300, 300))
+    one, *others = (
+        [each.tobytes() for each in in_order(np.linalg.inv, [matrix] * 3, workers)]
+        for workers in (1, 2, "threads")
+    )
+    assert all(other == one for other in others)
+
+
+def test_progress_counts_and_tells_what_is_left():
+    assert progress.counted("test", 3, 12, 30.0) == "test 3 of 12, about 90 s left"
+    assert progress.counted("test", 12, 12, 30.0) == "test 12 of 12"
+    assert progress.counted("record", 5, None, 30.0) == "record 5"

@@ -1,0 +1,59 @@
+"""A long record is worked on a piece at a time: what is needed beside it is less than the record."""
+
+import tracemalloc
+
+import numpy as np
+
+import antires_rs as ar
+from antires_rs.signals.segments import Segments
+
+
+def record(n_samples):
+    """Twelve channels of a chain under noise, all of it from one draw of the force."""
+    rng = np.random.default_rng(5)
+    chain = ar.MassSpringChain(
+        1.0 + 0.1 * np.cos(np.arange(12.0)), np.full(11, 3e4), ground_first_n_per_m=4e4
+    )
+    duration = n_samples / 256.0
+    return chain.simulate(
+        excitation=0, fs_hz=256.0, duration_s=duration, damping_ratio=0.01, noise=0.01, rng=rng
+    )
+
+
+def test_averages_and_their_check_need_less_than_the_record_beside_it():
+    # The fit's own memory depends on its lines and orders, not on the length of the record.
+    long = record(1 << 18)
+    asked = {"excitation": 0, "band_hz": (5.0, 60.0), "nperseg": 2048}
+    ar.check_data(record(1 << 13), **asked)  # imports
+    tracemalloc.start()
+    ar.check_data(long, **asked)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # Segments from 5 to 60 of 128 Hz, half overlapping, in single precision, take 0.43 of it.
+    assert peak < long.responses.nbytes
+
+
+def test_a_read_only_array_of_ones_own_is_not_copied():
+    first = record(1 << 12)
+    again = ar.Recording(first.responses, first.fs_hz)
+    assert np.shares_memory(first.responses, again.responses)
+    mine = np.array(first.responses)
+    kept = ar.Recording(mine, 256.0)
+    mine[:] = 0.0
+    assert kept.responses.any()
+
+
+def test_segments_scaled_by_rows_and_lines_keep_their_covariance():
+    rng = np.random.default_rng(1)
+    x = rng.standard_normal((5, 3, 40)) + 1j * rng.standard_normal((5, 3, 40))
+    rows, lines = rng.uniform(0.5, 2.0, 3), rng.uniform(0.5, 2.0, 5)
+    scaled = Segments.of(x).times(rows).times(lines[:, None])
+    wanted = x * rows[:, None] * lines[:, None, None]
+    np.testing.assert_allclose(scaled.at(slice(1, 4)), wanted[1:4], rtol=1e-12)
+    np.testing.assert_allclose(
+        scaled.covariance(), wanted @ wanted.conj().transpose(0, 2, 1) / 40, rtol=1e-12, atol=1e-14
+    )
+    basis = np.linalg.qr(rng.standard_normal((3, 2)))[0]
+    np.testing.assert_allclose(
+        scaled.projected(basis).covariance(), basis.T @ scaled.covariance() @ basis, rtol=1e-9, atol=1e-12
+    )
