@@ -22,9 +22,10 @@ PACKAGES = {
     "tables": ("pandas", "xarray"),
     "series": ("pyarrow",),
     "ansys": ("ansys-mapdl-reader",),
+    "dask": ("dask",),
 }
 #: Extras that bring so much with them that "all" leaves them out.
-LARGE = {"ansys"}
+LARGE = {"ansys", "dask"}
 
 
 @pytest.fixture
@@ -207,7 +208,7 @@ def test_the_command_line_says_what_to_install(bare, study, tmp_path, capsys):
 def test_the_extras_bring_what_the_messages_promise():
     extras = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]["optional-dependencies"]
     for extra, packages in PACKAGES.items():
-        assert set(packages) <= {re.split("[<>=]", wanted)[0] for wanted in extras[extra]}
+        assert set(packages) <= {re.split(r"[<>=[]", wanted)[0] for wanted in extras[extra]}
     assert set(extras) == {*PACKAGES, "all"}
     assert set(re.findall(r"\w+", extras["all"][0].partition("[")[2])) == set(PACKAGES) - LARGE
     named = {
