@@ -21,6 +21,7 @@ PACKAGES = {
     "hdf5": ("h5py",),
     "tables": ("pandas", "xarray"),
     "series": ("pyarrow",),
+    "watch": ("watchdog",),
     "ansys": ("ansys-mapdl-reader",),
     "dask": ("dask",),
 }
@@ -55,6 +56,7 @@ def study():
         "curves": ar.detectability(
             ar.MassSpringChain([1.0, 1.2, 1.0], [500.0, 450.0]), excitation=0, std=5e-4, n_tests=1, rng=0
         ),
+        "watched": ar.monitor([case.exact(0)] * 60, baseline=50),
         "check": ar.check_data(record, excitation=0, band_hz=(3, 130)),
         "lines": ar.transmissibility(record, 0, nperseg=4096),
     }
@@ -101,6 +103,8 @@ PICTURES = {
     "AntiresonanceSet.plot": lambda s: s["zeros"].plot(0),
     "StabilizationDiagram.plot": lambda s: s["zeros"].diagrams[0].plot(),
     "FrameModel.plot": lambda s: frame().plot(),
+    "plot_monitor": lambda s: plotting.plot_monitor(s["watched"]),
+    "Watched.plot": lambda s: s["watched"].plot(),
 }
 
 

@@ -37,6 +37,13 @@ class Chart(ReadOnly):
         A test alarms above it.
     rate : float
         Its share of the rate of false alarms.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import antires_rs as ar
+    >>> ar.Chart(np.array([12.0, 31.0]), np.array([25.0, 25.0]), 0.006)
+    Chart(1 of 2 above the limit, rate 0.006)
     """
 
     statistic: FloatArray

@@ -48,6 +48,12 @@ class Fault:
     dof : int or str
     text : str
         Why.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> print(ar.Fault(3, "not in this test").text)
+    not in this test
     """
 
     dof: Any

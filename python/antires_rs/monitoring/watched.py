@@ -51,6 +51,15 @@ class Watched(JudgedTests):
     freq_hz, expected_hz, std_hz : (n, m)
         As measured (NaN where a test does not have it), as expected at the test's conditions, and the
         standard deviation of their difference.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> import numpy as np
+    >>> rng = np.random.default_rng(0)
+    >>> sets = [ar.AntiresonanceSet(0, {0: [8.7, 23.9] + 0.01 * rng.standard_normal(2)}) for _ in range(60)]
+    >>> ar.monitor(sets, baseline=50)
+    Watched(60 tests, 0 alarms outside the baseline, rate 0.01)
     """
 
     def __repr__(self) -> str:
