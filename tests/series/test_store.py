@@ -185,9 +185,14 @@ def test_other_options_are_refused(store, through):
     if through:
         identified(store)
     else:
-        Journal(
-            journal_path(store), {"excitation": 0, "band_hz": [0.8, 8.0], "reading": {}, "max_order": 16}
-        ).close()
+
+        def stopped():
+            yield from sources(3)
+            raise RuntimeError
+
+        with pytest.raises(RuntimeError):
+            ar.identify_series(stopped(), **OPTIONS, store=store)
+        assert journal_path(store).exists()
     with pytest.raises(ar.InvalidInputError, match="band_hz = .*8.0.* in place of .*7.0"):
         identified(store, band_hz=(0.8, 7.0))
     with pytest.raises(ar.InvalidInputError, match="max_order"):

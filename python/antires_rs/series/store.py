@@ -87,8 +87,12 @@ class FileStore:
         self.changed: list[str] = []
         self._file: SeriesFile | None = None
         if path.exists():
-            self._file = SeriesFile(path)
-            same_config(path, self._file.config, config)
+            self._file = SeriesFile(path, "store")
+            if all(row.kept.failed is not None for row in self._file.rows) and self._file.config is not None:
+                # A wrong band or excitation, and nothing found by it: what is corrected begins anew.
+                self._file = self._file if self._file.config == config else None
+            else:
+                same_config(path, self._file.config, config)
         self._before = {row.name: row.kept for row in self._file.rows} if self._file else {}
         self._journal = Journal(journal_path(path), config)
 
