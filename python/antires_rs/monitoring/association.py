@@ -7,6 +7,7 @@ match finds.
 
 from __future__ import annotations
 
+from bisect import insort
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -97,19 +98,19 @@ def places_of(sets: Sequence[AntiresonanceSet], max_shift: float) -> Places:
     for count, i in enumerate(order[1:], start=1):
         if count % _PRUNE == 0:
             groups = {dof: [one for one in groups[dof] if len(one) >= RARE * count] for dof in dofs}
-        where = {dof: np.array([np.median(group) for group in groups[dof]]) for dof in dofs}
+        where = {dof: np.array([_median(group) for group in groups[dof]]) for dof in dofs}
         matches, shift = _matched(where, sets[i], max_shift)
         for dof, pairs in matches.items():
             values = sets[i][dof] / np.exp(shift)
             for place, row in pairs:
-                groups[dof][place].append(float(values[row]))
+                insort(groups[dof][place], float(values[row]))
             taken = {row for _, row in pairs}
             groups[dof] += [[float(f)] for row, f in enumerate(values) if row not in taken]
     columns: list[tuple[Any, float, float]] = []
     for dof in dofs:
         tests = sum(dof in one for one in sets)
         seen = [one for one in groups[dof] if len(one) >= max(2.0, RARE * tests)]
-        columns += sorted((dof, float(np.median(one)), len(one) / tests) for one in seen)
+        columns += sorted((dof, _median(one), len(one) / tests) for one in seen)
     names = np.empty(len(columns), dtype=object)
     names[:] = [dof for dof, _, _ in columns]
     return Places(
@@ -119,6 +120,11 @@ def places_of(sets: Sequence[AntiresonanceSet], max_shift: float) -> Places:
         np.array([freq for _, freq, _ in columns]),
         np.array([rate for _, _, rate in columns]),
     )
+
+
+def _median(ascending: Sequence[float]) -> float:
+    count = len(ascending)
+    return 0.5 * (ascending[(count - 1) // 2] + ascending[count // 2])
 
 
 def values_of(sets: Sequence[AntiresonanceSet | None], places: Places, max_shift: float) -> Values:
