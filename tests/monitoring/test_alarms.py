@@ -22,10 +22,10 @@ def baseline_sets():
     "options", [{}, {"tails": 4}, {"missed": 0.08}], ids=["normal", "heavy tails", "missing"]
 )
 def test_intact_tests_alarm_at_the_stated_rate(options):
-    """Of 400 tests after two baselines: 2 % stated, one point more at most, and not never."""
+    """Of 200 tests after two baselines: 2 % stated, one point more at most, and not never."""
     rng = np.random.default_rng(11)
     alarms = [
-        ar.monitor(many(INTACT, 260, rng, **options), baseline=60, false_alarm_rate=0.02).alarm[60:]
+        ar.monitor(many(INTACT, 160, rng, **options), baseline=60, false_alarm_rate=0.02).alarm[60:]
         for _ in range(2)
     ]
     rate = np.mean(alarms)
@@ -34,7 +34,7 @@ def test_intact_tests_alarm_at_the_stated_rate(options):
 
 def test_the_rate_follows_the_argument():
     rng = np.random.default_rng(12)
-    sets = many(INTACT, 400, rng)
+    sets = many(INTACT, 260, rng)
     low, high = (ar.monitor(sets, baseline=100, false_alarm_rate=rate).alarm[100:] for rate in (0.005, 0.15))
     assert low.mean() < 0.015
     assert 0.05 < high.mean() < 0.2
