@@ -140,3 +140,25 @@ def test_two_dofs_that_an_equation_joins_answer_as_one():
     np.testing.assert_array_equal(*both)
     with pytest.raises(ar.InvalidInputError, match=r"dofs: got dof 2, dof 5 together"):
         ar.MatrixModel(k, m, constraints=[{2: 1.0, 5: -0.5}]).antiresonances(2, 5)
+
+
+def test_equations_that_repeat_others_but_for_the_last_digits_are_told():
+    k, m, _ = random_structure(3, 8)
+    row = {2: 1.0, 4: -0.5, 6: 0.25}
+    almost = {dof: value * (1.0 + 1e-7 * dof) for dof, value in row.items()}
+    with pytest.raises(ar.InvalidInputError, match=r"constraints\[1\].* at .*4, 6"):
+        ar.MatrixModel(k, m, constraints=[row, almost])
+    with pytest.raises(ar.InvalidInputError, match=r"constraints\[2\]"):
+        ar.eliminate_constraints(k, m, [row, {1: 1.0, 3: -1.0}, almost])
+    exact = ar.MatrixModel(k, m, constraints=[row, {dof: 3.0 * value for dof, value in row.items()}])
+    assert exact.modes().freq_hz.size == 7
+
+
+@pytest.mark.parametrize("what", ["response", "excitation"])
+def test_a_dof_that_an_equation_holds_is_no_place_for_a_sensor_or_a_force(what):
+    k, m, _ = random_structure(4, 8)
+    model = ar.MatrixModel(k, m, constraints=[{3: 1.0, 5: 1.0}, {3: 1.0, 5: -1.0}, {6: 2.0}])
+    for dof in (3, 5, 6):
+        ends = {"response": 0, "excitation": 1, what: dof}
+        with pytest.raises(ar.InvalidInputError, match=rf"{what}: got dof {dof}, which .* hold at zero"):
+            model.antiresonances(**ends)

@@ -13,6 +13,7 @@ import time
 import pytest
 
 import antires_rs as ar
+from tests.support.paths import ROOT
 from tests.support.tolerances import INTERRUPT_S
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
@@ -71,16 +72,24 @@ except KeyboardInterrupt:
 GOOD = "interrupted False True True"
 
 
-def after_sigint(code):
-    """What a program prints after Ctrl-C, and the seconds until it has ended."""
+def after_sigint(code, to_group=False):
+    """What a program prints after Ctrl-C, alone or with all it began, and the seconds until it has ended."""
     with subprocess.Popen(
-        [sys.executable, "-c", PREAMBLE + code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", PREAMBLE + code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=ROOT,
+        process_group=0,
     ) as process:
         try:
             assert process.stdout.readline().strip() == "under way", process.stderr.read()
             time.sleep(0.2)
             start = time.monotonic()
-            process.send_signal(signal.SIGINT)
+            if to_group:
+                os.killpg(process.pid, signal.SIGINT)
+            else:
+                process.send_signal(signal.SIGINT)
             out, err = process.communicate(timeout=30)
             took = time.monotonic() - start
         finally:

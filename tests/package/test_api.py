@@ -54,7 +54,7 @@ def test_functions_document_every_parameter(name):
     section = re.search(r"Parameters\n-+\n(.*?)\n\n(?:Returns|Yields)\n", text, re.DOTALL)[1]
     named = {
         n.strip()
-        for line in re.findall(r"^([\w, ]+?)(?: :.*)?$", section, re.MULTILINE)
+        for line in re.findall(r"^\*{0,2}([\w, ]+?)(?: :.*)?$", section, re.MULTILINE)
         for n in line.split(",")
     }
     assert set(inspect.signature(function).parameters) <= named

@@ -19,6 +19,7 @@ PAGES = (
     "start",
     "identify",
     "repeats",
+    "series",
     "model",
     "parameters",
     "damage",

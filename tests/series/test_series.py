@@ -58,6 +58,23 @@ def test_two_tests_are_compared():
         series().compare(0, 2)
 
 
+def test_two_series_are_compared_by_their_averages():
+    rng = np.random.default_rng(0)
+    std = 0.01
+
+    def tests(first, n):
+        drawn = first + std * rng.standard_normal((n, 2))
+        made = [ar.AntiresonanceSet(0, {0: f if i % 5 else [*f, 31.0], 1: []}) for i, f in enumerate(drawn)]
+        return ar.Series.from_sets([*made, None])
+
+    before, same, after = (tests(f, 40) for f in ([8.7, 23.9], [8.7, 23.9], [8.7, 23.88]))
+    average = before.average()
+    np.testing.assert_allclose(average[0], [8.7, 23.9], atol=4 * std / np.sqrt(40))
+    np.testing.assert_allclose(average.std_hz[0], std / np.sqrt(40), rtol=0.4)
+    assert not ar.compare(before, same).different
+    assert ar.compare(before, after).changed.tolist() == [False, True]
+
+
 def test_rows_for_pandas():
     pytest.importorskip("pandas")
     rows = series(times=["2026-01-01T00", "2026-01-01T01", "2026-01-01T02", "2026-01-01T03"]).to_dataframe()

@@ -5,6 +5,8 @@ import signal
 import time
 from pathlib import Path
 
+import numpy as np
+
 
 def square(x):
     return x * x
@@ -48,3 +50,28 @@ def kills(task):
 def worker(_):
     time.sleep(0.05)
     return os.getpid()
+
+
+def slow_sphere(x):
+    time.sleep(0.05)
+    return float(np.sum((x - 0.3) ** 2))
+
+
+def sphere(x):
+    return float(np.sum((x - 0.3) ** 2))
+
+
+class Breaks:
+    """The sphere, but for evaluations beyond a number, which raise or end their worker."""
+
+    def __init__(self, folder, after, kill=False):
+        self.folder, self.after, self.kill = folder, after, kill
+
+    def __call__(self, x):
+        count = len(os.listdir(self.folder))
+        Path(self.folder, f"{os.getpid()}-{time.monotonic_ns()}").touch()
+        if count == self.after:
+            if self.kill:
+                os.kill(os.getpid(), signal.SIGKILL)
+            raise ZeroDivisionError("in f")
+        return sphere(x)

@@ -23,13 +23,24 @@ def factors_of(model: StructuralModel) -> tuple[Parameter, ...]:
     """A factor for each stiffness and mass term that is not zero."""
     stiffness = [Parameter("stiffness_factor", (term,), BOUNDS) for term in model._springs]
     mass = [Parameter("mass_factor", (term,), BOUNDS) for term in range(model._core.n_mass_terms)]
-    return tuple(factor for factor in (*stiffness, *mass) if _governs(model, factor))
+    return _governing(model, (*stiffness, *mass))
 
 
-def _governs(model: StructuralModel, factor: Parameter) -> bool:
+def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
+    """Those that may be anywhere within their bounds: all, or halves of them looked at anew."""
+    if not factors or _governs(model, factors):
+        return factors
+    half = len(factors) // 2
+    if not half:  # a term that is zero, or without which nothing holds together
+        return ()
+    return _governing(model, factors[:half]) + _governing(model, factors[half:])
+
+
+def _governs(model: StructuralModel, factors: tuple[Parameter, ...]) -> bool:
+    low, high = (np.full(len(factors), bound) for bound in BOUNDS)
     try:
-        parts = model.description.core_parameters((factor,))
-        _core.check_bounds(model._core, parts, np.array(BOUNDS[:1]), np.array(BOUNDS[1:]))
-    except InvalidInputError:  # a term that is zero, or without which nothing holds together
+        parts = model.description.core_parameters(factors)
+        _core.check_bounds(model._core, parts, low, high)
+    except InvalidInputError:
         return False
     return True

@@ -10,8 +10,10 @@ import numpy as np
 from ..models.parameter import Parameter
 from ..support.one_thread import one_blas_thread
 from ..support.validation import FloatArray
+from ..updating.reduction import ReductionReport
 from .assessment import Assessment
 from .calibration import log_odds_threshold
+from .confirmation import confirmed
 from .hypotheses import UNKNOWN, Hypotheses
 from .likelihood import Likelihood
 from .limits import intact_slopes, smallest_found
@@ -44,6 +46,8 @@ class Inferred:
     #: The values of now as the model after the baseline would have them: what is wrong in both states taken
     #: out.
     corrected: list[Any]
+    #: How reduced models served; None where there were none.
+    reduction: ReductionReport | None
 
 
 @one_blas_thread
@@ -57,6 +61,7 @@ def infer(
     intact, now, responses, odd = prepared.intact, prepared.now, prepared.responses, prepared.odd
     search = Search(likelihood, len(elements), MOST)
     search.run()
+    reduction = confirmed(search, likelihood, prior)
     weights = log_weights(search, likelihood, prior)
     damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and max(s) < len(elements)}
     likeliest = max(damage, key=lambda s: damage[s], default=())
@@ -92,7 +97,7 @@ def infer(
         n_intact_matched=int((error.partner >= 0).sum()),
         n_baselines=max(map(responses.tests.count, responses.tests), default=0),
         scatter=prepared.scatter,
-        notes=(*responses.left_out, *_of_shift(shift)),
+        notes=(*responses.left_out, *_of_shift(shift), *_of_screening(search)),
         odd_baselines=odd.tests if odd else (),
         baseline_gap=odd.apart if odd else 0.0,
         usual_gap=odd.usual if odd else 0.0,
@@ -115,6 +120,7 @@ def infer(
         likelihood.nfev,
         search.interrupted,
         _corrected(likelihood, betas, responses),
+        reduction,
     )
 
 
@@ -126,6 +132,17 @@ def _of_shift(moved: float) -> list[str]:
     return [
         f"All values are {figure(abs(moved))} {way} than in the intact state, as at another temperature or "
         "by another sampling clock: correct them for it, or raise std_common."
+    ]
+
+
+def _of_screening(search: Search) -> list[str]:
+    """A note on what was looked at less closely, where there are many elements."""
+    if search.screened is None:
+        return []
+    closely, count = search.screened
+    return [
+        f"Of {count} elements the {closely} that would explain most to first order were scanned from 2 to "
+        "97 % loss; the others were judged from the slopes of the undamaged model."
     ]
 
 

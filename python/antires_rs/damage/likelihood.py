@@ -22,6 +22,7 @@ from ..support.validation import FloatArray
 from .measured_states import Values
 from .mode_roots import ModeRoots
 from .model_error import ModelError
+from .reduced_roots import ReducedRoots
 from .roots import Roots, Source, roots_at
 from .vanished import and_vanished, vanished
 from .view import ERRORS, Band, Foreseen, View, viewed
@@ -74,6 +75,12 @@ class Likelihood:
         band_hz = (np.exp(self.band.low - 2.0 * _MARGIN), np.exp(self.band.high + 2.0 * _MARGIN))
         x = np.hstack([betas, factors])
         return roots_at(self.core, x, slopes=slopes, threads=self.threads, band_hz=band_hz)
+
+    def settle(self, beta: FloatArray) -> float:
+        """Give severities (n,) a reduced model of their own; how far its roots are from the full model's."""
+        if not isinstance(self.core, ReducedRoots):
+            return 0.0
+        return self.core.settle(np.concatenate([beta, self._factors]))
 
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
         """The values as seen from each row of severities, with an extra error of every value."""

@@ -18,6 +18,8 @@ from .measured_modes import ModeResponses, measured_modes
 from .measured_states import Responses, Values, measured_states, scatter_between
 from .model_error import ModelError, learned
 from .prior import DamagePrior
+from .reduced_roots import ReducedRoots
+from .terms import Terms
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -48,7 +50,8 @@ class Prepared:
 class Question:
     """What was asked; ``elements`` are the candidates, zero-based.
 
-    ``model_error`` is the scatter of the model's factors where it is not to be learned.
+    ``model_error`` is the scatter of the model's factors where it is not to be learned; ``reduced`` whether
+    antiresonances are sought on reduced models.
     """
 
     model: StructuralModel
@@ -58,6 +61,7 @@ class Question:
     prior: DamagePrior
     std_common: float
     model_error: float | None = None
+    reduced: bool = False
 
     def prepared(self, threads: int) -> Prepared:
         """Learn the model's errors from the baseline."""
@@ -73,7 +77,9 @@ class Question:
         numbers = (*self.elements, *(e for e in model._springs if e not in self.elements))
         factors = factors_of(model)
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
-        core = responses.source(model, parts)
+        core: Any = responses.source(model, parts)
+        if self.reduced and isinstance(responses, Responses):
+            core = ReducedRoots(Terms(model, responses.parts, parts, numbers, factors), core)
         step("learning the model's errors")
         error = learned(core, len(numbers), len(factors), intact, self.model_error, threads)
         if not error.intact.size or (intact.size and not (error.partner >= 0).any()):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from ..updating.reduction import ReductionReport
 from .assessment import Assessment
 from .percent import figure
 from .phrases import Label
 
-__all__ = ["reservations"]
+__all__ = ["note_of_reduction", "reservations"]
 
 #: With fewer values to spare a fit says little.
 _FEW = 4
@@ -63,3 +64,14 @@ def reservations(found: Assessment, label: Label) -> list[str]:
     if found.assumed_std:
         notes.append("Values without standard deviation count as known to 0.05 %.")
     return notes
+
+
+def note_of_reduction(found: ReductionReport) -> str:
+    """How a reduced model served."""
+    if found.agreed:
+        return found.note
+    return (
+        f"Sought on a reduced model, {found.size} dofs for {found.n_dof}: at the answer its antiresonances "
+        f"still differ from the full model's by {found.difference:.0e}, which moves severities and "
+        "probabilities by as much. reduction=False assesses on the full model, which takes long."
+    )

@@ -16,7 +16,7 @@ from .one_state import headline_of_one_state
 from .percent import figure
 from .prior import DamagePrior
 from .question import Question
-from .reservations import reservations
+from .reservations import note_of_reduction, reservations
 from .residuals import largest_left
 from .severity_profile import severity_profile
 from .sure import severity_intervals
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ..updating.parameter_intervals import Method, ParameterIntervals
     from ..updating.problem import UpdatingProblem
     from ..updating.profile import ProfileLikelihood
+    from ..updating.reduction import ReductionReport
     from .assessment import Assessment
     from .hypotheses import Hypotheses
 
@@ -65,8 +66,9 @@ class DamageResult(UpdateResult):
         seed: int,
         assessment: Assessment | None = None,
         question: Question | None = None,
+        reduction: ReductionReport | None = None,
     ) -> None:
-        super().__init__(problem, search, seed)
+        super().__init__(problem, search, seed, reduction)
         self._fill(_assessment=assessment, _question=question)
 
     @cached_property
@@ -306,6 +308,8 @@ class DamageResult(UpdateResult):
         else:
             notes = [] if self.success else [f"The search did not finish: {self.message}"]
             notes += reservations(self._assessment, label)
+            if self.reduction is not None:
+                notes.append(note_of_reduction(self.reduction))
             notes += self._of_the_values()
             if self._visible():
                 notes.append(f"Smallest damage that nine of ten such tests would show: {self._visible()}.")

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support.validation import FloatArray
 
-__all__ = ["Roots", "Source", "follow", "roots_at"]
+__all__ = ["SHOWN", "Roots", "Source", "follow", "roots_at"]
 
 #: A root that is shown by less than this share is not seen by the test.
-_SHOWN = 0.5
+SHOWN = 0.5
 #: Price of a root that appears or vanishes, in ln f: large damage moves roots by a fifth and more.
 _BORN = 0.15
 
@@ -73,7 +73,7 @@ def roots_at(
     found = []
     states = core.states(np.ascontiguousarray(candidates), slopes, threads, *band_hz)
     for target, hz, shown, slope in states:
-        seen = (shown >= _SHOWN) & (hz > 0.0)
+        seen = (shown >= SHOWN) & (hz > 0.0)
         found.append(Roots(target[seen].astype(np.intp), np.log(hz[seen]), slope[seen] if slopes else slope))
     return found
 

@@ -63,6 +63,8 @@ class Search:
     most: int = 3
     fits: dict[Elements, Fit] = field(default_factory=dict)
     interrupted: bool = False
+    #: How many elements were scanned for a single damage, of how many; none where all were.
+    screened: tuple[int, int] | None = None
 
     @cached_property
     def something_else(self) -> float:
@@ -190,6 +192,8 @@ class Search:
             base[list(parent.elements)] = np.clip(parent.beta, 0.0, HIGHEST)
             further = self._further(parent.elements)
             chosen_few = worth_a_scan(parent.view, further, size)
+            if chosen_few is not None and size == 1:
+                self.screened = len(chosen_few), len(further)
             grid = _GRID if chosen_few is None or size == 1 else COARSE
             further = further if chosen_few is None else chosen_few
             rows = np.repeat(base[None], len(further) * grid.size, axis=0)

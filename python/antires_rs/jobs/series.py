@@ -76,11 +76,7 @@ def run_series(job: Job, *, workers: int | None = None, say: Callable[[str], Any
             job.missing(place, key)
     if "repeats" in table:
         job.reject((*place, "repeats"), "repeats", "tests of one file each", "Remove it.")
-    if (
-        format_of("", table.get("format")) is None
-        and "format" in table
-        or table.get("format") not in (None, *SIGNALS)
-    ):
+    if "format" in table and table["format"] not in FORMATS.keys() & set(SIGNALS):
         wanted = f"a format out of {', '.join(name for name in FORMATS if name in SIGNALS)}"
         job.reject((*place, "format"), shown(table["format"]), wanted, "Leave it out: the endings tell.")
     options = dict(job.section("identification"))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..support.pickling import FrozenDict, ReadOnly, frozen
 from ..support.validation import FloatArray, finite_scalar, reject
 from .antiresonance_set import AntiresonanceSet
+from .evidence import SeriesOfTests
 from .layout import aligned, number
 from .matching import MAX_SHIFT, check_set, check_shift, paired, variance_hz
 from .significance import averages_of, common_part, holm, of_all, of_each
@@ -140,8 +141,8 @@ class Comparison(ReadOnly):
 
 
 def compare(
-    a: AntiresonanceSet,
-    b: AntiresonanceSet,
+    a: AntiresonanceSet | SeriesOfTests,
+    b: AntiresonanceSet | SeriesOfTests,
     *,
     alpha: float = 0.01,
     max_shift: float = MAX_SHIFT,
@@ -152,8 +153,8 @@ def compare(
 
     Parameters
     ----------
-    a, b : AntiresonanceSet
-        Of the same excitation; the dofs that both have are compared.
+    a, b : AntiresonanceSet or Series
+        Of the same excitation; the dofs that both have are compared. Of a series its average.
     alpha : float
         Rate of false alarms, 0 to 1: of the test of all, and of all single values together.
     max_shift : float
@@ -189,9 +190,10 @@ def compare(
     only in b: dof 0, 31.000 Hz
     chi-square 39.4, 2 degrees of freedom, p = 2.8e-09: different (false alarms 1 %)
     """
+    shift = check_shift(max_shift)
+    a, b = (each.average(max_shift=shift) if isinstance(each, SeriesOfTests) else each for each in (a, b))
     check_set("a", a)
     check_set("b", b)
-    shift = check_shift(max_shift)
     rate = finite_scalar("alpha", alpha, low=0.0, high=1.0, low_open=True, high_open=True)
     between = finite_scalar("std_between", std_between, low=0.0, high=0.5)
     common_std = finite_scalar("std_common", std_common, low=0.0, high=0.5)

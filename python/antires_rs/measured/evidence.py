@@ -45,3 +45,6 @@ class SeriesOfTests(Protocol):
 
     def tracks(self, conditions: Any = None, **options: Any) -> Any:
         """Every antiresonance followed over them."""
+
+    def average(self, **options: Any) -> Any:
+        """One set that stands for all of them."""

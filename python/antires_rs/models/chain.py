@@ -9,8 +9,9 @@ import numpy as np
 from ..support.validation import finite_scalar, real_array
 from .description import ModelDescription
 from .matrices import as_dense
-from .penalties import warn_penalties
+from .penalties import warn_penalties, warn_softly_held
 from .recipes import ChainRecipe
+from .soft_supports import lost_beside
 from .structural_model import StructuralModel
 
 if TYPE_CHECKING:
@@ -75,6 +76,10 @@ class MassSpringChain(StructuralModel):
             finite_scalar("ground_last_n_per_m", ground_last_n_per_m),
         )
         self._build(ModelDescription(recipe))
+        lost = lost_beside(recipe.ground_first_n_per_m + recipe.ground_last_n_per_m, springs)
+        if lost is not None:
+            warn_softly_held(self, range(self.n_dof), lost, stacklevel=2)
+            return
         warn_penalties(
             self,
             self.stiffness(),

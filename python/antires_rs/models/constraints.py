@@ -26,6 +26,8 @@ __all__ = ["Constrained", "eliminate_constraints", "lagrange_rows", "solved"]
 
 #: Coefficients so much below the largest of their equation are rounding.
 _ROUNDING = 1e-12
+#: What an equation has beside those before it, at least: less is the rounding of one that repeats them.
+_OWN = 1e-5
 #: A dof whose coefficient is at least this share of the largest may be the one that is taken out.
 _PIVOT = 0.1
 
@@ -94,7 +96,8 @@ def eliminate_constraints(
     ------
     InvalidInputError
         A dof outside the matrices; coefficients that are not finite or not real; matrices that are not
-        square; equations that tie the dofs of ``keep`` to each other or fix one of them.
+        square; equations that tie the dofs of ``keep`` to each other or fix one of them; one that repeats
+        others but for the last digits.
 
     Notes
     -----
@@ -193,11 +196,20 @@ def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
         own = {q: value for q, value in now.items() if abs(value) > _ROUNDING * largest}
         if not own:
             continue
+        new = max(map(abs, own.values())) / largest
+        if new < _OWN:
+            reject(
+                part("constraints", i),
+                f"an equation that repeats those before it but for {new:.1g} of its "
+                f"coefficients, at {_named(own)}",
+                f"equations that are clearly apart (by {_OWN:g}), or the same in all digits",
+                "Leave it out: as it stands it would tie or hold these dofs.",
+            )
         free = {q: value for q, value in own.items() if q not in kept}
         if not free:
             reject(
                 part("constraints", i),
-                "an equation between dofs to keep: " + ", ".join(map(str, sorted(own))),
+                "an equation between dofs to keep: " + _named(own),
                 "equations that leave these dofs independent",
                 "Leave one of them out of keep: its motion follows from the others.",
             )
@@ -214,3 +226,7 @@ def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
         for q in by:
             used_by[q].add(pivot)
     return gone
+
+
+def _named(own: Equation) -> str:
+    return ", ".join(map(str, sorted(own)))

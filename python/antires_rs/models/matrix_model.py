@@ -10,7 +10,7 @@ import numpy as np
 
 from ..exceptions import InvalidInputError
 from ..support.validation import FloatArray, part, reject
-from .dependent import MULTIPLIER, RIGID, STIFF, Dependent
+from .dependent import CONSTRAINT, MULTIPLIER, RIGID, STIFF, Dependent
 from .description import ModelDescription
 from .dof_names import names_of
 from .entries import Columns
@@ -163,6 +163,13 @@ class MatrixModel(StructuralModel):
                 f"{self.dof_label(dof)}, a Lagrange multiplier without mass or stiffness of its own",
                 "a dof of the structure",
                 "Its row is an equation; name one of the other rows.",
+            )
+        if dependent is not None and dependent.reason(dof) == CONSTRAINT and not dependent.masters(dof):
+            reject(
+                name,
+                f"{self.dof_label(dof)}, which the constraints hold at zero",
+                "a dof that moves",
+                "Nothing is measured there and no force moves it: name another dof, or mend the equations.",
             )
         return dof
 

@@ -15,12 +15,17 @@ import numpy as np
 
 from ..exceptions import AntiresWarning
 from .entries import Entries
+from .soft_supports import softly_held
 from .stiff_softness import without_ties
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from .structural_model import StructuralModel
 
-__all__ = ["warn_penalties", "warn_rounded"]
+    Dofs = Sequence[int] | NDArray[np.intp]
+
+__all__ = ["warn_penalties", "warn_rounded", "warn_softly_held"]
 
 #: Stiffness of a dof over that of the middle one, from which on 1e-6 of a frequency may be lost.
 _MOST = 1e8
@@ -42,12 +47,12 @@ def warn_penalties(
     middle = float(np.median(np.abs(without_ties(model.n_dof, entries))[diagonal > 0.0]))
     stiff = np.flatnonzero(diagonal >= _MOST * middle)
     if not stiff.size:
+        for dofs, lost in softly_held(model.n_dof, entries):
+            warn_softly_held(model, dofs, lost, stacklevel=stacklevel + 1)
         return
-    named = ", ".join(model.dof_label(int(dof)) for dof in stiff[:_NAMED])
-    more = f" and {stiff.size - _NAMED} more" if stiff.size > _NAMED else ""
     warnings.warn(
-        f"stiffness: {named}{more} up to {diagonal.max() / middle:.1g} times as stiff as the middle dof: "
-        f"rounding may take 1e-6 of the frequencies and more. {remedy}",
+        f"stiffness: {_named(model, stiff)} up to {diagonal.max() / middle:.1g} times as stiff as the middle "
+        f"dof: rounding may take 1e-6 of the frequencies and more. {remedy}",
         AntiresWarning,
         stacklevel=stacklevel + 1,
     )
@@ -58,12 +63,27 @@ def warn_rounded(model: StructuralModel, rounded: Mapping[int, float], *, stackl
     spoiled = sorted(dof for dof, share in rounded.items() if share >= _LOST)
     if not spoiled:
         return
-    named = ", ".join(model.dof_label(dof) for dof in spoiled[:_NAMED])
-    more = f" and {len(spoiled) - _NAMED} more" if len(spoiled) > _NAMED else ""
     warnings.warn(
-        f"stiffness: penalties at {named}{more}: rounding in the assembly has changed the stiffness beside "
-        f"them by up to {max(rounded.values()):.1g} of it, and frequencies with it. Give ties and rigid "
-        "links as constraints=, without penalties.",
+        f"stiffness: penalties at {_named(model, spoiled)}: rounding in the assembly has changed the "
+        f"stiffness beside them by up to {max(rounded.values()):.1g} of it, and frequencies with it. "
+        "Give ties and rigid links as constraints=, without penalties.",
         AntiresWarning,
         stacklevel=stacklevel + 1,
     )
+
+
+def warn_softly_held(model: StructuralModel, dofs: Dofs, lost: float, *, stacklevel: int) -> None:
+    """Name the dofs that move as one on supports a hundred million times softer."""
+    warnings.warn(
+        f"stiffness: {_named(model, dofs)} move as one beside what holds them, and rounding in the "
+        f"assembly may have changed that by {lost:.1g} of it, and the lowest frequencies with it. Give ties "
+        "and rigid links as constraints=, without penalties, or one mass for what moves as one.",
+        AntiresWarning,
+        stacklevel=stacklevel + 1,
+    )
+
+
+def _named(model: StructuralModel, dofs: Dofs) -> str:
+    """The first of them by name."""
+    named = ", ".join(model.dof_label(int(dof)) for dof in dofs[:_NAMED])
+    return f"{named} and {len(dofs) - _NAMED} more" if len(dofs) > _NAMED else named

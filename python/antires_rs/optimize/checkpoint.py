@@ -12,13 +12,13 @@ import os
 import struct
 import warnings
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from ..exceptions import AntiresWarning, UnsuitableDataError
 from ..support.files import put_in_place
 from ..support.validation import reject
 
-__all__ = ["Checkpoint"]
+__all__ = ["Checkpoint", "digest_of"]
 
 #: Name and version of the layout. Version 2 counts the linearizations.
 _NAME, _VERSION = b"antires_rs search ", 2
@@ -134,6 +134,15 @@ class Checkpoint:
                     stacklevel=2,
                 )
             self._failed = True
+
+
+def digest_of(*items: Any) -> bytes:
+    """32 bytes that tell these items, bytes or what prints in full, from any others."""
+    digest = hashlib.sha256()
+    for item in items:
+        digest.update(item if isinstance(item, bytes) else repr(item).encode())
+        digest.update(b"\0")
+    return digest.digest()
 
 
 def _read(file: Path) -> tuple[int, bytes, bytes]:

@@ -6,6 +6,7 @@ the same seed gives bit-identical results for any number of threads.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any, Self
 
@@ -16,7 +17,8 @@ from ..support.progress import watched
 from ..support.validation import finite_scalar, reject
 from .arguments import check_bounds, check_option_type, guesses, seed_of, texts
 from .batch import Batch
-from .outcome import OptimizeResult
+from .checkpoint import Checkpoint, digest_of
+from .outcome import OptimizeResult, with_result
 
 __all__ = ["IslandGA"]
 
@@ -152,15 +154,16 @@ class IslandGA:
         bounds: Any,
         *,
         rng: int | np.random.Generator | None = None,
-        workers: int | Callable[..., Any] | None = None,
+        workers: Any = None,
         vectorized: bool = False,
         callback: Callable[[dict[str, Any]], bool | None] | None = None,
         x0: Any = None,
         progress: bool | None = None,
+        checkpoint: str | os.PathLike[str] | None = None,
     ) -> OptimizeResult:
         """Minimize any Python function inside a box.
 
-        The candidates of a generation are evaluated together, in one call from the core.
+        The candidates of a generation are evaluated together.
 
         Parameters
         ----------
@@ -170,9 +173,13 @@ class IslandGA:
             Lower and upper bound of each variable.
         rng : int or numpy.random.Generator, optional
             Same seed, same result.
-        workers : int or map-like callable, optional
-            More than one: a pool of that many processes evaluates ``fun`` (it must pickle). A callable is
-            used as ``workers(fun, candidates)``, for example ``pool.map``. Not with ``vectorized``.
+        workers : int, str or executor, optional
+            Who evaluates ``fun``: from 2 on that many processes (``fun`` is then to be at the top of a
+            module), ``"processes"`` for one a processor, ``"threads"``, or anything with ``submit`` or
+            ``map``: an executor of ``concurrent.futures``, a Dask ``Client``, ``mpi4py.futures``, a
+            ``multiprocessing.Pool``, or a callable used as ``map``. Candidates go there in chunks of about a
+            quarter of a second; the same seed gives the same bits for any workers, each of which has one BLAS
+            thread. A worker that is lost is replaced. Not with ``vectorized``.
         vectorized : bool
             Whether ``fun`` takes all candidates at once.
         callback : callable, optional
@@ -182,18 +189,30 @@ class IslandGA:
             Guesses that join the initial populations.
         progress : bool, optional
             Show progress on standard error; by default on a terminal, after one second.
+        checkpoint : path-like, optional
+            File in which the search is kept between generations. If it is there, the search goes on from it,
+            bit-identical to one that never stopped. That ``fun`` is the same is for the caller to know.
 
         Returns
         -------
         OptimizeResult
-            Ctrl-C returns the best so far, with status ``'interrupted'``.
+            Ctrl-C and ``max_seconds`` return the best so far after the evaluation under way, also in the
+            first generation, with the status ``'interrupted'`` or ``'budget'``.
 
         Raises
         ------
         InvalidInputError
-            Bounds out of order or not finite, a guess outside them.
+            Bounds out of order or not finite, a guess outside them, a checkpoint of another search.
         ObjectiveError
             ``fun`` returned something other than one number for each candidate.
+        LostWorkerError
+            One candidate took more than ten workers along.
+
+        Notes
+        -----
+        An exception of ``fun`` ends the search and comes out as it is, and so do the two errors above. Its
+        attribute ``result`` is the :class:`OptimizeResult` until then, of status ``'objective error'``; a
+        checkpoint goes on from the generation before.
 
         Examples
         --------
@@ -205,18 +224,27 @@ class IslandGA:
         box = check_bounds(bounds)
         if vectorized and workers is not None:
             reject("workers", workers, "None with vectorized=True", "The function takes all candidates.")
+        first = guesses(x0, len(box))
+        kept = None if checkpoint is None else Checkpoint(checkpoint)
+        seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
+        if kept:
+            kept.begin(digest_of(b"minimize", box.tobytes(), sorted(self.options.items()), first), seed)
         with (
-            Batch(fun, vectorized, workers) as batch,
+            Batch(fun, vectorized, workers, self.max_seconds) as batch,
             watched(callback, progress, self.options["max_evaluations"]) as watcher,
         ):
             raw = _core.minimize(
                 batch,
                 box[:, 0].copy(),
                 box[:, 1].copy(),
-                guesses(x0, len(box)),
+                first,
                 self.options,
-                seed_of(rng),
+                seed,
                 self.max_seconds,
                 watcher,
+                kept,
             )
-        return OptimizeResult._of(raw, self._in_force)
+        result = OptimizeResult._of(raw, self._in_force)
+        if batch.error is not None:
+            raise with_result(batch.error, result)
+        return result

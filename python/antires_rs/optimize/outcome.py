@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 from ..support.pickling import FrozenDict
 from ..support.validation import FloatArray
 from ..support.values import Value
 
-__all__ = ["History", "OptimizeResult"]
+__all__ = ["History", "OptimizeResult", "with_result"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +54,8 @@ class OptimizeResult(Value):
     status : str
         ``'agreed'`` (the islands' bests are the same point), ``'cost agreed'`` (they have the same cost,
         at different points: a flat valley), ``'stagnated'`` (a single island), ``'budget'``,
-        ``'interrupted'``, ``'callback'`` or ``'collapsed'``.
+        ``'interrupted'``, ``'callback'``, ``'collapsed'``, or in the ``result`` of an exception
+        ``'objective error'``.
     message : str
         The status in a sentence.
     nfev : int
@@ -127,3 +129,14 @@ class OptimizeResult(Value):
             "population_costs",
         )
         return cls(history=history, options=options, **{name: raw[name] for name in names})
+
+
+def with_result(error: BaseException, result: OptimizeResult) -> BaseException:
+    """An exception of the objective, with the best found before it as ``error.result``."""
+    text = f"The objective failed ({type(error).__name__}); this is the best found until then."
+    kept = replace(result, status="objective error", message=text)
+    with suppress(AttributeError):  # a class of exceptions with slots takes nothing
+        error.result = kept  # type: ignore[attr-defined]
+    if result.nfev:
+        error.add_note(f"The best of {result.nfev:,} evaluations, {result.fun:.6g}, is kept: error.result")
+    return error

@@ -5,6 +5,7 @@ Knows the order of the tests and what is kept of each; uses ``io``, ``identifica
 
 - ``series``: the value, :class:`antires_rs.Series`, on ``kept_tests``; in words ``printed``, in rows
   ``frames``
-- ``conditions``: what was measured beside the tests, in any table, as arrays in their order
-- ``kept``: what is kept of a test
+- ``identify_series``: the call, on ``sources``, ``condition_table`` and ``store``
+- ``one_test``: a source to plain data (``encoded``), by workers (``computed``)
+- ``kept``: what is kept of a test; on disk while a series runs in a ``journal``, then in a ``parquet_file``
 """

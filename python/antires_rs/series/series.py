@@ -16,6 +16,7 @@ from ..measured.matching import MAX_SHIFT
 from ..measured.track import followed
 from ..measured.tracks import Tracks
 from ..support.validation import reject
+from .average import averaged
 from .encoded import encoded
 from .frames import series_frame
 from .kept import InMemory, Kept, Row, parts_of
@@ -132,6 +133,20 @@ class Series(KeptTests):
         labels = self._labels(conditions)
         sets, named = [one for _, one in kept], [labels[i] for i, _ in kept]
         return followed(sets, named, self.dofs, max_shift, std_between)
+
+    def average(self, *, max_shift: float = MAX_SHIFT) -> AntiresonanceSet:
+        """One set that stands for all tests, if nothing changed between them.
+
+        Its frequencies are the means of the tracks that at least half of the tests have, its standard
+        deviations those of the means by their scatter. ``ar.compare(january, february)`` of two series
+        compares their averages.
+
+        Raises
+        ------
+        InvalidInputError
+            Fewer than two sets.
+        """
+        return averaged(self.tracks(max_shift=max_shift), self.dofs)
 
     def compare(self, i: int, j: int, **options: Any) -> Comparison:
         """Two tests compared; options as for :func:`~antires_rs.compare`.

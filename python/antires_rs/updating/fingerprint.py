@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import astuple
 from typing import TYPE_CHECKING, Any
 
 from .._core import __version__
+from ..optimize.checkpoint import digest_of
 
 if TYPE_CHECKING:
     from ..updating.problem import UpdatingProblem
@@ -16,21 +16,18 @@ __all__ = ["fingerprint"]
 
 def fingerprint(problem: UpdatingProblem, options: dict[str, Any], guesses: list[list[float]]) -> bytes:
     """32 bytes that tell this search from any other: model, parameters, data, objective and options."""
-    digest = hashlib.sha256()
-
-    def add(*items: Any) -> None:
-        for item in items:
-            digest.update(item if isinstance(item, bytes) else repr(item).encode())
-            digest.update(b"\0")
-
     # Inside the bounds every parameter, and all that it acts on, shows in the matrices; what else was
     # measured and how it is weighed shows in the residuals and the cost.
     low, high = problem.bounds.T
     points = (problem.nominal, low + 0.37 * (high - low))
-    for model in (problem.model, problem.model_at(points[1])):
-        for matrix in (model._core.stiffness(), model._core.mass()):
-            add(*(array.tobytes() for array in matrix))
-    add(
+    matrices = (
+        array.tobytes()
+        for model in (problem.model, problem.model_at(points[1]))
+        for matrix in (model._core.stiffness(), model._core.mass())
+        for array in matrix
+    )
+    return digest_of(
+        *matrices,
         __version__,
         problem.objective,
         problem.bounds.tobytes(),
@@ -40,6 +37,6 @@ def fingerprint(problem: UpdatingProblem, options: dict[str, Any], guesses: list
         problem.penalty,
         sorted(options.items()),
         guesses,
+        *(problem.residuals(x).tobytes() for x in points),
+        *(problem.cost(x).hex() for x in points),
     )
-    add(*(problem.residuals(x).tobytes() for x in points), *(problem.cost(x).hex() for x in points))
-    return digest.digest()

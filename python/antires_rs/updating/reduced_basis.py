@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .._core import Model as CoreModel
     from ..support.validation import FloatArray
 
-__all__ = ["Basis", "basis_at"]
+__all__ = ["Basis", "basis_at", "beside", "point_basis", "solved"]
 
 #: Shift, as a share of the limit in omega squared: small keeps digits of the lowest modes.
 _SHIFT = 0.1
@@ -71,11 +71,60 @@ def basis_at(
     NumericalError
         Fewer vectors than modes, forces and sensors need.
     """
+    size, least = largest
+    carried = _carried(affine.at(x), (affine.sensors, affine.forces), f_max_hz, depth)
+    needed = carried.blocks[0].shape[1] + len(affine.sensors) + len(affine.forces)
+    if size < needed:
+        raise NumericalError(
+            f"a reduced model of {size} vectors",
+            f"the modes to {f_max_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
+            f"reduction=Reduction(size={2 * needed}) or more, or reduction=False.",
+        )
+    shifted, factors = carried.shifted, carried.factors
+    own = _orthonormal(shifted, np.hstack(carried.blocks))[:, :size]
+    moved = _moved(factors, affine, half_widths, carried.sigma, carried.moving, own, _PART * least)
+    more = _beside(shifted, own, moved, size - own.shape[1], least)
+    return Basis(np.hstack([own, more]), factors, carried.sigma, carried.limit)
+
+
+def point_basis(
+    core: CoreModel, sensors: list[int], forces: list[int], f_max_hz: float, depth: int
+) -> tuple[Basis, FloatArray]:
+    """The basis of one model without parameters, and the vectors that these move most, of unit size."""
+    carried = _carried(core, (sensors, forces), f_max_hz, depth)
+    own = _orthonormal(carried.shifted, np.hstack(carried.blocks))
+    return Basis(own, carried.factors, carried.sigma, carried.limit), carried.moving
+
+
+def beside(shifted: Any, core: FloatArray, vectors: FloatArray, least: float) -> FloatArray:
+    """The directions of ``vectors`` (n, m) of more than the least size beside an orthonormal core."""
+    loads = np.asarray(shifted @ vectors)
+    return _beside(shifted, core, _Moved(vectors, loads, core.T @ loads), vectors.shape[1], least)
+
+
+def solved(factors: Any, loads: FloatArray) -> FloatArray:
+    """A^-1 times many loads (n, m)."""
+    parts = [factors.solve(loads[:, at : at + _AT_ONCE]) for at in range(0, loads.shape[1], _AT_ONCE)]
+    return np.hstack(parts) if parts else loads
+
+
+@dataclass(frozen=True)
+class _Carried:
+    """Vectors that carry a model, block by block, with K + sigma M and its factors."""
+
+    shifted: Any
+    factors: Any
+    sigma: float
+    limit: float
+    blocks: list[FloatArray]
+    moving: FloatArray
+
+
+def _carried(core: CoreModel, ends: tuple[list[int], list[int]], f_max_hz: float, depth: int) -> _Carried:
+    """``ends`` are sensors and forces."""
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
-    size, least = largest
-    core = affine.at(x)
     stiffness, mass = matrices(core)
     limit = (2.0 * np.pi * f_max_hz) ** 2
     sigma = _SHIFT * limit
@@ -84,25 +133,15 @@ def basis_at(
         shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )
     blocks, first = [_modes(core, f_max_hz)], []
-    for rows, count in ((affine.sensors, depth), (affine.forces, depth + _MORE_OF_FORCE)):
+    for rows, count in zip(ends, (depth, depth + _MORE_OF_FORCE), strict=True):
         loads = np.zeros((mass.shape[0], len(rows)))
         loads[rows, range(len(rows))] = 1.0
         for _ in range(count):
             blocks.append(factors.solve(loads))
             loads = np.asarray(mass @ blocks[-1])
         first.append(blocks[-count])
-    needed = blocks[0].shape[1] + len(affine.sensors) + len(affine.forces)
-    if size < needed:
-        raise NumericalError(
-            f"a reduced model of {size} vectors",
-            f"the modes to {f_max_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
-            f"reduction=Reduction(size={2 * needed}) or more, or reduction=False.",
-        )
-    own = _orthonormal(shifted, np.hstack(blocks))[:, :size]
     moving = _units(shifted, np.hstack([blocks[0], *first]))
-    moved = _moved(factors, affine, half_widths, sigma, moving, own, _PART * least)
-    beside = _beside(shifted, own, moved, size - own.shape[1], least)
-    return Basis(np.hstack([own, beside]), factors, sigma, limit)
+    return _Carried(shifted, factors, sigma, limit, blocks, moving)
 
 
 def _modes(core: CoreModel, f_max_hz: float) -> FloatArray:
@@ -129,9 +168,7 @@ class _Moved:
         n, m = of.shape
         loads = np.zeros((n, m))
         loads[places] = held
-        parts = range(0, m, _AT_ONCE)
-        vectors = np.hstack([factors.solve(loads[:, at : at + _AT_ONCE]) for at in parts])
-        return cls(vectors, loads, core[places].T @ held)
+        return cls(solved(factors, loads), loads, core[places].T @ held)
 
     def principal(self, places: Any, least: float, most: int) -> tuple[_Moved, FloatArray]:
         """The largest combinations in what is outside of the core, and their sizes."""

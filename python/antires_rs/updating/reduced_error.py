@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..support.validation import FloatArray
     from .reduced_basis import Basis
 
-__all__ = ["estimated_error"]
+__all__ = ["estimated_error", "expected_errors"]
 
 
 def estimated_error(affine: Affine, basis: Basis, x: FloatArray, paired_hz: FloatArray) -> float:
@@ -35,8 +35,16 @@ def estimated_error(affine: Affine, basis: Basis, x: FloatArray, paired_hz: Floa
     asked = np.unique(np.stack([rows[there], forces[there], paired_hz[there]]), axis=1)
     if asked.size == 0:
         return 0.0
-    responses, forces, roots = asked[0].astype(int), asked[1].astype(int), (2.0 * np.pi * asked[2]) ** 2
-    (stiffness, mass), vectors = matrices(affine.at(x)), basis.vectors
+    ends = asked[0].astype(int), asked[1].astype(int)
+    return float(np.max(expected_errors(matrices(affine.at(x)), basis, ends, asked[2])))
+
+
+def expected_errors(
+    full: tuple[Any, Any], basis: Basis, ends: tuple[Any, Any], roots_hz: FloatArray
+) -> FloatArray:
+    """Relative error of each root of the reduced model; ``ends`` are rows of response and force."""
+    (responses, forces), roots = ends, (2.0 * np.pi * roots_hz) ** 2
+    (stiffness, mass), vectors = full, basis.vectors
     of_stiffness, of_mass = vectors.T @ (stiffness @ vectors), vectors.T @ (mass @ vectors)
     dynamic = of_stiffness - roots[:, None, None] * of_mass
     loads = np.stack([vectors[forces], vectors[responses]], axis=2)
@@ -52,4 +60,4 @@ def estimated_error(affine: Affine, basis: Basis, x: FloatArray, paired_hz: Floa
     right = basis.factors.solve(residual(columns[:, :, 0], forces))
     lacking = np.einsum("iz,iz->z", residual(columns[:, :, 1], responses), right)
     stretch = (basis.limit + basis.sigma) / np.maximum(basis.limit - roots, basis.sigma)
-    return float(np.max(np.abs(stretch * lacking / slope) / (2.0 * roots)))
+    return np.asarray(np.abs(stretch * lacking / slope) / (2.0 * roots))

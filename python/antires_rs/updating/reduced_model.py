@@ -22,7 +22,7 @@ from .reduced_error import estimated_error
 if TYPE_CHECKING:
     from ..support.validation import FloatArray
 
-__all__ = ["ReducedProblem", "largest_difference"]
+__all__ = ["ReducedProblem", "coordinates", "largest_difference"]
 
 #: Measured dofs whose least motion apart is below this part of the largest move as one.
 _INDEPENDENT = 1e-6
@@ -117,7 +117,7 @@ def largest_difference(one: FloatArray, other: FloatArray) -> float:
 
 def _projected(affine: Affine, vectors: FloatArray, rows: list[int]) -> tuple[_core.Model, list[Any]]:
     """The model on the basis, measured dofs first, and its parameters: each has a term of its own."""
-    change = _coordinates(vectors[rows])
+    change = coordinates(vectors[rows])
 
     turned = vectors @ change
 
@@ -135,7 +135,7 @@ def _projected(affine: Affine, vectors: FloatArray, rows: list[int]) -> tuple[_c
     return _core.Model.from_matrices(change.shape[1], stiffness, mass, *sides), parameters
 
 
-def _coordinates(rows: FloatArray) -> FloatArray:
+def coordinates(rows: FloatArray) -> FloatArray:
     """T with ``rows @ T = [1 0]``: measured dofs first, then what moves none of them, orthonormal."""
     _, sizes, directions = np.linalg.svd(rows, full_matrices=True)
     if rows.shape[1] < rows.shape[0] or sizes[-1] < _INDEPENDENT * sizes[0]:

@@ -54,6 +54,28 @@ pub fn entries((rows, columns, values): &TermArrays<'_>) -> Vec<Entry> {
     places.map(|((&i, &j), &v)| (i, j, v)).collect()
 }
 
+/// A term by rows, columns and values.
+pub type PyTerm<'py> = (
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray1<f64>>,
+);
+
+/// Arrays of the core's terms.
+pub fn terms_to_python<'py>(py: Python<'py>, terms: &[Term]) -> Vec<PyTerm<'py>> {
+    let converted = terms.iter().map(|term| {
+        let entries = term.entries();
+        let index = |of: fn(&Entry) -> u32| entries.iter().map(of).collect::<Vec<_>>();
+        let values: Vec<f64> = entries.iter().map(|entry| entry.2).collect();
+        (
+            index(|entry| entry.0).into_pyarray(py),
+            index(|entry| entry.1).into_pyarray(py),
+            values.into_pyarray(py),
+        )
+    });
+    converted.collect()
+}
+
 /// Core terms of Python's arrays.
 pub fn terms(arrays: &[TermArrays<'_>]) -> Vec<Term> {
     let terms = arrays.iter().map(entries);

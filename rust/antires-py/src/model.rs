@@ -14,7 +14,9 @@ use numpy::ndarray::Array2;
 use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 
-use crate::convert::{ColumnArrays, TermArrays, array, columns, entries, terms};
+use crate::convert::{
+    ColumnArrays, PyTerm, TermArrays, array, columns, entries, terms, terms_to_python,
+};
 use crate::doorway::{run, to_python};
 use crate::frame::Frame;
 use crate::parameters::{ParameterParts, core_parameters};
@@ -138,6 +140,16 @@ impl Model {
     #[getter]
     fn n_mass_terms(&self) -> usize {
         self.core.mass_terms().len()
+    }
+
+    /// Rows, columns and values of each stiffness term, both triangles.
+    fn stiffness_terms<'py>(&self, py: Python<'py>) -> Vec<PyTerm<'py>> {
+        terms_to_python(py, self.core.stiffness_terms())
+    }
+
+    /// The same of each mass term.
+    fn mass_terms<'py>(&self, py: Python<'py>) -> Vec<PyTerm<'py>> {
+        terms_to_python(py, self.core.mass_terms())
     }
 
     /// K (n, n) without its zeros, by columns: starts (n + 1,), rows and values.

@@ -22,7 +22,9 @@ use crate::doorway::{Watch, guarded, run, to_python};
 use crate::model::Model;
 use crate::optimizer::{Search, outcome_to_python};
 use crate::parameters::{ParameterParts, core_parameters};
-use crate::states::{PyModalState, PyState, mode_states, root_states};
+use crate::states::{
+    PyModalState, PyNullVectors, PyState, mode_states, null_vectors_to_python, root_states,
+};
 
 /// Frequencies (m,), dofs (k,) and shapes (m, k) of modes measured together.
 type ModeParts<'py> = (
@@ -249,6 +251,23 @@ impl Objective {
         let objective = self.of_antiresonances()?;
         let band = with_slopes.then_some(from_hz..=to_hz);
         root_states(py, objective, &candidates, band.as_ref(), threads)
+    }
+
+    /// Roots at x (n,) as of `states`, with the null vectors of those between two limits.
+    fn null_vectors<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'_, f64>,
+        from_hz: f64,
+        to_hz: f64,
+    ) -> PyResult<PyNullVectors<'py>> {
+        let objective = self.of_antiresonances()?;
+        let (x, n) = (x.as_array().to_vec(), objective.unknowns().n_dof());
+        let found = run(py, || {
+            let band = from_hz..=to_hz;
+            Ok::<_, Error>(objective.null_vectors(&x, &mut objective.workspace(), &band))
+        })?;
+        Ok(null_vectors_to_python(py, found, n))
     }
 
     /// See [`mode_states`].

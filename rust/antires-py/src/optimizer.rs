@@ -139,7 +139,7 @@ fn state_name(state: IslandState) -> &'static str {
     }
 }
 
-/// A Python function of all candidates of a generation.
+/// A Python function of all candidates of a generation: their costs, and why some of them are missing (NaN).
 struct PythonEvaluator {
     function: Py<PyAny>,
 }
@@ -154,15 +154,18 @@ impl Evaluator for PythonEvaluator {
         poll: &mut dyn FnMut() -> Option<Interrupt>,
     ) -> Result<ControlFlow<Interrupt>, PyErr> {
         let shape = (candidates.len(), candidates.n_genes());
-        let answer = Python::attach(|py| -> PyResult<Vec<f64>> {
+        let answer = Python::attach(|py| -> PyResult<(Vec<f64>, Option<String>)> {
             let rows = Array2::from_shape_vec(shape, candidates.as_slice().to_vec())
                 .expect("as many values as the candidates have genes");
             let rows: Bound<'_, PyArray2<f64>> = rows.into_pyarray(py);
             self.function.call1(py, (rows,))?.extract(py)
         });
-        match answer {
-            Ok(values) if values.len() == costs.len() => costs.copy_from_slice(&values),
-            Ok(values) => {
+        let stopped = match answer {
+            Ok((values, stopped)) if values.len() == costs.len() => {
+                costs.copy_from_slice(&values);
+                stopped
+            }
+            Ok((values, _)) => {
                 return Err(ObjectiveError::new_err((
                     "fun",
                     format!("{} costs", values.len()),
@@ -174,6 +177,13 @@ impl Evaluator for PythonEvaluator {
                 return Ok(ControlFlow::Break(Interrupt::User));
             }
             Err(error) => return Err(error),
+        };
+        if let Some(why) = stopped {
+            return Ok(ControlFlow::Break(match why.as_str() {
+                "interrupted" => Interrupt::User,
+                "time" => Interrupt::TimeLimit,
+                _ => Interrupt::Callback,
+            }));
         }
         Ok(poll().map_or(ControlFlow::Continue(()), ControlFlow::Break))
     }
@@ -192,6 +202,7 @@ pub fn minimize<'py>(
     seed: u64,
     max_seconds: Option<f64>,
     on_progress: Option<Py<PyAny>>,
+    checkpoint: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut search = Search::new(
         &lower,
@@ -201,7 +212,8 @@ pub fn minimize<'py>(
         seed,
         max_seconds,
         on_progress,
-    )?;
+    )?
+    .kept_in(checkpoint)?;
     let outcome = guarded(py, || search.run(&mut PythonEvaluator { function }))?;
     outcome_to_python(py, &outcome)
 }

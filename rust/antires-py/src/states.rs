@@ -7,6 +7,7 @@ use antires_core::optimize::Candidates;
 use antires_core::optimize::outcome::Interrupt;
 use antires_core::update::modal_objective::ModalObjective;
 use antires_core::update::modal_state::modal_states;
+use antires_core::update::null_vectors::NullVectors;
 use antires_core::update::objective::AntiresonanceObjective;
 use antires_core::update::state::states;
 use numpy::ndarray::{Array2, Array3};
@@ -56,6 +57,32 @@ pub fn root_states<'py>(
         )
     });
     Ok(converted.collect())
+}
+
+/// Targets, frequencies, how much is shown, left and right null vectors (roots, n_dof), and leftᵀ M right.
+pub type PyNullVectors<'py> = (
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray1<f64>>,
+);
+
+/// Converts roots with their null vectors.
+pub fn null_vectors_to_python(py: Python<'_>, found: NullVectors, n: usize) -> PyNullVectors<'_> {
+    let rows = found.state.target.len();
+    let array = |values: &[f64]| {
+        Array2::from_shape_fn((rows, n), |(root, dof)| values[root * n + dof]).into_pyarray(py)
+    };
+    (
+        found.state.target.into_pyarray(py),
+        found.state.freq_hz.into_pyarray(py),
+        found.state.shown.into_pyarray(py),
+        array(&found.left),
+        array(&found.right),
+        found.slope.into_pyarray(py),
+    )
 }
 
 /// All modes at each row of (m, n), one tuple a row: Hz, shapes (modes, dofs) of unit length at all measured

@@ -87,6 +87,7 @@ class Workers:
         self._seconds, self._losses = seconds_a_chunk, losses
         self._engine: Engine = engine_of(workers, function, shared)
         self._in_flight = 0
+        self._a_task: float | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -161,7 +162,7 @@ class Workers:
 
         What arrives is put into ``arrived``; who takes nothing out of it stops the reading of tasks.
         """
-        schedule = Schedule(tasks, self._seconds, self._losses, arrived)
+        schedule = Schedule(tasks, self._seconds, self._losses, arrived, self._a_task)
         try:
             while True:
                 self._hand_out(schedule)
@@ -183,6 +184,7 @@ class Workers:
                     self._hand_out(schedule)
                     yield schedule.total
         finally:
+            self._a_task = schedule.a_task
             if self._in_flight:
                 self._engine.close(at_once=True)
                 self._in_flight = 0

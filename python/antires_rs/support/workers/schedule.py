@@ -54,7 +54,12 @@ class Schedule:
     """
 
     def __init__(
-        self, tasks: Iterable[Any], seconds_a_chunk: float, losses: int, arrived: dict[int, Outcome]
+        self,
+        tasks: Iterable[Any],
+        seconds_a_chunk: float,
+        losses: int,
+        arrived: dict[int, Outcome],
+        a_task: float | None = None,
     ) -> None:
         self.total = len(tasks) if isinstance(tasks, Sized) else None
         self._tasks: Iterator[Any] = iter(tasks)
@@ -63,8 +68,9 @@ class Schedule:
         self._read = 0
         self._exhausted = False
         self._flying: set[Chunk] = set()
-        self._a_task: float | None = None
-        self._largest = 1
+        #: Seconds of a task, where some were measured; an earlier round may have done so.
+        self.a_task = a_task
+        self._largest = 1 if a_task is None else max(1, int(seconds_a_chunk / max(a_task, 1e-9)))
         self.arrived = arrived
 
     @property
@@ -93,9 +99,9 @@ class Schedule:
         return chunk
 
     def _size(self, workers: int) -> int:
-        if self._a_task is None:
+        if self.a_task is None:
             return 1
-        size = min(self._seconds / max(self._a_task, 1e-9), _GROWTH * self._largest)
+        size = min(self._seconds / max(self.a_task, 1e-9), _GROWTH * self._largest)
         if self.total is not None:  # towards the end smaller ones, so that all end together
             size = min(size, (self.total - self._read) / (3 * workers))
         return max(1, int(size))
@@ -105,7 +111,7 @@ class Schedule:
         self._flying.discard(chunk)
         self.arrived.update(enumerate(outcomes, chunk.first))
         mean = seconds / len(chunk.tasks)
-        self._a_task = mean if self._a_task is None else 0.5 * (self._a_task + mean)
+        self.a_task = mean if self.a_task is None else 0.5 * (self.a_task + mean)
 
     def lost(self, chunk: Chunk, reason: str, count: int = 1) -> None:
         """A chunk will not come back; ``count`` 0 says that it was none of its doing."""

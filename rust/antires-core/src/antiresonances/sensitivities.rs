@@ -57,7 +57,8 @@ impl ZeroSensitivity {
     }
 
     /// Left and right null vector.
-    pub(super) fn vectors(&self) -> (&[f64], &[f64]) {
+    #[must_use]
+    pub fn vectors(&self) -> (&[f64], &[f64]) {
         (&self.left, &self.right)
     }
 
@@ -67,7 +68,8 @@ impl ZeroSensitivity {
     }
 
     /// dH_ik/dx, with the factors of the two vectors.
-    pub(super) fn slope(&self) -> f64 {
+    #[must_use]
+    pub fn slope(&self) -> f64 {
         self.slope
     }
 

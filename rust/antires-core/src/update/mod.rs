@@ -20,6 +20,7 @@ pub mod misfit;
 pub mod modal_linearization;
 pub mod modal_objective;
 pub mod modal_state;
+pub mod null_vectors;
 pub mod objective;
 pub mod pairing;
 pub mod penalties;

@@ -43,38 +43,75 @@ impl AntiresonanceObjective {
     }
 
     fn state_of(&self, x: &[f64], ws: &mut Workspace, slopes_hz: Option<&Band>) -> Result<State> {
+        let slopes = slopes_hz.map_or_else(Vec::new, |_| self.unknowns().slopes(x));
+        let (mut state, mut batch) = (State::default(), ZeroBatch::default());
+        self.each_root(x, ws, slopes_hz, |root| {
+            root.put_into(&mut state);
+            let first = state.slopes.len();
+            state.slopes.resize(first + slopes.len(), 0.0);
+            let Some(zero) = root.zero else { return };
+            batch.push(zero, (first, eigenvalue(root.hz)));
+            if batch.is_full() {
+                put(&mut batch, &slopes, &mut state.slopes);
+            }
+        })?;
+        put(&mut batch, &slopes, &mut state.slopes);
+        Ok(state)
+    }
+
+    /// Every root at `x`, target by target; with the null vectors of those in `band`, if any.
+    pub(super) fn each_root(
+        &self,
+        x: &[f64],
+        ws: &mut Workspace,
+        band: Option<&Band>,
+        mut visit: impl FnMut(Root<'_>),
+    ) -> Result<()> {
         let mut formed = self.form(x, ws);
         self.find_roots(&mut formed)?;
-        let slopes = slopes_hz.map_or_else(Vec::new, |_| self.unknowns().slopes(x));
-        let mut state = State::default();
-        let (mut zero, mut batch) = (ZeroSensitivity::default(), ZeroBatch::default());
+        let mut zero = ZeroSensitivity::default();
         for nth in 0..formed.roots.len() {
             let own = formed.roots[nth].hz.clone();
             for (root, &hz) in own.iter().enumerate() {
-                let visible = shown(&own, root, self.others_of(nth, formed.roots));
-                state.target.push(u32::try_from(nth).unwrap_or(u32::MAX));
-                state.freq_hz.push(hz);
-                state.shown.push(visible);
-                let Some(band) = slopes_hz else { continue };
-                let first = state.slopes.len();
-                state.slopes.resize(first + slopes.len(), 0.0);
-                if !band.contains(&hz) {
-                    continue;
+                let shown = shown(&own, root, self.others_of(nth, formed.roots));
+                let inside = band.is_some_and(|band| band.contains(&hz));
+                if inside {
+                    let (ends, x) = (self.ends(nth), eigenvalue(hz));
+                    if formed.roots[nth].cancelled_hz.contains(&hz) {
+                        zero.set_cancelled(&mut formed.prepared, ends, x)?;
+                    } else {
+                        zero.set(&mut formed.prepared, ends, x)?;
+                    }
                 }
-                let (ends, x) = (self.ends(nth), eigenvalue(hz));
-                if formed.roots[nth].cancelled_hz.contains(&hz) {
-                    zero.set_cancelled(&mut formed.prepared, ends, x)?;
-                } else {
-                    zero.set(&mut formed.prepared, ends, x)?;
-                }
-                batch.push(&zero, (first, x));
-                if batch.is_full() {
-                    put(&mut batch, &slopes, &mut state.slopes);
-                }
+                let zero = inside.then_some(&zero);
+                visit(Root {
+                    target: nth,
+                    hz,
+                    shown,
+                    zero,
+                });
             }
         }
-        put(&mut batch, &slopes, &mut state.slopes);
-        Ok(state)
+        Ok(())
+    }
+}
+
+/// A root of a target, with its null vectors where those were asked for.
+pub(super) struct Root<'a> {
+    target: usize,
+    hz: f64,
+    shown: f64,
+    pub zero: Option<&'a ZeroSensitivity>,
+}
+
+impl Root<'_> {
+    /// Adds it to a state, without slopes.
+    pub fn put_into(&self, state: &mut State) {
+        state
+            .target
+            .push(u32::try_from(self.target).unwrap_or(u32::MAX));
+        state.freq_hz.push(self.hz);
+        state.shown.push(self.shown);
     }
 }
 

@@ -1,0 +1,87 @@
+r"""Parts of a structure that are held by next to nothing: all dofs tied together, on soft springs.
+
+Scaled to a diagonal of ones, the stiffness of such a part has an eigenvalue :math:`\lambda` of 1e-8 and less,
+and none up to 1e8 times that. Rounding of the entries takes :math:`\epsilon / \lambda` of it. Below some ulps
+the part is free: the supports are not in the matrix any more.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .entries import Entries
+
+__all__ = ["lost_beside", "softly_held"]
+
+#: Eigenvalue up to which rounding takes 2e-8 of it, its largest part of the next, and what may be rounding.
+_SOFT, _GAP, _ROUNDING = 1e-8, 1e-8, 1e-14
+#: Most dofs of a part whose eigenvalues are formed; of a larger one rows of springs are summed.
+_MOST = 300
+#: Most rigid motions of a part.
+_RIGID = 6
+#: Motion of each dof, over the largest, where all move.
+_MOVED = 1e-3
+_EPS = float(np.finfo(np.float64).eps)
+
+
+def softly_held(n: int, stiffness: Entries) -> list[tuple[NDArray[np.intp], float]]:
+    """Dofs of each such part, and what rounding may take of its softest stiffness, relatively."""
+    from scipy.sparse.csgraph import connected_components
+
+    k = stiffness.diagonal(n)
+    if not (k > 0.0).any():
+        return []
+    matrix = stiffness.sparse(n)
+    count, group = connected_components(matrix, directed=False)
+    number = np.bincount(group)
+    order = np.argsort(group, kind="stable")
+    parts = np.split(order, np.cumsum(number)[:-1])
+    found = []
+    for dofs in (parts[each] for each in np.flatnonzero(number > 1)):
+        if not (k[dofs] > 0.0).all():
+            continue
+        own = matrix[dofs][:, dofs]
+        lost = _of_springs(own, k[dofs])
+        if lost is None and dofs.size <= _MOST:
+            lost = _of_eigenvalues(own.toarray() / np.sqrt(np.outer(k[dofs], k[dofs])))
+        if lost is not None:
+            found.append((dofs, lost))
+    return found
+
+
+def lost_beside(ground: float, springs: NDArray[np.float64]) -> float | None:
+    """What rounding may take of springs to ground (N/m, their sum) beside those between the masses."""
+    if not springs.size or not 0.0 < ground <= _SOFT * float(springs.min()):
+        return None
+    return min(1.0, float(np.sqrt(springs.size)) * _EPS * float(springs.max()) / ground)
+
+
+def _of_springs(own: Any, k: NDArray[np.float64]) -> float | None:
+    """Of springs alone: each row sums up to the spring to ground."""
+    rows = own.tocoo()
+    off = rows.row != rows.col
+    if (rows.data[off] > 0.0).any():
+        return None
+    ground = np.asarray(own.sum(axis=1)).ravel()
+    count = np.bincount(rows.row, minlength=k.size)
+    held = np.where(np.abs(ground) > count * _EPS * k, ground, 0.0)
+    return lost_beside(float(held.sum()), -rows.data[off])
+
+
+def _of_eigenvalues(scaled: NDArray[np.float64]) -> float | None:
+    try:
+        np.linalg.cholesky(scaled - _SOFT * np.eye(len(scaled)))
+    except np.linalg.LinAlgError:
+        pass
+    else:
+        return None  # the usual case, at a tenth of the cost
+    lowest, shapes = np.linalg.eigh(scaled)
+    for nth in range(min(_RIGID, len(scaled) - 1)):
+        if _ROUNDING * len(scaled) ** 0.5 < lowest[nth] <= min(_SOFT, _GAP * lowest[nth + 1]):
+            # Of a tie inside a structure only its own dofs move so.
+            moved = np.linalg.norm(shapes[:, : nth + 1], axis=1)
+            return min(1.0, _EPS / float(lowest[nth])) if moved.min() > _MOVED * moved.max() else None
+    return None

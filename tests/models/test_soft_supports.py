@@ -1,0 +1,58 @@
+"""All dofs tied together, on soft springs to ground: right or told."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+
+GROUND = 1e3
+
+
+def tied(n, tie):
+    """Masses in a row tied to each other, each on a spring; and the frequency as of one body."""
+    k = np.diag(GROUND * (1.0 + 0.1 * np.arange(n)))
+    for i in range(n - 1):
+        k[i : i + 2, i : i + 2] += tie * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    masses = np.arange(1.0, n + 1.0)
+    return k, np.diag(masses), np.sqrt(GROUND * (1.0 + 0.05 * (n - 1)) * n / masses.sum()) / (2.0 * np.pi)
+
+
+def told(make):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        made = make()
+    return made, [str(each.message) for each in caught]
+
+
+@pytest.mark.parametrize("n", [2, 5, 9, 30])
+@pytest.mark.parametrize("power", range(11, 19))
+def test_masses_tied_together_on_soft_springs(n, power):
+    k, m, as_one_hz = tied(n, 10.0**power)
+    model, words = told(lambda: ar.MatrixModel(k, m))
+    freq_hz = model.modes(f_max_hz=100.0).freq_hz
+    wrong = freq_hz.size == 0 or abs(freq_hz[0] / as_one_hz - 1.0) > 1e-6
+    assert words or not wrong
+    assert all("dof 0, dof 1" in each and "move as one" in each for each in words)
+    if power >= 13:
+        assert words
+
+
+@pytest.mark.parametrize("power", [13, 17, 21, 25])
+def test_a_chain_knows_its_springs(power):
+    chain = [1.0, 2.0, 3.0], [10.0**power, 3.0 * 10.0**power]
+    with pytest.warns(ar.AntiresWarning, match="mass 1, mass 2, mass 3 move as one"):
+        ar.MassSpringChain(*chain, ground_first_n_per_m=GROUND)
+
+
+def test_free_bodies_and_usual_supports_are_not_told():
+    rng = np.random.default_rng(5)
+    for scale in (1.0, 1e12):
+        springs = scale * rng.uniform(1.0, 9.0, 11)
+        ar.MassSpringChain(np.ones(12), springs)
+        ar.MassSpringChain(np.ones(12), springs, ground_last_n_per_m=1e-6 * scale)
+        free = ar.MassSpringChain(np.ones(12), springs).stiffness()
+        ar.MatrixModel(free, np.eye(12))
+        turned = np.linalg.qr(rng.normal(size=(12, 12)))[0]
+        ar.MatrixModel(turned.T @ free @ turned, np.eye(12))

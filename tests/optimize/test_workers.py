@@ -1,0 +1,120 @@
+"""A Python objective on workers: the same bits, and the best so far whatever happens to it."""
+
+import os
+import time
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from tests.optimize.test_interrupt import after_sigint
+from tests.support import worker_tasks as work
+from tests.support.tolerances import INTERRUPT_S
+
+BOX = [(-1.0, 1.0)] * 3
+posix = pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
+
+FIRST_GENERATION = """
+from tests.support.worker_tasks import slow_sphere
+threading.Timer({after}, lambda: print("under way", flush=True)).start()
+result = endless.minimize(slow_sphere, [(-1, 1)] * 3, rng=0, workers={workers})
+print(result.status, result.nit, 0 < result.nfev < 160, slow_sphere(result.x) == result.fun)
+import multiprocessing
+assert multiprocessing.active_children() == []
+"""
+
+
+def same(one, other):
+    assert one.x.tobytes() == other.x.tobytes()
+    assert one.population_costs.tobytes() == other.population_costs.tobytes()
+    assert (one.fun, one.nfev, one.nit, one.status) == (other.fun, other.nfev, other.nit, other.status)
+
+
+@pytest.mark.parametrize("workers", [1, "threads", 2], ids=str)
+def test_the_same_bits_for_any_workers(workers):
+    ga = ar.IslandGA(max_evaluations=600)
+    same(ga.minimize(work.sphere, BOX, rng=5), ga.minimize(work.sphere, BOX, rng=5, workers=workers))
+
+
+@pytest.mark.parametrize("workers", [None, 2], ids=str)
+def test_an_exception_keeps_the_best_so_far(workers, tmp_path):
+    with pytest.raises(ZeroDivisionError, match="in f") as caught:
+        ar.IslandGA().minimize(work.Breaks(tmp_path, 300), BOX, rng=0, workers=workers)
+    result = caught.value.result
+    assert (result.status, result.success) == ("objective error", False)
+    assert result.fun == work.sphere(result.x) < 1.0
+    assert 160 <= result.nfev <= 300
+    notes = "\n".join(caught.value.__notes__)
+    assert "fun was at x = [" in notes
+    assert "is kept: error.result" in notes
+
+
+def test_a_wrong_answer_keeps_the_best_so_far():
+    answers = iter([0.5] * 200 + ["a"] + [0.5] * 10**4)
+    with pytest.raises(ar.ObjectiveError, match="not numeric") as caught:
+        ar.IslandGA().minimize(lambda x: next(answers), BOX, rng=0)
+    assert caught.value.result.fun == 0.5
+
+
+@posix
+def test_a_worker_that_dies_is_replaced(tmp_path):
+    ga = ar.IslandGA(max_evaluations=400)
+    found = ga.minimize(work.Breaks(tmp_path, 200, kill=True), BOX, rng=5, workers=2)
+    same(found, ga.minimize(work.sphere, BOX, rng=5))
+
+
+@pytest.mark.parametrize("workers", [None, 2, "threads"], ids=str)
+def test_a_time_limit_acts_in_the_first_generation(workers):
+    start = time.monotonic()
+    result = ar.IslandGA(max_seconds=1.5).minimize(work.slow_sphere, BOX, rng=0, workers=workers)
+    assert time.monotonic() - start < 1.5 + INTERRUPT_S
+    assert (result.status, result.nit) == ("budget", 0)
+    assert "time" in result.message
+    assert result.nfev < 160
+    if result.nfev:  # processes may take longer to begin
+        assert result.fun == work.slow_sphere(result.x)
+
+
+@posix
+@pytest.mark.parametrize(("workers", "after"), [(None, 0.5), (2, 3.0)], ids=str)
+def test_ctrl_c_acts_in_the_first_generation(workers, after):
+    said, took = after_sigint(FIRST_GENERATION.format(workers=workers, after=after))
+    assert said == "interrupted 0 True True"
+    assert took < INTERRUPT_S
+
+
+def test_a_search_goes_on_from_its_checkpoint(tmp_path):
+    ga = ar.IslandGA(max_evaluations=3000)
+    whole = ga.minimize(work.sphere, BOX, rng=5)
+    file, calls = tmp_path / "search.ckpt", []
+
+    def breaks(x):
+        calls.append(x)
+        if len(calls) == 1500:
+            raise ZeroDivisionError("in f")
+        return work.sphere(x)
+
+    with pytest.raises(ZeroDivisionError):
+        ga.minimize(breaks, BOX, rng=5, checkpoint=file)
+    before = len(calls)
+    same(whole, ga.minimize(breaks, BOX, checkpoint=file))
+    assert len(calls) - before < 1700
+    with pytest.raises(ar.InvalidInputError, match="checkpoint: got search.ckpt, the search of another"):
+        ga.minimize(work.sphere, [(0.0, 1.0)] * 3, checkpoint=file)
+
+
+def test_candidates_arrive_as_vectors():
+    shapes = set()
+
+    def fun(x):
+        shapes.add((np.shape(x), x.dtype))
+        return 0.0
+
+    ar.IslandGA(max_generations=0).minimize(fun, BOX, rng=0, workers="threads")
+    assert shapes == {((3,), np.dtype(np.float64))}
+
+
+@posix
+def test_ctrl_c_of_a_terminal_reaches_workers_which_leave_it_to_the_caller():
+    said, _ = after_sigint(FIRST_GENERATION.format(workers=2, after=3.0), to_group=True)
+    assert said == "interrupted 0 True True"
