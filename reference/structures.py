@@ -286,11 +286,8 @@ def beam_matrices(start, end, thickness_m):
     return turn.T @ k @ turn, turn.T @ m @ turn
 
 
-def portal_frame(seed):
-    """Two storeys, one bay, clamped feet, 48 dofs; 16 accelerometers across the members, force at a corner.
-
-    Thickness (6 mm) of each member within 15 %, and four lumped masses at random nodes.
-    """
+def _portal(seed):
+    """Of the portal frame: nodes, where sensors look, elements (node, node, thickness), masses by node."""
     rng = np.random.default_rng([seed, 6])
     corners = [(x, y * STOREY_M) for y in range(3) for x in (0.0, BAY_M)]
     members = [(0, 2), (1, 3), (2, 4), (3, 5), (2, 3), (4, 5)]
@@ -308,6 +305,29 @@ def portal_frame(seed):
         path = [a, *inner, b]
         thickness = 6e-3 * rng.uniform(0.85, 1.15)
         parts += [(p, q, thickness) for p, q in zip(path[:-1], path[1:], strict=True)]
+    heavy = rng.choice(np.arange(2, len(nodes)), 4, replace=False)
+    return nodes, across, parts, [(node, rng.uniform(0.1, 0.4)) for node in heavy]
+
+
+def portal_elements(seed):
+    """Stiffness of each of the 18 elements of :func:`portal_frame`, (48, 48); columns first, then beams."""
+    nodes, _, parts, _ = _portal(seed)
+    made = []
+    for p, q, thickness in parts:
+        whole = np.zeros((3 * len(nodes),) * 2)
+        whole[np.ix_(*[np.r_[3 * p : 3 * p + 3, 3 * q : 3 * q + 3]] * 2)] = beam_matrices(
+            nodes[p], nodes[q], thickness
+        )[0]
+        made.append(whole[6:, 6:])
+    return made
+
+
+def portal_frame(seed):
+    """Two storeys, one bay, clamped feet, 48 dofs; 16 accelerometers across the members, force at a corner.
+
+    Thickness (6 mm) of each member within 15 %, and four lumped masses at random nodes.
+    """
+    nodes, across, parts, heavy = _portal(seed)
     size = 3 * len(nodes)
     stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
     for p, q, thickness in parts:
@@ -315,8 +335,8 @@ def portal_frame(seed):
         k, m = beam_matrices(nodes[p], nodes[q], thickness)
         stiffness[dofs] += k
         mass[dofs] += m
-    for node in rng.choice(np.arange(2, len(nodes)), 4, replace=False):
-        mass[3 * node : 3 * node + 2, 3 * node : 3 * node + 2] += rng.uniform(0.1, 0.4) * np.eye(2)
+    for node, kg in heavy:
+        mass[3 * node : 3 * node + 2, 3 * node : 3 * node + 2] += kg * np.eye(2)
     free = slice(6, None)  # the two feet are clamped
     sensors = [3 * node + across[node] - 6 for node in range(2, len(nodes))]
     return structure(

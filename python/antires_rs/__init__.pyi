@@ -66,6 +66,10 @@ from .models.geometry_parameters import angle, length, position
 from .models.matrix_model import MatrixModel
 from .models.parameters import Parameter, mass_factor, stiffness_factor, stiffness_reduction
 from .models.sections import Rectangle, Section, Tube
+from .monitoring.charts import Chart
+from .monitoring.faults import Fault
+from .monitoring.monitor import monitor
+from .monitoring.watched import Watched
 from .optimize.island_ga import IslandGA
 from .optimize.outcome import History, OptimizeResult
 from .order_sweep.diagram import StabilizationDiagram, stabilization
@@ -95,6 +99,7 @@ __all__ = [
     "AntiresWarning",
     "AntiresonanceSet",
     "BoxIdentifiability",
+    "Chart",
     "Comparison",
     "Constrained",
     "DamagePenalty",
@@ -102,6 +107,7 @@ __all__ = [
     "DamageResult",
     "DataCheck",
     "DetectionCurves",
+    "Fault",
     "Finding",
     "FrameModel",
     "FrequencyResponse",
@@ -146,6 +152,7 @@ __all__ = [
     "UnsuitableDataError",
     "UpdateResult",
     "UpdatingProblem",
+    "Watched",
     "__version__",
     "angle",
     "assess_damage",
@@ -168,6 +175,7 @@ __all__ = [
     "length",
     "mass_factor",
     "merge_setups",
+    "monitor",
     "plan_test",
     "point_mass",
     "position",

@@ -56,3 +56,18 @@ def test_free_bodies_and_usual_supports_are_not_told():
         ar.MatrixModel(free, np.eye(12))
         turned = np.linalg.qr(rng.normal(size=(12, 12)))[0]
         ar.MatrixModel(turned.T @ free @ turned, np.eye(12))
+
+
+@pytest.mark.parametrize("of_mass", [False, True])
+def test_modes_of_a_diagonal_pair_over_many_decades_are_right_or_told(of_mass):
+    graded, ones = np.diag(10.0 ** np.arange(-12.0, 13.0)), np.eye(25)
+    pair = (ones, graded) if of_mass else (graded, ones)
+    exact = np.sort(np.sqrt(np.diag(pair[0]) / np.diag(pair[1]))) / (2.0 * np.pi)
+    model, _ = told(lambda: ar.MatrixModel(*pair))
+    modes, words = told(model.modes)
+    np.testing.assert_allclose(modes.freq_hz, exact[: modes.freq_hz.size], rtol=1e-6)
+    assert modes.freq_hz.size == 25 or ("are left out" in words[0] and "dof" in words[0])
+    near = ar.MatrixModel(graded[9:16, 9:16], np.eye(7))
+    modes, words = told(near.modes)
+    assert modes.freq_hz.size == 7
+    assert not words

@@ -20,6 +20,7 @@ PAGES = (
     "identify",
     "repeats",
     "series",
+    "monitoring",
     "model",
     "parameters",
     "damage",

@@ -21,10 +21,12 @@ PACKAGES = {
     "hdf5": ("h5py",),
     "tables": ("pandas", "xarray"),
     "series": ("pyarrow",),
+    "watch": ("watchdog",),
     "ansys": ("ansys-mapdl-reader",),
+    "dask": ("dask",),
 }
 #: Extras that bring so much with them that "all" leaves them out.
-LARGE = {"ansys"}
+LARGE = {"ansys", "dask"}
 
 
 @pytest.fixture
@@ -54,6 +56,7 @@ def study():
         "curves": ar.detectability(
             ar.MassSpringChain([1.0, 1.2, 1.0], [500.0, 450.0]), excitation=0, std=5e-4, n_tests=1, rng=0
         ),
+        "watched": ar.monitor([case.exact(0)] * 60, baseline=50),
         "check": ar.check_data(record, excitation=0, band_hz=(3, 130)),
         "lines": ar.transmissibility(record, 0, nperseg=4096),
     }
@@ -100,6 +103,8 @@ PICTURES = {
     "AntiresonanceSet.plot": lambda s: s["zeros"].plot(0),
     "StabilizationDiagram.plot": lambda s: s["zeros"].diagrams[0].plot(),
     "FrameModel.plot": lambda s: frame().plot(),
+    "plot_monitor": lambda s: plotting.plot_monitor(s["watched"]),
+    "Watched.plot": lambda s: s["watched"].plot(),
 }
 
 
@@ -207,7 +212,7 @@ def test_the_command_line_says_what_to_install(bare, study, tmp_path, capsys):
 def test_the_extras_bring_what_the_messages_promise():
     extras = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]["optional-dependencies"]
     for extra, packages in PACKAGES.items():
-        assert set(packages) <= {re.split("[<>=]", wanted)[0] for wanted in extras[extra]}
+        assert set(packages) <= {re.split(r"[<>=[]", wanted)[0] for wanted in extras[extra]}
     assert set(extras) == {*PACKAGES, "all"}
     assert set(re.findall(r"\w+", extras["all"][0].partition("[")[2])) == set(PACKAGES) - LARGE
     named = {

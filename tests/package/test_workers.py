@@ -200,3 +200,10 @@ def test_progress_counts_and_tells_what_is_left():
     assert progress.counted("test", 3, 12, 30.0) == "test 3 of 12, about 90 s left"
     assert progress.counted("test", 12, 12, 30.0) == "test 12 of 12"
     assert progress.counted("record", 5, None, 30.0) == "record 5"
+
+
+def test_processes_inside_a_worker_of_joblib():
+    joblib = pytest.importorskip("joblib")
+    found = joblib.Parallel(n_jobs=2)(joblib.delayed(work.squares_by_two)(12) for _ in range(2))
+    assert found == [SQUARES[:12]] * 2
+    joblib.externals.loky.get_reusable_executor().shutdown()

@@ -151,7 +151,7 @@ def test_torn_anywhere_it_goes_on_to_the_same_file(store, whole):
     data = part.read_bytes()
     ends = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n")) + 1
     assert len(ends) >= 4
-    for end in (0, 5, int(ends[0]), int(ends[0]) + 3, int(ends[1]) + 400, int(ends[-1]) - 1, int(ends[-1])):
+    for end in (5, int(ends[0]) + 3, int(ends[1]), int(ends[-1]) - 1):
         part.write_bytes(data[:end])
         store.unlink(missing_ok=True)
         identified(store)

@@ -75,3 +75,9 @@ class Breaks:
                 os.kill(os.getpid(), signal.SIGKILL)
             raise ZeroDivisionError("in f")
         return sphere(x)
+
+
+def squares_by_two(count):
+    from antires_rs.support.workers.door import in_order
+
+    return list(in_order(square, range(count), 2))

@@ -65,6 +65,7 @@ def parser() -> argparse.ArgumentParser:
     )
     series.add_argument("--json", action="store_true", help="print JSON instead of the tables")
     series.set_defaults(run=_command("series", "series"))
+    _watch(commands)
     again = commands.add_parser(
         "resume",
         help="go on with a search that was interrupted",
@@ -77,6 +78,49 @@ def parser() -> argparse.ArgumentParser:
     again.set_defaults(run=_command("jobs", "resume"))
     _report(commands)
     return top
+
+
+def _watch(commands: Any) -> None:
+    watch = commands.add_parser(
+        "watch",
+        help="identify new files of a folder as they come, and say which differ from the first",
+        description="Identify the measurements in a folder, and new ones when they are complete; tell which "
+        "differ from the baseline. Ends with Ctrl-C; it may be killed at any time, and goes on where it was.",
+    )
+    watch.add_argument("folder", metavar="FOLDER", type=Path, help="where the measurements arrive")
+    watch.add_argument("--excitation", type=dof, required=True, metavar="DOF", help=f"of the force: {_DOF}")
+    watch.add_argument(
+        "--band", type=number(float, 0.0), nargs=2, required=True, metavar=("LOW", "HIGH"), help="in Hz"
+    )
+    watch.add_argument(
+        "--baseline", type=number(int, 8), default=50, metavar="N", help="first tests (default: %(default)s)"
+    )
+    watch.add_argument(
+        "--rate",
+        type=number(float, 1e-6, 0.2),
+        default=0.01,
+        metavar="P",
+        help="of false alarms (default: 0.01)",
+    )
+    watch.add_argument(
+        "--conditions", type=Path, metavar="FILE", help="table of temperatures, by name of the file"
+    )
+    watch.add_argument(
+        "--out",
+        type=Path,
+        default=Path("watch_output"),
+        metavar="DIR",
+        help="series and page (default: %(default)s)",
+    )
+    watch.add_argument(
+        "--every",
+        type=number(float, 0.1),
+        default=5.0,
+        metavar="S",
+        help="look at least so often (default: 5)",
+    )
+    watch.add_argument("--once", action="store_true", help="end when all files that are there are judged")
+    watch.set_defaults(run=_command("watch", "watch"))
 
 
 def _demo(commands: Any) -> None:

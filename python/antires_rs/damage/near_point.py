@@ -35,8 +35,8 @@ _GENERATIONS, _LEAST = 4, 1e-4
 #: A direction of several elements together that is smaller is one of them twice.
 _INERTIA = 0.5
 _SAME = 1e-5
-#: So many sets of elements are kept.
-_KEPT = 32
+#: Memory of what is kept of sets of elements (bytes), at about so many vectors a set; least number of sets.
+_ROOM, _USUAL, _LEAST_KEPT = 6e8, 120, 16
 
 _Key = TypeVar("_Key")
 _Made = TypeVar("_Made")
@@ -56,17 +56,18 @@ class NearPoint:
         self._own = own, self.stiffness @ own, self.mass @ own
         self._square = tuple(own.T @ each for each in self._own[1:])
         self._local: dict[tuple[int, ...], Local] = {}
+        self._most = max(_LEAST_KEPT, int(_ROOM / (8 * _USUAL * terms.n_dof)))
         self._alone: dict[int, tuple[FloatArray, FloatArray]] = {}
 
     def local(self, elements: tuple[int, ...]) -> Local:
         """The reduced model in which the severities of ``elements`` are free."""
-        return _kept(self._local, elements, lambda key: Local(self, key, self._answering(key)))
+        return _kept(self._local, elements, lambda key: Local(self, key, self._answering(key)), self._most)
 
     def _answering(self, elements: tuple[int, ...]) -> FloatArray:
         """What answers damage of the elements, beside the basis, (n, k)."""
         if not elements:
             return np.empty((self.terms.n_dof, 0))
-        alone = [_kept(self._alone, e, self._of_one) for e in elements]
+        alone = [_kept(self._alone, e, self._of_one, self._most // 2) for e in elements]
         if len(alone) == 1:
             return alone[0][0]
         own = self.basis.vectors
@@ -115,11 +116,11 @@ class NearPoint:
         return found[0], found[1]
 
 
-def _kept(cache: dict[_Key, _Made], key: _Key, make: Callable[[_Key], _Made]) -> _Made:
+def _kept(cache: dict[_Key, _Made], key: _Key, make: Callable[[_Key], _Made], most: int) -> _Made:
     """What there is, else what is made; those used last stay."""
     found = cache.pop(key, None)
     cache[key] = make(key) if found is None else found
-    while len(cache) > _KEPT:
+    while len(cache) > most:
         cache.pop(next(iter(cache)))
     return cache[key]
 

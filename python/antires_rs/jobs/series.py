@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from ..exceptions import MissingDependencyError
 from ..io._common import Signal
+from ..measured.tracks import Tracks
 from ..plotting.canvas import picture
 from ..plotting.tracks import plot_tracks
 from ..series.identify_series import identify_series
@@ -26,8 +27,8 @@ from .values import shown
 
 __all__ = ["SeriesOutcome", "run_series"]
 
-#: Of a series with more tests than this no tracks are drawn: they would take longer than the tests.
-MOST_TRACKED = 2000
+#: Tracks that fewer of the tests have are not drawn, and of more tests than this no events.
+LEAST_SHARE, EVENTS_OF = 0.3, 50
 _OPTIONS = {key.name: ("identification", key.name) for key in IDENTIFICATION.keys}
 
 
@@ -146,10 +147,8 @@ def _drawn(series: Series, folder: Path, over: str | None, say: Callable[[str], 
     """A picture of the tracks of each response; what is left out is told."""
     if len(series) - len(series.failed) < 2:
         return ("no tracks are drawn: fewer than two tests were identified",)
-    if len(series) > MOST_TRACKED:
-        return (f"no tracks are drawn of more than {MOST_TRACKED} tests: ask Series.load(...)[a:b].tracks()",)
     say("drawing the tracks")
-    tracks = series.tracks(over)
+    tracks = _lasting(series.tracks(over))
     pictures = folder / "pictures"
     pictures.mkdir(exist_ok=True)
     for dof in dict.fromkeys(tracks.dof.tolist()):
@@ -159,3 +158,18 @@ def _drawn(series: Series, folder: Path, over: str | None, say: Callable[[str], 
             return (str(exc),)
         write_atomically(pictures / picture_name(f"tracks_dof_{dof}"), drawn)
     return ()
+
+
+def _lasting(tracks: Tracks) -> Tracks:
+    """The tracks that a picture shows."""
+    seen = np.sum(~np.isnan(tracks.freq_hz), axis=0)
+    kept = np.flatnonzero(seen >= LEAST_SHARE * len(tracks.conditions))
+    rank = {int(track): i for i, track in enumerate(kept)}
+    events = tracks.events if len(tracks.conditions) <= EVENTS_OF else ()
+    return replace(
+        tracks,
+        dof=tracks.dof[kept],
+        freq_hz=tracks.freq_hz[:, kept],
+        std_hz=tracks.std_hz[:, kept],
+        events=tuple(replace(one, track=rank[one.track]) for one in events if one.track in rank),
+    )

@@ -56,12 +56,14 @@ def paired(
 
     if not a_hz.size or not b_hz.size:
         return []
-    n, m = a_hz.size, b_hz.size
     middle = 0.5 * (a_hz[:, None] + b_hz)
     reach = (max_shift * middle) ** 2
     if variance is not None:
         reach = reach + STDS**2 * np.nan_to_num(variance)
     cost = (b_hz - a_hz[:, None]) ** 2 / reach
+    # Of many tracks few are near what a test has; the others stay alone in any case.
+    near_a, near_b = (np.flatnonzero((cost < 1.0).any(axis=axis)) for axis in (1, 0))
+    cost, n, m = cost[np.ix_(near_a, near_b)], near_a.size, near_b.size
     # Beside it a partner of nobody for each, so that the least total may leave any value alone.
     square = np.full((n + m, n + m), FORBIDDEN)
     square[:n, :m] = np.where(cost < 1.0, cost, FORBIDDEN)
@@ -69,7 +71,8 @@ def paired(
     square[n + np.arange(m), np.arange(m)] = 0.5
     square[n:, m:] = 0.0
     rows, columns = linear_sum_assignment(square)
-    return [(i, k) for i, k in zip(rows.tolist(), columns.tolist(), strict=True) if i < n and k < m]
+    pairs = zip(rows.tolist(), columns.tolist(), strict=True)
+    return [(int(near_a[i]), int(near_b[k])) for i, k in pairs if i < n and k < m]
 
 
 def variance_hz(table: ResponseTable, std_between: float) -> FloatArray:

@@ -1,19 +1,22 @@
-"""What the core leaves in doubt about the antiresonances of a response, in words."""
+"""What the core leaves in doubt about antiresonances and modes, in words."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
 from ..exceptions import AntiresWarning
 from ..support.validation import FloatArray
 
-__all__ = ["warn_doubts"]
+__all__ = ["warn_doubts", "warn_modes_left_out"]
 
 #: So many frequencies are named.
 _NAMED = 4
+#: Relative distance from which on a mode is above the highest one found.
+_EDGE = 1e-6
 
 
 def warn_doubts(
@@ -44,6 +47,27 @@ def warn_doubts(
         _warn(
             f"response dof {dof}: {named}{more} Hz are not certain: too close to others to be told "
             "from them, or moved too far by the rounding of K and M."
+        )
+
+
+def warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: Callable[[int], str]) -> None:
+    """Name dofs joined to no other whose modes are not among all modes found: too far above the lowest."""
+    from scipy.sparse import csc_array
+
+    k, m = csc_array(stiffness), csc_array(mass)
+    joined = np.zeros(k.shape[0], dtype=bool)
+    for matrix in (k.tocoo(), m.tocoo()):
+        joined[matrix.row[(matrix.row != matrix.col) & (matrix.data != 0.0)]] = True
+    own, of_mass = k.diagonal(), m.diagonal()
+    alone = np.flatnonzero(~joined & (own > 0.0) & (of_mass > 0.0))
+    hz = np.sqrt(own[alone] / of_mass[alone]) / (2.0 * np.pi)
+    out = hz > (1.0 + _EDGE) * float(freq_hz.max(initial=0.0))
+    if out.any():
+        named = ", ".join(label(int(dof)) for dof in alone[out][:_NAMED])
+        more = f" and {int(out.sum()) - _NAMED} more" if out.sum() > _NAMED else ""
+        _warn(
+            f"modes at {named}{more}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above "
+            f"the lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them."
         )
 
 

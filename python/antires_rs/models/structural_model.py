@@ -17,7 +17,7 @@ from ..measured.modal_set import ModalSet
 from ..support.progress import interruptible
 from ..support.validation import choice, finite_scalar, integer, part, real_array, reject, shape_of
 from .described import Described
-from .doubts import warn_doubts
+from .doubts import warn_doubts, warn_modes_left_out
 from .memory import check_room_for_all_modes
 
 if TYPE_CHECKING:
@@ -62,6 +62,12 @@ class StructuralModel(Described):
             K and M share a motion with neither mass nor stiffness, or one of them is indefinite; all modes of
             more dofs than there is memory for.
 
+        Warns
+        -----
+        AntiresWarning
+            Without a limit: modes of dofs joined to no other, too far above the lowest for double precision,
+            are left out.
+
         Examples
         --------
         >>> import antires_rs as ar
@@ -80,6 +86,9 @@ class StructuralModel(Described):
                 f"most at {self._most_moved(shapes[:, np.isnan(freq)])}. Check its signs, or with geometric "
                 "stiffness whether the load is beyond buckling; antiresonances are still found.",
             )
+        if limit is None and most is None:
+            whole: Any = self  # every kind of model has these matrices
+            warn_modes_left_out(freq, whole.stiffness(), whole.mass(), self.dof_label)
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
         if limit is not None and keep == 0:
             reject(

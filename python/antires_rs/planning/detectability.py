@@ -94,8 +94,9 @@ def detectability(
         As for :func:`assess_damage`.
     rng : int or numpy Generator, optional
         The same seed gives the same bits for any number of workers.
-    workers : int or executor, optional
-        Threads; or for simulated tests anything with a ``map``, such as a ``ProcessPoolExecutor``.
+    workers : int, str or executor, optional
+        A number of threads. Simulated tests may also be spread: over ``"processes"``, ``"threads"``, or
+        anything with ``submit`` or ``map``, such as a ``ProcessPoolExecutor`` or a Dask ``Client``.
     progress : bool, optional
         Show a line of progress; by default on a terminal. After Ctrl-C what is there is returned.
 
@@ -139,8 +140,8 @@ def detectability(
     if prior is not None and not isinstance(prior, DamagePrior):
         reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
     given = None if severities is None else _severities(severities)
-    executor = workers if callable(getattr(workers, "map", None)) else None
-    threads = thread_count(None if executor is not None else workers)
+    spread = isinstance(workers, str) or callable(getattr(workers, "submit", getattr(workers, "map", None)))
+    threads = thread_count(None if spread else workers)
     seed = np.random.SeedSequence(seed_of(rng))
     judging = (prior or DamagePrior(), false_alarm_rate)
     test, linear = _virtual_test(
@@ -163,10 +164,10 @@ def detectability(
         seeds = own.spawn((len(chosen) + 1) * count)
         cases = [(at, loss) for nth in range(count) for at, loss in _nth(losses, nth)]
         tasks = [
-            Task(test, at, loss, *judging, each, 1 if executor is not None else threads)
+            Task(at, loss, *judging, each, 1 if spread else threads)
             for (at, loss), each in zip(cases, seeds, strict=True)
         ]
-        declared = simulated(tasks, executor)
+        declared = simulated(test, tasks, workers if spread else None)
     return _simulated(chosen, losses, tasks, declared, names)
 
 

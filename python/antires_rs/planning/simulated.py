@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from ..damage.assess import assess_damage
 from ..damage.prior import DamagePrior
-from ..support.progress import step
+from ..support.workers.door import in_order
 from .virtual_test import VirtualTest
 
 __all__ = ["Task", "simulated"]
@@ -20,7 +20,6 @@ __all__ = ["Task", "simulated"]
 class Task:
     """One virtual test: place of the damaged element among the candidates (None: intact), its severity."""
 
-    test: VirtualTest
     place: int | None
     severity: float
     prior: DamagePrior
@@ -29,10 +28,9 @@ class Task:
     threads: int
 
 
-def judged(task: Task) -> tuple[int, ...]:
+def judged(test: VirtualTest, task: Task) -> tuple[int, ...]:
     """Elements that ``assess_damage`` declares damaged."""
     rng = np.random.default_rng(task.seed)
-    test = task.test
     factors = test.truth(rng)
     damage = (0, 0.0) if task.place is None else (task.place, task.severity)
     intact, now = test.roots(factors, [(0, 0.0), damage], task.threads)
@@ -50,13 +48,11 @@ def judged(task: Task) -> tuple[int, ...]:
     return result.assessment.declared
 
 
-def simulated(tasks: Sequence[Task], executor: Any) -> list[tuple[int, ...]]:
+def simulated(test: VirtualTest, tasks: Sequence[Task], workers: Any) -> list[tuple[int, ...]]:
     """What each test declares, in order; after Ctrl-C those that are there."""
-    run: Callable[..., Iterable[tuple[int, ...]]] = map if executor is None else executor.map
     found: list[tuple[int, ...]] = []
     try:
-        for nth, one in enumerate(run(judged, tasks)):
-            step(f"test {nth + 1} of {len(tasks)}")
+        for one in in_order(judged, tasks, workers, shared=test, what="test"):
             found.append(one)
     except KeyboardInterrupt:
         if not found:

@@ -19,6 +19,7 @@ from .differences import plot_differences
 from .frame import plot_frame
 from .hypotheses import plot_hypotheses
 from .identifiability import plot_identifiability
+from .monitor import plot_monitor
 from .plan import plot_plan
 from .spectra import plot_coherence, plot_singular_values
 from .stabilization import plot_stabilization
@@ -40,6 +41,7 @@ __all__ = [
     "plot_frame",
     "plot_hypotheses",
     "plot_identifiability",
+    "plot_monitor",
     "plot_plan",
     "plot_stabilization",
     "plot_tracks",

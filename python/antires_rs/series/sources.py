@@ -16,7 +16,7 @@ from ..signals.recording import Recording
 from ..support.pickling import FrozenDict
 from ..support.validation import reject
 
-__all__ = ["Source", "Sources", "listed"]
+__all__ = ["Source", "Sources", "is_measurement", "listed", "natural"]
 
 _WANTED = (
     "files, a folder, records or responses in memory, functions that give one, or a generator of any of them"
@@ -119,7 +119,7 @@ def _files(path: Path, beside: Sequence[Path]) -> list[Path]:
     if "*" in path.name:
         found, where = list(path.parent.glob(path.name)), f"{str(path)!r}, which names no file"
     elif path.is_dir():
-        found = [file for file in path.iterdir() if _is_measurement(file)]
+        found = [file for file in path.iterdir() if is_measurement(file)]
         where = f"{str(path)!r}, a folder without measurements"
     else:
         return [path]
@@ -128,10 +128,10 @@ def _files(path: Path, beside: Sequence[Path]) -> list[Path]:
     if not found:
         endings = " ".join(ending for ends in ENDINGS.values() for ending in ends)
         reject("sources", where, f"a folder or a pattern of files that end in {endings}", "Name the files.")
-    return sorted(found, key=_natural)
+    return sorted(found, key=natural)
 
 
-def _is_measurement(file: Path) -> bool:
+def is_measurement(file: Path) -> bool:
     """By its ending; a folder in the folder is a test with a file for each response."""
     if file.name.startswith("."):
         return False
@@ -140,7 +140,7 @@ def _is_measurement(file: Path) -> bool:
     return any(file.suffix.lower() in endings for endings in ENDINGS.values())
 
 
-def _natural(file: Path) -> tuple[Any, ...]:
+def natural(file: Path) -> tuple[Any, ...]:
     """test_2 before test_10."""
     parts = re.split(r"(\d+)", file.name)
     return tuple((int(part), part) if part.isdigit() else (-1, part) for part in parts)

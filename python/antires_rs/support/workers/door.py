@@ -86,6 +86,8 @@ class Workers:
     ) -> None:
         self._seconds, self._losses = seconds_a_chunk, losses
         self._engine: Engine = engine_of(workers, function, shared)
+        if workers is None:
+            self._seconds = 0.0  # one by one: Ctrl-C loses none that is done
         self._in_flight = 0
         self._a_task: float | None = None
 

@@ -14,7 +14,10 @@ from .sending import payload_of
 __all__ = ["engine_of"]
 
 _WANTED = 'a number from 1 on, "processes", "threads", or an executor with submit or map'
-_REMEDY = "Pass a number, a concurrent.futures executor or a Dask client, or leave it out."
+_REMEDY = (
+    "Pass a number, a concurrent.futures executor, or a Client of a Dask cluster "
+    '(pip install "antires-rs[dask]").'
+)
 
 
 def engine_of(workers: Any, function: Callable[..., Any], shared: Any) -> Engine:

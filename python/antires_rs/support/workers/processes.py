@@ -66,6 +66,9 @@ class Processes:
                 "1 there, or threads",
                 "A worker of multiprocessing may not begin processes of its own: pass workers=1.",
             )
+        if multiprocessing.get_start_method(allow_none=True) == "loky":
+            # In a worker of joblib. What begins by spawn is told this name and does not know it.
+            multiprocessing.set_start_method("spawn", force=True)
         self.workers = count
         self._payload = payload
         self._how = (context or multiprocessing.get_context("spawn"), initializer, initargs)

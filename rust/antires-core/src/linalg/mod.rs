@@ -6,6 +6,7 @@
 //! | [`standard`] | A q = μ q, A symmetric | [`symmetric`] |
 //! | [`small`], [`tridiagonal`] | the same, few rows | [`standard`], [`krylov`] |
 //! | [`banded`], [`ordering`], [`krylov`] | low modes and responses from band matrices | the modal route |
+//! | [`block_krylov`] on [`panel`] | the same from large sparse ones, four vectors at a time | the modal route |
 //! | [`sparse`], [`form`], [`factored`] | the same from sparse matrices; either of the two | the modal route |
 //! | [`balance`] | powers of two that bring dofs to one unit | [`symmetric`], both routes |
 //! | [`blocks`] | block-triangular form of a pencil | [`pencil`] |
@@ -21,6 +22,7 @@
 
 pub mod balance;
 pub mod banded;
+pub mod block_krylov;
 pub mod blocks;
 pub mod definite;
 pub mod dominant;
@@ -30,6 +32,7 @@ pub mod form;
 pub mod hermitian;
 pub mod krylov;
 pub mod ordering;
+pub mod panel;
 pub mod pencil;
 pub mod root_bounds;
 pub mod small;

@@ -58,9 +58,7 @@ impl HiddenModes {
         let (mass, sigma) = (matrices.mass(), poles.sigma());
         let shown = poles.found().iter().enumerate().filter(|(_, f)| **f);
         for (j, _) in shown {
-            poles
-                .krylov()
-                .vector(j, &mut self.weighted, &mut self.vectors);
+            poles.vector(j, mass, &mut self.weighted, &mut self.vectors);
         }
         let least = (cut + sigma).recip();
         let mut state = 1_u64;

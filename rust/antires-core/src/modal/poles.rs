@@ -6,12 +6,15 @@
 //! ```
 //!
 //! Those up to the limit are the modes that the load excites; those far above stand for all other modes
-//! together ([`Krylov`]).
+//! together ([`Krylov`](crate::linalg::krylov::Krylov)).
 
 use super::receptance::Receptance;
 use super::scaled::ScaledMatrices;
+use super::space::Space;
+use crate::linalg::block_krylov::BlockKrylov;
 use crate::linalg::factored::Factors;
-use crate::linalg::krylov::{Krylov, Operator, Start};
+use crate::linalg::form::Form;
+use crate::linalg::krylov::Start;
 
 /// The poles are told up to this part above the limit, for the count to find a clear place.
 pub(super) const MARGIN: f64 = 0.02;
@@ -37,7 +40,7 @@ const RIGID: usize = 6;
 /// The poles of one load, with the memory to find them again.
 #[derive(Default)]
 pub(super) struct Poles {
-    krylov: Krylov,
+    space: Space,
     sigma: f64,
     limit: f64,
     zero: f64,
@@ -59,18 +62,20 @@ impl Poles {
         (k, start): (usize, Start),
     ) -> bool {
         (self.limit, self.sigma) = (limit, sigma);
-        let mut load = vec![0.0; matrices.stride()];
-        load[k] = 1.0;
-        let op = Operator {
-            shifted,
-            mass: matrices.mass(),
-            outside: (&[], &[]),
+        let highest = self.highest();
+        let settled = |space: &BlockKrylov| {
+            let theta = space.theta();
+            let strongest = (0..theta.len()).fold(0.0, |m, j| f64::max(m, space.first(j)));
+            let poles = theta.iter().enumerate();
+            let mut up_to_limit = poles.take_while(|(_, t)| **t * highest >= 1.0);
+            up_to_limit.all(|(j, &t)| {
+                space.residual(j) <= FOUND * t || space.first(j) <= UNSEEN * strongest
+            })
         };
-        if !self
-            .krylov
-            .grow(op, (&load, start), self.highest(), matrices.n())
-            || !self.classify(matrices)
-        {
+        let grown = self
+            .space
+            .grow(matrices, shifted, (k, start), highest, settled);
+        if !grown || !self.classify(matrices) {
             return false;
         }
         self.tell_repeated(matrices);
@@ -92,9 +97,9 @@ impl Poles {
         self.zero
     }
 
-    /// The space of the load.
-    pub fn krylov(&self) -> &Krylov {
-        &self.krylov
+    /// Appends the vector of pole `j` by rows, and M times it.
+    pub fn vector(&self, j: usize, mass: &Form, weighted: &mut Vec<f64>, vectors: &mut Vec<f64>) {
+        self.space.vector(j, mass, weighted, vectors);
     }
 
     /// For each pole up to the limit and its margin: whether it is a mode.
@@ -104,12 +109,12 @@ impl Poles {
 
     /// λ of all poles, ascending.
     pub fn lambda(&self) -> impl Iterator<Item = f64> {
-        self.krylov.theta().iter().map(|&t| self.pole(t))
+        self.space.theta().iter().map(|&t| self.pole(t))
     }
 
     /// Number of modes with θ of at least `least`.
     pub fn count(&self, least: f64) -> usize {
-        let poles = self.krylov.theta().iter().zip(&self.found);
+        let poles = self.space.theta().iter().zip(&self.found);
         poles.filter(|(t, f)| **t >= least && **f).count()
     }
 
@@ -120,18 +125,25 @@ impl Poles {
     }
 
     /// Vectors of the modes by rows, one after the other.
-    pub fn vectors(&mut self) -> &[f64] {
+    pub fn vectors(&mut self, matrices: &ScaledMatrices) -> &[f64] {
         self.weighted.clear();
         self.vectors.clear();
-        for j in (0..self.found.len()).filter(|&j| self.found[j]) {
-            self.krylov.vector(j, &mut self.weighted, &mut self.vectors);
+        for j in 0..self.found.len() {
+            if self.found[j] {
+                self.vector_of(matrices, j);
+            }
         }
         &self.vectors
     }
 
+    fn vector_of(&mut self, matrices: &ScaledMatrices, j: usize) {
+        let (weighted, vectors) = (&mut self.weighted, &mut self.vectors);
+        self.space.vector(j, matrices.mass(), weighted, vectors);
+    }
+
     /// Rounding error of the poles near x: that of Θ.
     pub fn error(&self, x: f64) -> f64 {
-        4.0 * f64::EPSILON * (x + self.sigma).powi(2) * self.krylov.theta()[0]
+        4.0 * f64::EPSILON * (x + self.sigma).powi(2) * self.space.theta()[0]
     }
 
     /// λ_j of a pole.
@@ -141,15 +153,15 @@ impl Poles {
 
     /// Tells the modes among the poles up to the limit.
     fn classify(&mut self, matrices: &ScaledMatrices) -> bool {
-        let theta = self.krylov.theta();
+        let theta = self.space.theta();
         let least = self.highest().recip();
         let strongest = (0..theta.len())
-            .map(|j| self.krylov.first(j).abs())
+            .map(|j| self.space.first(j).abs())
             .fold(0.0, f64::max);
         self.found.clear();
         for (j, &t) in theta.iter().enumerate().take_while(|(_, t)| **t >= least) {
-            let found = self.krylov.residual(j) <= FOUND * t;
-            if !found && self.krylov.first(j).abs() > UNSEEN * strongest {
+            let found = self.space.residual(j) <= FOUND * t;
+            if !found && self.space.first(j).abs() > UNSEEN * strongest {
                 return false;
             }
             self.found.push(found);
@@ -164,8 +176,8 @@ impl Poles {
     fn ulps(&mut self, matrices: &ScaledMatrices, j: usize) -> f64 {
         self.weighted.clear();
         self.vectors.clear();
-        self.krylov.vector(j, &mut self.weighted, &mut self.vectors);
-        let lambda = self.pole(self.krylov.theta()[j]).abs();
+        self.vector_of(matrices, j);
+        let lambda = self.pole(self.space.theta()[j]).abs();
         let moved = matrices.stiffness().absolute_form(&self.vectors)
             + lambda * matrices.mass().absolute_form(&self.vectors);
         f64::EPSILON * moved
@@ -175,7 +187,7 @@ impl Poles {
     fn tell_repeated(&mut self, matrices: &ScaledMatrices) {
         self.repeated.clear();
         for j in 0..self.found.len() {
-            let theta = self.krylov.theta();
+            let theta = self.space.theta();
             let (s, largest) = (theta[j].recip(), theta[0]);
             let mut tolerance = REPEATED * f64::EPSILON * s * s * largest;
             if j > 0 && s - theta[j - 1].recip() <= CLOSE * s {
@@ -188,16 +200,16 @@ impl Poles {
     /// Forms the partial fractions between row `i` of `n` and the load; a root cancels on each pole of `hidden`.
     pub fn form(&mut self, n: usize, i: usize, hidden: &[f64], h: &mut Receptance) {
         h.clear();
-        let krylov = &self.krylov;
-        krylov.row(i, &mut self.row);
-        let known = krylov.response(i);
+        let space = &self.space;
+        space.row(i, &mut self.row);
+        let known = space.response(i);
         h.begin(self.sigma, known);
         let (mut size_i, mut size_k, mut modes) = (0.0_f64, 0.0_f64, 0);
         let top = (4.0 * (self.limit + self.sigma)).recip();
-        let largest_theta = krylov.theta()[0];
+        let largest_theta = space.theta()[0];
         let mut floor = 0.0;
-        for (j, (&theta, &phi_i)) in krylov.theta().iter().zip(&self.row).enumerate() {
-            let phi_k = krylov.strength(j);
+        for (j, (&theta, &phi_i)) in space.theta().iter().zip(&self.row).enumerate() {
+            let phi_k = space.strength(j);
             let rounding = j < self.found.len() && !self.found[j];
             if theta <= f64::EPSILON * largest_theta {
                 // So stiff that beside the response it is nothing but its rounding.
@@ -237,6 +249,6 @@ impl Poles {
         if error > h.residue_error {
             h.floor_error += error / self.sigma;
         }
-        h.is_zero &= known.abs() <= NOTHING * krylov.largest_response();
+        h.is_zero &= known.abs() <= NOTHING * space.largest_response();
     }
 }

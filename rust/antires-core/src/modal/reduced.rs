@@ -203,7 +203,7 @@ impl ReducedModes {
         values.extend(self.hidden.lambda());
         let zero = self.poles.zero();
         let vectors = if self.hidden.lambda().is_empty() {
-            self.poles.vectors()
+            self.poles.vectors(&self.matrices)
         } else {
             self.hidden.vectors()
         };

@@ -14,6 +14,7 @@ use faer::sparse::linalg::cholesky::supernodal::{
 
 use super::matrix::SparseMatrix;
 use super::pivots::Pivots;
+use super::several::{self, Row};
 use super::solution::Solution;
 use super::symbolic::Symbolic;
 use crate::linalg::wide;
@@ -94,6 +95,16 @@ impl SparseFactors {
     #[must_use]
     pub fn inverse_pivots(&self) -> &[f64] {
         &self.inverse
+    }
+
+    /// X = A⁻¹ X, several columns at once.
+    pub fn solve_several(&self, x: &mut [Row]) {
+        wide::run(several::Solve {
+            symbolic: &self.symbolic,
+            values: &self.values,
+            inverse: &self.inverse,
+            x,
+        });
     }
 
     /// x = A⁻¹ x.

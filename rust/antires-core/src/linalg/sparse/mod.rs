@@ -6,6 +6,7 @@
 //! | [`matrix`] | their values: product, forms, dense copies |
 //! | [`symbolic`] | the ordering that keeps L sparse, and its blocks: once a pattern |
 //! | [`factors`] | the values of L and D by `blocks`; count of negative `pivots`, `solution` |
+//! | [`several`] | product and solution for several columns at once |
 //!
 //! K and M of one model share a pattern, so that K − xM is a sum of values.
 
@@ -14,6 +15,7 @@ pub mod factors;
 pub mod matrix;
 pub mod pattern;
 mod pivots;
+pub mod several;
 mod solution;
 pub mod symbolic;
 

@@ -1,0 +1,104 @@
+"""A local Dask cluster of 1, 2 and 4 processes: speed beside a serial run, and runs whose workers are killed.
+
+    python -m benchmarks.cluster_study [RUNS]
+
+Tasks keep one processor busy. In every run with kills, one task takes four workers along, and others are
+killed from outside at random; the results must be those of the serial run, bit for bit.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import random
+import signal
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+from antires_rs.support.workers.door import in_order
+
+TASKS, DEADLY = 40, 17
+
+
+def busy(n):
+    """Some 0.1 s of one processor."""
+    total = 0.0
+    for k in range(2_000_000):
+        total += (n + k) * 1e-9
+    return total
+
+
+def deadly(folder, n):
+    """The same, but one task takes the first four workers along that begin it."""
+    if n == DEADLY and len(os.listdir(folder)) < 4:
+        Path(folder, str(time.monotonic_ns())).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return busy(n)
+
+
+def cluster(count):
+    from distributed import Client, LocalCluster
+
+    return Client(LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None))
+
+
+@contextlib.contextmanager
+def connected(count):
+    client = cluster(count)
+    try:
+        yield client
+    finally:
+        client.close()
+        client.cluster.close()
+
+
+def kill_at_random(client, over, seed):
+    """Kill a worker every few seconds."""
+    rng = random.Random(seed)
+    while not over.wait(rng.uniform(2.0, 6.0)):
+        with contextlib.suppress(Exception):
+            pids = list(client.run(os.getpid).values())
+            os.kill(rng.choice(pids), signal.SIGKILL)
+
+
+def main():
+    from benchmarks import cluster_study as named  # by its module, as workers find it
+
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 10
+    logging.disable(logging.ERROR)
+    start = time.perf_counter()
+    right = list(in_order(named.busy, range(TASKS)))
+    serial = time.perf_counter() - start
+    for count in (1, 2, 4):
+        with connected(count) as client:
+            list(in_order(named.busy, range(2 * count), client))
+            start = time.perf_counter()
+            same = list(in_order(named.busy, range(TASKS), client)) == right
+            seconds = time.perf_counter() - start
+            share = serial / seconds / min(count, os.cpu_count() or 1)
+            print(
+                f"{count} processes: {seconds:.1f} s of {serial:.1f}, efficiency {share:.0%}, same {same}",
+                flush=True,
+            )
+    for run in range(runs):
+        with tempfile.TemporaryDirectory() as folder, connected(2) as client:
+            over = threading.Event()
+            killer = threading.Thread(target=kill_at_random, args=(client, over, run))
+            killer.start()
+            start = time.perf_counter()
+            same = list(in_order(named.deadly, range(TASKS), client, shared=folder)) == right
+            seconds = time.perf_counter() - start
+            over.set()
+            killer.join()
+            print(
+                f"run {run}: {len(os.listdir(folder))} deaths by the task, {seconds:.0f} s, same {same}",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,229 @@
+"""Watch a structure: which tests of a series differ from its baseline."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..exceptions import AntiresWarning
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.matching import MAX_SHIFT, check_shift
+from ..models.structural_model import StructuralModel
+from ..series.series import Series
+from ..support.pickling import FrozenDict, frozen
+from ..support.progress import patient, step
+from ..support.validation import finite_scalar, reject
+from .arguments import baseline_tests, clocks, conditions_of, series_of
+from .association import Values, places_of, values_of
+from .charts import Charts, charts_of
+from .faults import Fault, lost_alone, obvious
+from .limits import needed, wilson_hilferty
+from .runs import assessed, runs_of
+from .watched import Watched
+
+__all__ = ["monitor"]
+
+#: Places that so many tests of the baseline have are followed, at least.
+_FEWEST = 6
+#: Without a response at fault, a test is no further out than one of twenty.
+_USUAL_W = 1.645
+#: A test of which more responses are at fault is not judged.
+_MOST_FAULTS = 0.5
+
+
+@patient("watching the series")
+def monitor(
+    series: Series | Sequence[AntiresonanceSet | None],
+    *,
+    baseline: Any,
+    false_alarm_rate: float = 0.01,
+    conditions: Any = None,
+    model: StructuralModel | None = None,
+    max_shift: float = MAX_SHIFT,
+    progress: bool | None = None,
+    **assessment: Any,
+) -> Watched:
+    """Tell which tests differ from the baseline, at a stated rate of false alarms.
+
+    Parameters
+    ----------
+    series : Series or list of AntiresonanceSet
+        Tests of one structure in the order in which they were made; None where a test failed.
+    baseline : slice, int, sequence of int or mask
+        The tests of the intact structure; an int stands for the first so many. All conditions that are to
+        come should be among them.
+    false_alarm_rate : float
+        Share of intact tests outside the baseline that alarm, all charts together, in (0, 0.2].
+    conditions : mapping of str to (n,), optional
+        What the antiresonances depend on, such as the temperature; NaN where not known. Default: those of the
+        series. ``{}`` for none; then what the baseline's values do together is taken for weather.
+    model : MassSpringChain, FrameModel or MatrixModel, optional
+        With it the damage of each run of alarms is assessed against the baseline, see ``.assessments``.
+    max_shift : float
+        Largest relative difference of a value from the baseline's, beside what all values do, as for
+        :func:`~antires_rs.compare`.
+    progress : bool, optional
+        Show a line of progress; by default on a terminal.
+    **assessment
+        Options of :func:`~antires_rs.assess_damage`: ``elements``, ``prior``, ``std_common``, ...
+
+    Returns
+    -------
+    Watched
+        ``.alarm`` (n,) bool, ``.statistic`` and ``.limit``, ``.charts``, ``.faults``, ``.assessments``;
+        prints as a summary, ``.plot()``, ``.to_dataframe()``, ``.report(path)``.
+
+    Raises
+    ------
+    InvalidInputError
+        Fewer than 8 baseline tests, none with antiresonances in common, or a malformed argument.
+
+    Warns
+    -----
+    AntiresWarning
+        A baseline too short for the rate.
+
+    Notes
+    -----
+    Hotelling's :math:`T^2` of single tests, an exponentially weighted mean for small and slow changes, and a
+    chart of antiresonances that vanish or appear share the rate as 3 : 1 : 1. An alarm is of its own test:
+    when the change is over, alarms end. Limits come from tests of the baseline left out in turn, with what a
+    finite baseline leaves open, see :mod:`antires_rs.monitoring`.
+
+    A condition that only grows from test to test is a clock and is not used. Outside the baseline's
+    range lines go on with a slope that is known to 30 %.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> import numpy as np
+    >>> rng = np.random.default_rng(0)
+    >>> def test(loss):
+    ...     chain = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0 * (1 - loss), 500.0])
+    ...     exact = dict(enumerate(chain.antiresonances([0, 1, 2, 3], 0)))
+    ...     seen = {dof: f * (1 + 5e-4 * rng.standard_normal(f.size)) for dof, f in exact.items()}
+    ...     return ar.AntiresonanceSet(0, seen)
+    >>> watched = ar.monitor([test(0.0) for _ in range(60)] + [test(0.02)], baseline=slice(0, 50))
+    >>> bool(watched.alarm[60]), int(watched.alarm[50:60].sum())
+    (True, 0)
+    """
+    tests = series_of(series)
+    rate = finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.2, low_open=True)
+    shift = check_shift(max_shift)
+    if model is not None and not isinstance(model, StructuralModel):
+        reject(
+            "model",
+            model,
+            "a MassSpringChain, FrameModel or MatrixModel",
+            "Leave it out to have alarms only.",
+        )
+    if model is None and assessment:
+        name = next(iter(assessment))
+        reject(name, "without a model", "a model= to assess damage with", "Pass the model, or leave it out.")
+    own = baseline_tests(baseline, tests)
+    given = conditions_of(conditions, tests)
+    counting = clocks(given)
+    used = {name: column for name, column in given.items() if name not in counting}
+    sets = list(tests.sets)
+    step("matching antiresonances")
+    places = places_of([one for i in own.tolist() if (one := sets[i]) is not None], shift)
+    values = values_of(sets, places, shift)
+    faults = obvious(sets, values, places, own.tolist())
+    _too_many(faults, places.dofs)
+    sound = values.without({i: [f.dof for f in here] for i, here in faults.items()}, places)
+    regular = places.regular & (np.sum(~np.isnan(sound.log_hz[own]), axis=0) >= _FEWEST)
+    if not regular.any():
+        reject(
+            "baseline",
+            f"no antiresonance that half of its {own.size} tests have",
+            "antiresonances in common",
+            "Look at ar.track(sets) to see what comes and goes.",
+        )
+    step("charts")
+    charts = charts_of(sound, regular, own, used, rate)
+    more = _lost(charts, sound, regular, places)
+    if more:
+        for i, fault in more.items():
+            faults.setdefault(i, []).append(fault)
+        sound = values.without({i: [f.dof for f in here] for i, here in faults.items()}, places)
+        charts = charts_of(sound, regular, own, used, rate)
+    statistic = np.max([chart.ratio for chart in charts.charts.values()], axis=0)
+    judged = charts.distances.count > 0
+    statistic = np.where(judged, statistic, np.nan)
+    alarm = judged & (np.nan_to_num(statistic) > 1.0)
+    runs = runs_of(alarm, judged)
+    assessments = {}
+    if model is not None:
+        inside = set(own.tolist())
+        for run in runs:
+            if run[1] not in inside:
+                step(f"assessing test {run[0]}")
+                assessments[run[0]] = assessed(
+                    model, run, charts.learned, sound, places, sets, used, assessment
+                )
+    enough = needed(rate, charts.learned.basis.size)
+    if own.size < enough:
+        warnings.warn(
+            f"monitor: a baseline of {own.size} tests is short for {100 * rate:g} % false alarms; with "
+            f"{enough} the limits can be relied on.",
+            AntiresWarning,
+            stacklevel=4,
+        )
+    return Watched(
+        alarm=frozen(alarm),
+        statistic=frozen(statistic),
+        charts=FrozenDict(charts.charts),
+        false_alarm_rate=rate,
+        baseline=frozen(own),
+        names=tests.names,
+        times=tests.times,
+        conditions=FrozenDict(given),
+        used=tuple(one.name for one in charts.learned.basis.columns),
+        bends=FrozenDict(
+            {one.name: one.bend for one in charts.learned.basis.columns if one.bend is not None}
+        ),
+        outside=frozen(charts.learned.basis.outside(used, len(tests))),
+        faults=FrozenDict({i: tuple(here) for i, here in sorted(faults.items())}),
+        failed=tests.failed,
+        runs=tuple(runs),
+        assessments=FrozenDict(assessments),
+        needed=enough,
+        dof=frozen(places.dof[regular]),
+        freq_hz=frozen(np.exp(sound.log_hz[:, regular])),
+        expected_hz=frozen(np.exp(charts.learned.expected(used, len(tests)))),
+        std_hz=frozen(
+            np.exp(charts.learned.expected(used, len(tests)))
+            * charts.learned.deviation(sound.std[:, regular], used)
+        ),
+    )
+
+
+def _too_many(faults: dict[int, list[Fault]], dofs: Sequence[Any]) -> None:
+    """Where most responses are at fault, none can be judged."""
+    for here in faults.values():
+        if len(here) > _MOST_FAULTS * len(dofs):
+            known = {fault.dof for fault in here}
+            here += [Fault(dof, "most other responses are at fault") for dof in dofs if dof not in known]
+
+
+def _lost(charts: Charts, values: Values, regular: Any, places: Any) -> dict[int, Fault]:
+    """Alarms that one response explains which has lost its antiresonances."""
+    found = {}
+    single = np.maximum(charts.charts["T2"].ratio, charts.charts["events"].ratio)
+    dof = places.dof[regular]
+    for i in np.flatnonzero(single > 1.0).tolist():
+        z = charts.distances.z[i]
+        without = {}
+        for one in dict.fromkeys(dof.tolist()):
+            rest = np.where(dof == one, np.nan, z)
+            count = np.array([np.sum(~np.isnan(rest))], dtype=np.float64)
+            if count[0] > 0:
+                t2 = np.array([charts.inverses.t2(rest)])
+                without[one] = float(wilson_hilferty(t2, count)[0])
+        fault = lost_alone(values, places, i, without, _USUAL_W)
+        if fault is not None:
+            found[i] = fault
+    return found

@@ -1,0 +1,74 @@
+"""``antires watch``: new files are judged when they are complete, and a stop loses nothing."""
+
+import os
+import time
+
+import pytest
+
+import antires_rs as ar
+from antires_rs.cli import main
+from antires_rs.cli.arrivals import Arrivals
+
+pytest.importorskip("pyarrow")
+
+MASSES, SPRINGS = [1.0, 1.1, 0.9, 1.0], [5e4, 5.5e4, 4.5e4]
+
+
+def written(folder, number, loss=0.0):
+    """The file of one test, as old as a complete one."""
+    chain = ar.MassSpringChain(MASSES, [SPRINGS[0], SPRINGS[1] * (1 - loss), SPRINGS[2]])
+    record = chain.simulate(
+        excitation=0, fs_hz=256.0, duration_s=16.0, damping_ratio=0.01, noise=0.01, rng=number
+    )
+    path = folder / f"test_{number}.npz"
+    ar.write_npz(path, record)
+    aged(path)
+    return path
+
+
+def aged(path):
+    past = time.time() - 60.0
+    os.utime(path, (past, past))
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_files_are_judged_as_they_come(tmp_path, capsys):
+    folder, out = tmp_path / "records", tmp_path / "out"
+    folder.mkdir()
+    command = ["watch", str(folder), "--excitation", "0", "--band", "5", "110", "--baseline", "9"]
+    command += ["--out", str(out), "--once"]
+    for number in range(8):
+        written(folder, number)
+    assert main(command) == 0
+    assert "8 of 9 baseline tests" in "".join(capsys.readouterr())
+    kept = (out / "series.parquet").stat().st_mtime_ns
+    written(folder, 8)
+    written(folder, 9, loss=0.1)
+    (folder / "test_10.npz").write_bytes(b"half a file")
+    aged(folder / "test_10.npz")
+    assert main(command) == 0
+    said = "".join(capsys.readouterr())
+    assert "test_9.npz: ALARM" in said
+    assert "test_10.npz: failed" in said
+    assert "are needed to rely on it" in said
+    assert (out / "series.parquet").stat().st_mtime_ns > kept
+    assert "1 of 1 tests outside the baseline alarm" in (out / "watch.html").read_text()
+
+
+def test_a_file_that_grows_is_left_alone(tmp_path):
+    done, grows = tmp_path / "a.npz", tmp_path / "b.npz"
+    done.write_bytes(b"1")
+    aged(done)
+    grows.write_bytes(b"1")
+    (tmp_path / "notes.txt~").write_bytes(b"1")
+    arrivals = Arrivals(tmp_path)
+    assert arrivals.complete() == [done]
+    assert arrivals.growing
+    aged(grows)
+    assert arrivals.complete() == [done, grows]
+    assert not arrivals.growing
+
+
+def test_the_folder_must_be_there(tmp_path, capsys):
+    assert main(["watch", str(tmp_path / "none"), "--excitation", "0", "--band", "5", "110"]) == 2
+    assert "FOLDER" in capsys.readouterr().err
