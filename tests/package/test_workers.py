@@ -34,7 +34,11 @@ class MapOnly:
         return [function(task) for task in tasks]
 
 
-@pytest.mark.parametrize("workers", [None, 1, 2, "threads", map, MapOnly()], ids=str)
+@pytest.mark.parametrize(
+    "workers",
+    [None, 1, 2, "threads", map, MapOnly()],
+    ids=["none", "one", "two", "threads", "map", "map only"],
+)
 def test_results_come_in_order(workers):
     assert list(in_order(work.square, range(60), workers)) == SQUARES
     assert multiprocessing.active_children() == []
@@ -73,7 +77,7 @@ def test_a_generator_is_read_a_little_ahead_only():
     assert len(read) < 10 + 40 * (os.cpu_count() or 1)
 
 
-@pytest.mark.parametrize("workers", [None, 2, "threads", map], ids=str)
+@pytest.mark.parametrize("workers", [None, 2, "threads", map], ids=["none", "two", "threads", "map"])
 def test_an_exception_is_raised_in_its_turn_with_the_number_of_its_task(workers):
     results = in_order(work.fails_at_seven, range(20), workers)
     assert list(itertools.islice(results, 7)) == list(range(7))

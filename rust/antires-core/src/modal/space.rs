@@ -6,8 +6,9 @@ use crate::linalg::factored::Factors;
 use crate::linalg::form::Form;
 use crate::linalg::krylov::{Krylov, Operator, Start};
 
-/// Values of the factors from which on reading them is what a space costs.
-const LARGE: usize = 200_000;
+/// Values of the factors from which on a block costs no more than the load alone. It also has up to four modes of
+/// one frequency, as square structures do, which leave the count of modes open otherwise.
+const LARGE: usize = 20_000;
 
 /// The space that was grown last, with the memory of both kinds.
 #[derive(Default)]

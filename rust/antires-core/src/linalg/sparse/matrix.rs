@@ -5,8 +5,7 @@ use std::sync::Arc;
 use faer::{Mat, MatRef};
 
 use super::pattern::Pattern;
-use super::several::{self, Row};
-use crate::linalg::wide::{self, LANES, total};
+use crate::linalg::wide::{LANES, total};
 
 /// Values on a [`Pattern`], which other matrices may share.
 #[derive(Debug, Clone, PartialEq)]
@@ -137,11 +136,6 @@ impl SparseMatrix {
             // Symmetric: column j is row j.
             y[j] = gathered_dot(&self.values[range.clone()], &rows[range], x);
         }
-    }
-
-    /// Y = A X, several columns at once.
-    pub fn multiply_several(&self, x: &[Row], y: &mut [Row]) {
-        wide::run(several::Multiply { a: self, x, y });
     }
 
     /// Σ |x_i| |A_ij| |x_j|: how far one ulp in each entry can move xᵀ A x, over ulp.

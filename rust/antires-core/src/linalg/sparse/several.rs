@@ -5,7 +5,7 @@
 use super::blocks::{Block, blocks};
 use super::matrix::SparseMatrix;
 use super::symbolic::Symbolic;
-use crate::linalg::wide::{COLUMNS, LANES, NullaryFnOnce};
+use crate::linalg::wide::{self, COLUMNS, LANES, NullaryFnOnce};
 
 /// One row of the columns.
 pub type Row = [f64; LANES];
@@ -129,11 +129,18 @@ fn backward(block: &Block<'_>, values: &[f64], rows: &mut [Row]) {
     }
 }
 
+impl SparseMatrix {
+    /// Y = A X, several columns at once.
+    pub fn multiply_several(&self, x: &[Row], y: &mut [Row]) {
+        wide::run(Multiply { a: self, x, y });
+    }
+}
+
 /// [`SparseMatrix::multiply_several`].
-pub(super) struct Multiply<'a> {
-    pub a: &'a SparseMatrix,
-    pub x: &'a [Row],
-    pub y: &'a mut [Row],
+struct Multiply<'a> {
+    a: &'a SparseMatrix,
+    x: &'a [Row],
+    y: &'a mut [Row],
 }
 
 impl NullaryFnOnce for Multiply<'_> {
