@@ -1,6 +1,7 @@
 """``antires watch``: new files are judged when they are complete, and a stop loses nothing."""
 
 import os
+import shutil
 import time
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import antires_rs as ar
 from antires_rs.cli import main
 from antires_rs.cli.arrivals import Arrivals
+from antires_rs.cli.told import Told
 
 pytest.importorskip("pyarrow")
 
@@ -53,6 +55,80 @@ def test_files_are_judged_as_they_come(tmp_path, capsys):
     assert "are needed to rely on it" in said
     assert (out / "series.parquet").stat().st_mtime_ns > kept
     assert "1 of 1 tests outside the baseline alarm" in (out / "watch.html").read_text()
+
+
+@pytest.fixture(scope="module")
+def ten_files(tmp_path_factory):
+    """Files of ten tests, the last one damaged."""
+    folder = tmp_path_factory.mktemp("ten")
+    return [written(folder, number, loss=0.1 * (number == 9)) for number in range(10)]
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_output_in_the_folder_files_that_go_and_lines_told_once(ten_files, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(ar.Watched, "report", lambda *_: None)  # a page of another test
+    for path in ten_files:
+        shutil.copy2(path, tmp_path)
+    command = ["watch", str(tmp_path), "--excitation", "0", "--band", "5", "110", "--baseline", "9"]
+    command += ["--out", str(tmp_path / "results" / "watched"), "--once"]
+    assert main(command) == 0
+    said = "".join(capsys.readouterr())
+    assert "test_9.npz: ALARM" in said
+    for name in ("test_3.npz", "test_5.npz"):  # kept elsewhere since they were judged
+        (tmp_path / name).unlink()
+    shutil.copy2(ten_files[8], tmp_path / "test_10.npz")
+    assert main(command) == 0
+    said = "".join(capsys.readouterr())
+    assert "test_10.npz: " in said
+    assert "test_9.npz: " not in said
+    series = ar.Series.load(tmp_path / "results" / "watched" / "series.parquet")
+    assert series.names == tuple(f"test_{i}.npz" for i in range(11))
+    assert not series.failed
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_a_table_that_is_being_written_is_read_again(ten_files, tmp_path, capsys, monkeypatch):
+    folder, table = tmp_path / "records", tmp_path / "weather.csv"
+    folder.mkdir()
+    for path in ten_files[:2]:
+        shutil.copy2(path, folder)
+    contents = ["name,t\n", "name,t\ntest_0,1\ntest_1", "name,t\ntest_0,1\ntest_1,2\n", None]
+    table.write_text(contents.pop(0))
+    looks = []
+
+    def wait(seconds):
+        looks.append("".join(capsys.readouterr()))
+        if contents[0] is None:
+            raise KeyboardInterrupt
+        table.write_text(contents.pop(0))
+
+    monkeypatch.setattr(Arrivals, "at_once", False)
+    monkeypatch.setattr("antires_rs.cli.arrivals.time.sleep", wait)
+    command = [
+        "watch",
+        str(folder),
+        "--excitation",
+        "0",
+        "--band",
+        "5",
+        "110",
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    assert main([*command, "--conditions", str(table)]) == 130
+    assert ["read again at the next look" in said for said in looks] == [True, True, False]
+    assert "2 of 50 baseline tests" in looks[2]
+    table.write_text("name,t\n")
+    assert main([*command, "--conditions", str(table), "--once"]) == 2
+
+
+def test_a_line_that_was_cut_short_is_told_again(tmp_path):
+    (tmp_path / "told").write_text("a\nb")
+    told = Told(tmp_path / "told")
+    assert "a" in told
+    assert "b" not in told
+    told.add("b")
+    assert "b" in Told(tmp_path / "told")
 
 
 def test_a_file_that_grows_is_left_alone(tmp_path):

@@ -13,9 +13,11 @@ PER_K = -1.5e-3
 def weather(temperature_c, rng, *, loss=0.0, bend=None, **options):
     """Tests at these temperatures; below ``bend`` springs change three times as much."""
     sets = []
+    usual = exact(chain(loss))
     for t in temperature_c:
         change = PER_K * t if bend is None or t > bend else PER_K * (bend + 3.0 * (t - bend))
-        sets.append(drawn(exact(chain(loss, factor=1.0 + change)), rng, **options))
+        # All springs change alike, and frequencies as their root.
+        sets.append(drawn({dof: f * np.sqrt(1.0 + change) for dof, f in usual.items()}, rng, **options))
     return sets
 
 
@@ -37,12 +39,12 @@ def test_temperature_is_taken_off(season):
 
 
 def test_the_rate_holds_with_a_thermometer_that_errs():
-    """Of 600 tests after three baselines: 1 % stated, one point more at most."""
+    """Of 240 tests after two baselines: 1 % stated, one point more at most."""
     alarms = []
-    for seed in (35, 36, 37):
+    for seed in (35, 36):
         rng = np.random.default_rng(seed)
-        true = rng.uniform(0.0, 20.0, 280)
-        measured = true + 0.3 * rng.standard_normal(280)
+        true = rng.uniform(0.0, 20.0, 200)
+        measured = true + 0.3 * rng.standard_normal(200)
         watched = ar.monitor(weather(true, rng), baseline=80, conditions={"temperature_c": measured})
         alarms.append(watched.alarm[80:])
     assert np.mean(alarms) < 0.02
@@ -97,9 +99,45 @@ def test_outside_the_range_is_told_and_allowed_for():
 
 def test_a_line_that_bends():
     rng = np.random.default_rng(34)
-    true = rng.uniform(-15.0, 25.0, 300)
+    true = rng.uniform(-15.0, 25.0, 180)
     sets = weather(true, rng, bend=3.0)
-    watched = ar.monitor(sets, baseline=200, conditions={"temperature_c": true})
+    watched = ar.monitor(sets, baseline=120, conditions={"temperature_c": true})
     assert list(watched.bends) == ["temperature_c"]
-    assert watched.alarm[200:].sum() <= 6
+    assert watched.alarm[120:].sum() <= 3
     assert "bent at" in str(watched)
+
+
+def test_a_day_number_is_a_clock():
+    """Stiffness that falls over the days is no weather: several tests a day, or a number that falls too."""
+    rng = np.random.default_rng(38)
+    day = np.repeat(np.arange(20.0), 6)
+    falling = np.concatenate([np.zeros(60), np.linspace(0.0, 0.01, 60)])
+    sets = [drawn(exact(chain(loss)), rng) for loss in falling]
+    for column in (day, -day):
+        watched = ar.monitor(sets, baseline=60, conditions={"day": column})
+        assert watched.clocks == ("day",)
+        assert watched.alarm[110:].all()
+        assert "not used, since it only grows or falls with the tests: day" in str(watched)
+
+
+def test_a_reading_that_no_weather_makes_is_not_known(season):
+    """A logger that says 1e9 or -999 allows for no more than one that says nothing."""
+    sets, measured = season[0][100:175], season[1][100:175]
+    wrong, missing = measured.copy(), measured.copy()
+    wrong[65:], missing[65:] = 1e9, np.nan
+    wrong[62], missing[62] = -999.0, np.nan
+    one, other = (ar.monitor(sets, baseline=55, conditions={"temperature_c": t}) for t in (wrong, missing))
+    assert np.array_equal(one.statistic, other.statistic)
+    assert one.alarm[65:].all()
+    assert one.outside[65:].all()
+
+
+def test_conditions_in_any_table(season):
+    pandas = pytest.importorskip("pandas")
+    sets, measured = season
+    sets, measured = sets[:60], measured[:60]
+    table = pandas.DataFrame({"name": [str(i) for i in range(59, -1, -1)], "temperature_c": measured[::-1]})
+    watched = ar.monitor(sets, baseline=55, conditions=table)
+    expected = ar.monitor(sets, baseline=55, conditions={"temperature_c": measured})
+    assert np.array_equal(watched.conditions["temperature_c"], measured)
+    assert np.array_equal(watched.statistic, expected.statistic)

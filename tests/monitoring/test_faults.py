@@ -72,3 +72,15 @@ def test_where_most_sensors_fail_nothing_is_judged(sets):
     assert not watched.alarm[65]
     assert np.isnan(watched.statistic[65])
     assert {fault.dof for fault in watched.faults[65]} == set(INTACT)
+    assert np.flatnonzero(watched.unjudged).tolist() == [65]
+    assert "not judged, most responses being at fault: 1 tests" in str(watched)
+
+
+@pytest.mark.parametrize("spring", [0, 1, 3])
+def test_damage_of_any_size_alarms_and_is_no_fault(sets, spring):
+    """Large damage moves the antiresonances of a response beyond reach; it has as many as before."""
+    rng = np.random.default_rng(47)
+    later = [drawn(exact(chain(loss, spring=spring)), rng) for loss in (0.05, 0.35, 0.7, 0.9, 0.95)]
+    watched = ar.monitor(sets[:60] + later, baseline=60)
+    assert watched.alarm[60:].all()
+    assert not watched.faults

@@ -75,3 +75,15 @@ def test_the_page_grows(watched, tmp_path):
     assert "<script" not in first
     watched.report(page)
     assert [path.name for path in tmp_path.iterdir()] == ["watch.html"]
+
+
+@pytest.mark.parametrize("wrong", ["a", 99, -84, True, 1.5])
+def test_a_test_that_is_not_there_is_refused(watched, wrong):
+    assert watched.why(-2) == watched.why(81)
+    with pytest.raises(ar.exceptions.InvalidInputError, match="test: got"):
+        watched.why(wrong)
+
+
+def test_a_page_needs_a_path(watched):
+    with pytest.raises(ar.exceptions.InvalidInputError, match="path: got 3"):
+        watched.report(3)

@@ -163,16 +163,16 @@ def test_memory_does_not_grow_with_the_records(tmp_path, monkeypatch):
 
     peak(2, None)
     for store in (None, tmp_path / "a.parquet"):
-        few, many = peak(20, store if store is None else tmp_path / "few.parquet"), peak(120, store)
-        assert (many[1] - few[1]) / 100 < 5e3
+        few, many = peak(10, store if store is None else tmp_path / "few.parquet"), peak(60, store)
+        assert (many[1] - few[1]) / 50 < 5e3
 
 
 @pytest.mark.parametrize("workers", some_of([1, 2, "threads"], kept=["threads"]))
 def test_any_workers_give_the_same_bits(tmp_path, workers):
     where = folder(tmp_path)
-    sources = [*sorted(where.glob("*.npz")), where / "absent.npz", dead(1, [1]), record(2)]
+    sources = [where / "test_1.npz", where / "absent.npz", dead(1, [1]), record(2)]
     alone = ar.identify_series(sources, **OPTIONS)
-    assert alone.failed.keys() == {3}
+    assert alone.failed.keys() == {1}
     assert ar.identify_series(sources, **OPTIONS, workers=workers) == alone
 
 

@@ -12,7 +12,7 @@ import signal
 import sys
 from pathlib import Path
 
-import pyarrow.parquet  # noqa: F401
+import pyarrow.parquet
 
 import antires_rs as ar
 from antires_rs.series import one_test
@@ -21,6 +21,9 @@ from tests.support.kill_points import die_before
 
 with contextlib.suppress(ImportError):
     import pandas  # noqa: F401 (pyarrow loads it where it is there)
+    import pyarrow.pandas_compat  # noqa: F401
+#: Loads what a series needs, once for all that are forked.
+IDENTIFY_SERIES = ar.identify_series
 
 #: Tests at first, and with those that have come since: what was there before is taken in.
 COUNTS = {"new": 3, "more": 4}
@@ -29,7 +32,7 @@ COUNTS = {"new": 3, "more": 4}
 def identified(folder: Path, count: int) -> None:
     sources = [folder.parent / f"test_{i}.npz" for i in range(count)]
     conditions = {"temperature_c": [20.0 + i for i in range(count)]}
-    ar.identify_series(sources, **OPTIONS, store=folder / "year.parquet", conditions=conditions)
+    IDENTIFY_SERIES(sources, **OPTIONS, store=folder / "year.parquet", conditions=conditions)
 
 
 def forked(folder: Path, count: int, kill_at: int | None = None) -> int:

@@ -17,7 +17,7 @@ SETTLED_S = 2.0
 
 
 class Arrivals:
-    """The measurements of a folder, by their names; ``beside`` are files that are none."""
+    """The measurements of a folder, by their names; ``beside`` are files, and folders, that are none."""
 
     def __init__(self, folder: Path, beside: tuple[Path, ...] = ()) -> None:
         self._folder, self._beside = folder, {path.resolve() for path in beside}
@@ -37,7 +37,7 @@ class Arrivals:
         """Those that have stopped changing; a test in a folder of its own counts by its latest file."""
         found, self.growing = [], False
         for path in sorted(self._folder.iterdir(), key=natural):
-            if not is_measurement(path) or path.resolve() in self._beside:
+            if not is_measurement(path) or any(one.is_relative_to(path.resolve()) for one in self._beside):
                 continue
             try:
                 if time.time() - _changed(path) >= SETTLED_S:

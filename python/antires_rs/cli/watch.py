@@ -6,13 +6,16 @@ import argparse
 import warnings
 from pathlib import Path
 
-from ..exceptions import AntiresWarning, MissingDependencyError
+from ..exceptions import AntiresWarning, InvalidInputError, MissingDependencyError
 from ..monitoring.monitor import monitor
 from ..monitoring.watched import Watched
+from ..series.condition_table import condition_table
 from ..series.identify_series import identify_series
 from ..series.series import Series
+from ..series.store import LastingStore
 from ..support.validation import reject
 from .arrivals import Arrivals
+from .told import Told
 
 __all__ = ["watch"]
 
@@ -21,8 +24,11 @@ def watch(args: argparse.Namespace) -> int:
     """Until Ctrl-C, or once."""
     if not args.folder.is_dir():
         reject("FOLDER", repr(str(args.folder)), "a folder that exists", "Make it first.")
+    if args.conditions is not None and not args.conditions.is_file():
+        reject("--conditions", repr(str(args.conditions)), "a file that exists", "Correct its name.")
     args.out.mkdir(parents=True, exist_ok=True)
-    arrivals = Arrivals(args.folder, () if args.conditions is None else (args.conditions,))
+    beside = (args.out,) if args.conditions is None else (args.out, args.conditions)
+    arrivals = Arrivals(args.folder, beside)
     judged: list[Path] = []
     teller = _Teller(args)
     if not arrivals.at_once:
@@ -33,17 +39,12 @@ def watch(args: argparse.Namespace) -> int:
             while True:
                 files = arrivals.complete()
                 if files and files != judged:
-                    series = identify_series(
-                        files,
-                        excitation=args.excitation,
-                        band_hz=args.band,
-                        conditions=args.conditions,
-                        store=args.out / "series.parquet",
-                    )
-                    if series.interrupted:
+                    series = _identified(files, args, teller)
+                    if series is not None and series.interrupted:
                         return 130
-                    judged = files
-                    teller.tell(series)
+                    if series is not None:
+                        judged = files
+                        teller.tell(series)
                 if args.once and not arrivals.growing:
                     return 0
                 wait(args.every)
@@ -51,18 +52,42 @@ def watch(args: argparse.Namespace) -> int:
         return 130
 
 
+def _identified(files: list[Path], args: argparse.Namespace, teller: _Teller) -> Series | None:
+    """The series; None while the table of conditions is being written."""
+    try:
+        return identify_series(
+            files,
+            excitation=args.excitation,
+            band_hz=args.band,
+            conditions=condition_table(args.conditions)[0],
+            store=LastingStore(args.out / "series.parquet"),
+        )
+    except (InvalidInputError, FileNotFoundError, UnicodeDecodeError) as exc:
+        about = isinstance(exc, InvalidInputError) and str(exc.argument).startswith("conditions")
+        if args.once or args.conditions is None or (isinstance(exc, InvalidInputError) and not about):
+            raise
+        teller.say_once(f"--conditions cannot be used as it is and is read again at the next look: {exc}")
+        return None
+
+
 class _Teller:
     """What is new since the last time."""
 
     def __init__(self, args: argparse.Namespace) -> None:
         self._args = args
-        self._told: set[str] = set()
+        self._told = Told(args.out / "told.txt")
         self._warned = False
+        self._said = ""
+
+    def say_once(self, text: str) -> None:
+        """Print, unless that was the last word."""
+        if text != self._said:
+            print(text, flush=True)
+        self._said = text
 
     def tell(self, series: Series) -> None:
         """Judge all tests, print what is new, write the page."""
-        new = [i for i, name in enumerate(series.names) if name not in self._told]
-        self._told |= set(series.names)
+        self._said = ""
         count, wanted = len(series), self._args.baseline
         if count < wanted:
             print(f"{count} of {wanted} baseline tests, {len(series.failed)} failed", flush=True)
@@ -71,9 +96,10 @@ class _Teller:
             if self._warned:
                 warnings.simplefilter("ignore", AntiresWarning)
             watched = monitor(series, baseline=slice(0, wanted), false_alarm_rate=self._args.rate)
-        for i in new:
-            if i >= wanted:
+        for i in range(wanted, count):
+            if series.names[i] not in self._told:
                 print(_line(watched, i), flush=True)
+                self._told.add(series.names[i])
         if not self._warned:
             print(str(watched), flush=True)
         self._warned = True
@@ -89,7 +115,7 @@ def _line(watched: Watched, test: int) -> str:
     if test in watched.failed:
         return f"{name}: failed, {watched.failed[test]}"
     faults = "".join(f"; sensor fault: dof {one.dof}, {one.text}" for one in watched.faults.get(test, ()))
-    if watched.statistic[test] != watched.statistic[test]:
+    if watched.unjudged[test]:
         return f"{name}: not judged{faults}"
     verdict = f"ALARM ({', '.join(watched.why(test))})" if watched.alarm[test] else "no alarm"
     return f"{name}: {verdict}, {watched.statistic[test]:.2f} of the limit{faults}"

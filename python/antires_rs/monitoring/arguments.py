@@ -1,21 +1,33 @@
-"""What may be given to the watch: a series or a list of sets, the baseline among them, their conditions."""
+"""What may be given to the watch: a series or sets, its baseline, conditions, options of damage."""
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..damage.assess import assess_damage
+from ..damage.prior import DamagePrior
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..models.parameters import stiffness_reduction
+from ..models.structural_model import StructuralModel
+from ..series.condition_table import condition_table
 from ..series.series import Series
-from ..support.validation import FloatArray, reject
+from ..support.validation import FloatArray, finite_scalar, reject
+from ..updating.problem import UpdatingProblem
 
-__all__ = ["baseline_tests", "clocks", "conditions_of", "series_of"]
+__all__ = ["baseline_tests", "believed", "check_assessment", "clocks", "conditions_of", "series_of"]
 
 #: Fewer tests than this are no baseline.
 LEAST = 8
+#: Further outside the baseline than so many times its range, a condition is an error of its logger.
+_ABSURD = 10.0
+#: Options of ``assess_damage`` that are for a search without a baseline, or that the watch fills itself.
+_NOT_HERE = ("gamma1", "gamma2", "snap", "weights", "optimizer", "callback", "x0", "checkpoint")
+_OWN = ("model", "measured", "baseline")
 
 
 def series_of(given: Any) -> Series:
@@ -41,7 +53,11 @@ def baseline_tests(given: Any, series: Series) -> NDArray[np.intp]:
     """Indices of the baseline's tests that have a set."""
     n = len(series)
     wanted = f"a slice, a number of first tests, indices or a mask of the {n} tests"
-    if isinstance(given, int | np.integer) and not isinstance(given, bool):
+    if isinstance(given, bool | np.bool_):
+        reject("baseline", given, wanted, "As in baseline=slice(0, 100).")
+    if isinstance(given, int | np.integer):
+        if not 0 < given <= n:
+            reject("baseline", int(given), wanted, f"Give a number from {LEAST} to {n}.")
         given = slice(0, int(given))
     try:
         at = np.asarray(given) if not isinstance(given, slice) else given
@@ -60,12 +76,15 @@ def baseline_tests(given: Any, series: Series) -> NDArray[np.intp]:
 
 
 def conditions_of(given: Any, series: Series) -> dict[str, FloatArray]:
-    """Columns (n,) by name; by default those of the series."""
-    if given is None:
-        return dict(series.conditions)
-    if not isinstance(given, Mapping):
-        reject("conditions", type(given).__name__, "a mapping of name to array", "Pass a dict of columns.")
-    return dict(Series.from_sets(list(series.sets), conditions=given).conditions)
+    """Columns (n,) by name, of any table; by default those of the series."""
+    found = dict(series.conditions)
+    if given is not None:
+        table, _ = condition_table(given)
+        table.expect(len(series))
+        rows = [table.at(i, name)[0] for i, name in enumerate(series.names)]
+        table.over(len(series))
+        found = {key: np.array([row[key] for row in rows]) for key in table.columns}
+    return found
 
 
 def clocks(conditions: Mapping[str, FloatArray]) -> tuple[str, ...]:
@@ -73,6 +92,39 @@ def clocks(conditions: Mapping[str, FloatArray]) -> tuple[str, ...]:
     found = []
     for name, column in conditions.items():
         known = column[~np.isnan(column)]
-        if known.size > 2 and np.all(np.diff(known) > 0.0):
-            found.append(name)
+        if known.size > 2 and known[0] != known[-1]:
+            steps = np.diff(known) * np.sign(known[-1] - known[0])
+            if np.all(steps >= 0.0):
+                found.append(name)
     return tuple(found)
+
+
+def believed(column: FloatArray, baseline: NDArray[np.intp]) -> FloatArray:
+    """A condition without what no weather makes, NaN there."""
+    own = column[baseline][~np.isnan(column[baseline])]
+    if not own.size or own.min() == own.max():
+        return column
+    reach = _ABSURD * (own.max() - own.min())
+    return np.where((column < own.min() - reach) | (column > own.max() + reach), np.nan, column)
+
+
+def check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:
+    """Refuse wrong options of ``assess_damage`` now, not at the first alarm."""
+    known = [name for name in inspect.signature(assess_damage).parameters if name not in _OWN]
+    for name, value in options.items():
+        if name not in known:
+            reject(name, "an unknown option", f"one of assess_damage: {', '.join(known)}", "Look for a typo.")
+        if name in _NOT_HERE and value is not None:
+            reject(name, value, "nothing, since the watch has a baseline", "Leave it out.")
+    wanted = options.get("elements")
+    elements = (
+        model.default_elements if wanted is None else [wanted] if np.ndim(wanted) == 0 else list(wanted)
+    )
+    if elements:
+        UpdatingProblem(model, stiffness_reduction(elements), [one])
+    std = options.get("std_common")
+    if std is not None:
+        finite_scalar("std_common", std, low=0.0, high=0.1)
+    prior = options.get("prior")
+    if prior is not None and not isinstance(prior, DamagePrior):
+        reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")

@@ -132,16 +132,20 @@ def drawn(z: FloatArray, correlation: FloatArray, error: float, rate: float) -> 
     """Limit for a rate (w of ``limits``) and mean T^2 of the chart over baseline tests in random order."""
     rng = np.random.default_rng(0)
     n, m = z.shape
-    weights = WEIGHT * (1.0 - WEIGHT) ** np.arange(_BACK)
-    filled = np.nan_to_num(z)
     off = rng.multivariate_normal(np.zeros(m), correlation, size=_DRAWS, method="cholesky") * np.sqrt(error)
-    mean = np.empty((_DRAWS, m))
-    for i in range(_DRAWS):
-        mean[i] = weights @ filled[rng.integers(0, n, _BACK)]
-    spread = np.sqrt(np.sum(weights**2) + error)
-    scaled = (mean + off * weights.sum()) / spread
-    t2 = np.einsum("ij,jk,ik->i", scaled, np.linalg.inv(correlation), scaled)
-    count = np.full(_DRAWS, float(m))
+    there, filled = ~np.isnan(z), np.nan_to_num(z)
+    mean, variance, weight = np.zeros((_DRAWS, m)), np.zeros((_DRAWS, m)), np.zeros((_DRAWS, m))
+    for _ in range(_BACK):  # as ``means`` does, missing values included
+        test = rng.integers(0, n, _DRAWS)
+        step = np.where(there[test], WEIGHT, 0.0)
+        mean = (1.0 - step) * mean + step * filled[test]
+        variance = (1.0 - step) ** 2 * variance + step**2
+        weight = (1.0 - step) * weight + step
+    with np.errstate(invalid="ignore"):
+        scaled = (mean + off * weight) / np.sqrt(np.where(variance > 0.0, variance + error, np.nan))
+    inverses = Inverses(correlation)
+    t2 = np.array([inverses.t2(one) for one in scaled])
+    count = np.sum(variance > 0.0, axis=1).astype(np.float64)
     return upper_limit(wilson_hilferty(t2, count), rate), float(t2.mean())
 
 

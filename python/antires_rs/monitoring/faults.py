@@ -3,7 +3,7 @@
 Damage beside the force may move the antiresonances of one response alone; so a response that deviates alone
 is no fault by that. It is one if the test lacks it, if the data check names its channel where that of the
 baseline did not, or if it lost its antiresonances while those of all other responses are where they should
-be.
+be. One that has as many as before elsewhere has lost none: large damage moved them.
 """
 
 from __future__ import annotations
@@ -35,6 +35,8 @@ SENSOR = (
 _USUAL = 0.1
 #: A place that is nearly always there; a response has lost its antiresonances if fewer than so many remain.
 _SURE, _LEFT = 0.8, 0.34
+#: Of the antiresonances that are not in their places, so many may be new values of the response, at most.
+_ELSEWHERE = 0.5
 #: The other responses are in place if so many of theirs are there.
 _OTHERS = 0.7
 
@@ -86,6 +88,7 @@ def obvious(
             elif (
                 own.sum() >= 2
                 and not there[own].any()
+                and not _moved(values, i, dof, int(own.sum()))
                 and np.mean(there[others] if others.any() else 0) >= _OTHERS
             ):
                 here[dof] = f"none of its {own.sum()} antiresonances, those of the others in place"
@@ -110,10 +113,22 @@ def lost_alone(
     there = ~np.isnan(values.log_hz[test])
     for dof, statistic in sorted(without.items(), key=lambda item: item[1]):
         own = (places.dof == dof) & (places.rate >= _SURE)
-        if own.sum() >= 2 and np.mean(there[own]) <= _LEFT and statistic < limit:
-            lost = int(own.sum() - there[own].sum())
+        others = (places.dof != dof) & (places.rate >= _SURE) & values.looked[test]
+        lost = int(own.sum() - there[own].sum())
+        if (
+            own.sum() >= 2
+            and np.mean(there[own]) <= _LEFT
+            and statistic < limit
+            and not _moved(values, test, dof, lost)
+            and np.mean(there[others] if others.any() else 0) >= _OTHERS
+        ):
             return Fault(dof, f"{lost} of its {own.sum()} antiresonances lost, those of the others in place")
     return None
+
+
+def _moved(values: Values, test: int, dof: Any, lost: int) -> bool:
+    """Whether a response has as many antiresonances elsewhere as are not in their places."""
+    return sum(bool(one == dof) for one, _ in values.strange[test]) > _ELSEWHERE * lost
 
 
 def _findings(one: AntiresonanceSet) -> dict[tuple[Any, str], str]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..damage.result import DamageResult
 from ..support.pickling import ReadOnly
-from ..support.validation import FloatArray
+from ..support.validation import FloatArray, reject
 from .charts import Chart
 from .faults import Fault
 
@@ -32,6 +32,7 @@ class JudgedTests(ReadOnly):
     conditions: Mapping[str, FloatArray]
     used: tuple[str, ...]
     bends: Mapping[str, float]
+    clocks: tuple[str, ...]
     outside: NDArray[np.bool_]
     faults: Mapping[int, tuple[Fault, ...]]
     failed: Mapping[int, str]
@@ -60,8 +61,21 @@ class JudgedTests(ReadOnly):
         rest[self.baseline] = False
         return rest
 
+    @property
+    def unjudged(self) -> NDArray[np.bool_]:
+        """Tests with a set that could not be judged, most of their responses being at fault, (n,)."""
+        rest = np.isnan(self.statistic)
+        rest[list(self.failed)] = False
+        return rest
+
     def why(self, test: int) -> tuple[str, ...]:
         """Names of the charts in which a test is above the limit."""
+        if (
+            isinstance(test, bool)
+            or not isinstance(test, int | np.integer)
+            or not -len(self) <= test < len(self)
+        ):
+            reject("test", test, f"the number of a test, 0 to {len(self) - 1}", "Tests are counted from 0.")
         return tuple(name for name, chart in self.charts.items() if chart.ratio[test] > 1.0)
 
     def __len__(self) -> int:

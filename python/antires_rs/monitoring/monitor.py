@@ -16,7 +16,7 @@ from ..series.series import Series
 from ..support.pickling import FrozenDict, frozen
 from ..support.progress import patient, step
 from ..support.validation import finite_scalar, reject
-from .arguments import baseline_tests, clocks, conditions_of, series_of
+from .arguments import baseline_tests, believed, check_assessment, clocks, conditions_of, series_of
 from .association import Values, places_of, values_of
 from .charts import Charts, charts_of
 from .faults import Fault, lost_alone, obvious
@@ -56,10 +56,12 @@ def monitor(
         The tests of the intact structure; an int stands for the first so many. All conditions that are to
         come should be among them.
     false_alarm_rate : float
-        Share of intact tests outside the baseline that alarm, all charts together, in (0, 0.2].
-    conditions : mapping of str to (n,), optional
-        What the antiresonances depend on, such as the temperature; NaN where not known. Default: those of the
-        series. ``{}`` for none; then what the baseline's values do together is taken for weather.
+        Share of intact tests outside the baseline that alarm, all charts together, at most about, in
+        (0, 0.2].
+    conditions : mapping of str to (n,), table or path, optional
+        What the antiresonances depend on, such as the temperature; NaN where not known. Any table that
+        :func:`~antires_rs.identify_series` takes. Default: those of the series. ``{}`` for none; then what
+        the baseline's values do together is taken for weather.
     model : MassSpringChain, FrameModel or MatrixModel, optional
         With it the damage of each run of alarms is assessed against the baseline, see ``.assessments``.
     max_shift : float
@@ -93,8 +95,10 @@ def monitor(
     when the change is over, alarms end. Limits come from tests of the baseline left out in turn, with what a
     finite baseline leaves open, see :mod:`antires_rs.monitoring`.
 
-    A condition that only grows from test to test is a clock and is not used. Outside the baseline's
-    range lines go on with a slope that is known to 30 %.
+    A condition that only grows or only falls from test to test is a clock and is not used. Outside the
+    baseline's range lines go on with a slope that is known to 30 %; a value further out than ten times that
+    range is taken as not known. The rate is that of tests that are independent of each other, given their
+    conditions.
 
     Examples
     --------
@@ -124,9 +128,11 @@ def monitor(
         name = next(iter(assessment))
         reject(name, "without a model", "a model= to assess damage with", "Pass the model, or leave it out.")
     own = baseline_tests(baseline, tests)
+    if model is not None:
+        check_assessment(model, next(one for one in tests.sets if one is not None), assessment)
     given = conditions_of(conditions, tests)
     counting = clocks(given)
-    used = {name: column for name, column in given.items() if name not in counting}
+    used = {name: believed(column, own) for name, column in given.items() if name not in counting}
     sets = list(tests.sets)
     step("matching antiresonances")
     places = places_of([one for i in own.tolist() if (one := sets[i]) is not None], shift)
@@ -151,7 +157,8 @@ def monitor(
         sound = values.without({i: [f.dof for f in here] for i, here in faults.items()}, places)
         charts = charts_of(sound, regular, own, used, rate)
     statistic = np.max([chart.ratio for chart in charts.charts.values()], axis=0)
-    judged = charts.distances.count > 0
+    # Without any value near a place there is no T2, and the chart of events tells it all.
+    judged = np.any([~np.isnan(chart.statistic) for chart in charts.charts.values()], axis=0)
     statistic = np.where(judged, statistic, np.nan)
     alarm = judged & (np.nan_to_num(statistic) > 1.0)
     runs = runs_of(alarm, judged)
@@ -161,9 +168,9 @@ def monitor(
         for run in runs:
             if run[1] not in inside:
                 step(f"assessing test {run[0]}")
-                assessments[run[0]] = assessed(
-                    model, run, charts.learned, sound, places, sets, used, assessment
-                )
+                found = assessed(model, run, charts.learned, sound, places, sets, used, assessment)
+                if found is not None:
+                    assessments[run[0]] = found
     enough = needed(rate, charts.learned.basis.size)
     if own.size < enough:
         warnings.warn(
@@ -185,7 +192,8 @@ def monitor(
         bends=FrozenDict(
             {one.name: one.bend for one in charts.learned.basis.columns if one.bend is not None}
         ),
-        outside=frozen(charts.learned.basis.outside(used, len(tests))),
+        clocks=counting,
+        outside=frozen(charts.learned.basis.outside(given, len(tests))),
         faults=FrozenDict({i: tuple(here) for i, here in sorted(faults.items())}),
         failed=tests.failed,
         runs=tuple(runs),

@@ -26,6 +26,9 @@ def printed(watched: JudgedTests) -> str:
         f"{alarms} of {count:,} tests outside the baseline alarm" if count else "no test outside the baseline"
     )
     lines = [title, found, *rate_lines(watched), *alarm_lines(watched), *fault_lines(watched)]
+    unjudged = int(watched.unjudged.sum())
+    if unjudged:
+        lines.append(f"not judged, most responses being at fault: {unjudged} tests, see .unjudged")
     if watched.failed:
         lines.append(f"failed, not judged: {len(watched.failed)} tests, see .failed")
     return "\n".join(lines)
@@ -60,6 +63,8 @@ def rate_lines(watched: JudgedTests) -> list[str]:
         lines.append(
             "corrected for what the baseline's antiresonances do together, no condition being of use"
         )
+    if watched.clocks:
+        lines.append(f"not used, since it only grows or falls with the tests: {', '.join(watched.clocks)}")
     return lines
 
 

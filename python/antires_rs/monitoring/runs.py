@@ -54,8 +54,8 @@ def assessed(
     sets: Sequence[AntiresonanceSet | None],
     conditions: Mapping[str, FloatArray],
     options: Mapping[str, Any],
-) -> DamageResult:
-    """``assess_damage`` of the tests of a run against the baseline."""
+) -> DamageResult | None:
+    """``assess_damage`` of the tests of a run against the baseline; None if they have no antiresonance."""
     first = next(one for one in sets if one is not None)
     tests = np.array([i for i in range(run[0], run[1] + 1) if values.looked[i].any()][-_MOST:])
     regular = places.regular
@@ -81,6 +81,8 @@ def assessed(
     for dof, freqs in new.items():
         now[dof][0].extend(freqs)
         now[dof][1].extend(f * usual / np.sqrt(len(tests)) for f in freqs)
+    if not any(freqs for freqs, _ in now.values()):
+        return None
     sight: dict[str, Any] = {"sees": first.sees, "channels": first.channels or None}
     measured = AntiresonanceSet(
         first.excitation,

@@ -20,14 +20,15 @@ class Watched(JudgedTests):
     Attributes
     ----------
     alarm : (n,) bool
-        Of each test by itself, the baseline's included; False where a test failed or could not be judged.
+        Of each test by itself, the baseline's included; False where a test failed or could not be judged,
+        see ``unjudged``.
     statistic : (n,)
         The largest of its charts, each over its limit; NaN where it could not be judged. Tests of the
         baseline are judged as if they came later, by the others.
     charts : dict of str to Chart
         "T2", "EWMA" and "events".
     false_alarm_rate : float
-        Share of intact tests outside the baseline that alarm.
+        Share of intact tests outside the baseline that alarm, at most about.
     baseline : (k,) int
         Its tests that have a set.
     names, times, conditions, failed
@@ -36,6 +37,8 @@ class Watched(JudgedTests):
         Conditions that the antiresonances were found to depend on.
     bends : dict of str to float
         Where the line over a condition bends, of those whose line does.
+    clocks : tuple of str
+        Conditions that only grow or only fall from test to test, and are not used.
     outside : (n,) bool
         Tests at conditions that the baseline does not have.
     faults : dict of int to tuple of Fault
@@ -95,6 +98,8 @@ class Watched(JudgedTests):
 
         Raises
         ------
+        InvalidInputError
+            No path, or one in a folder that does not exist.
         MissingDependencyError
             matplotlib is not installed.
         """

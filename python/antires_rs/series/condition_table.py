@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from datetime import UTC
 from os import PathLike
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,13 @@ import numpy as np
 from ..exceptions import AntiresWarning
 from ..support.validation import part, reject
 from .condition_files import read_table
-from .reserved import is_reserved
+from .condition_numbers import number, refuse_infinite
+from .reserved import refuse_reserved
+from .row_names import NAMES, is_one_of, keys_of, rows_by_name, test_names
 
 __all__ = ["ConditionTable", "condition_table", "of_source"]
 
-#: Columns that name the test of a row, and that date it, in any case.
-NAMES = ("name", "source", "file", "filename", "record", "test")
+#: Columns that date the test of a row, in any case.
 TIMES = ("time", "times", "date", "datetime", "timestamp")
 _FORMS = (
     "a mapping of name to array, a DataFrame, a structured array, a list of dicts, or a CSV or Parquet file"
@@ -37,10 +38,12 @@ class ConditionTable:
         Of the tests, where the table has them; else rows are in the order of the tests.
     """
 
-    def __init__(self, columns: Mapping[str, Any], times: Any, names: tuple[str, ...] | None) -> None:
+    def __init__(
+        self, columns: Mapping[str, Any], times: Any, names: tuple[str, ...] | None, numbered: bool = False
+    ) -> None:
         self.columns, self.times, self.names = columns, times, names
-        self._row = None if names is None else _rows_by_name(names)
-        self._used = 0
+        self._row = None if names is None else rows_by_name(names)
+        self._numbered, self._used = numbered, 0
 
     @property
     def count(self) -> int:
@@ -61,8 +64,14 @@ class ConditionTable:
             if (self.columns or self.times is not None) and number >= self.count:
                 reject("conditions", f"{self.count} rows", f"one for test {number} too", "Give as many.")
         else:
-            row = next((self._row[key] for key in _keys(name) if key in self._row), None)
+            row = next((self._row[key] for key in keys_of(name) if key in self._row), None)
             self._used += row is not None
+            if row is None and self._numbered and name == str(number):
+                # Tests counted from 1 in the table would be those beside the ones that are meant.
+                wanted = "a row for each test, which are counted from 0"
+                reject(
+                    "conditions", f"no row of test {name}", wanted, "Count from 0, or leave the names out."
+                )
         if row is None:
             return dict.fromkeys(self.columns, float("nan")), None
         time = None if self.times is None else self.times[row]
@@ -88,22 +97,25 @@ def condition_table(given: Any) -> tuple[ConditionTable, tuple[Path, ...]]:
     return _of_columns(_columns(given)), ()
 
 
-def of_source(number: int, given: Mapping[str, Any]) -> tuple[dict[str, float], Any]:
+def of_source(nth: int, given: Mapping[str, Any]) -> tuple[dict[str, float], Any]:
     """Conditions and time that came with a source."""
     if not given:
         return {}, None
     time, values = None, {}
     for key, value in given.items():
-        name = part(part("sources", number), key)
-        if _is(key, TIMES) and (found := _times([value])) is not None:
+        name = part(part("sources", nth), key)
+        if is_one_of(key, TIMES) and (found := _times([value])) is not None:
             time = found[0]
             continue
-        if not isinstance(key, str) or not key or is_reserved(key):
-            reject(name, key, "a name that no column of a series has", "Rename it, as in 'outside_c'.")
+        if not isinstance(key, str) or not key:
+            reject(name, key, "a text as the name of each condition", "As in {'temperature_c': 20.5}.")
+        refuse_reserved(name, key)
         try:
-            values[key] = np.nan if value is None else float(value)
+            values[key] = number(value)
         except (TypeError, ValueError):
-            reject(name, repr(value), "a number, NaN where it is not known", "Leave texts out.")
+            values[key] = np.inf
+        if np.isinf(values[key]):
+            reject(name, repr(value), "a finite number, NaN where it is not known", "Leave texts out.")
     return values, time
 
 
@@ -119,7 +131,9 @@ def _columns(given: Any) -> dict[str, Any]:
         kind = getattr(getattr(index, "dtype", None), "kind", "")
         if kind == "M":
             table.setdefault("time", np.asarray(index))
-        elif kind in ("O", "T", "U") and index is not None and not any(_is(key, NAMES) for key in table):
+        elif (
+            kind in ("O", "T", "U") and index is not None and not any(is_one_of(key, NAMES) for key in table)
+        ):
             table["name"] = np.asarray(index)
         return table
     if (
@@ -135,14 +149,15 @@ def _columns(given: Any) -> dict[str, Any]:
 def _of_columns(given: Mapping[Any, Any]) -> ConditionTable:
     columns: dict[str, Any] = {}
     names = times = None
+    naming, numbered = test_names(given)
     for key, values in given.items():
         if not isinstance(key, str) or not key:
             reject("conditions", key, "a text as the name of each column", "As in {'temperature_c': [...]}.")
         if isinstance(values, str) or not hasattr(values, "__len__"):
             reject(part("conditions", key), values, "a list or an array, one for each test", "Give a list.")
-        if names is None and _is(key, NAMES) and _are_texts(values):
-            names = tuple(map(str, values))
-        elif times is None and _is(key, TIMES) and (found := _times(values)) is not None:
+        if key == naming:
+            names = tuple(str(int(value)) if numbered else str(value) for value in values)
+        elif times is None and is_one_of(key, TIMES) and (found := _times(values)) is not None:
             times = found
         else:
             column = _numbers(key, values)
@@ -153,21 +168,28 @@ def _of_columns(given: Mapping[Any, Any]) -> ConditionTable:
         got = ", ".join(f"{len(column)} of {key!r}" for key, column in given.items())
         reject("conditions", got, "columns of one length", "Give NaN where one is not known.")
     for key in columns:
-        if is_reserved(key):
-            reject(
-                "conditions", key, "a name that no column of a series has", "Rename it, as in 'outside_c'."
-            )
-    return ConditionTable(columns, times, names)
+        refuse_reserved("conditions", key)
+    return ConditionTable(columns, times, names, numbered)
 
 
 def _numbers(key: str, values: Any) -> Any:
     """Floats, NaN for what is missing; None for a column of texts, with a word."""
-    try:
-        return np.array([np.nan if value is None or value == "" else value for value in values], dtype=float)
-    except (TypeError, ValueError):
+    column, other = np.full(len(values), np.nan), []
+    for i, value in enumerate(values):
+        try:
+            column[i] = number(value)
+        except (TypeError, ValueError):
+            other.append(i)
+    name = part("conditions", key)
+    refuse_infinite(name, column)
+    if len(other) > np.count_nonzero(~np.isnan(column)):
         text = f"conditions: column {key!r} is left out, its values are no numbers."
-        warnings.warn(text, AntiresWarning, stacklevel=2)
+        warnings.warn(text, AntiresWarning, stacklevel=5)  # the caller of identify_series
         return None
+    if other:  # a column of numbers: leaving it out would be a surprise
+        wanted = "numbers; nothing, NaN, NA or - where one is not known"
+        reject(part(name, other[0]), repr(values[other[0]]), wanted, "Correct it, or leave the column out.")
+    return column
 
 
 def _times(values: Any) -> Any:
@@ -197,31 +219,5 @@ def _instant(value: Any) -> Any:
     return np.datetime64(value, "ms")
 
 
-def _are_texts(values: Any) -> bool:
-    return all(isinstance(value, str | PurePath) for value in values)
-
-
-def _is(key: Any, known: Sequence[str]) -> bool:
-    return isinstance(key, str) and key.strip().lower() in known
-
-
 def _length(values: Any) -> int:
     return 0 if values is None else len(values)
-
-
-def _keys(name: str) -> tuple[str, ...]:
-    """What a table may call a test: its name, the name of its file, that without the ending."""
-    path = PurePath(name)
-    return name, path.name, path.stem
-
-
-def _rows_by_name(names: tuple[str, ...]) -> dict[str, int]:
-    rows: dict[str, int] = {}
-    for i, name in enumerate(names):
-        if name in rows:
-            reject("conditions", f"test {name!r} more than once", "each test once", "Remove one of the rows.")
-        rows[name] = i
-    for i, name in enumerate(names):  # under its shorter names too, where no other has them
-        for key in _keys(name)[1:]:
-            rows.setdefault(key, i)
-    return rows

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from ..support.pickling import FrozenDict, frozen
 from ..support.validation import FloatArray, part, reject
+from .condition_numbers import refuse_infinite
+from .reserved import refuse_reserved
 
 __all__ = ["checked_conditions", "checked_names", "checked_times"]
 
@@ -59,6 +61,7 @@ def checked_times(given: Any, count: int) -> NDArray[np.datetime64] | None:
 def _name(key: Any) -> str:
     if not isinstance(key, str) or not key:
         reject("conditions", key, "a text as the name of each condition", "As in {'temperature_c': [...]}.")
+    refuse_reserved("conditions", key)
     return key
 
 
@@ -71,4 +74,5 @@ def _column(key: str, values: Any, count: int) -> FloatArray:
     if column.shape != (count,):
         got = f"{column.size} values" if column.ndim == 1 else f"an array of shape {column.shape}"
         reject(name, got, f"{count} numbers, one for each test", "Give NaN where one is not known.")
+    refuse_infinite(name, column)
     return frozen(column)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -18,13 +19,14 @@ from ..exceptions import AntiresWarning
 from ..identification.identify import identify_antiresonances
 from ..identification.options import options_of
 from ..measured.tables import label
-from ..support.progress import step, waiting
+from ..support.progress import span, step, waiting
 from ..support.validation import frequency_band, reject
 from .computed import computed
 from .condition_table import ConditionTable, condition_table, of_source
 from .fingerprint import fingerprint
 from .kept import Row, parts_of
 from .one_test import Instructions
+from .reading_options import checked_reading
 from .series import Series
 from .sources import Source, Sources, listed
 from .store import FileStore, MemoryStore, open_store
@@ -89,8 +91,8 @@ def identify_series(
     Raises
     ------
     InvalidInputError
-        A malformed argument, sources with the same name, conditions that do not fit the sources, or a store
-        of other options or sources.
+        A malformed argument, a path that does not exist, an option that no reader of the files has, sources
+        with the same name, conditions that do not fit the sources, or a store of other options or sources.
     MissingDependencyError
         A package that the store or a reader needs is not installed.
 
@@ -105,6 +107,9 @@ def identify_series(
     Memory does not grow with the records: at most two are held in this process, and a result is some
     kilobytes. What the data check says of a test is ``series[i].data_check``, without its curves; its
     warnings are not raised.
+
+    An exception that ends a series, one of a generator of sources or of conditions that do not fit, has the
+    tests so far as ``error.series``.
 
     A store that runs has its results in ``<store>.part`` beside it, a line a test. What was done is
     recognised by the name of the source and its content (of long files: size and three parts). Whether it was
@@ -130,7 +135,7 @@ def identify_series(
     table, beside = condition_table(conditions)
     found = listed(sources, beside)
     table.expect(found.count)
-    read = reading if callable(reading) else dict(reading or {})
+    read = checked_reading(reading, found.files)
     given = {"excitation": excitation, "band_hz": band, "reading": read, **chosen}
     instructions = Instructions(read, {"excitation": excitation, "band_hz": band, **chosen})
     opened = open_store(store, json.loads(json.dumps(given, default=_plain)))
@@ -142,6 +147,10 @@ def identify_series(
         if not interrupted:
             table.over(len(rows))
             rows = opened.finish(rows)
+    except Exception as exc:
+        if run.rows:  # hours of work, and without a store all there is of it
+            exc.series = Series(**parts_of(run.rows), interrupted=True)  # type: ignore[attr-defined]
+        raise
     finally:
         opened.close()
     if isinstance(opened, FileStore) and opened.changed:
@@ -207,11 +216,7 @@ def _progress(at: int, count: int | None, failed: int, seconds: float, done: int
     text += f", {failed:,} failed" if failed else ""
     if count is None or at >= count:
         return text
-    left = (count - at) * seconds / done
-    for unit, size in (("h", 3600.0), ("min", 60.0)):
-        if left >= 2.0 * size:
-            return f"{text}, about {left / size:.0f} {unit} left"
-    return f"{text}, about {left:.0f} s left"
+    return f"{text}, about {span((count - at) * seconds / done)} left"
 
 
 def _checked(options: Mapping[str, Any]) -> dict[str, Any]:
@@ -243,5 +248,5 @@ def _plain(value: Any) -> Any:
     """What JSON does not know, for the record of the options."""
     if hasattr(value, "tolist"):
         return value.tolist()
-    # A function by its name: its repr has an address.
-    return getattr(value, "__qualname__", None) or repr(value)
+    # A function by its name, other objects by their texts, without an address: it is another one every time.
+    return getattr(value, "__qualname__", None) or re.sub(r" at 0x[0-9a-fA-F]+", "", repr(value))

@@ -43,6 +43,8 @@ class Journal:
     def __init__(self, path: Path, config: dict[str, Any] | None) -> None:
         self.path = path
         self.kept: dict[str, tuple[Kept, dict[str, Any], str | None]] = {}
+        #: Checksums of the lines by the bytes at which they begin.
+        self._sums: dict[int, int] = {}
         self._file = -1
         if config is not None:
             self._file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
@@ -75,10 +77,24 @@ class Journal:
         return kept
 
     def plain(self, key: int) -> Plain:
-        """The set whose line begins at a byte."""
-        with open(self.path, "rb") as file:
+        """The set whose line begins at a byte.
+
+        Raises
+        ------
+        InvalidInputError
+            The series was finished meanwhile, or another one was begun in its place.
+        """
+        line = b""
+        with suppress(FileNotFoundError), open(self.path, "rb") as file:
             file.seek(key)
-            found: Plain = _parsed(file.readline())["outcome"]
+            line = file.readline()
+        data = _parsed(line)
+        if not data or int(line[:8], 16) != self._sums[key]:
+            store = str(self.path.with_suffix(""))
+            got = f"{str(self.path)!r}, which has ended or was begun anew"
+            wanted = "the journal that the sets of this unfinished series are in"
+            reject("store", got, wanted, f"Load the series as it is now: Series.load({store!r}).")
+        found: Plain = data["outcome"]
         return found
 
     def set(self, key: int) -> AntiresonanceSet:
@@ -102,8 +118,9 @@ class Journal:
 
     def _write(self, line: dict[str, Any]) -> int:
         text = json.dumps(line, separators=(",", ":")).encode()
-        data = memoryview(b"%08x %s\n" % (crc32(text), text))
-        start = self._end
+        start, checksum = self._end, crc32(text)
+        data = memoryview(b"%08x %s\n" % (checksum, text))
+        self._sums[start] = checksum
         self._end += len(data)
         while data:
             data = data[os.write(self._file, data) :]
@@ -113,20 +130,27 @@ class Journal:
         return start
 
     def _taken_up(self, config: dict[str, Any] | None) -> int:
-        """Read what is whole; returns where it ends."""
-        end = 0
+        """Read what is whole; returns where it ends: at 0 if it is of other options and holds no set."""
+        end, head = 0, {}
         with open(self.path, "rb") as file:
             for line in file:
                 data = _parsed(line)
                 if not data:
                     break
                 if end == 0:
-                    _check(self.path, data, config)
+                    _check(self.path, data)
+                    head = data
                 else:
                     kept = Kept.of(data["fingerprint"], data["outcome"], self, end)
+                    self._sums[end] = int(line[:8], 16)
                     self.kept[data["name"]] = kept, data["conditions"], data["time"]
                 end += len(line)
-        return end
+        if not head or config is None or head["config"] == config:
+            return end
+        if any(kept.failed is None for kept, _, _ in self.kept.values()):
+            same_config(self.path, head["config"], config)
+        self.kept.clear()
+        return 0
 
 
 def _parsed(line: bytes) -> dict[str, Any]:
@@ -141,11 +165,9 @@ def _parsed(line: bytes) -> dict[str, Any]:
     return data if isinstance(data, dict) else {}
 
 
-def _check(path: Path, data: dict[str, Any], config: dict[str, Any] | None) -> None:
+def _check(path: Path, data: dict[str, Any]) -> None:
     if data.get("format") != FORMAT or data.get("version") != VERSION:
         reject("store", f"{str(path)!r} of another kind", "a journal of this version", "Name another store.")
-    if config is not None:
-        same_config(path, data["config"], config)
 
 
 def same_config(path: Path, there: dict[str, Any] | None, config: dict[str, Any]) -> None:
@@ -153,7 +175,7 @@ def same_config(path: Path, there: dict[str, Any] | None, config: dict[str, Any]
     if there is None:
         wanted, remedy = "a store that identify_series made", "Name another store."
         reject("store", f"{str(path)!r}, which Series.save wrote", wanted, remedy)
-    for name in there.keys() | config.keys():
+    for name in sorted(there.keys() | config.keys()):
         if there.get(name) != config.get(name):
             reject(
                 "store",

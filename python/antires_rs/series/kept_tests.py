@@ -45,7 +45,8 @@ class KeptTests(ReadOnly):
     ) -> None:
         count = len(sets)
         if failed is None or dofs is None:
-            excitation, dofs, failed = _read_through(sets, failed or {})
+            failed = _checked_failed(failed, sets)
+            excitation, dofs, failed = _read_through(sets, failed)
         self._fill(
             sets=sets,
             names=checked_names(names, count),
@@ -94,6 +95,21 @@ class SomeSets(Sequence[AntiresonanceSet | None]):
 
     def __len__(self) -> int:
         return len(self._at)
+
+
+def _checked_failed(given: Any, sets: Sequence[AntiresonanceSet | None]) -> Mapping[int, str]:
+    """Reasons by the index of a test that has no set."""
+    wanted = "why a test has no set, by its index"
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        reject("failed", type(given).__name__, wanted, "As in failed={2: 'cable cut'}.")
+    for i in given:
+        if isinstance(i, bool) or not isinstance(i, int | np.integer) or not 0 <= i < len(sets):
+            reject("failed", f"a test {i!r}", f"{wanted}, from 0 to {len(sets) - 1}", "Count from 0.")
+        if sets[int(i)] is not None:
+            reject("failed", f"test {i}, which has a set", wanted, "Give None in place of its set.")
+    return {int(i): str(why) for i, why in given.items()}
 
 
 def _read_through(

@@ -31,7 +31,7 @@ class SeriesFile:
         What :func:`~antires_rs.identify_series` was called with.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, argument: str = "path") -> None:
         self.path = path
         arrow, parquet = pyarrow("a series in a file"), pyarrow_parquet("a series in a file")
         try:
@@ -40,13 +40,15 @@ class SeriesFile:
             facts = json.loads((schema.metadata or {}).get(b"antires_rs", b"{}"))
         except (arrow.ArrowInvalid, ValueError) as exc:
             got = f"{str(path)!r}, which cannot be read ({exc})"
-            reject("path", got, "a series that antires_rs wrote", "Name another file.")
+            reject(argument, got, "a series that antires_rs wrote", "Name another file.")
         if facts.get("format") != FORMAT:
             reject(
-                "path", f"{str(path)!r} of another kind", "a series that antires_rs wrote", "Name another."
+                argument, f"{str(path)!r} of another kind", "a series that antires_rs wrote", "Name another."
             )
         if facts["version"] > VERSION:
-            reject("path", f"{str(path)!r} of version {facts['version']}", f"{VERSION}", "Update antires_rs.")
+            reject(
+                argument, f"{str(path)!r} of version {facts['version']}", f"{VERSION}", "Update antires_rs."
+            )
         self.config: dict[str, Any] | None = facts["config"]
         self._in_group: int = facts["tests_in_row_group"]
         self._made = _made(path)

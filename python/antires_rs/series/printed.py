@@ -27,7 +27,7 @@ def printed(series: KeptTests) -> str:
         if known.size:
             first, last = np.datetime_as_string(np.sort(known)[[0, -1]], unit="m")
             rows.append(("times", f"{first} to {last}{_missing(count - known.size)}"))
-    for name, column in series.conditions.items():
+    for name, column in series.conditions.items() if count else ():
         values = column[~np.isnan(column)]
         span = f"{values.min():g} to {values.max():g}" if values.size else "not known"
         rows.append((name, span + _missing(count - values.size if values.size else 0)))

@@ -20,9 +20,10 @@ from .average import averaged
 from .encoded import encoded
 from .frames import series_frame
 from .kept import InMemory, Kept, Row, parts_of
-from .kept_tests import NO_SET, KeptTests, SomeSets
+from .kept_tests import KeptTests, SomeSets
 from .parquet_file import write_series
 from .printed import printed
+from .some_tests import one_or_some
 from .store import stored_rows
 
 __all__ = ["Series"]
@@ -100,9 +101,7 @@ class Series(KeptTests):
         """
         if not isinstance(sets, Sequence) or isinstance(sets, str | Mapping):
             reject("sets", type(sets).__name__, "a list of sets", "Put the sets in a list.")
-        given: dict[int, str] = dict(failed or {})
-        given |= {i: NO_SET for i, one in enumerate(sets) if one is None and i not in given}
-        return cls(tuple(sets), names=names, conditions=conditions, times=times, failed=given)
+        return cls(tuple(sets), names=names, conditions=conditions, times=times, failed=failed)
 
     def tracks(
         self, conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0
@@ -218,10 +217,17 @@ class Series(KeptTests):
     @overload
     def __getitem__(self, at: slice | Sequence[int] | NDArray[Any]) -> Series: ...
     def __getitem__(self, at: Any) -> Any:
-        """The set of one test by its index, or a series of some: a slice, indices or a mask."""
-        if isinstance(at, int | np.integer) and not isinstance(at, bool):
-            return self.sets[int(at)]
-        return self._some(np.arange(len(self))[at if isinstance(at, slice) else np.asarray(at)])
+        """The set of one test by its index, or a series of some: a slice, indices or a mask.
+
+        Raises
+        ------
+        IndexError
+            No such test.
+        InvalidInputError
+            Anything else, a mask of another length, or a test more than once.
+        """
+        at = one_or_some(at, len(self))
+        return self.sets[at] if isinstance(at, int) else self._some(at)
 
     def __repr__(self) -> str:
         return f"Series({len(self)} tests, {len(self.failed)} failed, excitation={self.excitation!r})"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -41,10 +42,14 @@ class Source:
 
 @dataclass(frozen=True)
 class Sources:
-    """Sources in order, read no further than asked for; ``count`` is None for a generator."""
+    """Sources in order, read no further than asked for; ``count`` is None for a generator.
+
+    ``files`` are all of them where they are files.
+    """
 
     each: Iterable[Source]
     count: int | None
+    files: Sequence[Path] = ()
 
 
 def listed(sources: Any, beside: Sequence[Path] = ()) -> Sources:
@@ -53,7 +58,7 @@ def listed(sources: Any, beside: Sequence[Path] = ()) -> Sources:
         reject("sources", f"one {type(sources).__name__}", _WANTED, "Put it in a list.")
     if isinstance(sources, str | PathLike):
         files = _files(Path(sources), beside)
-        return Sources(_of_files(files), len(files))
+        return Sources(_of_files(files), len(files), files)
     if isinstance(sources, Mapping):
         named = [_source(i, (str(name), given), None) for i, (name, given) in enumerate(sources.items())]
         return Sources(_once(named), len(named))
@@ -63,7 +68,8 @@ def listed(sources: Any, beside: Sequence[Path] = ()) -> Sources:
         if not len(sources):
             reject("sources", "an empty list", "one test or more", "Name the records.")
         if all(isinstance(one, str | PathLike) for one in sources):
-            return Sources(_of_files([Path(one) for one in sources]), len(sources))
+            files = [Path(one) for one in sources]
+            return Sources(_of_files(files), len(files), files)
         return Sources(_once(_source(i, one, None) for i, one in enumerate(sources)), len(sources))
     return Sources(_once(_source(i, one, None) for i, one in enumerate(sources)), None)
 
@@ -116,13 +122,16 @@ def _once(sources: Iterable[Source]) -> Iterator[Source]:
 
 def _files(path: Path, beside: Sequence[Path]) -> list[Path]:
     """Measurements in a folder, or those that a pattern names, by their names and the numbers in them."""
-    if "*" in path.name:
-        found, where = list(path.parent.glob(path.name)), f"{str(path)!r}, which names no file"
-    elif path.is_dir():
+    if path.is_dir():
         found = [file for file in path.iterdir() if is_measurement(file)]
         where = f"{str(path)!r}, a folder without measurements"
-    else:
+    elif path.exists():
         return [path]
+    elif glob.has_magic(str(path)):
+        found, where = list(map(Path, glob.glob(str(path)))), f"{str(path)!r}, which names no file"
+    else:
+        wanted = "a file, a folder, or a pattern such as 'year/*.uff'"
+        reject("sources", f"{str(path)!r}, which does not exist", wanted, "Correct the path.")
     others = {file.resolve() for file in beside}
     found = [file for file in found if file.resolve() not in others]
     if not found:

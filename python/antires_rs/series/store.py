@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any, Protocol
@@ -15,8 +16,9 @@ from .kept import Kept, Packed, Plain, Row
 from .parquet_file import write_series
 from .parquet_reader import SeriesFile
 from .pyarrow_package import pyarrow
+from .sources import natural
 
-__all__ = ["FileStore", "MemoryStore", "Store", "open_store", "stored_rows"]
+__all__ = ["FileStore", "LastingStore", "MemoryStore", "Store", "open_store", "stored_rows"]
 
 
 class Store(Protocol):
@@ -60,6 +62,16 @@ class MemoryStore:
         """Nothing is open."""
 
 
+@dataclass(frozen=True)
+class LastingStore(PathLike[str]):
+    """A store that keeps tests whose sources are gone; all are in the order of their names."""
+
+    path: Path
+
+    def __fspath__(self) -> str:
+        return str(self.path)
+
+
 class FileStore:
     """Results in a journal while a series runs, and in one file when it is through.
 
@@ -69,14 +81,18 @@ class FileStore:
         Sources that were identified before and are others now.
     """
 
-    def __init__(self, path: Path, config: dict[str, Any]) -> None:
+    def __init__(self, path: Path, config: dict[str, Any], *, lasting: bool = False) -> None:
         pyarrow("store")  # now rather than after a night
-        self.path, self.config = path, config
+        self.path, self.config, self._lasting = path, config, lasting
         self.changed: list[str] = []
         self._file: SeriesFile | None = None
         if path.exists():
-            self._file = SeriesFile(path)
-            same_config(path, self._file.config, config)
+            self._file = SeriesFile(path, "store")
+            if all(row.kept.failed is not None for row in self._file.rows) and self._file.config is not None:
+                # A wrong band or excitation, and nothing found by it: what is corrected begins anew.
+                self._file = self._file if self._file.config == config else None
+            else:
+                same_config(path, self._file.config, config)
         self._before = {row.name: row.kept for row in self._file.rows} if self._file else {}
         self._journal = Journal(journal_path(path), config)
 
@@ -99,7 +115,12 @@ class FileStore:
     def finish(self, rows: Sequence[Row]) -> Sequence[Row]:
         """Write the file, unless it holds just this already; the journal is no longer needed."""
         gone = sorted(self._names() - {row.name for row in rows})
-        if gone:
+        if gone and self._lasting:
+            here = {row.name for row in rows}
+            stored = _with_journal(self._file.rows if self._file else [], self._journal)
+            both = [*rows, *(row for row in stored if row.name not in here)]
+            rows = sorted(both, key=lambda row: natural(Path(row.name)))
+        elif gone:
             self.close()
             shown = ", ".join(map(repr, gone[:3])) + (f" and {len(gone) - 3} more" if len(gone) > 3 else "")
             reject(
@@ -125,13 +146,15 @@ def open_store(store: Any, config: dict[str, Any]) -> MemoryStore | FileStore:
     """The store that a caller names; None for memory."""
     if store is None:
         return MemoryStore()
+    lasting = isinstance(store, LastingStore)
+    store = store.path if isinstance(store, LastingStore) else store
     wanted = "the path of a file that ends in .parquet, or None for memory"
     if not isinstance(store, str | PathLike) or Path(store).suffix.lower() != ".parquet":
         reject("store", store, wanted, "As in store='year.parquet'.")
     path = Path(store)
     if not path.parent.is_dir() or path.is_dir():
         reject("store", repr(str(path)), "a file in a folder that exists", "Make the folder first.")
-    return FileStore(path, config)
+    return FileStore(path, config, lasting=lasting)
 
 
 def stored_rows(path: Path) -> tuple[list[Row], bool]:

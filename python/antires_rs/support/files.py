@@ -34,6 +34,8 @@ def written_beside(path: str | os.PathLike[str]) -> Iterator[Path]:
 
     If writing fails nothing is left and the target stays as it was.
     """
+    if not isinstance(path, str | os.PathLike):
+        reject("path", path, "the path of a file", "As in 'page.html'.")
     target = Path(path)
     if not target.parent.is_dir():
         reject(

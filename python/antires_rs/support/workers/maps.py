@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
+from ...exceptions import InvalidInputError
 from .answers import Call, run_here
 from .counts import processors
 from .engine import Answer, Engine
@@ -51,6 +52,10 @@ class Mapped:
     def _map(self, chunks: list[Chunk], done: queue.SimpleQueue[list[Any] | BaseException]) -> None:
         try:
             done.put(list(self._run(self._on, [chunk.tasks for chunk in chunks])))
+        except TypeError as error:  # not of a task: what a task raises is its outcome
+            got = f"{self._run!r}, which did not work as a map ({error})"
+            wanted = "a function such as map: map(function, tasks) gives the results in order"
+            done.put(InvalidInputError("workers", got, wanted, "Pass an executor, or a number."))
         except BaseException as error:  # raised again in the caller's thread
             done.put(error)
 
