@@ -170,9 +170,9 @@ def test_memory_does_not_grow_with_the_records(tmp_path, monkeypatch):
 @pytest.mark.parametrize("workers", some_of([1, 2, "threads"], kept=["threads"]))
 def test_any_workers_give_the_same_bits(tmp_path, workers):
     where = folder(tmp_path)
-    sources = [*sorted(where.glob("*.npz")), where / "absent.npz", dead(1, [1]), record(2)]
+    sources = [where / "test_1.npz", where / "absent.npz", dead(1, [1]), record(2)]
     alone = ar.identify_series(sources, **OPTIONS)
-    assert alone.failed.keys() == {3}
+    assert alone.failed.keys() == {1}
     assert ar.identify_series(sources, **OPTIONS, workers=workers) == alone
 
 

@@ -10,6 +10,7 @@ import antires_rs as ar
 from antires_rs.series import one_test
 from antires_rs.series.journal import Journal, journal_path
 from reference.small_records import OPTIONS, dead, record
+from tests.support.identified_once import identified_once
 
 pyarrow = pytest.importorskip("pyarrow")
 
@@ -30,6 +31,14 @@ def identified(store=None, count=5, **more):
     return ar.identify_series(
         sources(count), **(OPTIONS | {"conditions": conditions(count), "store": store} | more)
     )
+
+
+@pytest.fixture(scope="module", autouse=True)
+def once():
+    """What is stored is asked here; each record is identified once."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(one_test, "identify_antiresonances", identified_once)
+        yield
 
 
 @pytest.fixture(scope="module")

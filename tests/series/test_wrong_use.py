@@ -9,7 +9,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.series import one_test
-from antires_rs.series.identify_series import _plain
+from antires_rs.series.identify_series import _plain, _progress
 from reference.small_records import OPTIONS, record
 from tests.series.test_series import series
 
@@ -240,3 +240,14 @@ def test_options_by_which_every_test_failed_may_be_corrected(tmp_path, monkeypat
     assert made((0.8, 8.0), count=2)[0] == FOUND
     with pytest.raises(ar.InvalidInputError, match="made with band_hz"):
         made((0.8, 7.0))
+
+
+def test_the_rest_time_is_at_the_pace_of_what_is_new():
+    assert _progress(60, 100, 2, 30.0, 10) == "test 60 of 100, 2 failed, about 2 min left"
+    assert _progress(100, 100, 0, 30.0, 10) == "test 100 of 100"
+
+
+def test_a_column_that_is_left_out_is_told_to_the_caller(quick):
+    with pytest.warns(ar.AntiresWarning, match="'remark' is left out") as told:
+        ar.identify_series([given(0)], **OPTIONS, conditions={"remark": ["rain"]})
+    assert told[0].filename == __file__

@@ -133,7 +133,8 @@ class OptimizeResult(Value):
 
 def with_result(error: BaseException, result: OptimizeResult) -> BaseException:
     """An exception of the objective, with the best found before it as ``error.result``."""
-    text = f"The objective failed ({type(error).__name__}); this is the best found until then."
+    so_far = "this is the best found until then" if result.nfev else "nothing had been evaluated"
+    text = f"The objective failed ({type(error).__name__}); {so_far}."
     kept = replace(result, status="objective error", message=text)
     with suppress(AttributeError):  # a class of exceptions with slots takes nothing
         error.result = kept  # type: ignore[attr-defined]

@@ -19,7 +19,7 @@ from ..exceptions import AntiresWarning
 from ..identification.identify import identify_antiresonances
 from ..identification.options import options_of
 from ..measured.tables import label
-from ..support.progress import step, waiting
+from ..support.progress import span, step, waiting
 from ..support.validation import frequency_band, reject
 from .computed import computed
 from .condition_table import ConditionTable, condition_table, of_source
@@ -216,11 +216,7 @@ def _progress(at: int, count: int | None, failed: int, seconds: float, done: int
     text += f", {failed:,} failed" if failed else ""
     if count is None or at >= count:
         return text
-    left = (count - at) * seconds / done
-    for unit, size in (("h", 3600.0), ("min", 60.0)):
-        if left >= 2.0 * size:
-            return f"{text}, about {left / size:.0f} {unit} left"
-    return f"{text}, about {left:.0f} s left"
+    return f"{text}, about {span((count - at) * seconds / done)} left"
 
 
 def _checked(options: Mapping[str, Any]) -> dict[str, Any]:

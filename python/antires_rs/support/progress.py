@@ -15,7 +15,7 @@ from functools import wraps
 from threading import Event, Thread
 from typing import Any, ParamSpec, TypeVar
 
-__all__ = ["apart", "counted", "interruptible", "patient", "step", "waiting", "watched"]
+__all__ = ["apart", "counted", "interruptible", "patient", "span", "step", "waiting", "watched"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -117,7 +117,7 @@ def counted(what: str, done: int, total: int | None, seconds: float) -> str:
     """A step of many alike: how far it is, and how long the rest takes at this pace."""
     if total is None:
         return f"{what} {done}"
-    left = f", about {_span((total - done) * seconds / done)} left" if 0 < done < total else ""
+    left = f", about {span((total - done) * seconds / done)} left" if 0 < done < total else ""
     return f"{what} {done} of {total}{left}"
 
 
@@ -185,10 +185,11 @@ def _left(evaluations: int, seconds: float, done: int) -> str:
     """How long the budget lasts at this pace; most searches end before it does."""
     if done <= 0:
         return "time left not known yet"
-    return f"at most {_span(evaluations * seconds / done)} left"
+    return f"at most {span(evaluations * seconds / done)} left"
 
 
-def _span(seconds: float) -> str:
+def span(seconds: float) -> str:
+    """A time in the unit that suits it."""
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * size:
             return f"{seconds / size:.0f} {unit}"

@@ -92,7 +92,7 @@ pub fn modes(model: &Model) -> Result<Modes> {
 /// of all modes, or where rounding leaves a doubt: then [`AllModes`] has to tell.
 ///
 /// # Errors
-/// [`Error::Memory`](crate::error::Error::Memory).
+/// [`Error::Memory`].
 pub fn low_modes(model: &Model, f_max_hz: f64, most: Option<usize>) -> Result<Option<Modes>> {
     let structure = Structure::of(model);
     structure.check_room()?;

@@ -221,7 +221,7 @@ impl Structure {
     /// Whether there is room for K, M, two factors and the Krylov space, or for dense matrices.
     ///
     /// # Errors
-    /// [`Error::Memory`](crate::error::Error::Memory) where there is none.
+    /// [`Error::Memory`] where there is none.
     pub fn check_room(&self) -> Result<()> {
         let n = self.n_dof();
         let matrices = match &self.layout {

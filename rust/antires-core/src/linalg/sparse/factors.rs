@@ -1,7 +1,7 @@
 //! A = L D Lᵀ of a sparse matrix, without pivoting: stable for a positive definite A. Of K − xM, which is not,
 //! the growth of the factors tells how far rounding may have gone, as in [`super::super::banded`].
 //!
-//! faer forms the values, block by block ([`super::blocks`]).
+//! faer forms the values, block by block (module `blocks`).
 
 use std::sync::Arc;
 
