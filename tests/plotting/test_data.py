@@ -37,6 +37,8 @@ def drawn(record, damage, diagram):
     plan = ar.plan_test(chain(), n_sensors=2, excitations=0)
     curves = ar.detectability(chain(), excitation=0, std=5e-4, n_tests=1, rng=0)
     t, check = ar.transmissibility(record, 0, nperseg=512), check_data(record, band_hz=BAND)
+    scattered = 1.0 + 1e-3 * np.random.default_rng(0).standard_normal(60)
+    watched = ar.monitor([ar.AntiresonanceSet(0, {0: [8.7 * one]}) for one in scattered], baseline=50)
     return [
         (["poles", "values", "curve"], lambda ax: plotting.plot_stabilization(diagram, ax=ax)),
         (["poles", "values"], lambda ax: plotting.plot_damping_clusters(diagram, ax=ax)),
@@ -57,6 +59,7 @@ def drawn(record, damage, diagram):
         (["parameters"], lambda ax: plotting.plot_identifiability(known, ax=ax)),
         (["elements"], lambda ax: plotting.plot_plan(plan, ax=ax)),
         (["curves"], lambda ax: plotting.plot_detectability(curves, ax=ax)),
+        (["T2"], lambda ax: plotting.plot_monitor(watched, ax=ax)),
         (["tracks"], lambda ax: plotting.plot_tracks(ar.track(sets), ax=ax)),
     ]
 

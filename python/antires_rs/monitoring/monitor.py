@@ -93,7 +93,7 @@ def monitor(
     Hotelling's :math:`T^2` of single tests, an exponentially weighted mean for small and slow changes, and a
     chart of antiresonances that vanish or appear share the rate as 3 : 1 : 1. An alarm is of its own test:
     when the change is over, alarms end. Limits come from tests of the baseline left out in turn, with what a
-    finite baseline leaves open, see :mod:`antires_rs.monitoring`.
+    finite baseline leaves open.
 
     A condition that only grows or only falls from test to test is a clock and is not used. Outside the
     baseline's range lines go on with a slope that is known to 30 %; a value further out than ten times that

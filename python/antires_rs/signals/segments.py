@@ -28,7 +28,7 @@ def pieces(count: int, size: int) -> Iterator[slice]:
     Examples
     --------
     >>> from antires_rs.signals.segments import pieces
-    >>> list(pieces(5, 500_000))
+    >>> list(pieces(5, 60_000))
     [slice(0, 2, None), slice(2, 4, None), slice(4, 5, None)]
     """
     step = max(1, AT_A_TIME // max(1, size))
