@@ -43,7 +43,8 @@ def test_an_exception_keeps_the_best_so_far(workers, tmp_path):
     result = caught.value.result
     assert (result.status, result.success) == ("objective error", False)
     assert result.fun == work.sphere(result.x) < 1.0
-    assert 160 <= result.nfev <= 300
+    # The other worker ends what it has of the second generation, of 160 candidates.
+    assert 160 <= result.nfev <= (320 if workers else 300)
     notes = "\n".join(caught.value.__notes__)
     assert "fun was at x = [" in notes
     assert "is kept: error.result" in notes
