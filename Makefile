@@ -40,7 +40,7 @@ tools: $(STAMP) $(DOCS_STAMP)
 test-python: tools  ## tests of the Python package, the documentation built among them
 	$(PYTEST)
 
-# Not in every run: before Python 3.12 a tracer costs a third of the time of a test, and no limit hangs on the figure.
+# Not in every run: before Python 3.12 a tracer costs a quarter of the time of a test, and no limit hangs on the figure.
 coverage: tools  ## the same with the coverage of the package, line by line into target/coverage/html
 	$(PYTEST) --cov antires_rs --cov-report html
 
