@@ -50,11 +50,6 @@ class JudgedTests(ReadOnly):
         return 1.0
 
     @property
-    def checked_rate(self) -> float:
-        """Share of the baseline's tests that alarm when they are left out: of few tests a rough check."""
-        return float(np.mean(self.alarm[self.baseline]))
-
-    @property
     def outside_baseline(self) -> NDArray[np.bool_]:
         """Tests after or beside the baseline that could be judged, (n,)."""
         rest = ~np.isnan(self.statistic)
