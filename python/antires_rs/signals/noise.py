@@ -44,7 +44,7 @@ def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
     n = matrix.shape[1]
     mean = np.einsum("fii->fi", matrix).real.mean(axis=0)
     root = np.sqrt(np.where(mean > 0.0, mean, 1.0))
-    scaled = matrix / (root[:, None] * root)
+    scaled = matrix * (1.0 / (root[:, None] * root))
     auto = np.einsum("fii->fi", scaled).real
     if n_averages >= AVERAGES_PER_CHANNEL * n:
         ridge = RIDGE * np.maximum(auto.mean(axis=1), 1e-300)
