@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -64,10 +64,7 @@ def clipped(data: Iterable[FloatArray], labels: tuple[Any, ...]) -> Said:
     for label, x in zip(labels, data, strict=True):
         low, high = float(x.min()), float(x.max())
         above, below = x[x >= high - HIGH * (high - low)], x[x <= low + HIGH * (high - low)]
-        piles = {
-            high: _pile(np.sort(above), high - low, lambda x=x: float(np.median(x))),
-            low: _pile(np.sort(-below), high - low, lambda x=x: -float(np.median(x))),
-        }
+        piles = {high: _pile(np.sort(above), high - low, x), low: _pile(np.sort(-below), high - low, x, -1.0)}
         count = sum(piles.values())
         if count == 0:
             continue
@@ -83,8 +80,8 @@ def clipped(data: Iterable[FloatArray], labels: tuple[Any, ...]) -> Said:
     return found
 
 
-def _pile(high: FloatArray, spread: float, median: Callable[[], float]) -> int:
-    """Samples at the largest value if they are a pile, else 0; ``high`` are the high ones, ascending."""
+def _pile(high: FloatArray, spread: float, x: FloatArray, sign: float = 1.0) -> int:
+    """Samples at the largest of ``sign * x`` if they are a pile, else 0; ``high`` are its high ones."""
     largest = float(high[-1])
     steps = np.diff(high)
     steps = steps[steps > 1e-9 * spread]
@@ -95,7 +92,7 @@ def _pile(high: FloatArray, spread: float, median: Callable[[], float]) -> int:
     if count < PILE or count <= PILE_RATIO * (more - count) / LEVELS_BELOW:
         return 0
     # Rest is no pile: the force between two impacts.
-    return count if largest - median() > level else 0
+    return count if largest - sign * np.median(x) > level else 0
 
 
 def duplicated(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], list[int]]:

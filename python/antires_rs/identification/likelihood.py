@@ -110,6 +110,7 @@ def likeliest(
         at = fit.basis.at(np.asarray(1j * freq_hz / fit.scale_hz, dtype=np.complex128), middle)
         size = np.sum(np.abs(at @ solutions[source]) ** 2, axis=1)
         size = np.maximum(size, LEAST_SIZE * size.max())
+        del fit, at  # before the next one is made
         orders = np.arange(max(middle - BELOW, LEAST_ORDER), min(middle + ABOVE, max_order) + 1)
     _, order, size = best
     fit = NumeratorFit(freq_hz, covariance, largest, capped / size, min(max_order, order + HIGHER))
