@@ -91,8 +91,8 @@ def _warn_free(
 ) -> None:
     """Name the dofs whose ties may have rounded away what held them."""
     warnings.warn(
-        f"stiffness: nothing holds {_named(model, dofs)}, and up to {largest:.1g} is stiffer than any part: "
-        f"beside such ties supports softer than {support:.1g} are rounded away in the assembly, and a free body "
+        f"stiffness: nothing holds {_named(model, dofs)}, and up to {largest:.1g} is more than any part has: "
+        f"beside such ties supports softer than {support:.1g} are rounded away in the sums, and a free body "
         "is left. Give ties and rigid links as constraints=, without penalties.",
         AntiresWarning,
         stacklevel=stacklevel + 1,
