@@ -11,6 +11,8 @@ from ..models.parameter import Parameter
 from ..models.parameters import stiffness_reduction
 from ..support.progress import step
 from ..support.validation import reject
+from ..updating.explained import hint_of
+from ..updating.targets import targets_of
 from .contradiction import Contradiction, contradiction
 from .factors import factors_of
 from .likelihood import Likelihood
@@ -106,12 +108,17 @@ class Question:
         if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
             reject(
                 "model",
-                f"one without {responses.noun} near the measured ones",
+                f"one that does not explain the measurement: no {responses.noun} near the measured ones",
                 "a model of the tested structure",
-                "Check units, dofs and supports of the model, and the band of the measurement.",
+                f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
+                "measurement.".lstrip(),
             )
         odd = contradiction(intact.plain, responses.tests)
         scatter = scatter_between(intact, error.place, error.partner)
         if scatter > 1.0:
             error = learned(core, *sizes, intact.noisier(scatter), self.model_error, threads)
         return error, scatter, odd
+
+    def hint(self) -> str:
+        """A mistake that would account for a model that does not explain the intact structure, if any."""
+        return hint_of(self.model, targets_of(self.model, self.baseline or self.measured, None))
