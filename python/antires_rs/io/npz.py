@@ -183,7 +183,8 @@ def read_archive(
     try:
         if not zipfile.is_zipfile(file):
             unsuitable(file, "which is no archive", wanted, remedy)
-        with np.load(file, allow_pickle=False) as archive:
+        # Opened here: of a damaged archive numpy would leave the file open.
+        with open(file, "rb") as opened, np.load(opened, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
     except AntiresError:
         raise
@@ -217,7 +218,7 @@ def _holds_objects(file: Path) -> bool:
     """Whether an array of the archive is one of Python objects, by the headers of its members."""
     import zipfile
 
-    with suppress(zipfile.BadZipFile, OSError, NotImplementedError), zipfile.ZipFile(file) as archive:
+    with suppress(Exception), zipfile.ZipFile(file) as archive:
         for name in archive.namelist():
             with archive.open(name) as member:
                 if b"'|O'" in member.read(_HEADER_BYTES):

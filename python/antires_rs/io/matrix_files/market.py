@@ -24,12 +24,13 @@ def is_matrix_market(file: Path) -> bool:
 def read_matrix_market(file: Path) -> dict[str, Labelled]:
     """The matrix of a file, under its stem; its entries are counted against its header."""
     import gzip
+    import zlib
 
     wanted = "a whole Matrix Market file"
     try:
         with (gzip.open if file.suffix == ".gz" else open)(file, "rb") as opened:
             text = opened.read()
-    except (OSError, EOFError) as exc:
+    except (OSError, EOFError, zlib.error) as exc:
         unsuitable(file, f"which cannot be unpacked ({exc})", wanted, "It was cut or damaged.")
     lines = [line for line in text.splitlines() if line.strip()]
     numbers = [line for line in lines if not line.startswith(b"%")]
