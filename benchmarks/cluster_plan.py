@@ -70,7 +70,7 @@ def a_chunk() -> float:
         return _rounds(2)
     from distributed import Client, LocalCluster
 
-    options: dict[str, Any] = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": None}
+    options: dict[str, Any] = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": ":0"}
     with LocalCluster(**options) as cluster, Client(cluster) as client:
         return _rounds(client)
 

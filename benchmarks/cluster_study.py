@@ -52,12 +52,15 @@ def deadly(folder, n):
 def cluster(count):
     from distributed import Client, LocalCluster
 
-    return Client(LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None))
+    return Client(LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=":0"))
 
 
 @contextlib.contextmanager
-def connected(count):
+def connected(count, replaced=False):
+    """A cluster; one whose workers that do not come back by themselves are ``replaced``, as a queue does."""
     client = cluster(count)
+    if replaced:
+        client.cluster.adapt(minimum=count, maximum=count)
     try:
         yield client
     finally:
@@ -98,7 +101,7 @@ def main():
                 flush=True,
             )
     for run in range(runs):
-        with tempfile.TemporaryDirectory() as folder, connected(2) as client:
+        with tempfile.TemporaryDirectory() as folder, connected(2, replaced=True) as client:
             over = threading.Event()
             killed: list[int] = []
             killer = threading.Thread(target=kill_at_random, args=(client, over, run, killed))
