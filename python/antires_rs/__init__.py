@@ -17,6 +17,8 @@ from ._core import __version__ as __version__
 _NAMES = {
     "damage.assess": ("assess_damage",),
     "damage.hypotheses": ("Hypotheses", "Hypothesis"),
+    "assessor.answer": ("AssessedTest",),
+    "assessor.assessor": ("Assessor",),
     "damage.prior": ("DamagePrior",),
     "damage.severity_intervals": ("SampledSet", "SeverityIntervals"),
     "damage.result": ("DamageResult",),

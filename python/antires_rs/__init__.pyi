@@ -8,6 +8,8 @@ from . import report as report
 from ._core import __version__
 from .damage.assess import assess_damage
 from .damage.hypotheses import Hypotheses, Hypothesis
+from .assessor.answer import AssessedTest
+from .assessor.assessor import Assessor
 from .damage.prior import DamagePrior
 from .damage.result import DamageResult
 from .damage.severity_intervals import SampledSet, SeverityIntervals
@@ -103,6 +105,8 @@ __all__ = [
     "Comparison",
     "Constrained",
     "DamagePenalty",
+    "AssessedTest",
+    "Assessor",
     "DamagePrior",
     "DamageResult",
     "DataCheck",

@@ -25,7 +25,7 @@ from .question import Question
 from .risen import mostly_risen
 from .search import Search
 
-__all__ = ["STD_COMMON", "Inferred", "infer"]
+__all__ = ["STD_COMMON", "Inferred", "infer", "note_of_shift"]
 
 #: Largest number of damaged elements in one hypothesis.
 MOST = 3
@@ -97,7 +97,7 @@ def infer(
         n_intact_matched=int((error.partner >= 0).sum()),
         n_baselines=max(map(responses.tests.count, responses.tests), default=0),
         scatter=prepared.scatter,
-        notes=(*responses.left_out, *_of_shift(shift), *_of_screening(search)),
+        notes=(*responses.left_out, *note_of_shift(shift), *_of_screening(search)),
         odd_baselines=odd.tests if odd else (),
         baseline_gap=odd.apart if odd else 0.0,
         usual_gap=odd.usual if odd else 0.0,
@@ -124,7 +124,7 @@ def infer(
     )
 
 
-def _of_shift(moved: float) -> list[str]:
+def note_of_shift(moved: float) -> list[str]:
     """A note where all values have moved alike, which is no damage."""
     if not moved:
         return []
