@@ -6,10 +6,10 @@ from . import io as io
 from . import plotting as plotting
 from . import report as report
 from ._core import __version__
-from .damage.assess import assess_damage
-from .damage.hypotheses import Hypotheses, Hypothesis
 from .assessor.answer import AssessedTest
 from .assessor.assessor import Assessor
+from .damage.assess import assess_damage
+from .damage.hypotheses import Hypotheses, Hypothesis
 from .damage.prior import DamagePrior
 from .damage.result import DamageResult
 from .damage.severity_intervals import SampledSet, SeverityIntervals

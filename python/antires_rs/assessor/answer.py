@@ -62,7 +62,7 @@ class AssessedTest(ReadOnly):
 
     @property
     def hypotheses(self) -> Hypotheses:
-        """The explanations with at least 1 % probability, the most probable first; prints as a table."""
+        """The explanations of at least 1 % probability, the most probable first; prints as a table."""
         return self.assessment.hypotheses
 
     @property

@@ -8,18 +8,16 @@ of all alike is of rank one.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..damage.likelihood import ALIKE, ALIKE_SHARE, ANY_CHANGE
 from ..damage.measured_states import Values
 from ..damage.view import Band, Foreseen, associated
-from ..support.validation import FloatArray
 
 __all__ = ["something_else"]
 
 #: Errors of the roots and multiples of all errors with which values and roots are associated.
-_PATTERNS = ((0.0, 1.0), (0.0, 3.0), (0.01, 1.0), (0.06, 3.0))
-#: Multiples of the stated standard deviations, with their shares.
-_TIMES = ((1.0, 0.68), (2.0, 0.32))
+_PATTERNS = ((0.0, 1.0), (0.01, 1.0), (0.06, 3.0))
 
 
 def something_else(now: Values, start: Foreseen, band: Band) -> tuple[float, float]:
@@ -27,7 +25,7 @@ def something_else(now: Values, start: Foreseen, band: Band) -> tuple[float, flo
     by_itself = np.full(ANY_CHANGE.size, -np.inf)
     alike = np.full(len(ALIKE), -np.inf)
     shift, likeliest = 0.0, -np.inf
-    known: list[FloatArray] = []
+    known: list[NDArray[np.intp]] = []
     for extra, wider in _PATTERNS:
         sigma = np.sqrt(np.maximum(np.diag(start.spread), 0.0) + extra**2)
         partner, place, price = associated(now, start, band, sigma, wider)
@@ -39,20 +37,17 @@ def something_else(now: Values, start: Foreseen, band: Band) -> tuple[float, flo
         residual = place[has] - start.place[root]
         if not has.size:
             continue
-        first, second = np.full((2, len(_TIMES), ANY_CHANGE.size), -np.inf)
-        for nth, (times, share) in enumerate(_TIMES):
-            covariance = start.spread[np.ix_(root, root)] + np.diag((times * now.std[has]) ** 2)
-            size, vectors = np.linalg.eigh(covariance)
-            size = np.maximum(size, 1e-16)
-            y, ones = residual @ vectors, vectors.sum(axis=0)
-            usual = np.log(share) - 0.5 * has.size * np.log(2.0 * np.pi) - price
-            more = size + (ANY_CHANGE**2)[:, None]
-            first[nth] = usual - 0.5 * np.sum(np.log(more) + y**2 / more, axis=1)
-            plain = usual - 0.5 * np.sum(np.log(size) + y**2 / size)
-            s, q, c2 = np.sum(ones**2 / size), np.sum(ones * y / size), np.array(ALIKE) ** 2
-            second[nth, : c2.size] = plain - 0.5 * np.log1p(c2 * s) + 0.5 * c2 * q**2 / (1.0 + c2 * s)
-        by_itself = np.maximum(by_itself, np.logaddexp.reduce(first, axis=0))
-        own = np.logaddexp.reduce(second, axis=0)[: alike.size]
+        covariance = start.spread[np.ix_(root, root)]
+        covariance[np.diag_indices(root.size)] += now.std[has] ** 2
+        size, vectors = np.linalg.eigh(covariance)
+        size = np.maximum(size, 1e-16)
+        y, ones = residual @ vectors, vectors.sum(axis=0)
+        usual = -0.5 * has.size * np.log(2.0 * np.pi) - price
+        more = size + (ANY_CHANGE**2)[:, None]
+        by_itself = np.maximum(by_itself, usual - 0.5 * np.sum(np.log(more) + y**2 / more, axis=1))
+        plain = usual - 0.5 * np.sum(np.log(size) + y**2 / size)
+        s, q, c2 = np.sum(ones**2 / size), np.sum(ones * y / size), np.array(ALIKE) ** 2
+        own = plain - 0.5 * np.log1p(c2 * s) + 0.5 * c2 * q**2 / (1.0 + c2 * s)
         if own.max() > likeliest:
             shift, likeliest = float(np.expm1(np.median(residual))), float(own.max())
         alike = np.maximum(alike, own)

@@ -42,6 +42,8 @@ class Places:
     there: NDArray[np.bool_]
     place: FloatArray
     beside: FloatArray
+    #: Slopes by all u (r, n), where they were computed.
+    slopes: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,8 @@ class Interpolated:
         """Places (roots, n, levels) of each response, infinite where a root is not there."""
         place = np.where(self.tables.there, self.tables.place, np.inf).astype(np.float32)
         return {
-            r: np.ascontiguousarray(np.moveaxis(place[:, :, own], 2, 0)) for r, own in self.of_response.items()
+            r: np.ascontiguousarray(np.moveaxis(place[:, :, own], 2, 0))
+            for r, own in self.of_response.items()
         }
 
     def _one(self, e: int, u: float) -> Places:
@@ -132,7 +135,7 @@ class Interpolated:
         t = self.tables
         start = table[0, 0, roots]
         if not at.elements:
-            return start.astype(np.float64)
+            return np.asarray(start, dtype=np.float64)
         total = None if len(at.elements) == 1 else start
         for e, way in zip(at.elements, at.between, strict=True):
             both = t.there[e, way.below, roots] & t.there[e, way.below + 1, roots]
@@ -141,7 +144,7 @@ class Interpolated:
             own = low + share * (table[e, way.below + 1, roots] - low)
             total = own if total is None else total + (own - start)
         assert total is not None
-        return total.astype(np.float64)
+        return np.asarray(total, dtype=np.float64)
 
     def columns(self, at: Places, roots: NDArray[np.intp]) -> FloatArray:
         """Slopes of some roots by the severities u of the elements themselves."""
@@ -166,7 +169,9 @@ class Interpolated:
         shown = np.flatnonzero(near | lost)
         shown = shown[np.lexsort((place[shown], t.response[shown]))]
         gone, new = lost[shown], ~t.old[shown]
-        errors, slopes = self.rows(t.errors, at, shown), self.rows(t.slopes, at, shown) / (1.0 - beta)
+        errors = self.rows(t.errors, at, shown)
+        slopes = self.rows(t.slopes, at, shown) if at.slopes is None else at.slopes[shown]
+        slopes = slopes / (1.0 - beta)
         if gone.any():
             errors[gone], slopes[gone] = 0.0, 0.0
         spread = errors @ errors.T

@@ -18,7 +18,9 @@ __all__ = ["pair_evidence", "single_evidence"]
 #: As in the evidence: precision of u where nothing sees it, change of u up to which roots are linear.
 _BLIND, _LINEAR = 1e-2, 0.12
 #: Pairs so far below the likeliest get no evidence.
-_HOPELESS = 9.0
+_HOPELESS = 6.0
+#: Least severity (u) of either element for a pair that the slopes do not reach.
+_IDLE = 0.01
 
 
 def single_evidence(view: View) -> FloatArray:
@@ -31,8 +33,9 @@ def single_evidence(view: View) -> FloatArray:
     return np.asarray(view.log_likelihood + 0.5 * gain * mean + volume + inside)
 
 
-def pair_evidence(view: View, pairs: NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
-    """Log evidence of pairs (k, 2), -inf where it is hopeless or out of reach; most probable u (k, 2)."""
+def pair_evidence(view: View, pairs: NDArray[np.intp]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Log evidence of pairs (k, 2), -inf where it is hopeless or out of reach; most probable u (k, 2); and
+    the log evidence (k,) of those that are out of reach, as far as slopes tell it."""
     room = 1.0 - view.beta[pairs]
     start = -np.log(room)
     i, j = pairs.T
@@ -51,11 +54,13 @@ def pair_evidence(view: View, pairs: NDArray[np.intp]) -> tuple[FloatArray, Floa
     # What lies outside of the box costs at least what its peak does.
     apart = best - mean
     cost = 0.5 * (a * apart[:, 0] ** 2 + 2.0 * b * apart[:, 0] * apart[:, 1] + c * apart[:, 1] ** 2)
+    both = np.all(best > _IDLE, axis=1)
+    likely = np.where(both & ~within, evidence - cost, -np.inf)
     bound = np.where(within, evidence - cost, -np.inf)
     worth = np.flatnonzero(bound > bound.max(initial=-np.inf) - _HOPELESS)
     found = np.full(len(pairs), -np.inf)
     found[worth] = evidence[worth] + _log_inside(mean[worth], a[worth], b[worth], c[worth])
-    return found, best
+    return found, best, likely
 
 
 def _peaks(mean: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
@@ -68,7 +73,7 @@ def _peaks(mean: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray) -> Flo
     ways = np.stack([np.stack([first, other], axis=1), np.stack([one, second], axis=1)])
     apart = ways - mean
     cost = a * apart[..., 0] ** 2 + 2.0 * b * apart[..., 0] * apart[..., 1] + c * apart[..., 1] ** 2
-    return np.where((cost[0] <= cost[1])[:, None], ways[0], ways[1])
+    return np.asarray(np.where((cost[0] <= cost[1])[:, None], ways[0], ways[1]))
 
 
 #: Rule of quadrature along the first coordinate.

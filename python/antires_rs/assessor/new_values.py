@@ -13,13 +13,7 @@ from ..damage.measured_states import ASSUMED_STD, LEAST_STD, Responses, Values
 from ..damage.question import Question
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import FloatArray, reject
-from ..updating.complex_zeros import (
-    looked_up_to,
-    real_zeros,
-    sorted_out,
-    usual_damping,
-    zero_series,
-)
+from ..updating.complex_zeros import looked_up_to, real_zeros, sorted_out, usual_damping, zero_series
 from ..updating.model_dofs import model_dof
 
 __all__ = ["Expected", "expected_of", "values_of"]
@@ -53,7 +47,10 @@ def expected_of(question: Question, responses: Responses) -> dict[Any, Expected]
         found[each.excitation] = Expected(
             labels,
             dict(zip(labels, real, strict=True)),
-            {label: zero_series(model, dof, force, limit_hz) for label, dof in zip(labels, dofs, strict=True)},
+            {
+                label: zero_series(model, dof, force, limit_hz)
+                for label, dof in zip(labels, dofs, strict=True)
+            },
             each.sees,
             tuple(each.channels or ()),
         )

@@ -62,6 +62,13 @@ class Plan:
     tables: Tables
     learned: Learned
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what is made of the rest."""
+        return {name: self.__dict__[name] for name in ("question", "tables", "learned")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
     @cached_property
     def numbers(self) -> tuple[int, ...]:
         """Elements in the order of the tables, candidates first."""
@@ -107,21 +114,28 @@ class Plan:
         """By force label: what a new set may hold."""
         return expected_of(self.question, self.responses)
 
-    def exact(self, beta: FloatArray, band: Band) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """ln f of the roots of the tables (r,), computed at severities (n,), and which the model has."""
+    def exact(self, beta: FloatArray, band: Band, *, slopes: bool) -> tuple[FloatArray, FloatArray | None]:
+        """ln f of the roots of the tables (r,), computed at severities (n,), NaN where the model has none;
+        and their slopes by all u (r, n)."""
         x = np.concatenate([beta, self.learned.factors])
         limits = (float(np.exp(band.low - 0.6)), float(np.exp(band.high + 0.6)))
-        roots = roots_at(self.core, x[None], slopes=False, threads=1, band_hz=limits)[0]
+        roots = roots_at(self.core, x[None], slopes=slopes, threads=1, band_hz=limits)[0]
         t = self.tables
         _, identity = roots.since(Roots(t.all_response, t.all_log_f, np.empty((0, 0))))
-        of_identity = np.full(t.all_log_f.size, np.nan)
-        of_identity[identity[identity >= 0]] = roots.log_f[identity >= 0]
-        found = np.where(t.old, of_identity[t.identity], np.nan)
-        return found, np.isfinite(found)
+        known = np.flatnonzero(identity >= 0)
+        number = np.full(t.all_log_f.size, -1)
+        number[identity[known]] = known
+        at = np.where(t.old, number[t.identity], -1)
+        log_f = np.where(at >= 0, roots.log_f[at], np.nan)
+        if not slopes:
+            return log_f, None
+        return log_f, np.where((at >= 0)[:, None], roots.slopes[at, : beta.size] * (1.0 - beta), 0.0)
 
 
 @one_blas_thread
-def plan_of(question: Question, false_alarm_rate: float | None, rng: np.random.Generator, threads: int) -> Plan:
+def plan_of(
+    question: Question, false_alarm_rate: float | None, rng: np.random.Generator, threads: int
+) -> Plan:
     """Learn from the baseline and compute the tables."""
     prepared = question.prepared(threads)
     likelihood, error, odd = prepared.likelihood, prepared.error, prepared.odd

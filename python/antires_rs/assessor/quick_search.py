@@ -27,9 +27,11 @@ from .rough import Rough
 __all__ = ["QuickSearch"]
 
 #: Sets within this of the likeliest (log probability) are judged by the likelihood; at most so many.
-_NEAR, _MOST = 1.2, 7
+_NEAR, _MOST = 1.0, 3
 #: Sets from a scan that are judged however likely they look.
 _FROM_SCAN = 2
+#: Sets from a scan so far below the first of them (log probability) are not judged for that.
+_HOPELESS = 25.0
 #: A set is judged anew where its severities are further (u) than this from where it was judged.
 _RESTS, _LOOKS, _LONGEST = 0.02, 4, 0.7
 #: A set from a scan may turn out so much likelier (log probability) than it looked.
@@ -63,6 +65,8 @@ class QuickSearch:
     #: Log of prior times evidence.
     weights: dict[Elements, float] = field(default_factory=dict)
     looks: int = 0
+    #: Log probability that the slopes of no damage promise a pair which they do not reach.
+    pair_hint: float = -np.inf
     #: Whether sets that may be the most probable ones were not judged.
     cut: bool = False
     something_else: float = -np.inf
@@ -123,6 +127,7 @@ class QuickSearch:
         return (*own, self.prior.log_elsewhere(others) if others else -np.inf)
 
     def explained(self, elements: Elements) -> bool:
+        """Whether a judged set leaves nothing to be explained."""
         return explained(self.fits[elements], self.something_else)
 
     def beta(self, elements: Elements, u: FloatArray) -> FloatArray:
@@ -145,21 +150,30 @@ class QuickSearch:
     def _singles(self, start: View) -> None:
         found = single_evidence(start)
         mean = (start.gain - 1.0) / (np.diag(start.curvature) + 1e-2)
-        for e, (one, u) in enumerate(zip(found.tolist(), np.clip(mean, 0.0, FURTHEST).tolist(), strict=True)):
-            self._keep((e,), one, np.array([u]))
+        most = np.clip(mean, 0.0, FURTHEST)
+        for e, one in enumerate(found.tolist()):
+            self._keep((e,), one, most[e : e + 1])
             self.seen_from[(e,)] = start
 
     def _pairs(self, view: View, pairs: NDArray[np.intp]) -> None:
         """Pairs, as one view has them, where that is better than what is known."""
         if not len(pairs) or not np.isfinite(self.log_prior[2]):
             return
-        found, best = pair_evidence(view, pairs)
+        found, best, beyond = pair_evidence(view, pairs)
         for nth in np.flatnonzero(np.isfinite(found)).tolist():
             key = (int(pairs[nth, 0]), int(pairs[nth, 1]))
             if key not in self.fits and found[nth] > self.evidence.get(key, -np.inf):
                 self._keep(key, float(found[nth]), best[nth])
                 self.seen_from[key] = view
                 self.rough.discard(key)
+        first = int(np.argmax(beyond))
+        promised = float(beyond[first]) + self.log_prior[2]
+        if view is self.fits[()].view:
+            self.pair_hint = promised
+        elif promised > max(self.weights.values()) - _NEAR:
+            key = (int(pairs[first, 0]), int(pairs[first, 1]))
+            if key not in self.fits:
+                self._look(key, best[first])
 
     def _scan(self, elements: Elements) -> None:
         """Sets with one element more, all its severities tried."""
@@ -171,26 +185,33 @@ class QuickSearch:
         if not further.size:
             return
         u = self.u[elements]
-        here = rough.log_likelihood(self.tables.places(elements, u))
-        level = self.fits[elements].view.log_likelihood - here
-        self.rough.clear()
         for key, begin in rough.scan(elements, u, further).items():
-            if key in self.fits:
-                continue
-            found, evidence = rough.refined(key, begin)
-            # The slopes of no damage tell nothing of severities that they do not reach.
-            beyond = key in self.u and np.abs(self.u[key] - found).max() > _REACH
-            if beyond or key not in self.evidence or evidence + level > self.evidence[key]:
-                self._keep(key, evidence + level, found)
-                self.rough.add(key)
+            if key not in self.fits:
+                self._look(key, begin)
+
+    def _look(self, key: Elements, begin: FloatArray) -> None:
+        """A set from severities near its own, in the tables."""
+        found, evidence = self._rough.refined(key, begin)
+        # The slopes of no damage tell nothing of severities that they do not reach.
+        beyond = key in self.u and np.abs(self.u[key] - found).max() > _REACH
+        if beyond or key not in self.evidence or evidence > self.evidence[key]:
+            self._keep(key, evidence, found)
+            self.rough.add(key)
 
     def _settle(self) -> Elements:
         """Judge the likeliest sets until the most probable one is sure; it is returned."""
         budget = self.looks + _MOST + _LOOKS
         weights = self.weights
+        before = np.inf
         for _ in range(_FROM_SCAN):
-            if self.rough:
-                self.judge(max(self.rough, key=lambda s: weights[s]))
+            # What a scan tells of a set is far from the likelihood, but about as far for all of them.
+            if not self.rough:
+                break
+            first = max(self.rough, key=lambda s: weights[s])
+            if before < np.inf and weights[first] < before - _HOPELESS:
+                break
+            before = weights[first]
+            self.judge(first)
         while True:
             top = max((weights[s] for s in self.fits), default=-np.inf)
             open_ = [
@@ -208,18 +229,19 @@ class QuickSearch:
         u = np.minimum(self.u[elements], FURTHEST)
         if u.max() > _REACH and elements not in self.rough:
             u, _ = self._rough.refined(elements, u)
+        fit: Fit | None = None
         for nth in range(_LOOKS):
             view = self._view(elements, u)
             fit = fitted(view, elements, reach=np.inf)
-            assert fit is not None
+            assert fit is not None  # none is too far away
             ahead = -np.log1p(-np.minimum(fit.beta, 0.99)) - u
             if np.abs(ahead).max() < _RESTS or nth == _LOOKS - 1:
                 break
             u = u + np.clip(ahead, -_LONGEST, _LONGEST)
+        assert fit is not None
         self.u[elements] = u
         self.keep(elements, fit)
         self.rough.discard(elements)
         if len(elements) == 1 and elements[0] < self.n_candidates:
             others = np.array([e for e in range(self.n_candidates) if e != elements[0]], dtype=np.intp)
             self._pairs(view, np.sort(np.column_stack([np.full(others.size, elements[0]), others]), axis=1))
-

@@ -18,11 +18,13 @@ __all__ = ["Rough", "Scan"]
 #: Further from every root than this (ln f) a value counts as unexplained.
 _FAR = 0.2
 #: Severities of each score of a scan that are looked at.
-_BEST = 3
+_BEST = 2
 #: Precision of u where nothing sees it; longest step of u.
 _BLIND, _LONGEST = 1e-2, 0.7
-#: Degrees of freedom of the errors.
-_FREEDOM = 4.0
+#: Degrees of freedom of the errors in the search, and the weight of a value that has no root.
+_FREEDOM, _LEAST_WEIGHT = 4.0, 0.14
+#: Price of such a value, and of the root that it leaves without one.
+_LOST = 9.0
 
 #: Sets with one element more, and the severities u where they explain most.
 Scan = dict[tuple[int, ...], FloatArray]
@@ -42,6 +44,7 @@ class Rough:
         self._same = self.now.response[:, None] == t.response
         start = self.tables.start
         errors = t.errors[0, 0, self._near(start)].astype(np.float64)
+        self._spread = errors @ errors.T + self.alike**2 + np.diag(self.now.std**2)
         self._variance = np.sum(errors**2, axis=1) + self.alike**2 + self.now.std**2
         self._start = start.place
 
@@ -59,12 +62,7 @@ class Rough:
         variance = self._variance + (self.outside * np.clip(moved, -_FAR, _FAR)) ** 2
         return near, residual, variance, 1.0 / (1.0 + residual**2 / (_FREEDOM * variance))
 
-    def log_likelihood(self, at: Places) -> float:
-        """Of values with errors of Student's distribution, independent of each other."""
-        _, _, variance, weight = self._seen(at)
-        return float(np.sum(0.5 * (_FREEDOM + 1.0) * np.log(weight) - 0.5 * np.log(variance)))
-
-    def refined(self, elements: tuple[int, ...], u: FloatArray, steps: int = 3) -> tuple[FloatArray, float]:
+    def refined(self, elements: tuple[int, ...], u: FloatArray, steps: int = 2) -> tuple[FloatArray, float]:
         """Most probable severities from a point on, and their log evidence."""
         for _ in range(steps):
             at = self.tables.places(elements, u)
@@ -74,10 +72,26 @@ class Rough:
             precision = by.T @ slopes + _BLIND * np.eye(len(elements))
             step = np.linalg.solve(precision, by.T @ residual - 1.0)
             u = np.clip(u + np.clip(step, -_LONGEST, _LONGEST), 0.0, FURTHEST)
+        evidence, precision = self._gaussian(self.tables.places(elements, u))
         size = len(elements)
-        evidence = self.log_likelihood(self.tables.places(elements, u)) - float(u.sum())
         volume = 0.5 * (size * np.log(2.0 * np.pi) - np.linalg.slogdet(precision)[1]) - size * np.log(HIGHEST)
-        return u, evidence + float(volume)
+        return u, evidence - float(u.sum()) + float(volume)
+
+    def _gaussian(self, at: Places) -> tuple[float, FloatArray]:
+        """Log-likelihood of the values that are near a root, their errors correlated, less the price of the
+        others; and the precision of the severities."""
+        near, residual, variance, weight = self._seen(at)
+        kept = np.flatnonzero(weight > _LEAST_WEIGHT)
+        covariance = self._spread[np.ix_(kept, kept)]
+        covariance[np.diag_indices(kept.size)] += (variance - self._variance)[kept]
+        factor = np.linalg.cholesky(covariance)
+        white = np.linalg.solve(
+            factor, np.column_stack([residual[kept], self.tables.columns(at, near[kept])])
+        )
+        own, by = white[:, 0], white[:, 1:]
+        log_likelihood = -0.5 * float(own @ own) - float(np.log(np.diag(factor)).sum())
+        log_likelihood -= 0.5 * kept.size * np.log(2.0 * np.pi) + _LOST * (near.size - kept.size)
+        return log_likelihood, by.T @ by + _BLIND * np.eye(by.shape[1])
 
     def scan(self, elements: tuple[int, ...], u: FloatArray, further: NDArray[np.intp]) -> Scan:
         """Sets with one of ``further`` more that explain most, all its severities tried."""
@@ -99,8 +113,9 @@ class Rough:
             level = np.argmin(score[:, 1:], axis=1) + 1
             least = score[np.arange(further.size), level]
             for nth in np.argsort(least, kind="stable")[:_BEST].tolist():
-                joined = sorted([*zip(elements, u.tolist(), strict=True), (int(further[nth]), LEVELS[level[nth]])])
+                joined = sorted(
+                    [*zip(elements, u.tolist(), strict=True), (int(further[nth]), LEVELS[level[nth]])]
+                )
                 key = tuple(e for e, _ in joined)
                 chosen.setdefault(key, np.array([x for _, x in joined]))
         return chosen
-

@@ -18,7 +18,9 @@ from ..support.validation import FloatArray, reject
 __all__ = ["Tables", "tables_of"]
 
 #: Severities as u = -ln(1 - beta), from none to 0.99; 0.3 apart where most damage lies.
-LEVELS = np.array([0.0, 0.06, 0.15, 0.3, 0.5, 0.75, 1.0, 1.3, 1.6, 2.0, 2.4, 2.9, 3.5, 4.0, 4.6051701859880909])
+LEVELS = np.array(
+    [0.0, 0.06, 0.15, 0.3, 0.5, 0.75, 1.0, 1.3, 1.6, 2.0, 2.4, 2.9, 3.5, 4.0, 4.6051701859880909]
+)
 #: Roots so far outside of the baseline's band (ln f) are not looked at.
 _MARGIN = 0.35
 #: Variance of ln f that the compressed errors of the model may miss, on average.
@@ -83,7 +85,9 @@ def tables_of(prepared: Prepared) -> Tables:
             for response, more in zip(own.tolist(), count.tolist(), strict=True):
                 new[response] = max(new.get(response, 0), more)
     kept = np.flatnonzero(inside)
-    response = np.concatenate([intact.response[kept], *(np.full(k, r) for r, k in new.items())]).astype(np.intp)
+    response = np.concatenate([intact.response[kept], *(np.full(k, r) for r, k in new.items())]).astype(
+        np.intp
+    )
     identity_of = np.concatenate([kept, np.full(sum(new.values()), -1)]).astype(np.intp)
     order = np.argsort(response, kind="stable")
     response, identity_of = response[order], identity_of[order]
@@ -101,12 +105,12 @@ def tables_of(prepared: Prepared) -> Tables:
             by_u = roots.slopes[root, :n].copy()
             by_u[:, e] *= np.exp(-LEVELS[level])
             slopes[e, level, slot] = by_u
-            own = np.zeros((slot.size, error.mean.size))
-            own[:, : error.theta.size] = roots.slopes[root, n:] * likelihood._factors
+            by_errors = np.zeros((slot.size, error.mean.size))
+            by_errors[:, : error.theta.size] = roots.slopes[root, n:] * likelihood.factors
             is_old = identity[root] >= 0
-            own[is_old, error.theta.size + identity[root][is_old]] = 1.0
-            beside[e, level, slot] = own @ error.mean
-            rows[e, level, slot] = own @ factor
+            by_errors[is_old, error.theta.size + identity[root][is_old]] = 1.0
+            beside[e, level, slot] = by_errors @ error.mean
+            rows[e, level, slot] = by_errors @ factor
     by_own = slopes[np.arange(n), :, :, np.arange(n)].astype(np.float64)
     for e in range(n):
         whole = there[e].all(axis=0)
@@ -116,8 +120,8 @@ def tables_of(prepared: Prepared) -> Tables:
     placed = np.where(identity_of >= 0, intact.log_f[identity_of], 0.0)
     errors = _compressed(rows.reshape(-1, factor.shape[1]))
     return Tables(
-        response, seen, identity_of, intact.response, intact.log_f, placed, there, log_f + beside, beside, by_own, slopes,
-        errors.reshape(*shape, -1),
+        response, seen, identity_of, intact.response, intact.log_f, placed, there, log_f + beside, beside,
+        by_own, slopes, errors.reshape(*shape, -1),
     )  # fmt: skip
 
 
@@ -160,11 +164,11 @@ def _factor(error: ModelError) -> FloatArray:
     """L with L L' the covariance of the model's factors and the roots' own errors, after the baseline."""
     from scipy.linalg import cho_solve
 
-    prior, rows = error._prior, error._rows
+    prior, rows = error.prior, error.rows
     covariance = np.diag(prior)
     if rows.size:
         cross = rows * prior
-        covariance -= cross.T @ cho_solve(error._factor, cross)
+        covariance -= cross.T @ cho_solve(error.factor, cross)
     size, vectors = np.linalg.eigh(covariance)
     kept = size > 1e-14 * size[-1]
     return np.asarray(vectors[:, kept] * np.sqrt(size[kept]))

@@ -18,6 +18,8 @@ __all__ = ["assessment_of", "declared_by", "weighed"]
 #: Shares between which intervals lie; hypotheses of less than this probability are not listed.
 _SHARES = (0.05, 0.95)
 _LISTED, _MOST = 0.01, 6
+#: The same for sets of several elements that were not judged from their own severities.
+_CLEAR = 0.05
 
 
 def weighed(search: QuickSearch) -> tuple[dict[Elements, float], float]:
@@ -87,13 +89,22 @@ def assessment_of(
 def _rows(
     search: QuickSearch, plan: Plan, weights: dict[Elements, float], total: float, declared: Elements
 ) -> list[Hypothesis]:
-    """The hypotheses that are listed, the most probable first."""
+    """The hypotheses that are listed, the most probable first; each with those that add an element without
+    loss."""
     least = total + np.log(_LISTED)
-    listed = sorted((s for s, w in weights.items() if w > least), key=lambda s: -weights[s])[:_MOST]
+    clear = total + np.log(_CLEAR)
+    listed = [
+        s
+        for s, w in weights.items()
+        if w > (least if s in search.fits or len(s) == 1 else clear) and s not in search.rough
+    ]
+    listed = sorted(listed, key=lambda s: -weights[s])[:_MOST]
     listed += [s for s in ((), declared) if s not in listed]
+    idle = _idle(search, weights, listed)
     rows = []
     for elements in listed:
-        probability = min(float(np.exp(weights[elements] - total)), 1.0)
+        weight = np.logaddexp.reduce([weights[elements], *idle.get(elements, [])])
+        probability = min(float(np.exp(weight - total)), 1.0)
         if elements == UNKNOWN:
             rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))
             continue
@@ -111,3 +122,17 @@ def _rows(
             )
         )
     return sorted(rows, key=lambda one: (-one.probability, one.elements))
+
+
+def _idle(
+    search: QuickSearch, weights: dict[Elements, float], listed: list[Elements]
+) -> dict[Elements, list[float]]:
+    """Weights of sets that are not listed and have one element, whose most probable loss is 0, more than a
+    listed one; by that."""
+    found: dict[Elements, list[float]] = {}
+    for elements, u in search.u.items():
+        if len(elements) > 1 and elements not in listed and np.any(u <= 0.0):
+            rest = tuple(e for e, x in zip(elements, u, strict=True) if x > 0.0)
+            if rest in listed:
+                found.setdefault(rest, []).append(weights[elements])
+    return found

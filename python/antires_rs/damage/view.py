@@ -172,11 +172,13 @@ def _judged(
     kappa, times, share = np.array(errors).T[..., None, None]
     triangles = np.linalg.cholesky(model + times**2 * noise + kappa**2 * unmodelled)
     # A row-major lower triangle is a column-major upper one.
-    white = np.array([dtrtrs(each.T, residual, trans=1)[0] for each in triangles])
+    solved = [dtrtrs(each.T, residual, trans=1)[0] for each in triangles] if has.size else []
+    white = np.reshape(solved, (len(errors), has.size))
     log_diagonal = np.log(np.diagonal(triangles, axis1=1, axis2=2)).sum(axis=1)
     logs = np.log(share[:, 0, 0]) - 0.5 * np.einsum("ei,ei->e", white, white) - log_diagonal
     best = int(np.argmax(logs))
-    slope = dtrtrs(triangles[best].T, roots.slopes[root], trans=1)[0]
+    slopes = roots.slopes[root]
+    slope = dtrtrs(triangles[best].T, slopes, trans=1)[0] if has.size else slopes
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
     return View(

@@ -20,13 +20,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..order_sweep.table import ResponseTable
 from ..support.validation import FloatArray
 
 if TYPE_CHECKING:
@@ -142,7 +141,7 @@ def usual_damping(found: AntiresonanceSet) -> float | None:
 
 def sorted_out(
     label: object,
-    table: ResponseTable,
+    table: Any,
     usual: float,
     roots: FloatArray,
     series: Callable[[], tuple[FloatArray, FloatArray]],
