@@ -8,6 +8,8 @@ from . import report as report
 from ._core import __version__
 from .assessor.answer import AssessedTest
 from .assessor.assessor import Assessor
+from .assessor.answer import AssessedTest
+from .assessor.assessor import Assessor
 from .damage.assess import assess_damage
 from .damage.hypotheses import Hypotheses, Hypothesis
 from .damage.prior import DamagePrior
@@ -100,13 +102,13 @@ __all__ = [
     "AntiresError",
     "AntiresWarning",
     "AntiresonanceSet",
+    "AssessedTest",
+    "Assessor",
     "BoxIdentifiability",
     "Chart",
     "Comparison",
     "Constrained",
     "DamagePenalty",
-    "AssessedTest",
-    "Assessor",
     "DamagePrior",
     "DamageResult",
     "DataCheck",
