@@ -2,8 +2,10 @@
 
     python -m benchmarks.cluster_study [RUNS]
 
-Tasks keep one processor busy. In every run with kills, one task takes four workers along, and others are
-killed from outside at random; the results must be those of the serial run, bit for bit.
+Tasks keep one processor busy. Efficiency is that of the wall clock, which other programs of the machine
+lower; ``at work`` is the share of the workers' time in which they had a task, ``dearer`` how much more
+processor time a task took than alone. In every run with kills, one task takes four workers along, and others
+are killed from outside at random; the results must be those of the serial run, bit for bit.
 """
 
 from __future__ import annotations
@@ -25,11 +27,18 @@ TASKS, DEADLY = 40, 17
 
 
 def busy(n):
-    """Some 0.1 s of one processor."""
+    """Some 0.1 s of one processor; the sum, and what it took by both clocks."""
+    wall, cpu = time.perf_counter(), time.process_time()
     total = 0.0
     for k in range(2_000_000):
         total += (n + k) * 1e-9
-    return total
+    return total, time.perf_counter() - wall, time.process_time() - cpu
+
+
+def sums(found):
+    """What must be the same, and the seconds of all tasks by both clocks."""
+    totals, wall, cpu = zip(*found, strict=True)
+    return totals, sum(wall), sum(cpu)
 
 
 def deadly(folder, n):
@@ -71,17 +80,18 @@ def main():
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 10
     logging.disable(logging.ERROR)
     start = time.perf_counter()
-    right = list(in_order(named.busy, range(TASKS)))
+    right, _, cpu_alone = sums(in_order(named.busy, range(TASKS)))
     serial = time.perf_counter() - start
     for count in (1, 2, 4):
         with connected(count) as client:
             list(in_order(named.busy, range(2 * count), client))
             start = time.perf_counter()
-            same = list(in_order(named.busy, range(TASKS), client)) == right
-            seconds = time.perf_counter() - start
+            found, wall, cpu = sums(in_order(named.busy, range(TASKS), client))
+            seconds, same = time.perf_counter() - start, found == right
             share = serial / seconds / min(count, os.cpu_count() or 1)
             print(
-                f"{count} processes: {seconds:.1f} s of {serial:.1f}, efficiency {share:.0%}, same {same}",
+                f"{count} processes: {seconds:.1f} s of {serial:.1f}, efficiency {share:.0%}, "
+                f"at work {wall / count / seconds:.0%}, dearer {cpu / cpu_alone - 1:.0%}, same {same}",
                 flush=True,
             )
     for run in range(runs):
@@ -90,7 +100,7 @@ def main():
             killer = threading.Thread(target=kill_at_random, args=(client, over, run))
             killer.start()
             start = time.perf_counter()
-            same = list(in_order(named.deadly, range(TASKS), client, shared=folder)) == right
+            same = sums(in_order(named.deadly, range(TASKS), client, shared=folder))[0] == right
             seconds = time.perf_counter() - start
             over.set()
             killer.join()

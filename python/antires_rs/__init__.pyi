@@ -8,8 +8,6 @@ from . import report as report
 from ._core import __version__
 from .assessor.answer import AssessedTest
 from .assessor.assessor import Assessor
-from .assessor.answer import AssessedTest
-from .assessor.assessor import Assessor
 from .damage.assess import assess_damage
 from .damage.hypotheses import Hypotheses, Hypothesis
 from .damage.prior import DamagePrior

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..damage.calibration import log_odds_threshold
 from ..damage.factors import factors_of
+from ..damage.inference import roots_beside
 from ..damage.limits import intact_slopes, smallest_found
 from ..damage.measured_states import Responses, measured_states
 from ..damage.question import Question
@@ -46,6 +47,8 @@ class Learned:
     assumed_std: bool
     n_intact: int
     n_intact_matched: int
+    n_intact_roots: int
+    hint: str
     n_baselines: int
     scatter: float
     notes: tuple[str, ...]
@@ -158,6 +161,8 @@ def plan_of(
         assumed_std=prepared.responses.assumed,
         n_intact=prepared.intact.size,
         n_intact_matched=int((error.partner >= 0).sum()),
+        n_intact_roots=roots_beside(prepared.intact, error.intact),
+        hint=question.hint(),
         n_baselines=max(map(tests.count, tests), default=0),
         scatter=max(prepared.scatter, 1.0),
         notes=tuple(dict.fromkeys(prepared.responses.left_out)),

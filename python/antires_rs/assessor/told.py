@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..damage.assessment import Assessment
@@ -60,7 +62,7 @@ def assessment_of(
     fit = search.fits.get(own, search.fits[()])
     matched = int(fit.view.matched.sum())
     shift = search.moved_alike if rows[0].unknown else 0.0
-    return Assessment(
+    found = Assessment(
         hypotheses=Hypotheses(rows, plan.names),
         group=tuple(together(rows)),
         declared=tuple(numbers[e] for e in declared),
@@ -76,6 +78,7 @@ def assessment_of(
         assumed_std=learned.assumed_std or assumed,
         n_intact=learned.n_intact,
         n_intact_matched=learned.n_intact_matched,
+        n_intact_roots=learned.n_intact_roots,
         n_baselines=learned.n_baselines,
         scatter=learned.scatter,
         notes=(*learned.notes, *notes, *note_of_shift(shift)),
@@ -84,6 +87,7 @@ def assessment_of(
         usual_gap=learned.usual_gap,
         moved_alike=shift,
     )
+    return found if found.model_fits else replace(found, hint=learned.hint)
 
 
 def _rows(

@@ -65,6 +65,8 @@ class Search:
     interrupted: bool = False
     #: How many elements were scanned for a single damage, of how many; none where all were.
     screened: tuple[int, int] | None = None
+    #: Sets that explain far less than others wherever they came to, without coming to rest.
+    hopeless: set[Elements] = field(default_factory=set)
 
     @cached_property
     def something_else(self) -> float:
@@ -79,7 +81,7 @@ class Search:
                 step(f"sets of {size}")
                 likeliest = max(self.fits.values(), key=lambda fit: fit.log_evidence)
                 # No single element may be missing from the answer because it was not looked at.
-                singles = all((e,) in self.fits for e in range(self.likelihood.n))
+                singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
                 if self._explained(likeliest) and singles:
                     break
                 parents = self._parents(size - 1)
@@ -218,8 +220,12 @@ class Search:
                 room = 1.0 - betas[row, at]
                 ahead = np.clip(-newton / room, -_LONGEST, _LONGEST)
                 betas[row, at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
-        for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
+        views = self.likelihood.views(betas)
+        for elements, view in zip(sets, views, strict=True):
             self._judge(elements, view)
+        top = max(fit.view.log_likelihood for fit in self.fits.values())
+        far = (s for s, view in zip(sets, views, strict=True) if view.log_likelihood < top - _HOPELESS)
+        self.hopeless.update(elements for elements in far if elements not in self.fits)
 
 
 def explained(parent: Fit, something_else: float) -> bool:

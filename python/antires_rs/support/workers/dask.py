@@ -2,7 +2,8 @@
 
 Dask begins a task anew whose worker was lost, until it has lost a few with one task (``allowed-failures`` of
 its scheduler, 3) and gives that one up; what it gives up, or cancels as its scheduler restarts, is submitted
-again.
+again. A scheduler that comes back at its address is connected to by the client, and what it has forgotten is
+submitted again; one that stays away is an error, as soon as the client gives up.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ __all__ = ["OnDask"]
 
 #: How often the cluster is asked for its size, which may change.
 _ASK_S = 2.0
+#: An answer that has not come so long after its task was done counts as a lost worker.
+_RESULT_S = 120.0
 
 
 class OnDask(Submitted):
@@ -46,6 +49,23 @@ class OnDask(Submitted):
                 self._count = max(1, sum(self.executor.nthreads().values()))
         return self._count
 
+    def slots(self) -> int:
+        """As of any executor; none of a client that has given up."""
+        self._connected()
+        return super().slots()
+
+    def _connected(self) -> None:
+        """Refuse a client that has lost its scheduler for good."""
+        if self.executor.status != "closed":
+            return
+        reject(
+            "workers",
+            f"a Dask client that has lost its scheduler, with {len(self._flying)} chunks of tasks under way",
+            "one that is connected",
+            "Connect to a scheduler that runs and call again: a series with store=, or a search with "
+            "checkpoint=, goes on from what is kept.",
+        )
+
     def _packed(self, tasks: list[Any]) -> bytes:
         data: bytes = self._pickled(tasks)
         return data
@@ -62,16 +82,19 @@ class OnDask(Submitted):
 
     def _lost(self, chunk: Chunk, error: BaseException) -> Answer:
         self._scattered = None  # it may have been on the worker that was lost
-        if self.executor.status == "closed":
-            reject(
-                "workers",
-                "a Dask client that has lost its scheduler",
-                "one that is connected",
-                "Connect anew to a scheduler that runs.",
-            )
+        self._connected()
         answer = super()._lost(chunk, error)
         # Lost workers for each time that Dask gives up.
         return Answer(chunk, lost=answer.lost, losses=1 + getattr(error, "allowed_failures", 0))
+
+    def _result(self, future: Any) -> Any:
+        return future.result(timeout=_RESULT_S)
+
+    def close(self, at_once: bool) -> None:
+        """Cancel what is under way, where there is still a scheduler to be told."""
+        if self.executor.status == "closed":
+            self._flying = {}
+        super().close(at_once)
 
     def successor(self) -> Engine | None:
         """Nobody: its scheduler replaces workers."""

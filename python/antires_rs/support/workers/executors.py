@@ -118,6 +118,9 @@ class Submitted:
     def _begin(self, function: Callable[..., Any], *args: Any) -> Any:
         return self.executor.submit(function, *args)
 
+    def _result(self, future: Any) -> Any:
+        return future.result()
+
     def _sent_payload(self) -> Any:
         return self._payload
 
@@ -141,7 +144,7 @@ class Submitted:
         try:
             if isinstance(future, BaseException):
                 raise future
-            found = future.result()
+            found = self._result(future)
         except (Exception, CancelledError) as error:
             return self._lost(chunk, error)
         if self._call is not None:
