@@ -1,4 +1,4 @@
-r"""Damage against a baseline in milliseconds: all that does not depend on the new test is prepared.
+r"""Damage against a baseline, quickly: all that does not depend on the new test is prepared.
 
 Knows: tables of the model's antiresonances over the severity of each element, between which they are
 interpolated; which sets of elements a new test is judged by. Uses: ``damage``, whose likelihood and evidence

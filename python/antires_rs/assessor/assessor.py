@@ -1,4 +1,4 @@
-"""Damage of one test in milliseconds: a plan made once, asked for every test."""
+"""Damage of one test in a fraction of a second: a plan made once, asked for every test."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ __all__ = ["Assessor"]
 
 
 class Assessor(ReadOnly):
-    """Assess the damage of single tests against a baseline, in milliseconds each.
+    """Assess the damage of single tests against a baseline, in some tens of milliseconds
+    each.
 
     What does not depend on the test is done once: the model's errors are learned from the baseline, its
     antiresonances and their sensitivities computed over the severity of each element. A test is then judged

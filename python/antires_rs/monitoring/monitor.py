@@ -75,7 +75,7 @@ def monitor(
     model : MassSpringChain, FrameModel or MatrixModel, optional
         With it the damage of each run of alarms is assessed against the baseline, see ``.assessments``.
     assessor : Assessor, optional
-        The same in milliseconds, in place of ``model``; made from a baseline of the same sensors, such as
+        The same much faster, in place of ``model``; made from a baseline of the same sensors, such as
         the first tests.
     max_shift : float
         Largest relative difference of a value from the baseline's, beside what all values do, as for
