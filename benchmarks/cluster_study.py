@@ -1,6 +1,6 @@
 """A local Dask cluster of 1, 2 and 4 processes: speed beside a serial run, and runs whose workers are killed.
 
-    python -m benchmarks.cluster_study [RUNS]
+    python -m benchmarks.cluster_study [RUNS [--only-kills]]
 
 Tasks keep one processor busy. Efficiency is that of the wall clock, which other programs of the machine
 lower; ``at work`` is the share of the workers' time in which they had a task, ``dearer`` how much more
@@ -52,12 +52,15 @@ def deadly(folder, n):
 def cluster(count):
     from distributed import Client, LocalCluster
 
-    return Client(LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None))
+    return Client(LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=":0"))
 
 
 @contextlib.contextmanager
-def connected(count):
+def connected(count, replaced=False):
+    """A cluster; one whose workers that do not come back by themselves are ``replaced``, as a queue does."""
     client = cluster(count)
+    if replaced:
+        client.cluster.adapt(minimum=count, maximum=count)
     try:
         yield client
     finally:
@@ -65,24 +68,27 @@ def connected(count):
         client.cluster.close()
 
 
-def kill_at_random(client, over, seed):
-    """Kill a worker every few seconds."""
+def kill_at_random(client, over, seed, count):
+    """Kill a worker every few seconds, when both are there: a cluster may lose a worker that only begins."""
     rng = random.Random(seed)
     while not over.wait(rng.uniform(2.0, 6.0)):
         with contextlib.suppress(Exception):
             pids = list(client.run(os.getpid).values())
-            os.kill(rng.choice(pids), signal.SIGKILL)
+            if len(pids) == 2:
+                os.kill(rng.choice(pids), signal.SIGKILL)
+                count.append(1)
 
 
 def main():
     from benchmarks import cluster_study as named  # by its module, as workers find it
 
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 10
+    counts = () if "--only-kills" in sys.argv else (1, 2, 4)
     logging.disable(logging.ERROR)
     start = time.perf_counter()
     right, _, cpu_alone = sums(in_order(named.busy, range(TASKS)))
     serial = time.perf_counter() - start
-    for count in (1, 2, 4):
+    for count in counts:
         with connected(count) as client:
             list(in_order(named.busy, range(2 * count), client))
             start = time.perf_counter()
@@ -95,9 +101,10 @@ def main():
                 flush=True,
             )
     for run in range(runs):
-        with tempfile.TemporaryDirectory() as folder, connected(2) as client:
+        with tempfile.TemporaryDirectory() as folder, connected(2, replaced=True) as client:
             over = threading.Event()
-            killer = threading.Thread(target=kill_at_random, args=(client, over, run))
+            killed: list[int] = []
+            killer = threading.Thread(target=kill_at_random, args=(client, over, run, killed))
             killer.start()
             start = time.perf_counter()
             same = sums(in_order(named.deadly, range(TASKS), client, shared=folder))[0] == right
@@ -105,7 +112,8 @@ def main():
             over.set()
             killer.join()
             print(
-                f"run {run}: {len(os.listdir(folder))} deaths by the task, {seconds:.0f} s, same {same}",
+                f"run {run}: {len(os.listdir(folder))} deaths by the task, {len(killed)} from outside, "
+                f"{seconds:.0f} s, same {same}",
                 flush=True,
             )
 

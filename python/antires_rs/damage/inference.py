@@ -27,7 +27,7 @@ from .risen import mostly_risen
 from .roots import Roots
 from .search import Search
 
-__all__ = ["STD_COMMON", "Inferred", "infer"]
+__all__ = ["STD_COMMON", "Inferred", "infer", "note_of_shift", "roots_beside"]
 
 #: Largest number of damaged elements in one hypothesis.
 MOST = 3
@@ -99,13 +99,13 @@ def infer(
         n_intact_matched=int((error.partner >= 0).sum()),
         n_baselines=max(map(responses.tests.count, responses.tests), default=0),
         scatter=prepared.scatter,
-        notes=(*responses.left_out, *_of_shift(shift), *_of_screening(search)),
+        notes=(*responses.left_out, *note_of_shift(shift), *_of_screening(search)),
         odd_baselines=odd.tests if odd else (),
         baseline_gap=odd.apart if odd else 0.0,
         usual_gap=odd.usual if odd else 0.0,
         interrupted=search.interrupted,
         moved_alike=shift,
-        n_intact_roots=_roots_of(intact, error.intact),
+        n_intact_roots=roots_beside(intact, error.intact),
     )
     if not assessment.model_fits:
         assessment = replace(assessment, hint=question.hint())
@@ -129,7 +129,7 @@ def infer(
     )
 
 
-def _roots_of(intact: Any, roots: Roots) -> int:
+def roots_beside(intact: Any, roots: Roots) -> int:
     """Roots between the values of each response, test by test; 0 for modes, which have shapes."""
     if not isinstance(intact, Values):
         return 0
@@ -139,7 +139,7 @@ def _roots_of(intact: Any, roots: Roots) -> int:
     )
 
 
-def _of_shift(moved: float) -> list[str]:
+def note_of_shift(moved: float) -> list[str]:
     """A note where all values have moved alike, which is no damage."""
     if not moved:
         return []

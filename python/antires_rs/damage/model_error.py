@@ -68,6 +68,8 @@ class ModelError:
     partner : root of each baseline value, -1 without one; ``place`` the values as seen from there.
     spare : values beyond those that the factors took to be explained.
     mean : (p + r,) what is expected of the factors beyond ``theta``, and of the roots' own errors.
+    rows : (m, p + r) slopes of the baseline's values by both; ``prior`` their prior variances, ``factor`` the
+        Cholesky factor of the values' covariance.
     """
 
     theta: FloatArray
@@ -78,9 +80,9 @@ class ModelError:
     place: FloatArray
     spare: float
     mean: FloatArray
-    _rows: FloatArray = field(repr=False)
-    _prior: FloatArray = field(repr=False)
-    _factor: Any = field(repr=False)
+    rows: FloatArray = field(repr=False)
+    prior: FloatArray = field(repr=False)
+    factor: Any = field(repr=False)
 
     @property
     def tau(self) -> float:
@@ -110,14 +112,14 @@ class ModelError:
         """
         from scipy.linalg import cho_solve
 
-        rows = np.zeros((identity.size, self._prior.size))
+        rows = np.zeros((identity.size, self.prior.size))
         rows[:, : self.theta.size] = slopes
         old = np.flatnonzero(identity >= 0)
         rows[old, self.theta.size + identity[old]] = 1.0
-        spread = (rows * self._prior) @ rows.T
-        if self._rows.size:
-            cross = (rows * self._prior) @ self._rows.T
-            spread -= cross @ cho_solve(self._factor, cross.T)
+        spread = (rows * self.prior) @ rows.T
+        if self.rows.size:
+            cross = (rows * self.prior) @ self.rows.T
+            spread -= cross @ cho_solve(self.factor, cross.T)
         new = np.flatnonzero(identity < 0)
         spread[new, new] += self.tau**2 if kind is None else self.taus[kind[new]] ** 2
         return rows @ self.mean, spread

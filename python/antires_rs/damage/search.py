@@ -21,7 +21,7 @@ from .likelihood import Likelihood
 from .screening import COARSE, worth_a_scan
 from .view import View
 
-__all__ = ["Search"]
+__all__ = ["Elements", "Search", "explained"]
 
 Elements = tuple[int, ...]
 
@@ -173,18 +173,7 @@ class Search:
 
     def _explained(self, parent: Fit) -> bool:
         """Whether a set leaves nothing to be explained."""
-        view = parent.view
-        gains = 0.5 * np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
-        gains[list(parent.elements)] = 0.0
-        count = int(view.matched.sum())
-        fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
-        all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
-        # Errors as they are stated: larger ones would explain anything.
-        stated = view.times <= (_WIDER if parent.elements else 1.0)
-        # A few values are explained by much that is not so, and what is no damage may explain them better.
-        many = not parent.elements or count >= _MANY + len(parent.elements)
-        explained = bool(fits and all_there and gains.max() < _GAIN and stated and many)
-        return explained and parent.log_evidence > self.something_else
+        return explained(parent, self.something_else)
 
     def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""
@@ -237,6 +226,23 @@ class Search:
         top = max(fit.view.log_likelihood for fit in self.fits.values())
         far = (s for s, view in zip(sets, views, strict=True) if view.log_likelihood < top - _HOPELESS)
         self.hopeless.update(elements for elements in far if elements not in self.fits)
+
+
+def explained(parent: Fit, something_else: float) -> bool:
+    """Whether a set leaves nothing to be explained; ``something_else`` is the log evidence of a change that
+    no element explains."""
+    view = parent.view
+    gains = 0.5 * np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
+    gains[list(parent.elements)] = 0.0
+    count = int(view.matched.sum())
+    fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
+    all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
+    # Errors as they are stated: larger ones would explain anything.
+    stated = view.times <= (_WIDER if parent.elements else 1.0)
+    # A few values are explained by much that is not so, and what is no damage may explain them better.
+    many = not parent.elements or count >= _MANY + len(parent.elements)
+    whole = bool(fits and all_there and gains.max() < _GAIN and stated and many)
+    return whole and parent.log_evidence > something_else
 
 
 def _worth(sets: list[Elements], views: list[View]) -> list[int]:

@@ -9,10 +9,12 @@ submitted again; one that stays away is an error, as soon as the client gives up
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
+from ...exceptions import AntiresWarning
 from ..validation import reject
 from .engine import Answer, Engine
 from .executors import SMALL_BYTES, Submitted
@@ -22,12 +24,17 @@ __all__ = ["OnDask"]
 
 #: How often the cluster is asked for its size, which may change.
 _ASK_S = 2.0
+#: Without any worker for so long there is a warning, then an error: a queue may hold the next job back.
+_WARN_S, _PATIENCE_S = 60.0, 3600.0
 #: An answer that has not come so long after its task was done counts as a lost worker.
 _RESULT_S = 120.0
 
 
 class OnDask(Submitted):
     """Chunks as futures of a Dask client; functions are sent by cloudpickle, as Dask does."""
+
+    # Measured on a busy machine; benchmarks/cluster_plan.py measures it on any other.
+    a_chunk_s = 0.02
 
     def __init__(self, client: Any, function: Callable[..., Any], shared: Any) -> None:
         if getattr(client, "asynchronous", False):
@@ -37,6 +44,7 @@ class OnDask(Submitted):
         super().__init__(client, 1, payload=cloudpickle.dumps((function, shared)))
         self._pickled = cloudpickle.dumps
         self._asked = -_ASK_S
+        self._there, self._warned = time.monotonic(), False
         self._scattered: Any = None
 
     @property
@@ -46,13 +54,29 @@ class OnDask(Submitted):
         if now > self._asked + _ASK_S:
             self._asked = now
             with suppress(OSError, RuntimeError, ValueError):  # the scheduler is away; the futures will tell
-                self._count = max(1, sum(self.executor.nthreads().values()))
+                found = sum(self.executor.nthreads().values())
+                self._count = max(1, found)
+                if found:
+                    self._there, self._warned = now, False
         return self._count
 
     def slots(self) -> int:
-        """As of any executor; none of a client that has given up."""
+        """As of any executor; an error of a client that has given up, or of a cluster that is deserted."""
         self._connected()
-        return super().slots()
+        found = super().slots()
+        alone = time.monotonic() - self._there
+        if alone > _PATIENCE_S:
+            reject(
+                "workers",
+                f"a Dask cluster that has had no worker for {alone:.0f} s",
+                "one with workers",
+                "Begin workers and call again: what store= or checkpoint= keeps is taken up.",
+            )
+        if alone > _WARN_S and not self._warned:
+            self._warned = True
+            text = f"workers: the Dask cluster has had no worker for {alone:.0f} s; waiting for one."
+            warnings.warn(text, AntiresWarning, stacklevel=2)
+        return found
 
     def _connected(self) -> None:
         """Refuse a client that has lost its scheduler for good."""

@@ -72,6 +72,8 @@ class Submitted:
         Whether the executor ends with these.
     """
 
+    a_chunk_s = 0.0
+
     def __init__(
         self, executor: Any, count: int, *, call: Call | None = None, payload: bytes = b"", own: bool = False
     ) -> None:
