@@ -72,16 +72,26 @@ def scan(data: bytes) -> list[Dataset]:
 
 
 def plain_exponents(data: bytes, dataset: Dataset) -> bytes:
-    """The bytes of a dataset; in a 58 of text, Fortran's 1.5D+03 as 1.5E+03, which has the same width."""
+    """The bytes of a dataset; in a 58 of text, Fortran's 1.5D+03 as 1.5E+03, and fields of full width."""
     part = data[dataset.start : dataset.stop]
     lines = part.splitlines(keepends=True)
     if dataset.number != 58 or len(lines) < 3 or lines[1][6:7].lower() == b"b":
         return part
     # After marker and type: five lines of text, points, the abscissa, four axes with labels, numbers.
     numbers = 2 + _HEADER_LINES
-    return b"".join(
-        _FORTRAN.sub(b"E", line) if i == 8 or i >= numbers else line for i, line in enumerate(lines)
-    )
+    lines = [_FORTRAN.sub(b"E", line) if i == 8 or i >= numbers else line for i, line in enumerate(lines)]
+    try:
+        width, even = _FORMS[int(lines[8][:10])][1], int(lines[8][20:30])
+    except (ValueError, KeyError, IndexError):
+        return b"".join(lines)
+    body = lines[numbers:-1]
+    if _to_the_left(body, width if even or width == 13 else 0):  # pyuff would lose the last of each line
+        ends = [line[len(line.rstrip()) :].lstrip(b" ") for line in body]
+        whole = [line.rstrip() for line in body]
+        lines[numbers:-1] = [
+            line.ljust(-(-len(line) // width) * width) + end for line, end in zip(whole, ends, strict=True)
+        ]
+    return b"".join(lines)
 
 
 def _dataset(data: bytes, start: int, after: int) -> Dataset:
@@ -111,8 +121,17 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
     body = data[at : end.start() if end else len(data)]
     # Fields are 13 or 20 wide; an abscissa, where there is one, has 13.
     width = form[1] * form[0] + (0 if even else 13)
-    there = sum(len(line.rstrip()) for line in body.splitlines()) // width
+    rows = body.splitlines()
+    there = sum(len(line.rstrip()) for line in rows) // width
+    if there != points and _to_the_left(rows, form[1] if even or form[1] == 13 else 0):
+        there = sum(len(line.split()) for line in rows) // numbers
     return _judged(start, end, len(data), points, there)
+
+
+def _to_the_left(rows: list[bytes], width: int) -> bool:
+    """Whether numbers begin their fields, so that blanks at the end of a line belong to the last."""
+    starts = [found.start() for row in rows for found in re.finditer(rb"\S+", row)]
+    return width > 0 and bool(starts) and all(start % width == 0 for start in starts)
 
 
 def _binary(data: bytes, start: int, at: int, points: int, numbers: int, size: int) -> Dataset:
