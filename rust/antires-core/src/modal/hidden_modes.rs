@@ -4,8 +4,9 @@
 //! They are sought in the complement of those found, from starts of fixed pseudo-random numbers, until the
 //! count by inertia is met.
 
-use super::poles::{FOUND, Poles};
+use super::poles::Poles;
 use super::scaled::ScaledMatrices;
+use super::settled::FOUND;
 use crate::linalg::factored::Factors;
 use crate::linalg::krylov::{Krylov, Operator, Start};
 
@@ -79,10 +80,8 @@ impl HiddenModes {
                 mass,
                 outside: (&self.weighted, &self.vectors),
             };
-            if !self
-                .krylov
-                .grow(op, (&start, Start::Response), poles.highest(), mass.n())
-            {
+            let (load, highest) = ((&start[..], Start::Response), poles.highest());
+            if !self.krylov.grow(op, load, highest, mass.n(), |_| true) {
                 return false;
             }
             let before = self.lambda.len();
