@@ -7,14 +7,12 @@
 use super::poles::Poles;
 use super::scaled::ScaledMatrices;
 use super::settled::FOUND;
-use crate::linalg::factored::Factors;
 use crate::linalg::krylov::{Krylov, Operator, Start};
 
 /// In whose complement hidden modes are sought.
 pub(super) struct Outside<'a> {
+    /// With the factors of K + σM.
     pub matrices: &'a ScaledMatrices,
-    /// Factors of K + σM.
-    pub shifted: &'a Factors,
     /// The poles of the load.
     pub poles: &'a Poles,
     /// Only modes below this count.
@@ -52,7 +50,6 @@ impl HiddenModes {
     pub fn find(&mut self, outside: &Outside<'_>, missing: usize) -> bool {
         let Outside {
             matrices,
-            shifted,
             poles,
             cut,
         } = *outside;
@@ -76,7 +73,7 @@ impl HiddenModes {
             mass.multiply(&load, &mut start);
             start[mass.n()..].fill(0.0);
             let op = Operator {
-                shifted,
+                shifted: matrices.factors(),
                 mass,
                 outside: (&self.weighted, &self.vectors),
             };

@@ -12,7 +12,6 @@ use super::receptance::Receptance;
 use super::scaled::ScaledMatrices;
 use super::settled::{FOUND, Pairs, UNSEEN, is_close, settled, uncertainty};
 use super::space::Space;
-use crate::linalg::factored::Factors;
 use crate::linalg::form::Form;
 use crate::linalg::krylov::Start;
 
@@ -43,12 +42,11 @@ pub(super) struct Poles {
 }
 
 impl Poles {
-    /// Finds the poles up to `limit` of a load on row `k`; `shifted` holds the factors of K + σM. False where
+    /// Finds the poles up to `limit` of a load on row `k`; `matrices` hold the factors of K + σM. False where
     /// one of them is neither a mode nor rounding.
     pub fn find(
         &mut self,
         matrices: &ScaledMatrices,
-        shifted: &Factors,
         (sigma, limit): (f64, f64),
         (k, start): (usize, Start),
     ) -> bool {
@@ -56,9 +54,7 @@ impl Poles {
         let highest = self.highest();
         let least = highest.recip();
         let settled = |space: &dyn Pairs| settled(space, least);
-        let grown = self
-            .space
-            .grow(matrices, shifted, (k, start), highest, settled);
+        let grown = self.space.grow(matrices, (k, start), highest, settled);
         if !grown || !self.classify(matrices) {
             return false;
         }

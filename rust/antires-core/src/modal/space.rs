@@ -32,17 +32,17 @@ macro_rules! last {
 
 impl Space {
     /// Grows the space of a load on row `k` until its error is negligible for all x + σ up to `highest`, and until
-    /// `settled` says so. `shifted` holds the factors of K + σM.
+    /// `settled` says so. `matrices` hold the factors of K + σM.
     pub fn grow(
         &mut self,
         matrices: &ScaledMatrices,
-        shifted: &Factors,
         (k, start): (usize, Start),
         highest: f64,
         settled: impl Fn(&dyn Pairs) -> bool,
     ) -> bool {
         let n = matrices.n();
-        if let (Factors::Sparse(_, factors), Form::Sparse(mass)) = (shifted, matrices.mass())
+        if let (Factors::Sparse(_, factors), Form::Sparse(mass)) =
+            (matrices.factors(), matrices.mass())
             && factors.symbolic().n_values() >= LARGE
         {
             let part = |row: usize| matrices.structure().part(row);
@@ -59,7 +59,7 @@ impl Space {
         let mut load = vec![0.0; matrices.stride()];
         load[k] = 1.0;
         let op = Operator {
-            shifted,
+            shifted: matrices.factors(),
             mass: matrices.mass(),
             outside: (&[], &[]),
         };
