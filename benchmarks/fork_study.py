@@ -1,6 +1,6 @@
 """Searches and pools under fork, spawn, forkserver, joblib and threads, twenty of each: all right, no hang.
 
-    python -m benchmarks.fork_study [COUNT]
+    python -m benchmarks.fork_study [COUNT [KIND ...]]
 
 Each child runs a native search, an identification and, where it may begin processes, a search of a Python
 function on two of them; the answers are those of the parent, which has used them all before.
@@ -62,15 +62,20 @@ def child(kind):
 def main():
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 20
     right = digest(True)
-    kinds = [
-        kind for kind in ("fork", "spawn", "forkserver") if kind in multiprocessing.get_all_start_methods()
-    ]
-    for kind in kinds:
+    asked = sys.argv[2:] or ["fork", "spawn", "forkserver", "threads", "joblib"]
+    for kind in [kind for kind in asked if kind in multiprocessing.get_all_start_methods()]:
         start = time.perf_counter()
         report(kind, [child(kind) for _ in range(count)], right, start)
-    start = time.perf_counter()
-    with ThreadPoolExecutor(8) as threads:
-        report("threads", list(threads.map(digest, [True] * count)), right, start)
+    if "threads" in asked:
+        start = time.perf_counter()
+        with ThreadPoolExecutor(8) as threads:
+            report("threads", list(threads.map(digest, [True] * count)), right, start)
+    if "joblib" in asked:
+        joblib(count, right)
+
+
+def joblib(count, right):
+    """The same in workers of joblib."""
     try:
         from joblib import Parallel, delayed
     except ImportError:

@@ -3,7 +3,10 @@
     python -m benchmarks.python_objective [--dask]
 
 Two kinds of 50 ms: ``waits`` sleeps, as a function does that runs another program; ``computes`` keeps one
-processor busy, so that its gain is what the machine has free.
+processor busy, so that its gain is what the machine has free. That is measured beside it: ``at work`` is
+the share of the time that the workers spent in the function, ``dearer`` how much more processor time each
+evaluation took than alone (two processors that share a core or a memory are not twice as fast as one), and
+``possible`` is the gain of two workers that never wait.
 """
 
 from __future__ import annotations
@@ -22,6 +25,7 @@ import antires_rs as ar
 
 BOX = [(-1.0, 1.0)] * 4
 SECONDS = 0.05
+GENERATIONS = 4
 
 
 def value(x):
@@ -38,6 +42,22 @@ def computes(x):
     for n in range(_loops()):
         total += n * 1e-9
     return value(x) + 0.0 * total
+
+
+class Timed:
+    """The function, each evaluation with its seconds of wall clock and of processor in a file."""
+
+    def __init__(self, fun, folder):
+        self.fun, self.folder = fun, folder
+
+    def __call__(self, x):
+        """The value of the function."""
+        wall, cpu = time.perf_counter(), time.process_time()
+        found = self.fun(x)
+        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+        with Path(self.folder, str(os.getpid())).open("a", encoding="ascii") as file:
+            file.write(f"{wall} {cpu}\n")
+        return found
 
 
 _LOOPS = []
@@ -73,15 +93,19 @@ def main():
         n * 1e-9
     os.environ["ANTIRES_LOOPS"] = str(int(1e6 * SECONDS / (time.process_time() - start)))
     with_dask = "--dask" in sys.argv
-    ga = ar.IslandGA(max_generations=4)
-    for fun in (waits, computes):
-        serial, alone = timed(ga, fun, None)
+    ga = ar.IslandGA(max_generations=GENERATIONS)
+    from benchmarks import python_objective as named  # by its module, as workers find it
+
+    for fun in (named.waits, named.computes):
+        serial, alone, _, cpu_alone = timed(ga, fun, None)
         for name, workers in kinds(with_dask):
             with workers as given:
-                seconds, found = timed(ga, fun, given)
+                seconds, found, in_f, cpu = timed(ga, fun, given)
             same = found.population_costs.tobytes() == alone.population_costs.tobytes()
+            possible = f"   dearer {cpu / cpu_alone - 1:.0%}   possible {2 * cpu_alone / cpu:.2f} x"
             print(
-                f"{fun.__name__:9}{name:11}{serial / seconds:5.2f} x of {serial:5.1f} s   same bits {same}",
+                f"{fun.__name__:9}{name:11}{serial / seconds:5.2f} x of {serial:5.1f} s   same bits {same}   "
+                f"at work {in_f / (2 * seconds):.0%}{possible if fun is named.computes else ''}",
                 flush=True,
             )
     troubles()
@@ -112,7 +136,7 @@ class cluster:
     def __enter__(self):
         from distributed import Client, LocalCluster
 
-        self.cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
+        self.cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0")
         self.client = Client(self.cluster)
         return self.client
 
@@ -122,9 +146,20 @@ class cluster:
 
 
 def timed(ga, fun, workers):
-    start = time.perf_counter()
-    found = ga.minimize(fun, BOX, rng=0, workers=workers)
-    return time.perf_counter() - start, found
+    """Seconds, what was found, and seconds of wall clock and of processor in the function."""
+    with tempfile.TemporaryDirectory() as folder:
+        start = time.perf_counter()
+        found = ga.minimize(named_timed(fun, folder), BOX, rng=0, workers=workers)
+        seconds = time.perf_counter() - start
+        spent = np.concatenate([np.loadtxt(file, ndmin=2) for file in Path(folder).iterdir()])
+    return seconds, found, *spent.sum(axis=0)
+
+
+def named_timed(fun, folder):
+    """By its module, as workers find it."""
+    from benchmarks import python_objective as named
+
+    return named.Timed(fun, folder)
 
 
 def troubles():

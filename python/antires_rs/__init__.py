@@ -15,6 +15,8 @@ from ._core import __version__ as __version__
 # Where each public name lives. It is imported at first use, so that `antires --help` waits for no numpy.
 # No name may be that of a module, which would take its place once imported.
 _NAMES = {
+    "assessor.answer": ("AssessedTest",),
+    "assessor.assessor": ("Assessor",),
     "damage.assess": ("assess_damage",),
     "damage.hypotheses": ("Hypotheses", "Hypothesis"),
     "damage.prior": ("DamagePrior",),

@@ -6,6 +6,8 @@ from . import io as io
 from . import plotting as plotting
 from . import report as report
 from ._core import __version__
+from .assessor.answer import AssessedTest
+from .assessor.assessor import Assessor
 from .damage.assess import assess_damage
 from .damage.hypotheses import Hypotheses, Hypothesis
 from .damage.prior import DamagePrior
@@ -98,6 +100,8 @@ __all__ = [
     "AntiresError",
     "AntiresWarning",
     "AntiresonanceSet",
+    "AssessedTest",
+    "Assessor",
     "BoxIdentifiability",
     "Chart",
     "Comparison",

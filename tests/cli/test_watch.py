@@ -87,6 +87,25 @@ def test_output_in_the_folder_files_that_go_and_lines_told_once(ten_files, tmp_p
 
 
 @pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_a_saved_assessor_tells_what_is_damaged(ten_files, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(ar.Watched, "report", lambda *_: None)  # a page of another test
+    for path in ten_files:
+        shutil.copy2(path, tmp_path)
+    record = ar.read_npz(ten_files[0])
+    before = ar.identify_antiresonances(record, excitation=0, band_hz=(5, 110))
+    (tmp_path / "out").mkdir()
+    plan = ar.Assessor(ar.MassSpringChain(MASSES, SPRINGS), baseline=before).save(
+        tmp_path / "out" / "plan.npz"
+    )
+    command = ["watch", str(tmp_path), "--excitation", "0", "--band", "5", "110", "--baseline", "9"]
+    command += ["--out", str(tmp_path / "out"), "--once", "--assessor"]
+    assert main([*command, str(plan)]) == 0
+    after = "".join(capsys.readouterr()).split("test_9.npz: ALARM")[1]
+    assert "spring 2 has lost" in after.splitlines()[1]
+    assert main([*command, str(ten_files[0])]) == 1  # no assessor
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
 def test_a_table_that_is_being_written_is_read_again(ten_files, tmp_path, capsys, monkeypatch):
     folder, table = tmp_path / "records", tmp_path / "weather.csv"
     folder.mkdir()

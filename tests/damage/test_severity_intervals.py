@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.stats import kstest
 
 import antires_rs as ar
+from antires_rs.damage import question
 from antires_rs.damage.evidence import HIGHEST, fitted
 from antires_rs.damage.sampling import sampled
 from tests.support.campaign import some_of
@@ -31,6 +34,20 @@ def test_quick_intervals_are_those_of_the_assessment(one):
         assert np.isclose((high - low) / (one.interval[1][1] - one.interval[1][0]), wanted, rtol=0.03)
     low, high = np.quantile(quick.draws[:, 1], [0.05, 0.95])
     assert np.allclose([low, high], one.interval[1], atol=0.2 * (high - low))
+
+
+def test_what_the_baseline_taught_is_kept(one, monkeypatch):
+    kept = one.intervals(method="ensemble", draws=60, rng=1)
+
+    def again(*_):
+        raise AssertionError("the baseline is learned again")
+
+    monkeypatch.setattr(question, "learned", again)
+    same = one.intervals(method="ensemble", draws=60, rng=1)
+    np.testing.assert_array_equal(same.draws, kept.draws)
+    other = replace(one._question, std_common=1e-3)  # another question has to ask for itself
+    with pytest.raises(AssertionError, match="learned again"):
+        other.prepared(1)
 
 
 def test_the_sampler_is_exact_against_quadrature(one):

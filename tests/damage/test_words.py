@@ -138,7 +138,8 @@ def test_a_model_that_does_not_explain_the_intact_structure_weakens_what_follows
     rows = [one((4,), 0.6), one((5,), 0.39), one((), 0.01)]
     lines, _ = said(rows, (4,), rows[:2], n_intact=20, n_intact_matched=5)
     assert lines == [
-        "The model does not explain the intact structure: check its units, dofs and supports.",
+        "The model does not explain the measurement: 5 of 20 values of the intact structure have a partner "
+        "in it. Check its units, dofs, force and supports.",
         "If the model can be trusted at all, the values point to damage of spring 5 or spring 6; the table "
         "has the figures.",
     ]

@@ -8,7 +8,7 @@ import pytest
 from antires_rs.identification.identify import identify_antiresonances
 from antires_rs.identification.likelihood import likeliest
 from antires_rs.identification.lines import Lines
-from antires_rs.identification.numerators import NumeratorFit
+from antires_rs.identification.numerators import NumeratorFit, NumeratorSweep
 from antires_rs.identification.uncertainty import Influence
 from antires_rs.order_sweep.shared import shared
 from antires_rs.signals.noise import channel_noise, noise_power
@@ -100,6 +100,34 @@ def test_superfluous_roots_are_shared_and_own_nothing():
         ]
         left = [s for s in inside if np.abs(exact_zeros(row) / s - 1.0).min() > 1e-3]
         assert all(fit.dominances(c, row, np.array([s]), others)[0] < 0.05 for s in left)
+
+
+def test_orders_solved_together_are_those_solved_alone():
+    rng = np.random.default_rng(1)
+    noisy = vectors() + 1e-3 * (
+        rng.standard_normal((FREQ.size, 4)) + 1j * rng.standard_normal((FREQ.size, 4))
+    )
+    fit = fit_of(covariance_of(noisy), 20)
+    for order, c in zip((7, 3, 20), fit.likeliest(7, 3, 20), strict=True):
+        (alone,) = fit.likeliest(order)
+        assert c.shape == alone.shape == (order + 1, 4)
+        assert np.allclose(c, alone, rtol=0.0, atol=1e-9)
+
+
+def test_dominances_of_many_orders_at_once_are_those_of_each():
+    fit = fit_of(covariance_of(vectors()), 14)
+    solutions = {}
+    sweeps = [NumeratorSweep(fit, row, [k for k in range(4) if k != row], solutions) for row in range(4)]
+    sweeps[1].companions = [sweeps[0], sweeps[2], sweeps[3]]
+    roots = {order: sweeps[1].roots(order) for order in (14, 6, 9)}
+    orders, s = (
+        np.repeat(list(roots), [one.size for one in roots.values()]),
+        np.concatenate([*roots.values()]),
+    )
+    alone = [sweeps[1].dominances(order, np.array([root]))[0] for order, root in zip(orders, s, strict=True)]
+    together = sweeps[1].dominances(orders, s)
+    assert 0.0 < np.mean(together == 0.0) < 1.0
+    assert np.allclose(together, alone, rtol=1e-6, atol=0.0)
 
 
 def test_two_rows_share_nothing_that_can_be_told():

@@ -44,6 +44,14 @@ def folder(tmp_path):
     return tmp_path
 
 
+def test_a_job_of_which_no_test_could_be_identified_has_failed(folder, capsys):
+    for i in range(3):
+        (folder / "records" / f"test_{i}.npz").write_bytes(b"torn")
+    for _ in range(2):  # also when nothing is left to do
+        assert cli.main(["series", str(folder / "job.toml")]) == 1
+        assert "no test could be identified; of the first: " in capsys.readouterr().err
+
+
 def test_it_writes_series_summary_and_tracks(folder, capsys, monkeypatch):
     assert cli.main(["series", str(folder / "job.toml")]) == 0
     said = capsys.readouterr()

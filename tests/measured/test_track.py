@@ -119,3 +119,22 @@ def test_an_empty_response_has_no_tracks():
 def test_bad_arguments_of_track_are_named(sets, options, name):
     with pytest.raises(InvalidInputError, match=f"^{name}: got "):
         ar.track(sets, **options)
+
+
+def test_what_was_seen_once_does_not_take_over_what_drifts_past_its_place():
+    # A value drifts by a tenth over 400 tests; now and then a false one lies where it will be later.
+    rng = np.random.default_rng(3)
+    true = 30.0 + 3.0 * np.arange(400) / 400 + 0.005 * rng.standard_normal(400)
+    tests = [[f] if nth % 9 else [f, f + rng.uniform(0.2, 2.0)] for nth, f in enumerate(true)]
+    followed = ar.track(sets_of(*tests), max_shift=0.01)
+    seen = np.sum(~np.isnan(followed.freq_hz), axis=0)
+    assert np.array_equal(followed.freq_hz[:, np.argmax(seen)], true)
+
+
+def test_what_was_not_seen_for_long_is_new_when_it_comes():
+    def kinds_after(gap):
+        tests = [[10.0, 20.0], *([[10.0]] * gap), [10.0, 20.0]]
+        return kinds(ar.track(sets_of(*tests)))[1:]
+
+    assert kinds_after(99) == [("back", 100, 20.0)]
+    assert kinds_after(120) == [("new", 121, 20.0)]

@@ -87,3 +87,29 @@ def test_a_test_that_is_not_there_is_refused(watched, wrong):
 def test_a_page_needs_a_path(watched):
     with pytest.raises(ar.exceptions.InvalidInputError, match="path: got 3"):
         watched.report(3)
+
+
+def test_an_assessor_tells_the_damage_of_a_run():
+    """The model's springs are off; seed that nothing was set on."""
+    rng = np.random.default_rng(77)
+    sets = many(exact(chain()), 70, rng) + many(exact(chain(0.03)), 8, rng)
+    model = ar.MassSpringChain(MASSES, SPRINGS * rng.uniform(0.97, 1.03, 5))
+    assessor = ar.Assessor(model, baseline=sets[:5], workers=1)
+    watched = ar.monitor(sets, baseline=60, assessor=assessor)
+    (first,) = [first for first, _ in watched.runs if first >= 60]
+    found = watched.assessments[first]
+    assert isinstance(found, ar.AssessedTest)
+    assert found.damaged == [2]
+    assert found.severity[2] == pytest.approx(0.03, abs=0.006)
+    assert "spring 3" in str(watched)
+
+
+@pytest.mark.parametrize(
+    ("options", "argument"),
+    [({"assessor": "plan.npz"}, "assessor"), ({"elements": [1]}, "elements"), ({"model": chain()}, "model")],
+)
+def test_an_assessor_goes_alone(options, argument):
+    sets = many(exact(chain()), 12, np.random.default_rng(78))
+    given = {"assessor": ar.Assessor(chain(), baseline=sets[0], workers=1), **options}
+    with pytest.raises(ar.InvalidInputError, match=argument):
+        ar.monitor(sets, baseline=10, **given)

@@ -124,6 +124,23 @@ def test_wrong_input(wrong, named):
         ar.Series.from_sets(**({"sets": sets()} | wrong))
 
 
+def test_conditions_may_be_a_table_that_names_and_dates_the_tests():
+    pd = pytest.importorskip("pandas")
+    days = pd.date_range("2026-01-01", periods=4)
+    table = pd.DataFrame({"temperature_c": WARM, "time": days})
+    made = ar.Series.from_sets(sets(), table, list("abcd"), failed={2: "cut"})
+    assert made == series(times=days.to_numpy())
+    # Rows that are named belong to the tests of these names, in any order.
+    named = table.assign(name=list("abcd"))[::-1]
+    assert ar.Series.from_sets(sets(), named, list("abcd"), failed={2: "cut"}) == made
+    assert ar.Series.from_sets(sets(), table.assign(name=list("abcd")), failed={2: "cut"}) == made
+    assert ar.Series.from_sets(sets(), table.to_dict("records"), list("abcd"), failed={2: "cut"}) == made
+    with pytest.raises(ar.InvalidInputError, match="3 rows"):
+        ar.Series.from_sets(sets(), table[:3])
+    with pytest.raises(ar.InvalidInputError, match="names of the sources"):
+        ar.Series.from_sets(sets(), named, list("efgh"))
+
+
 def test_wrong_questions():
     with pytest.raises(ar.InvalidInputError, match="temperature_c"):
         series().tracks("temperature")

@@ -11,6 +11,7 @@ from typing import Any
 from ..jobs import Job, read_job, template
 from ..jobs.files import RunFolder
 from ..jobs.formats import FORMATS, format_of
+from ..jobs.values import UNSET
 from ..support.files import write_atomically
 from ..support.validation import reject
 from .terminal import arguments, existing, print_json, say
@@ -36,18 +37,16 @@ def init(args: argparse.Namespace) -> int:
         reject("JOB", repr(str(job)), "a file in a folder that exists", f"Make {str(job.parent)!r} first.")
     options: dict[str, Any] = {}
     if args.data is not None:
-        options = {
-            "data": Path(os.path.relpath(args.data, job.parent)).as_posix(),
-            "dofs": _channels(args.data),
-        }
+        options = {"data": Path(os.path.relpath(args.data, job.parent)).as_posix()} | _channels(args.data)
     text = template(args.task, args.model, name=job.name, **options)
     write_atomically(job, text.encode())
-    print(f"Wrote {job}. Fill it in, then: antires {args.task} {job}")
+    what = ' Put dofs in place of each "?", and fill in the rest' if f'"{UNSET}"' in text else " Fill it in"
+    print(f"Wrote {job}.{what}, then: antires {args.task} {job}")
     return 0
 
 
-def _channels(file: Path) -> dict[str, object] | None:
-    """Channels of a measurement, numbered; None where the file has dofs already."""
+def _channels(file: Path) -> dict[str, Any]:
+    """Channels of a measurement and its force, without dofs: numbers would be valid, and mostly wrong."""
     existing("--data", file, "Name the file of the measurement.")
     kind = format_of(file.name)
     if kind is None:
@@ -57,20 +56,23 @@ def _channels(file: Path) -> dict[str, object] | None:
             "a file that ends in " + ", ".join(e for ends in FORMATS.values() for e in ends),
             "Convert it first, or write the job without --data and name its format there.",
         )
+    from ..io.uff_force import force_of
     from ..jobs.reading import read_signal
     from ..measured.antiresonance_set import AntiresonanceSet
 
     with arguments({"path": "--data"}):
-        names = (
-            list(AntiresonanceSet.load(file))
-            if kind == "antiresonances"
-            else list(read_signal(file, kind, {}).dofs)
-        )
-    return (
-        None
-        if all(isinstance(name, int) for name in names)
-        else {str(name): i for i, name in enumerate(names)}
-    )
+        if kind == "antiresonances":
+            found = AntiresonanceSet.load(file)
+            force, names = found.excitation, list(found)
+        else:
+            force = force_of(file) if kind == "uff" else None
+            names = list(read_signal(file, kind, {}).dofs)
+    dofs: dict[str, object] = {str(name): UNSET for name in names}
+    if force is not None and not isinstance(force, int):
+        dofs.setdefault(str(force), UNSET)
+    if all(isinstance(name, int) for name in names):  # the file knows them already
+        return {"excitation": UNSET if force is None else str(force)} if kind != "antiresonances" else {}
+    return {"dofs": dofs, "excitation": UNSET if force is None else str(force)}
 
 
 def search(args: argparse.Namespace) -> int:

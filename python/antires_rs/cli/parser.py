@@ -106,6 +106,9 @@ def _watch(commands: Any) -> None:
         "--conditions", type=Path, metavar="FILE", help="table of temperatures, by name of the file"
     )
     watch.add_argument(
+        "--assessor", type=Path, metavar="FILE", help="saved by Assessor.save: what is damaged, at each alarm"
+    )
+    watch.add_argument(
         "--out",
         type=Path,
         default=Path("watch_output"),

@@ -31,4 +31,10 @@ def series(args: argparse.Namespace) -> int:
     if outcome.series.interrupted:
         print(f"antires: interrupted; go on with: antires series {args.job}", file=sys.stderr)
         return 130
+    failed = outcome.series.failed
+    if failed and len(failed) == len(outcome.series):
+        first = next(iter(failed.values()))
+        said = f"antires: no test could be identified; of the first: {first}"
+        print(said, file=sys.stderr)
+        return 1
     return 0

@@ -113,6 +113,13 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
     if kind == "antiresonances":
         with arguments(_NAMES):
             return AntiresonanceSet.load(args.file)
+    if args.excitation is None and kind == "uff" and args.reference is None:
+        from ..io.uff_force import force_of
+
+        with arguments(_NAMES):
+            args.excitation = force_of(args.file)
+        if args.excitation is not None:
+            say(f"the force is at {args.excitation}, as the file states")
     for name in ("band", "excitation"):
         if getattr(args, name) is None:
             wanted = {

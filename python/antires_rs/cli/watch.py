@@ -6,6 +6,7 @@ import argparse
 import warnings
 from pathlib import Path
 
+from ..assessor.assessor import Assessor
 from ..exceptions import AntiresWarning, InvalidInputError, MissingDependencyError
 from ..monitoring.monitor import monitor
 from ..monitoring.watched import Watched
@@ -26,11 +27,12 @@ def watch(args: argparse.Namespace) -> int:
         reject("FOLDER", repr(str(args.folder)), "a folder that exists", "Make it first.")
     if args.conditions is not None and not args.conditions.is_file():
         reject("--conditions", repr(str(args.conditions)), "a file that exists", "Correct its name.")
+    assessor = None if args.assessor is None else Assessor.load(args.assessor)
     args.out.mkdir(parents=True, exist_ok=True)
     beside = (args.out,) if args.conditions is None else (args.out, args.conditions)
     arrivals = Arrivals(args.folder, beside)
     judged: list[Path] = []
-    teller = _Teller(args)
+    teller = _Teller(args, assessor)
     if not arrivals.at_once:
         every = f"the folder is looked at every {args.every:g} s"
         print(f'{every}; at once with: pip install "antires-rs[watch]"', flush=True)
@@ -73,8 +75,8 @@ def _identified(files: list[Path], args: argparse.Namespace, teller: _Teller) ->
 class _Teller:
     """What is new since the last time."""
 
-    def __init__(self, args: argparse.Namespace) -> None:
-        self._args = args
+    def __init__(self, args: argparse.Namespace, assessor: Assessor | None) -> None:
+        self._args, self._assessor = args, assessor
         self._told = Told(args.out / "told.txt")
         self._warned = False
         self._said = ""
@@ -95,7 +97,9 @@ class _Teller:
         with warnings.catch_warnings():
             if self._warned:
                 warnings.simplefilter("ignore", AntiresWarning)
-            watched = monitor(series, baseline=slice(0, wanted), false_alarm_rate=self._args.rate)
+            watched = monitor(
+                series, baseline=slice(0, wanted), false_alarm_rate=self._args.rate, assessor=self._assessor
+            )
         for i in range(wanted, count):
             if series.names[i] not in self._told:
                 print(_line(watched, i), flush=True)
@@ -118,4 +122,7 @@ def _line(watched: Watched, test: int) -> str:
     if watched.unjudged[test]:
         return f"{name}: not judged{faults}"
     verdict = f"ALARM ({', '.join(watched.why(test))})" if watched.alarm[test] else "no alarm"
-    return f"{name}: {verdict}, {watched.statistic[test]:.2f} of the limit{faults}"
+    run = next((first for first, last in watched.runs if first <= test <= last), None)
+    found = watched.assessments.get(run) if watched.alarm[test] and run is not None else None
+    damage = "" if found is None else f"\n  {found.headline}"
+    return f"{name}: {verdict}, {watched.statistic[test]:.2f} of the limit{faults}{damage}"

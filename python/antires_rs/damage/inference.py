@@ -10,6 +10,7 @@ import numpy as np
 from ..models.parameter import Parameter
 from ..support.one_thread import one_blas_thread
 from ..support.validation import FloatArray
+from ..updating.explained import roots_between
 from ..updating.reduction import ReductionReport
 from .assessment import Assessment
 from .calibration import log_odds_threshold
@@ -18,14 +19,15 @@ from .hypotheses import UNKNOWN, Hypotheses
 from .likelihood import Likelihood
 from .limits import intact_slopes, smallest_found
 from .measured_modes import ModeResponses
-from .measured_states import Responses
+from .measured_states import Responses, Values
 from .percent import figure
 from .posterior import log_weights, posterior, together
 from .question import Question
 from .risen import mostly_risen
+from .roots import Roots
 from .search import Search
 
-__all__ = ["STD_COMMON", "Inferred", "infer"]
+__all__ = ["STD_COMMON", "Inferred", "infer", "note_of_shift", "roots_beside"]
 
 #: Largest number of damaged elements in one hypothesis.
 MOST = 3
@@ -97,13 +99,16 @@ def infer(
         n_intact_matched=int((error.partner >= 0).sum()),
         n_baselines=max(map(responses.tests.count, responses.tests), default=0),
         scatter=prepared.scatter,
-        notes=(*responses.left_out, *_of_shift(shift), *_of_screening(search)),
+        notes=(*responses.left_out, *note_of_shift(shift), *_of_screening(search)),
         odd_baselines=odd.tests if odd else (),
         baseline_gap=odd.apart if odd else 0.0,
         usual_gap=odd.usual if odd else 0.0,
         interrupted=search.interrupted,
         moved_alike=shift,
+        n_intact_roots=roots_beside(intact, error.intact),
     )
+    if not assessment.model_fits:
+        assessment = replace(assessment, hint=question.hint())
     if baseline and not shift and not assessment.explained:  # a change of unknown kind explains nothing
         up, moved = mostly_risen(intact.plain, now.plain)
         assessment = replace(assessment, n_risen=up, n_moved=moved)
@@ -124,7 +129,17 @@ def infer(
     )
 
 
-def _of_shift(moved: float) -> list[str]:
+def roots_beside(intact: Any, roots: Roots) -> int:
+    """Roots between the values of each response, test by test; 0 for modes, which have shapes."""
+    if not isinstance(intact, Values):
+        return 0
+    return sum(
+        roots_between(intact.response[own], intact.log_f[own], roots.response, roots.log_f)
+        for own in (intact.test == test for test in np.unique(intact.test))
+    )
+
+
+def note_of_shift(moved: float) -> list[str]:
     """A note where all values have moved alike, which is no damage."""
     if not moved:
         return []

@@ -58,9 +58,10 @@ class Likelihood:
         self.common = common
         both = np.concatenate([now.frequencies, intact.frequencies])
         self.band = Band(float(both.min()), float(both.max()))
-        self._factors = np.exp(error.theta)
+        #: Of the model, after the baseline.
+        self.factors = np.exp(error.theta)
         self._errors = tuple((error.outside * kappa, times, p) for kappa, times, p in ERRORS)
-        by_theta = error.intact.slopes[:, n_elements:] * self._factors
+        by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
         #: Evaluations of the model.
         self.nfev = 0
@@ -71,7 +72,7 @@ class Likelihood:
     def roots(self, betas: FloatArray, *, slopes: bool) -> list[Roots]:
         """The model's roots at each row of severities (m, n)."""
         self.nfev += len(betas)
-        factors = np.broadcast_to(self._factors, (len(betas), self._factors.size))
+        factors = np.broadcast_to(self.factors, (len(betas), self.factors.size))
         band_hz = (np.exp(self.band.low - 2.0 * _MARGIN), np.exp(self.band.high + 2.0 * _MARGIN))
         x = np.hstack([betas, factors])
         return roots_at(self.core, x, slopes=slopes, threads=self.threads, band_hz=band_hz)
@@ -80,7 +81,7 @@ class Likelihood:
         """Give severities (n,) a reduced model of their own; how far its roots are from the full model's."""
         if not isinstance(self.core, ReducedRoots):
             return 0.0
-        return self.core.settle(np.concatenate([beta, self._factors]))
+        return self.core.settle(np.concatenate([beta, self.factors]))
 
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
         """The values as seen from each row of severities, with an extra error of every value."""
@@ -130,7 +131,7 @@ class Likelihood:
     def _view(self, beta: FloatArray, roots: Roots, extra: float, common: float = 0.0) -> View:
         roots, identity, followed = self.near(roots)
         log_f, slopes = roots.log_f, roots.slopes
-        beside, spread = self.error.predicted(slopes[:, self.n :] * self._factors, identity, roots.kind)
+        beside, spread = self.error.predicted(slopes[:, self.n :] * self.factors, identity, roots.kind)
         old = identity >= 0
         alike = np.hypot(self.common, common) * (roots.kind == 0)
         foreseen = Foreseen(

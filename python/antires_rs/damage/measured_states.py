@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from .roots import Roots
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-__all__ = ["ASSUMED_STD", "Responses", "Values", "measured_states", "scatter_between"]
+__all__ = ["ASSUMED_STD", "LEAST_STD", "Responses", "Values", "measured_states", "scatter_between"]
 
 #: Relative standard deviation of a value that has none, and the least of one from a single curve: its noise
 #: tells little of how another test would come out.
@@ -55,6 +56,11 @@ class Values:
         """How many."""
         return int(self.log_f.size)
 
+    @cached_property
+    def tests(self) -> NDArray[np.intp]:
+        """Numbers of the tests that have values."""
+        return np.unique(self.test)
+
     def noisier(self, times: float) -> Values:
         """The same with larger standard deviations."""
         return replace(self, std=times * self.std)
@@ -84,7 +90,7 @@ class Values:
         root, ``price`` that of each root without value; all errors count ``wider``.
         """
         found = np.full(self.size, ALONE)
-        for test in np.unique(self.test):
+        for test in self.tests:
             own = np.flatnonzero(self.test == test)
             value = (self.response[own], self.log_f[own], wider * self.std[own])
             found[own] = associate(value, (roots.response, place, wider * sigma), alone, price)

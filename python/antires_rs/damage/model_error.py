@@ -9,7 +9,8 @@ root m has an error eps_m of its own, which no factor explains and which is ther
 The coordinates of shapes (:mod:`~antires_rs.damage.mode_roots`) are further such values, with a tau of their
 own. s and tau are learned from the baseline: under them its values are most probable (with weak priors, ``S``
 and ``TAU``). theta is then estimated by the values, in Gauss-Newton steps, each with values and roots
-associated anew; and what remains open of theta and eps is carried into every prediction.
+associated anew, begun more narrowly where that does not come to rest; and what remains open of theta and eps
+is carried into every prediction.
 
 Reference: C. M. Bishop, Pattern Recognition and Machine Learning, 2006, section 3.5 (evidence).
 """
@@ -17,16 +18,20 @@ Reference: C. M. Bishop, Pattern Recognition and Machine Learning, 2006, section
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..support.progress import step
 from ..support.validation import FloatArray
 from .association import FALSE, FOUND_ONCE
 from .measured_states import Values
 from .roots import Roots, Source, roots_at
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 __all__ = ["ModelError", "learned"]
 
@@ -45,6 +50,8 @@ _FIRST_SHAPE, _LEAST_SHAPE = (0.5, 0.3, 0.2, 0.1), 0.05
 #: has no value to spare that would tell.
 _OUTSIDE, _UNTOLD = (0.01, 0.25), 0.08
 _ITERATIONS, _SETTLED = 12, 1e-4
+#: Share of values without a root that asks for another first association.
+_LOST = 0.05
 #: Largest step of ln factor in one iteration, and its bound.
 _STEP, _REACH = 0.3, 1.6
 
@@ -61,6 +68,8 @@ class ModelError:
     partner : root of each baseline value, -1 without one; ``place`` the values as seen from there.
     spare : values beyond those that the factors took to be explained.
     mean : (p + r,) what is expected of the factors beyond ``theta``, and of the roots' own errors.
+    rows : (m, p + r) slopes of the baseline's values by both; ``prior`` their prior variances, ``factor`` the
+        Cholesky factor of the values' covariance.
     """
 
     theta: FloatArray
@@ -71,9 +80,9 @@ class ModelError:
     place: FloatArray
     spare: float
     mean: FloatArray
-    _rows: FloatArray = field(repr=False)
-    _prior: FloatArray = field(repr=False)
-    _factor: Any = field(repr=False)
+    rows: FloatArray = field(repr=False)
+    prior: FloatArray = field(repr=False)
+    factor: Any = field(repr=False)
 
     @property
     def tau(self) -> float:
@@ -103,14 +112,14 @@ class ModelError:
         """
         from scipy.linalg import cho_solve
 
-        rows = np.zeros((identity.size, self._prior.size))
+        rows = np.zeros((identity.size, self.prior.size))
         rows[:, : self.theta.size] = slopes
         old = np.flatnonzero(identity >= 0)
         rows[old, self.theta.size + identity[old]] = 1.0
-        spread = (rows * self._prior) @ rows.T
-        if self._rows.size:
-            cross = (rows * self._prior) @ self._rows.T
-            spread -= cross @ cho_solve(self._factor, cross.T)
+        spread = (rows * self.prior) @ rows.T
+        if self.rows.size:
+            cross = (rows * self.prior) @ self.rows.T
+            spread -= cross @ cho_solve(self.factor, cross.T)
         new = np.flatnonzero(identity < 0)
         spread[new, new] += self.tau**2 if kind is None else self.taus[kind[new]] ** 2
         return rows @ self.mean, spread
@@ -125,8 +134,6 @@ def learned(
     threads: int,
 ) -> ModelError:
     """Theta, s and taus from the baseline; ``assumed`` is s where it is not to be learned."""
-    from scipy.linalg import cho_solve
-
     theta = np.zeros(n_factors)
     s, taus = S[0], np.array([TAU[0], TAU_SHAPE[0]])
     if assumed is not None:
@@ -138,27 +145,70 @@ def learned(
         partner = np.empty(0, dtype=np.intp)
         mean = np.zeros(prior.size)
         return ModelError(theta, s, taus, intact, partner, values.log_f, 0.0, mean, nothing, prior, None)
-    for nth in range(_ITERATIONS):
+
+    def undamaged(theta: FloatArray) -> tuple[Roots, FloatArray]:
+        return _undamaged(core, n_elements, theta, threads)
+
+    begin = _Begin(s, taus, intact, slopes, assumed is None)
+    found, log_evidence, settled = _from(0, begin, values, undamaged)
+    lost = np.count_nonzero(found.partner < 0)
+    if settled and lost <= max(1, _LOST * values.size):
+        return found
+    # Among many roots a wide first association may join a whole run of values to their neighbours, which
+    # wild factors then explain: the others begin narrower, and what makes the values most probable counts.
+    for first in range(1, len(_FIRST) - 1):
+        step("learning the model's errors again")
+        other, its_evidence, _ = _from(first, begin, values, undamaged)
+        if its_evidence > log_evidence:
+            found, log_evidence = other, its_evidence
+    return found
+
+
+@dataclass(frozen=True)
+class _Begin:
+    """What is assumed, the roots of the model as it is with their slopes, and whether scales are learned."""
+
+    s: float
+    taus: FloatArray
+    intact: Roots
+    slopes: FloatArray
+    scales: bool
+
+
+def _from(
+    first: int, begin: _Begin, values: Values, undamaged: Callable[[FloatArray], tuple[Roots, FloatArray]]
+) -> tuple[ModelError, float, bool]:
+    """The errors learned from one width of the first association, the log evidence, whether it settled."""
+    from scipy.linalg import cho_solve
+
+    s, taus, intact, slopes = begin.s, begin.taus, begin.intact, begin.slopes
+    n_factors = slopes.shape[1]
+    theta, settled = np.zeros(n_factors), False
+    for nth in range(first, _ITERATIONS + first):
         partner, place = _partners(values, intact, _spread(nth, taus)[intact.kind])
         std = values.std[partner >= 0]
         rows, y = _observed(place, intact, slopes, partner, theta)
         kind = intact.kind
-        if assumed is None:
+        if begin.scales:
             s, taus = _scales(rows, y, std, n_factors, kind)
         factor, prior = _factored(rows, std, s, taus[kind])
-        step = (prior * (rows.T @ cho_solve(factor, y)))[:n_factors] - theta
-        theta = np.clip(theta + np.clip(step, -_STEP, _STEP), -_REACH, _REACH)
-        intact, slopes = _undamaged(core, n_elements, theta, threads)
-        if nth >= len(_FIRST) and np.abs(step).max(initial=0.0) < _SETTLED:
+        step_by = (prior * (rows.T @ cho_solve(factor, y)))[:n_factors] - theta
+        theta = np.clip(theta + np.clip(step_by, -_STEP, _STEP), -_REACH, _REACH)
+        intact, slopes = undamaged(theta)
+        if nth >= len(_FIRST) and np.abs(step_by).max(initial=0.0) < _SETTLED:
+            settled = True
             break
-    partner, place = _partners(values, intact, _spread(_ITERATIONS, taus)[intact.kind])
+    partner, place = _partners(values, intact, _spread(len(_FIRST), taus)[intact.kind])
     rows, y = _observed(place, intact, slopes, partner, theta)
     factor, prior = _factored(rows, values.std[partner >= 0], s, taus[intact.kind])
     mean = prior * (rows.T @ cho_solve(factor, y))
+    log_evidence = -0.5 * float(y @ cho_solve(factor, y)) - float(np.log(np.diag(factor[0])).sum())
+    log_evidence -= 0.5 * y.size * float(np.log(2.0 * np.pi)) + (values.size - y.size) * _alone(values)
     mean[:n_factors] -= theta
     by_factors = (rows[:, :n_factors] * s) @ (rows[:, :n_factors] * s).T
     spare = y.size - float(np.trace(cho_solve(factor, by_factors)))
-    return ModelError(theta, s, taus, intact, partner, place, spare, mean, rows, prior, factor)
+    found = ModelError(theta, s, taus, intact, partner, place, spare, mean, rows, prior, factor)
+    return found, log_evidence, settled
 
 
 def _spread(nth: int, taus: FloatArray) -> FloatArray:
@@ -170,11 +220,15 @@ def _spread(nth: int, taus: FloatArray) -> FloatArray:
 
 def _partners(values: Values, intact: Roots, spread: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
     """Root of each value, and the values as seen from there."""
-    low, high = values.frequencies.min(), values.frequencies.max()
-    inside = (intact.kind == 0) & intact.between(low, high)
+    inside = (intact.kind == 0) & intact.between(values.frequencies.min(), values.frequencies.max())
     missed = np.where(inside, -np.log(1.0 - FOUND_ONCE), 0.0)
-    alone = -float(np.log(FALSE / max(high - low, 0.1)))
-    return values.associated(intact, intact.log_f, spread, alone, missed)[:2]
+    return values.associated(intact, intact.log_f, spread, _alone(values), missed)[:2]
+
+
+def _alone(values: Values) -> float:
+    """Price of a value without a root: a false one, anywhere in the band."""
+    width = values.frequencies.max() - values.frequencies.min()
+    return -float(np.log(FALSE / max(width, 0.1)))
 
 
 def _undamaged(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -11,6 +11,8 @@ from ..models.parameter import Parameter
 from ..models.parameters import stiffness_reduction
 from ..support.progress import step
 from ..support.validation import reject
+from ..updating.explained import hint_of
+from ..updating.targets import targets_of
 from .contradiction import Contradiction, contradiction
 from .factors import factors_of
 from .likelihood import Likelihood
@@ -62,6 +64,10 @@ class Question:
     std_common: float
     model_error: float | None = None
     reduced: bool = False
+    #: What the baseline taught (error, scatter, contradiction) once it was asked: intervals ask again.
+    _taught: list[tuple[ModelError, float, Contradiction | None]] = field(
+        default_factory=list, init=False, repr=False, compare=False
+    )
 
     def prepared(self, threads: int) -> Prepared:
         """Learn the model's errors from the baseline."""
@@ -80,19 +86,39 @@ class Question:
         core: Any = responses.source(model, parts)
         if self.reduced and isinstance(responses, Responses):
             core = ReducedRoots(Terms(model, responses.parts, parts, numbers, factors), core)
+        if not self._taught:
+            self._taught.append(self._teach(core, (len(numbers), len(factors)), responses, intact, threads))
+        error, scatter, odd = self._taught[0]
+        if scatter > 1.0:
+            intact, now = intact.noisier(scatter), now.noisier(scatter)
+        likelihood = Likelihood(core, len(numbers), error, intact, now, self.std_common, threads)
+        return Prepared(likelihood, numbers, factors, responses, intact, now, error, scatter, odd)
+
+    def _teach(
+        self,
+        core: Any,
+        sizes: tuple[int, int],
+        responses: Responses | ModeResponses,
+        intact: Values,
+        threads: int,
+    ) -> tuple[ModelError, float, Contradiction | None]:
+        """The model's errors, the scatter between intact tests, and which of them contradict each other."""
         step("learning the model's errors")
-        error = learned(core, len(numbers), len(factors), intact, self.model_error, threads)
+        error = learned(core, *sizes, intact, self.model_error, threads)
         if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
             reject(
                 "model",
-                f"one without {responses.noun} near the measured ones",
+                f"one that does not explain the measurement: no {responses.noun} near the measured ones",
                 "a model of the tested structure",
-                "Check units, dofs and supports of the model, and the band of the measurement.",
+                f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
+                "measurement.".lstrip(),
             )
         odd = contradiction(intact.plain, responses.tests)
         scatter = scatter_between(intact, error.place, error.partner)
         if scatter > 1.0:
-            intact, now = intact.noisier(scatter), now.noisier(scatter)
-            error = learned(core, len(numbers), len(factors), intact, self.model_error, threads)
-        likelihood = Likelihood(core, len(numbers), error, intact, now, self.std_common, threads)
-        return Prepared(likelihood, numbers, factors, responses, intact, now, error, scatter, odd)
+            error = learned(core, *sizes, intact.noisier(scatter), self.model_error, threads)
+        return error, scatter, odd
+
+    def hint(self) -> str:
+        """A mistake that would account for a model that does not explain the intact structure, if any."""
+        return hint_of(self.model, targets_of(self.model, self.baseline or self.measured, None))

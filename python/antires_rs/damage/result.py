@@ -9,10 +9,11 @@ import numpy as np
 
 from ..optimize.arguments import thread_count
 from ..support.validation import FloatArray, reject
+from ..updating.explained import Explained, explained
 from ..updating.identifiability import smallest_visible
 from ..updating.results import UpdateResult
 from .inference import infer
-from .one_state import headline_of_one_state
+from .one_state import all_lost, headline_of_one_state
 from .percent import figure
 from .prior import DamagePrior
 from .question import Question
@@ -144,7 +145,17 @@ class DamageResult(UpdateResult):
         if self._assessment is not None:
             return headline(self._assessment, label)
         losses = {e: self.severity[e] for e in self.damaged}
-        return headline_of_one_state(losses, label, finished=self.search.status != "interrupted")
+        return headline_of_one_state(
+            losses, label, self._fit, len(self.elements), finished=self.search.status != "interrupted"
+        )
+
+    @cached_property
+    def _fit(self) -> Explained | None:
+        """What the model with the damage found explains, without a baseline."""
+        if self._assessment is not None or self.search.status == "interrupted":
+            return None
+        losses = {e: self.severity[e] for e in self.damaged}
+        return explained(self.problem, self.x, doubted=all_lost(losses, len(self.elements)))
 
     @property
     def elements(self) -> list[int]:
@@ -366,7 +377,7 @@ class DamageResult(UpdateResult):
     def summary(self) -> str:
         """What was found, frequencies and notes as text."""
         if self._assessment is None:
-            return super().summary()
+            return "\n".join([self.headline, "", super().summary()])
         head = [self.headline, "", str(self.hypotheses), "", str(self.table), ""]
         return "\n".join([*head, *(f"note: {note}" for note in self.notes)])
 

@@ -21,7 +21,7 @@ from .likelihood import Likelihood
 from .screening import COARSE, worth_a_scan
 from .view import View
 
-__all__ = ["Search"]
+__all__ = ["Elements", "Search", "explained"]
 
 Elements = tuple[int, ...]
 
@@ -65,6 +65,8 @@ class Search:
     interrupted: bool = False
     #: How many elements were scanned for a single damage, of how many; none where all were.
     screened: tuple[int, int] | None = None
+    #: Sets that explain far less than others wherever they came to, without coming to rest.
+    hopeless: set[Elements] = field(default_factory=set)
 
     @cached_property
     def something_else(self) -> float:
@@ -79,7 +81,7 @@ class Search:
                 step(f"sets of {size}")
                 likeliest = max(self.fits.values(), key=lambda fit: fit.log_evidence)
                 # No single element may be missing from the answer because it was not looked at.
-                singles = all((e,) in self.fits for e in range(self.likelihood.n))
+                singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
                 if self._explained(likeliest) and singles:
                     break
                 parents = self._parents(size - 1)
@@ -171,18 +173,7 @@ class Search:
 
     def _explained(self, parent: Fit) -> bool:
         """Whether a set leaves nothing to be explained."""
-        view = parent.view
-        gains = 0.5 * np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
-        gains[list(parent.elements)] = 0.0
-        count = int(view.matched.sum())
-        fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
-        all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
-        # Errors as they are stated: larger ones would explain anything.
-        stated = view.times <= (_WIDER if parent.elements else 1.0)
-        # A few values are explained by much that is not so, and what is no damage may explain them better.
-        many = not parent.elements or count >= _MANY + len(parent.elements)
-        explained = bool(fits and all_there and gains.max() < _GAIN and stated and many)
-        return explained and parent.log_evidence > self.something_else
+        return explained(parent, self.something_else)
 
     def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""
@@ -229,8 +220,29 @@ class Search:
                 room = 1.0 - betas[row, at]
                 ahead = np.clip(-newton / room, -_LONGEST, _LONGEST)
                 betas[row, at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
-        for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
+        views = self.likelihood.views(betas)
+        for elements, view in zip(sets, views, strict=True):
             self._judge(elements, view)
+        top = max(fit.view.log_likelihood for fit in self.fits.values())
+        far = (s for s, view in zip(sets, views, strict=True) if view.log_likelihood < top - _HOPELESS)
+        self.hopeless.update(elements for elements in far if elements not in self.fits)
+
+
+def explained(parent: Fit, something_else: float) -> bool:
+    """Whether a set leaves nothing to be explained; ``something_else`` is the log evidence of a change that
+    no element explains."""
+    view = parent.view
+    gains = 0.5 * np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
+    gains[list(parent.elements)] = 0.0
+    count = int(view.matched.sum())
+    fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
+    all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
+    # Errors as they are stated: larger ones would explain anything.
+    stated = view.times <= (_WIDER if parent.elements else 1.0)
+    # A few values are explained by much that is not so, and what is no damage may explain them better.
+    many = not parent.elements or count >= _MANY + len(parent.elements)
+    whole = bool(fits and all_there and gains.max() < _GAIN and stated and many)
+    return whole and parent.log_evidence > something_else
 
 
 def _worth(sets: list[Elements], views: list[View]) -> list[int]:

@@ -16,7 +16,7 @@ from .association import FALSE, FOUND, FOUND_ONCE
 from .measured_states import Values
 from .roots import Roots
 
-__all__ = ["ERRORS", "Band", "Foreseen", "View", "viewed"]
+__all__ = ["ERRORS", "Band", "Foreseen", "View", "associated", "viewed"]
 
 #: Errors of predictions and of values, each with a prior probability: multiples of the share of the model's
 #: error that no factor explains, and of the values' standard deviations, which are estimates themselves. Set
@@ -129,14 +129,14 @@ def viewed(
     found: list[View] = []
     before: NDArray[np.intp] | None = None
     for wider in _WIDER:
-        partner, place, price = _associated(now, roots, band, np.sqrt(variance), wider)
+        partner, place, price = associated(now, roots, band, np.sqrt(variance), wider)
         if before is None or not np.array_equal(partner, before):
             found.append(_judged(beta, now, place, roots, partner, price, errors))
         before = partner
     return max(found, key=lambda view: view.log_likelihood)
 
 
-def _associated(
+def associated(
     now: Values, roots: Foreseen, band: Band, sigma: FloatArray, wider: float
 ) -> tuple[NDArray[np.intp], FloatArray, float]:
     """Root of each value, the values as seen from there, and what those without a partner cost."""
@@ -145,7 +145,7 @@ def _associated(
         roots.roots, roots.place, sigma, band.alone, missed - present, wider
     )
     taken = partner[partner >= 0]
-    price = lost + np.unique(now.test).size * missed.sum() - (missed - present)[taken].sum()
+    price = lost + now.tests.size * missed.sum() - (missed - present)[taken].sum()
     return partner, place, float(price)
 
 
@@ -159,7 +159,7 @@ def _judged(
     errors: tuple[tuple[float, float, float], ...],
 ) -> View:
     """Likelihood and slopes, for one way to associate."""
-    from scipy.linalg import solve_triangular
+    from scipy.linalg.lapack import dtrtrs
 
     has = np.flatnonzero(partner >= 0)
     root = partner[has]
@@ -171,11 +171,14 @@ def _judged(
     unmodelled = (root[:, None] == root) * np.outer(size, size)
     kappa, times, share = np.array(errors).T[..., None, None]
     triangles = np.linalg.cholesky(model + times**2 * noise + kappa**2 * unmodelled)
-    white = np.linalg.solve(triangles, np.broadcast_to(residual[:, None], (len(errors), has.size, 1)))[..., 0]
+    # A row-major lower triangle is a column-major upper one.
+    solved = [dtrtrs(each.T, residual, trans=1)[0] for each in triangles] if has.size else []
+    white = np.reshape(solved, (len(errors), has.size))
     log_diagonal = np.log(np.diagonal(triangles, axis1=1, axis2=2)).sum(axis=1)
     logs = np.log(share[:, 0, 0]) - 0.5 * np.einsum("ei,ei->e", white, white) - log_diagonal
     best = int(np.argmax(logs))
-    slope = solve_triangular(triangles[best], roots.slopes[root], lower=True)
+    slopes = roots.slopes[root]
+    slope = dtrtrs(triangles[best].T, slopes, trans=1)[0] if has.size else slopes
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
     return View(
@@ -195,6 +198,8 @@ def _judged(
 
 def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
     """The mean of those of the same kind, for each."""
+    if not kind.any():
+        return np.full(squares.size, squares.mean() if squares.size else 0.0)
     found = np.zeros(squares.size)
     for each in np.unique(kind):
         found[kind == each] = np.mean(squares[kind == each])

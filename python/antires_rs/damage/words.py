@@ -10,17 +10,34 @@ from .supersets import without_idle
 
 __all__ = ["headline"]
 
-_NO_MODEL = "The model does not explain the intact structure: check its units, dofs and supports."
+#: Errors that a model of the structure may have.
+_FAR = 0.1
 
 
 def headline(found: Assessment, label: Label) -> list[str]:
     """The first lines of a report: is there damage, where, how sure, how much, and what else it may be."""
     doubts = [_contradiction(found)] if found.odd_baselines else []
-    doubts += [] if found.model_fits else [_NO_MODEL]
+    doubts += [] if found.model_fits else [_no_model(found)]
     found, many = without_idle(found), len(found.hypotheses)
     if found.interrupted:
         return [*_stopped(found, many, label), *doubts]
     return [*doubts, _if_trusted(found, label)] if doubts else answer(found, label)
+
+
+def _no_model(found: Assessment) -> str:
+    """The model cannot be that of the structure: why, and what to look at."""
+    why = f"{found.n_intact_matched} of {found.n_intact} values of the intact structure have a partner in it"
+    if 2 * found.n_intact_matched > found.n_intact:
+        why = (
+            f"its stiffnesses and masses would have to be off by {figure(found.factor_std)}, and its "
+            f"frequencies by {figure(found.root_std)} beyond that"
+        )
+        if found.factor_std < _FAR and found.root_std < _FAR:
+            why = f"it has {found.n_intact_roots} roots where {found.n_intact} values were measured"
+    hint = f"{found.hint} " if found.hint else ""
+    return (
+        f"The model does not explain the measurement: {why}. {hint}Check its units, dofs, force and supports."
+    )
 
 
 def _stopped(found: Assessment, many: int, label: Label) -> list[str]:

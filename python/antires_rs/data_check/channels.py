@@ -62,7 +62,9 @@ def clipped(data: Iterable[FloatArray], labels: tuple[Any, ...]) -> Said:
     """Channels whose samples pile up at their largest or smallest value."""
     found: Said = []
     for label, x in zip(labels, data, strict=True):
-        piles = {float(x.max()): _pile(x), float(x.min()): _pile(-x)}
+        low, high = float(x.min()), float(x.max())
+        above, below = x[x >= high - HIGH * (high - low)], x[x <= low + HIGH * (high - low)]
+        piles = {high: _pile(np.sort(above), high - low, x), low: _pile(np.sort(-below), high - low, x, -1.0)}
         count = sum(piles.values())
         if count == 0:
             continue
@@ -78,10 +80,9 @@ def clipped(data: Iterable[FloatArray], labels: tuple[Any, ...]) -> Said:
     return found
 
 
-def _pile(x: FloatArray) -> int:
-    """Samples at the largest value if they are a pile, else 0."""
-    largest, spread = float(x.max()), float(x.max() - x.min())
-    high = np.sort(x[x >= largest - HIGH * spread])
+def _pile(high: FloatArray, spread: float, x: FloatArray, sign: float = 1.0) -> int:
+    """Samples at the largest of ``sign * x`` if they are a pile, else 0; ``high`` are its high ones."""
+    largest = float(high[-1])
     steps = np.diff(high)
     steps = steps[steps > 1e-9 * spread]
     # Levels as wide as the digits of the converter, where these are coarse.
@@ -91,7 +92,7 @@ def _pile(x: FloatArray) -> int:
     if count < PILE or count <= PILE_RATIO * (more - count) / LEVELS_BELOW:
         return 0
     # Rest is no pile: the force between two impacts.
-    return count if largest - np.median(x) > level else 0
+    return count if largest - sign * np.median(x) > level else 0
 
 
 def duplicated(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], list[int]]:
@@ -132,8 +133,11 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said
         step = np.diff(x)
         still = step == 0.0
         run = _longest_run(still)
-        at_extreme = np.isin(x[run[0]], (x.max(), x.min()))
-        if run[1] >= RUN and still.mean() < max(REPEATED, 2.0 * run[1] / x.size) and not at_extreme:
+        if (
+            run[1] >= RUN
+            and still.mean() < max(REPEATED, 2.0 * run[1] / x.size)
+            and x.min() < x[run[0]] < x.max()
+        ):
             text = f"Channel {label!r} stands still for {run[1]} samples at {run[0] / fs_hz:.3g} s."
             found.append(
                 Finding(
@@ -147,13 +151,15 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said
                     f"still for {run[1]} samples at {run[0] / fs_hz:.3g} s",
                 )
             )
-        second = np.abs(np.diff(step))
-        scale = float(np.median(second[:: max(1, second.size // MEDIAN_SAMPLES)])) / 0.6745
-        far = np.flatnonzero(second > SPIKE_SIGMAS * scale) if scale > 0.0 else np.empty(0, dtype=int)
-        if far.size:
+        second = np.diff(step)
+        scale = float(np.median(np.abs(second[:: max(1, second.size // MEDIAN_SAMPLES)]))) / 0.6745
+        largest = max(float(second.max()), -float(second.min()))
+        if scale > 0.0 and largest > SPIKE_SIGMAS * scale:
+            second = np.abs(second)
+            count = int(np.count_nonzero(second > SPIKE_SIGMAS * scale))
             text = (
-                f"Channel {label!r} jumps: {far.size} second differences lie beyond {SPIKE_SIGMAS:g} "
-                f"standard deviations, the largest at {second.max() / scale:.0f}, "
+                f"Channel {label!r} jumps: {count} second differences lie beyond {SPIKE_SIGMAS:g} "
+                f"standard deviations, the largest at {largest / scale:.0f}, "
                 f"{int(np.argmax(second)) / fs_hz:.3g} s into the record."
             )
             found.append(
@@ -161,12 +167,12 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said
                     SPIKES,
                     "warning",
                     (label,),
-                    float(second.max() / scale),
+                    largest / scale,
                     SPIKE_SIGMAS,
                     text,
                     "Look for loose contacts, electric switching or blows; use the part of the "
                     "record without them.",
-                    f"{far.size} jumps, the largest at {second.max() / scale:.0f} standard deviations",
+                    f"{count} jumps, the largest at {largest / scale:.0f} standard deviations",
                 )
             )
     return found
@@ -174,10 +180,10 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said
 
 def _longest_run(still: Any) -> tuple[int, int]:
     """Start of the longest run of equal samples, and its length in samples."""
+    if not still.any():
+        return 0, 1
     edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int8), [0]])))
     starts, lengths = edges[::2], edges[1::2] - edges[::2]
-    if not starts.size:
-        return 0, 1
     best = int(np.argmax(lengths))
     return int(starts[best]), int(lengths[best]) + 1
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..signals.eigen import spectrum
 from ..signals.roughness import typical_noise
+from ..signals.segments import pieces
 from ..signals.spectra import CrossSpectra
 from ..support.validation import ComplexArray, FloatArray
 
@@ -106,7 +107,7 @@ def of_spectra(
     noise = np.maximum(noise, LEAST_NOISE * auto.mean(axis=1))
     root = np.sqrt(noise)
     # conj(A) B is the transpose of the covariance whose eigenvectors are wanted.
-    scaled = (matrix / (root[:, None] * root)).transpose(0, 2, 1)
+    scaled = (matrix * (1.0 / (root[:, None] * root))).transpose(0, 2, 1)
     values, vectors = spectrum(matrix, noise)
     first = np.maximum(values[:, 0], 0.0)
     coherence, explained = _best_partners(matrix, auto)
@@ -160,8 +161,11 @@ def _best_partners(matrix: ComplexArray, auto: FloatArray) -> tuple[FloatArray, 
     n = auto.shape[0]
     if n == 1:
         return np.zeros_like(auto), np.ones(1)
-    coherence = np.abs(matrix.transpose(1, 2, 0)) ** 2 / np.maximum(auto[:, None] * auto[None, :], 1e-300)
-    coherence = np.clip(coherence, 0.0, 1.0)
+    coherence = np.empty((n, n, len(matrix)))
+    for some in pieces(len(matrix), n * n):
+        part = matrix[some].transpose(1, 2, 0)
+        power = np.maximum(auto[:, None, some] * auto[None, :, some], 1e-300)
+        coherence[:, :, some] = np.minimum((part.real**2 + part.imag**2) / power, 1.0)
     coherence[np.arange(n), np.arange(n)] = 0.0
     explained = np.einsum("pqf,pf->pq", coherence, auto) / np.maximum(auto.sum(axis=1), 1e-300)[:, None]
     return coherence.max(axis=1), np.asarray(explained.max(axis=1), dtype=np.float64)

@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from ..signals.prominence import prominent_peaks
 from ..support.validation import ComplexArray, FloatArray
 from .evidence import Evidence
 from .findings import Finding, NotTested, Said
@@ -165,12 +166,11 @@ def _residues(over_peaks: ComplexArray) -> list[list[tuple[int, int, bool]]]:
 
 def resonances(seen: Evidence) -> Any:
     """Indices of the lines of the resonances, ascending."""
-    from scipy.signal import find_peaks  # slow to import
 
     half = _half_width(seen)
     smooth = _smoothed(seen.power, half)
     level = 10.0 * np.log10(np.maximum(smooth, 1e-12 * smooth.max()))
-    peaks = find_peaks(level, prominence=PROMINENCE_DB)[0]
+    peaks = prominent_peaks(level, PROMINENCE_DB)
     peaks = peaks[smooth[peaks] >= PEAK_SNR]
     # A mode moves most channels; what one of them alone has is its own affair.
     each = np.array([_smoothed(power, half) for power in (np.abs(seen.vectors) ** 2).T])

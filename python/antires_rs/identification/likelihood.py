@@ -90,7 +90,7 @@ def likeliest(
     for _ in range(iterations):
         weights = (capped / size)[some]
         fit = NumeratorFit(freq_hz[some], covariance[some], largest[some], weights, int(orders[-1]))
-        solutions = [fit.likeliest(int(m))[0] for m in orders]
+        solutions = fit.likeliest(*orders.tolist())
         q = _misfits(fit, solutions, covariance[some], largest[some], capped[some])
         free = (n - 1.0) * (orders + 1.0)
         # Q does not depend on the weights, so that iterations can be compared; it need not fall.
@@ -110,10 +110,12 @@ def likeliest(
         at = fit.basis.at(np.asarray(1j * freq_hz / fit.scale_hz, dtype=np.complex128), middle)
         size = np.sum(np.abs(at @ solutions[source]) ** 2, axis=1)
         size = np.maximum(size, LEAST_SIZE * size.max())
+        del fit, at  # before the next one is made
         orders = np.arange(max(middle - BELOW, LEAST_ORDER), min(middle + ABOVE, max_order) + 1)
     _, order, size = best
     fit = NumeratorFit(freq_hz, covariance, largest, capped / size, min(max_order, order + HIGHER))
-    return Likeliest(fit, order, *fit.likeliest(order))
+    (c,) = fit.likeliest(order)
+    return Likeliest(fit, order, c, fit.misfit(c))
 
 
 def _misfits(
@@ -124,16 +126,16 @@ def _misfits(
     capped: FloatArray,
 ) -> FloatArray:
     """Q of every solution."""
-    terms = fit.max_order + 1
-    stack = np.zeros((terms, fit.n, len(solutions)))
+    terms, n = fit.max_order + 1, fit.n
+    stack = np.zeros((terms, len(solutions), n))
     for i, c in enumerate(solutions):
-        stack[: c.shape[0], :, i] = c
+        stack[: c.shape[0], i] = c
     share = np.empty((largest.size, len(solutions)))
-    for lines in pieces(largest.size, fit.n * len(solutions)):
-        values = fit.values(stack.reshape(terms, -1), lines).reshape(-1, fit.n, len(solutions))
-        seen = covariance[lines] @ values
-        seen *= values.conj()
-        total = np.einsum("fis,fis->fs", values.real, values.real)
-        total += np.einsum("fis,fis->fs", values.imag, values.imag)
-        share[lines] = seen.real.sum(axis=1) / np.maximum(total, 1e-300)
+    for lines in pieces(largest.size, n * len(solutions)):
+        values = fit.values(stack.reshape(terms, -1), lines).reshape(-1, len(solutions), n)
+        seen = values @ covariance[lines].transpose(0, 2, 1)
+        # Real parts of the inner products, as those of twice as many real numbers.
+        x, y = values.view(np.float64), seen.view(np.float64)
+        share[lines] = np.einsum("fsk,fsk->fs", x, y)
+        share[lines] /= np.maximum(np.einsum("fsk,fsk->fs", x, x), 1e-300)
     return np.asarray(np.maximum(capped @ (largest[:, None] - share), 1e-300))

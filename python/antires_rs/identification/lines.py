@@ -111,8 +111,8 @@ class Lines:
         own = self.vectors[row]
         # A line at which the row vanishes would divide by zero; its weight will be nil.
         own = np.where(np.abs(own) < 1e-12, 1e-12, own)
-        others = np.delete(self.vectors, row, axis=0) / own
-        return others, np.sum(np.abs(others) ** 2, axis=0)
+        others = np.delete(self.vectors, row, axis=0) * (1.0 / own)
+        return others, np.sum(others.real**2 + others.imag**2, axis=0)
 
 
 def unit(vectors: ComplexArray) -> ComplexArray:

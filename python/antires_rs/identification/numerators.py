@@ -31,6 +31,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..exceptions import NumericalError
 from ..order_sweep.shared import shared
@@ -71,11 +72,8 @@ class NumeratorFit:
         self._even, self._odd = (np.ascontiguousarray(self.basis.p[:, parity::2]) for parity in (0, 1))
         self._signs = np.array([1.0, 1.0, -1.0, -1.0])[np.arange(terms) % 4]
         self.form = self._form(whole, covariance, largest)
-        size = self.form.shape[0]
-        self._root = _root(self.form)
-        from scipy.linalg import solve_triangular  # slow to import
-
-        self._first = solve_triangular(self._root, np.eye(size)[:, : self.n], lower=True)
+        self._upper = _upper(self.form)
+        self._first = _solved(self._upper, np.eye(self.form.shape[0], self.n))
 
     def _form(self, whole: Basis, covariance: ComplexArray, largest: FloatArray) -> FloatArray:
         """A of Q = c' A c, ordered by degree, then by channel.
@@ -86,7 +84,7 @@ class NumeratorFit:
         """
         n, terms, b = self.n, self.max_order + 1, whole.b[:, None]
         one, other = np.triu_indices(n)
-        z = -covariance[:, one, other]
+        z = -np.take(covariance.reshape(-1, n * n), one * n + other, axis=1)
         z[:, one == other] += largest[:, None]
         z *= self.weights[:, None]
         # Even products see the real part of z, odd ones the imaginary part.
@@ -94,22 +92,26 @@ class NumeratorFit:
         row[0::2] = whole.p[:, 0::2].T @ z.real
         row[1::2] = whole.p[:, 1::2].T @ z.imag
         row /= whole.b[0]
-        part = np.empty((terms, terms, one.size))
+        # Row i holds <i, i>, <i, i + 1>, ... only: those before are known.
+        place = np.empty((n, n), dtype=int)
+        place[one, other] = place[other, one] = np.arange(one.size)
+        below = np.where(np.arange(n)[:, None] > np.arange(n), -1.0, 1.0)
+        form = np.empty((terms, n, terms, n))
         before = np.zeros_like(row)
         for i in range(terms):
-            part[i] = row[:terms]
-            last = row.shape[0] - 1
-            after = b[1 : last + 1] * row[1:]
-            after[1:] += b[1:last] * row[: last - 1]
+            # Re(i^m z): the real part for even m, the imaginary one, which is antisymmetric, for odd m.
+            blocks = row[: terms - i, place]
+            blocks[1::2] *= below
+            blocks[1::4] *= -1.0
+            blocks[2::4] *= -1.0
+            form[i, :, i:] = blocks.transpose(1, 0, 2)
+            form[i:, :, i] = blocks.transpose(0, 2, 1)
+            k = np.arange(i + 1, i + row.shape[0] - 1)
+            after = b[k + 1] * row[2:]
+            after += b[k] * row[:-2]
             if i:
-                after -= b[i] * before[:last]
+                after -= b[i] * before[2:-2]
             before, row = row, after / whole.b[i + 1]
-        step = np.arange(terms)
-        # Re(i^m z): the real part for even m, the imaginary one for odd m, with these signs.
-        part *= np.array([1.0, -1.0, -1.0, 1.0])[(step[None, :] - step[:, None]) % 4][:, :, None]
-        form = np.empty((terms, n, terms, n))
-        form[:, one, :, other] = part.transpose(2, 0, 1)
-        form[:, other, :, one] = part.transpose(2, 1, 0)
         return form.reshape(terms * n, terms * n)
 
     def low(self, order: int) -> FloatArray:
@@ -117,22 +119,30 @@ class NumeratorFit:
         size = (order + 1) * self.n
         first = self._first[:size]
         best = np.linalg.eigh(first.T @ first)[1][:, -1]
-        c = _solved(self._leading(size), first @ best, transposed=True)
+        c = _solved(self._upper[:, :size], first @ best, transposed=True)
         return np.asarray(c / np.linalg.norm(c)).reshape(order + 1, self.n)
 
-    def likeliest(self, order: int) -> tuple[FloatArray, float]:
-        """Coefficients (order + 1, n) of least misfit for their norm, and that misfit."""
-        size = (order + 1) * self.n
-        root = self._leading(size)
-        c = self._first[:size].sum(axis=1)
+    def likeliest(self, *orders: int) -> list[FloatArray]:
+        """Coefficients (order + 1, n) of least misfit for their norm, of every order."""
+        sizes = self.n * (np.array(orders) + 1)
+        # One column an order: where a column is zero at the end, the whole factor is the leading block's.
+        beyond = np.arange(sizes.max())[:, None] >= sizes
+        root = self._upper[:, : sizes.max()]
+        c = np.array(
+            np.broadcast_to(self._first[: sizes.max()].sum(axis=1)[:, None], beyond.shape), order="F"
+        )
         for _ in range(ITERATIONS):
-            c = _solved(root, _solved(root, c), transposed=True)
-            c = c / np.linalg.norm(c)
-        return c.reshape(order + 1, self.n), float(c @ self.form[:size, :size] @ c)
+            c[beyond] = 0.0
+            c = _solved(root, c)
+            c[beyond] = 0.0
+            c = _solved(root, c, transposed=True)
+            c /= np.linalg.norm(c, axis=0)
+        return [own[:size].reshape(-1, self.n) for own, size in zip(c.T, sizes, strict=True)]
 
-    def _leading(self, size: int) -> FloatArray:
-        """Columns of the factor's transpose, in BLAS' order, in which that of the leading block stands."""
-        return self._root.T[:, :size]
+    def misfit(self, c: FloatArray) -> float:
+        """Quadratic form of coefficients (order + 1, n)."""
+        flat = c.ravel()
+        return float(flat @ self.form[: c.size, : c.size] @ flat)
 
     def values(self, c: FloatArray, lines: slice = slice(None)) -> ComplexArray:
         """N at the lines, (n_freq, n); ``c`` may hold several solutions side by side."""
@@ -170,19 +180,26 @@ class NumeratorFit:
         return np.asarray(-self.basis.at(u, order) / change[:, None] * (2 * np.pi * self.scale_hz))
 
     def dominances(self, c: FloatArray, row: int, s: ComplexArray, others: Sequence[int]) -> FloatArray:
-        """Share of each root's own peak in the quotients of ``others`` over ``row`` at its frequency."""
-        above = np.ascontiguousarray(c[:, list(others)].T)
-        return dominance((self.basis, above), (self.basis, c[:, row]), s / (2 * np.pi * self.scale_hz))
+        """Share of each root's own peak in the quotients of ``others`` over ``row`` at its frequency.
+
+        ``c`` is one solution, (order + 1, n), or one for each root.
+        """
+        above = c[..., list(others)].swapaxes(-1, -2)
+        return dominance((self.basis, above), (self.basis, c[..., row]), s / (2 * np.pi * self.scale_hz))
 
 
-def _root(form: FloatArray) -> FloatArray:
-    """Cholesky factor; a direction without any misfit at all is left to the ridge."""
+def _upper(form: FloatArray) -> FloatArray:
+    """Transpose of the Cholesky factor; a direction without any misfit at all is left to the ridge."""
+    from scipy.linalg.lapack import dpotrf  # slow to import
+
     ridge = max(float(np.trace(form)) / form.shape[0], 1e-300)
     for share in RIDGES:
-        try:
-            return np.linalg.cholesky(form + share * ridge * np.eye(form.shape[0]))
-        except np.linalg.LinAlgError:
-            continue
+        ridged = form.copy()
+        ridged.flat[:: form.shape[0] + 1] += share * ridge
+        # BLAS reads columns: of a symmetric matrix they are the rows.
+        upper, info = dpotrf(ridged.T, lower=0, clean=0, overwrite_a=1)
+        if info == 0:
+            return np.asarray(upper)
     raise NumericalError(
         "the numerators of all responses",
         "the spectra leave them undefined; check for channels that are copies or hold no signal",
@@ -190,7 +207,7 @@ def _root(form: FloatArray) -> FloatArray:
 
 
 def _solved(upper: FloatArray, right: FloatArray, *, transposed: bool = False) -> FloatArray:
-    """Solution with a lower triangular factor or its transpose, of which these are the leading columns."""
+    """Solution with a lower triangular factor or its transpose, which ``upper`` is, or its first columns."""
     from scipy.linalg.lapack import dtrtrs  # slow to import
 
     return np.asarray(dtrtrs(upper, right, lower=0, trans=int(not transposed))[0])
@@ -222,7 +239,19 @@ class NumeratorSweep:
             self._roots[order] = self.fit.zeros(own, self._roots.get(order - 1))
         return self._roots[order]
 
-    def dominances(self, order: int, s: ComplexArray) -> FloatArray:
+    def dominances(self, order: int | NDArray[np.int64], s: ComplexArray) -> FloatArray:
         """Share of each root's own peak in the curves at its frequency; none if all rows have the root."""
-        share = self.fit.dominances(self._solution(order), self.row, s, self.others)
-        return np.where(shared(s, [other.roots(order) for other in self.companions]), 0.0, share)
+        each = np.broadcast_to(order, s.shape).tolist()
+        c = np.zeros((s.size, max(each, default=0) + 1, self.fit.n))
+        for i, own in enumerate(each):
+            c[i, : own + 1] = self._solution(own)
+        share = self.fit.dominances(c, self.row, s, self.others)
+        return np.where(shared(s, [other.side_by_side(each) for other in self.companions]), 0.0, share)
+
+    def side_by_side(self, orders: Sequence[int]) -> ComplexArray:
+        """Roots of so many orders, (n, most), infinite where one has fewer."""
+        out = np.full((len(orders), max(orders, default=0)), np.inf, dtype=np.complex128)
+        for i, order in enumerate(orders):
+            roots = self.roots(order)
+            out[i, : roots.size] = roots
+        return out

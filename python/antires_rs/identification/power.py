@@ -139,6 +139,6 @@ class PowerSweep(PoleSweep):
         below = self.fit.denominator_basis.p[:, : order + 1] @ d
         return self.fit.values + 0j, np.asarray(above.T / below + 0j)
 
-    def dominances(self, order: int, s: ComplexArray) -> FloatArray:
-        """Share of each root's own peak in the fitted power at its frequency."""
+    def _share(self, order: int, s: ComplexArray) -> FloatArray:
+        """Of each root's own peak in the fitted power at its frequency."""
         return self.fit.peak_shares(self._solution(order, False), s)

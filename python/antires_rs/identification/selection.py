@@ -70,8 +70,7 @@ def select(
     roots = [best.fit.zeros(best.coefficients[:, row]) for row in rows]
     influence.pool(roots)
     other_orders = [
-        [best.fit.zeros(c[:, row]) for row in rows]
-        for c in (best.fit.likeliest(order)[0] for order in next_orders(best))
+        [best.fit.zeros(c[:, row]) for row in rows] for c in best.fit.likeliest(*next_orders(best))
     ]
     solutions: dict[int, FloatArray] = {}
     sweeps = [NumeratorSweep(best.fit, row, [k for k in rows if k != row], solutions) for row in rows]
@@ -102,7 +101,7 @@ def select(
         keep = _credible(s, zeros, stays, others)
         if not rule.persistent:
             keep &= zeros.how == "chain"
-        fitted = np.delete(numerators, row, axis=0) / numerators[row]
+        fitted = np.delete(numerators, row, axis=0) * (1.0 / numerators[row])
         accepted = scored(zeros.take(keep), lines.freq_hz, background, quotients, fitted)
         diagrams.append(replace(one, accepted=accepted))
     return diagrams

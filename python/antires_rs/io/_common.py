@@ -18,6 +18,7 @@ from ..support.wording import Passed, Wording
 
 __all__ = [
     "Signal",
+    "brief",
     "existing_file",
     "missing_package",
     "missing_part",
@@ -46,6 +47,12 @@ def existing_file(path: str | os.PathLike[str]) -> Path:
 def unsuitable(path: Path, found: str, wanted: str, remedy: str) -> NoReturn:
     """Raise for a file that is damaged or of another kind."""
     raise UnsuitableDataError("path", f"{str(path)!r}, {found}", wanted, remedy)
+
+
+def brief(exc: BaseException) -> str:
+    """The first line of an error of another package, at most so long that it can be read."""
+    said = (str(exc).splitlines() or [""])[0]
+    return said[:120] if said and said.isprintable() else type(exc).__name__
 
 
 def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) -> None:

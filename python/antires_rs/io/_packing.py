@@ -3,7 +3,8 @@
 Version 1. The text has ``format``, ``version``, ``kind`` ("recording", "frf" or "transmissibility"),
 ``dofs`` and ``arrays``, the shape and type of each array, so that one that is missing or cut is noticed; a
 recording has ``fs_hz``, a response ``reference`` and ``n_averages``. Arrays: ``responses`` and ``force``, or
-``freq_hz``, ``values``, ``coherence`` and ``std``; values in SI, rows in the order of ``dofs``.
+``freq_hz``, ``values``, ``coherence`` and ``std``; values in SI, rows in the order of ``dofs``. ``crc32`` has
+checksums of the arrays, ``text_crc32`` that of the text without it; files of versions before have neither.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +42,29 @@ def pack(signal: Signal) -> tuple[str, dict[str, NDArray[Any]]]:
         arrays, optional = {"freq_hz": signal.freq_hz, "values": signal.values}, _OPTIONAL["response"]
     arrays |= {name: getattr(signal, name) for name in optional if getattr(signal, name) is not None}
     text["arrays"] = {name: [str(array.dtype), *array.shape] for name, array in arrays.items()}
+    text["crc32"] = {name: _checksum(array) for name, array in arrays.items()}
+    text["text_crc32"] = crc32(json.dumps(text, allow_nan=False).encode())
     return json.dumps(text, allow_nan=False), arrays
+
+
+def _checksum(array: NDArray[Any]) -> int:
+    return crc32(np.ascontiguousarray(array).view(np.uint8).reshape(-1))  # type: ignore[arg-type]
+
+
+def _check_sums(path: Path, data: dict[str, Any], made: dict[str, NDArray[Any]]) -> None:
+    """Compare the checksums, which files of versions before do not have."""
+    if "text_crc32" in data:
+        text = {key: value for key, value in data.items() if key != "text_crc32"}
+        if crc32(json.dumps(text).encode()) != data["text_crc32"]:
+            unsuitable(path, "whose text does not have its checksum", WANTED, "It was damaged or edited.")
+    for name, stated in data.get("crc32", {}).items():
+        if name not in made or _checksum(made[name]) != stated:
+            unsuitable(
+                path,
+                f"whose {name} does not have its checksum",
+                WANTED,
+                "It was damaged or edited: copy it again.",
+            )
 
 
 def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
@@ -73,6 +97,7 @@ def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
                     f"{tuple(shape)} of {dtype}, as the file itself states",
                     "It was damaged.",
                 )
+        _check_sums(path, data, made)
         if data["kind"] == "recording":
             return Recording(made["responses"], data["fs_hz"], data["dofs"], made.get("force"))
         return FrequencyResponse(

@@ -18,7 +18,7 @@ from .axis import GivenAxis, given_axis
 from .channels import Channel, Dofs, in_si, kept, recording_of, renamed
 from .units import named_unit
 
-__all__ = ["signal_of_arrays"]
+__all__ = ["ROLES", "signal_of_arrays"]
 
 #: Last parts of names, in small letters, that say what an array is when the user does not.
 _TIME = {"time", "t", "time_s", "tijd", "zeit"}
@@ -26,6 +26,8 @@ _RATE = {"fs", "fs_hz", "rate", "samplerate", "sampling_rate", "sample_rate", "s
 _FREQ = {"f", "freq", "freq_hz", "frequency", "frequencies", "freqs"}
 _FORCE = {"force", "hammer", "excitation", "input"}
 _COHERENCE = {"coherence", "coh", "gamma2"}
+#: Names that tell a role, whatever is asked for.
+ROLES = frozenset(_TIME | _RATE | _FREQ | _FORCE | _COHERENCE)
 
 Kind = Literal["frf", "transmissibility"]
 

@@ -7,20 +7,19 @@ import os
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from ..support.files import write_atomically
-from ._common import Signal, existing_file, missing_package, signal_given, unsuitable
+from ..support.validation import finite_scalar
+from ._common import Signal, existing_file, missing_package, signal_given
 from ._packing import FORMAT, pack, unpack
 from .arrays import signal_of_arrays
 from .channels import Dofs
+from .child import Asked, in_a_child
 from .own import own_signal
 
 __all__ = ["datasets_of", "read_hdf5", "write_hdf5"]
 
-#: Cells in cells deeper than this are no record of a test.
-DEEPEST = 8
 #: Attribute of the root that holds the JSON text.
 TEXT = "antires_rs"
 
@@ -39,6 +38,8 @@ def read_hdf5(
     reference: Any = None,
     freq_hz: Any = None,
     df_hz: float | None = None,
+    time_limit_s: float = 60.0,
+    memory_limit_gb: float = 8.0,
 ) -> Signal:
     """Read an HDF5 file: one of ours as it was, any other by the names of its datasets.
 
@@ -46,7 +47,10 @@ def read_hdf5(
     ----------
     path : path-like
     responses, time, freq, force, fs_hz, dofs, unit, kind, reference, freq_hz, df_hz
-        As in :func:`read_npz`; datasets in groups are named ``group/name``.
+        As in :func:`read_npz`; datasets in groups are named ``group/name``. Where ``responses`` are named,
+        nothing else is read but what the other roles need.
+    time_limit_s, memory_limit_gb : float
+        Limits of the child process that reads (the memory's where the system has such limits).
 
     Returns
     -------
@@ -71,7 +75,13 @@ def read_hdf5(
     Recording(1 channels, 0.375 s at 8 Hz, dofs=('tip',), no force)
     """
     file = existing_file(path)
-    text, arrays = datasets_of(file, "read_hdf5")
+    text, arrays = datasets_of(
+        file,
+        "read_hdf5",
+        Asked.of(responses=responses, time=time, freq=freq, force=force),
+        time_limit_s=finite_scalar("time_limit_s", time_limit_s, low=0.0, low_open=True, unit="s"),
+        memory_limit_gb=finite_scalar("memory_limit_gb", memory_limit_gb, low=0.0, low_open=True, unit="GB"),
+    )
     if text is not None:
         return own_signal(
             file,
@@ -152,64 +162,15 @@ def write_hdf5(path: str | os.PathLike[str], signal: Signal) -> Path:
     return write_atomically(path, buffer.getvalue())
 
 
-def datasets_of(file: Path, reader: str) -> tuple[str | None, dict[str, NDArray[Any]]]:
-    """Our JSON text, where there is one, and every dataset by its path."""
-    try:
-        import h5py
-    except ImportError as exc:
-        raise missing_package(reader, "h5py", "hdf5", exc) from exc
-    arrays: dict[str, NDArray[Any]] = {}
+def datasets_of(
+    file: Path, reader: str, asked: Asked, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0
+) -> tuple[str | None, dict[str, NDArray[Any]]]:
+    """Our JSON text, where there is one, and the datasets asked for by their paths."""
+    from importlib.util import find_spec
 
-    def keep(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and not name.startswith("#"):
-            _keep(arrays, name, item)
-
-    try:
-        with h5py.File(file, "r") as opened:
-            text = opened.attrs.get(TEXT)
-            opened.visititems(keep)
-    except (OSError, RuntimeError, ValueError, KeyError, TypeError, MemoryError) as exc:
-        unsuitable(
-            file,
-            f"which cannot be read ({str(exc).splitlines()[0]})",
-            "a whole HDF5 file",
-            "It was cut or damaged: copy it again.",
-        )
-    return (None if text is None else str(text)), arrays
-
-
-def _keep(arrays: dict[str, NDArray[Any]], name: str, item: Any, above: tuple[Any, ...] = ()) -> None:
-    """A dataset by its name; what MATLAB's cells and struct arrays refer to, by names as in version 5."""
-    made = _matlab_class(item)
-    if "MATLAB_empty" in item.attrs or made == "char":
-        return  # MATLAB stores texts as numbers, and the shape of what is empty
-    struct = made != "cell" and item.dtype.kind == "O" and _matlab_class(item.parent) == "struct"
-    if made != "cell" and not struct:
-        arrays[name] = _values(item)
-        return
-    parent, _, field = name.rpartition("/")
-    for i, reference in enumerate(item[()].ravel()):
-        target = item.file[reference] if reference else item
-        if target in (item, *above) or len(above) >= DEEPEST:
-            continue  # nothing, or a damaged file that refers to itself
-        each = f"{parent}[{i}]/{field}" if struct else f"{name}[{i}]"
-        found = {each: target}
-        if not hasattr(target, "dtype"):  # a group: a struct, in which others may lie
-            found = {}
-            target.visititems(lambda n, part, at=each, into=found: into.update({f"{at}/{n}": part}))
-        for label, part in found.items():
-            if hasattr(part, "dtype"):
-                _keep(arrays, label, part, (*above, item))
-
-
-def _matlab_class(item: Any) -> str:
-    made = item.attrs.get("MATLAB_class", b"")
-    return made.decode() if isinstance(made, bytes) else str(made)
-
-
-def _values(item: Any) -> NDArray[Any]:
-    """Values of a dataset; MATLAB's are stored transposed, and its complex numbers as pairs."""
-    values = np.asarray(item[()])
-    if values.dtype.names == ("real", "imag"):
-        values = values["real"] + 1j * values["imag"]
-    return values.T if "MATLAB_class" in item.attrs else values
+    if find_spec("h5py") is None:
+        raise missing_package(reader, "h5py", "hdf5", ImportError("h5py"))
+    found = in_a_child(
+        "hdf5", file, asked, "a whole HDF5 file", time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb
+    )
+    return found.texts.get(TEXT), found.arrays

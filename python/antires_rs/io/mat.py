@@ -1,15 +1,12 @@
-"""MATLAB files: version 5 in a child process, as damaged ones can crash the interpreter; 7.3 is HDF5."""
+"""MATLAB files, read in a child process, as damaged ones can crash the interpreter; 7.3 is HDF5."""
 
 from __future__ import annotations
 
 import io
-import json
 import os
-import sys
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from ..support.files import write_atomically
@@ -18,8 +15,8 @@ from ._common import Signal, existing_file, signal_given, unsuitable
 from ._packing import pack, unpack
 from .arrays import signal_of_arrays
 from .channels import Dofs
+from .child import Asked, in_a_child
 from .hdf5 import datasets_of
-from .npz import read_archive
 from .own import own_signal
 
 __all__ = ["mat_arrays", "read_mat", "write_mat"]
@@ -57,7 +54,7 @@ def read_mat(
         ``struct[0].field`` where there are several. See :func:`antires_rs.io.mat_arrays` for what a file
         holds.
     time_limit_s, memory_limit_gb : float
-        Limits of the child process that reads version 5 (the memory's where the system has such limits).
+        Limits of the child process that reads (the memory's where the system has such limits).
 
     Returns
     -------
@@ -81,7 +78,8 @@ def read_mat(
     Recording(1 channels, 0.375 s at 8 Hz, dofs=('tip',), no force)
     """
     file = existing_file(path)
-    text, arrays = _variables(file, time_limit_s, memory_limit_gb)
+    asked = Asked.of(responses=responses, time=time, freq=freq, force=force)
+    text, arrays = _variables(file, time_limit_s, memory_limit_gb, asked)
     if text is not None:
         # MATLAB has no vectors: a row stands for one.
         shapes = {n: a.ravel() if n in ("force", "freq_hz") else a for n, a in arrays.items()}
@@ -146,7 +144,7 @@ def mat_arrays(
     ...     ar.io.mat_arrays(file)
     {'responses': array([[1., 2., 4.]])}
     """
-    return _variables(existing_file(path), time_limit_s, memory_limit_gb)[1]
+    return _variables(existing_file(path), time_limit_s, memory_limit_gb, Asked(every=True))[1]
 
 
 def write_mat(path: str | os.PathLike[str], signal: Signal) -> Path:
@@ -189,23 +187,26 @@ def write_mat(path: str | os.PathLike[str], signal: Signal) -> Path:
 
 
 def _variables(
-    file: Path, time_limit_s: float, memory_limit_gb: float
+    file: Path, time_limit_s: float, memory_limit_gb: float, asked: Asked
 ) -> tuple[str | None, dict[str, NDArray[Any]]]:
     """Our JSON text, where there is one, and the numeric variables."""
     with open(file, "rb") as opened:
         head = opened.read(1024)
+    time_limit_s = finite_scalar("time_limit_s", time_limit_s, low=0.0, low_open=True, unit="s")
+    memory_limit_gb = finite_scalar("memory_limit_gb", memory_limit_gb, low=0.0, low_open=True, unit="GB")
     # Version 7.3 is HDF5 after a block of 512 bytes.
     if b"\x89HDF\r\n\x1a\n" in (head[:8], head[512:520]):
-        text, arrays = datasets_of(file, "read_mat of a 7.3 file")
-        return text, {name.replace("/", "."): a for name, a in arrays.items() if a.dtype.kind in "biufc"}
+        text, arrays = datasets_of(
+            file, "read_mat of a 7.3 file", asked, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb
+        )
+        return text, {name.replace("/", "."): a for name, a in arrays.items()}
     if head[:10] == b"MATLAB 7.3":
         unsuitable(file, "which announces version 7.3 and is cut in its head", WANTED, "Copy it again.")
     _check_length(file)
-    return _in_a_child(
-        file,
-        finite_scalar("time_limit_s", time_limit_s, low=0.0, low_open=True, unit="s"),
-        finite_scalar("memory_limit_gb", memory_limit_gb, low=0.0, low_open=True, unit="GB"),
+    found = in_a_child(
+        "mat5", file, Asked(every=True), WANTED, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb
     )
+    return found.texts.get(TEXT), found.arrays
 
 
 def _check_length(file: Path) -> None:
@@ -232,51 +233,3 @@ def _check_length(file: Path) -> None:
             count += 1
     if not count:
         unsuitable(file, "a MAT file without any variable", WANTED, "It may be cut after its head.")
-
-
-def _in_a_child(
-    file: Path, time_limit_s: float, memory_limit_gb: float
-) -> tuple[str | None, dict[str, NDArray[Any]]]:
-    """What the child makes of the file, handed over as an archive of plain arrays."""
-    import subprocess
-    import tempfile
-
-    reader = Path(__file__).with_name("_mat_child.py")
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMP_NUM_THREADS": "1",
-    }
-    with tempfile.TemporaryDirectory(prefix="antires_mat_") as folder:
-        out = Path(folder) / "arrays.npz"
-        # -P: the folder of the reader must not hide standard modules.
-        call = [sys.executable, "-P", str(reader), str(file.resolve()), str(out), str(memory_limit_gb)]
-        try:
-            done = subprocess.run(
-                call,
-                env=environment,
-                capture_output=True,
-                text=True,
-                errors="replace",
-                timeout=time_limit_s,
-                stdin=subprocess.DEVNULL,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            unsuitable(
-                file,
-                f"which was not read within {time_limit_s:g} s",
-                WANTED,
-                "Raise time_limit_s if it is large; otherwise it is damaged.",
-            )
-        if done.returncode != 0 or not out.is_file():
-            said = done.stderr.strip().splitlines()
-            reason = said[-1] if said else f"the reader ended with code {done.returncode}"
-            unsuitable(
-                file, f"which cannot be read ({reason})", WANTED, "It was cut or damaged, or is no MAT file."
-            )
-        arrays = read_archive(out)
-    names = json.loads(bytes(arrays.pop("names")).decode())
-    found = {name: np.asarray(arrays[key]) for key, name in names["arrays"].items()}
-    return names["texts"].get(TEXT), found

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import AntiresError
 from ..support.files import write_atomically
-from ._common import Signal, existing_file, signal_given, unsuitable
+from ._common import Signal, brief, existing_file, signal_given, unsuitable
 from ._packing import pack, unpack
 from .arrays import signal_of_arrays
 from .channels import Dofs
@@ -179,25 +179,16 @@ def read_archive(
     ``wanted`` and ``remedy`` are said of a file that is no archive.
     """
     import zipfile
-    import zlib
 
     try:
         if not zipfile.is_zipfile(file):
             unsuitable(file, "which is no archive", wanted, remedy)
-        with np.load(file, allow_pickle=False) as archive:
+        # Opened here: of a damaged archive numpy would leave the file open.
+        with open(file, "rb") as opened, np.load(opened, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
     except AntiresError:
         raise
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        ValueError,
-        KeyError,
-        OSError,
-        EOFError,
-        NotImplementedError,
-        MemoryError,
-    ) as exc:
+    except Exception as exc:  # of zip, of zlib, of numpy, and of Python's parser, which reads the headers
         if _holds_objects(file):
             unsuitable(
                 file,
@@ -206,10 +197,7 @@ def read_archive(
                 "A pickle can run any code. Save arrays of numbers alone.",
             )
         unsuitable(
-            file,
-            f"which cannot be read ({str(exc) or type(exc).__name__})",
-            wanted,
-            "It was cut or damaged: copy it again.",
+            file, f"which cannot be read ({brief(exc)})", wanted, "It was cut or damaged: copy it again."
         )
 
 
@@ -217,10 +205,10 @@ def _array(file: Path) -> dict[str, NDArray[Any]]:
     """The array of a .npy file, under the name of the file."""
     try:
         return {file.stem: np.load(file, allow_pickle=False)}
-    except (ValueError, OSError, EOFError, MemoryError) as exc:
+    except Exception as exc:  # numpy parses the header as Python, with the errors of Python's own parser
         unsuitable(
             file,
-            f"which cannot be read ({str(exc) or type(exc).__name__})",
+            f"which cannot be read ({brief(exc)})",
             "a whole array of numbers (.npy)",
             "It was cut, or holds objects, which only pickle reads: save numbers alone.",
         )
@@ -230,7 +218,7 @@ def _holds_objects(file: Path) -> bool:
     """Whether an array of the archive is one of Python objects, by the headers of its members."""
     import zipfile
 
-    with suppress(zipfile.BadZipFile, OSError, NotImplementedError), zipfile.ZipFile(file) as archive:
+    with suppress(Exception), zipfile.ZipFile(file) as archive:
         for name in archive.namelist():
             with archive.open(name) as member:
                 if b"'|O'" in member.read(_HEADER_BYTES):

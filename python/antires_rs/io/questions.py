@@ -26,7 +26,7 @@ def describe_question(asked: Question, store: Store) -> dict[str, Any]:
     }
 
 
-def made_question(data: dict[str, Any], name: str) -> Question:
+def made_question(data: dict[str, Any], name: str, *, reduced: bool = False) -> Question:
     """The question of a description; ``name`` is the file's, for messages."""
     states: list[Any] = [
         tuple(made_measured(each, name) for each in data[state]) for state in ("baseline", "measured")
@@ -38,4 +38,5 @@ def made_question(data: dict[str, Any], name: str) -> Question:
         tuple(data["elements"]),
         DamagePrior(**data["prior"]),
         data["std_common"],
+        reduced=reduced,
     )

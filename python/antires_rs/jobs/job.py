@@ -16,7 +16,7 @@ from .lines import Path as Keys
 from .lines import lines_of
 from .places import Place, Places, key_at
 from .syntax import parsed
-from .values import KINDS, shown
+from .values import KINDS, shown, unset_in
 
 __all__ = ["Job", "nearest", "read_job"]
 
@@ -100,6 +100,16 @@ class Job:
                     remedy,
                 )
             kind = KINDS[key.kind]
+            unset = unset_in(value) if key.kind in ("dof", "dofs") else []
+            if unset:
+                of = f" for {', '.join(map(repr, unset[:5]))}" if any(unset) else ""
+                more = f" and {len(unset) - 5} more" if len(unset) > 5 else ""
+                self.reject(
+                    (*place, name),
+                    f"'?'{of}{more}, where the dof is not given yet",
+                    'the dof of the model, as in 4, or "2 u" of a frame',
+                    f"Put it in place of the '?'. {key.explanation}",
+                )
             if not kind.fits(value):
                 self.reject((*place, name), shown(value), kind.wanted, f"{kind.remedy} {key.explanation}")
         for key in section.keys:

@@ -182,6 +182,8 @@ def _checked(job: Job, resume: bool, fresh: bool) -> RunFolder:
     place = ("output", "folder")
     if folder.folder.exists() and not folder.folder.is_dir():
         job.reject(place, f"{str(folder.folder)!r}, which is a file", "a folder", "Name another one.")
+    if folder.folder.resolve() == Path(folder.folder.resolve().anchor):
+        job.reject(place, repr(str(folder.folder)), "a folder of this job's own", "Name one below it.")
     record = folder.read_record()
     if record and folder.job_path(record).resolve() != job.path.resolve():
         job.reject(

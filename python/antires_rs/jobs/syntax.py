@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from typing import Any
 
@@ -10,6 +11,13 @@ from .keys import SECTIONS
 from .places import Place
 
 __all__ = ["parsed"]
+
+#: Keys and lists of a job are three or four deep.
+_DEEPEST = 40
+_PART = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')"""
+_DOTTED = re.compile(rf"(?:^|[{{,\[])[ \t\[]*(?:{_PART}[ \t]*\.[ \t]*){{{_DEEPEST}}}", re.MULTILINE)
+#: Brackets; and what may hold some that do not count: texts and comments.
+_BRACKETS = re.compile(r"""[\[\]{}]|"[^"\n]*"|'[^'\n]*'|#[^\n]*""")
 
 
 def parsed(name: str, text: str) -> dict[str, Any]:
@@ -25,9 +33,10 @@ def parsed(name: str, text: str) -> dict[str, Any]:
     >>> parsed("job.toml", "[search]\\nseed = 3")
     {'search': {'seed': 3}}
     """
+    _plain(name, text)
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as exc:
+    except (ValueError, RecursionError) as exc:  # of TOML, or of Python for numbers of thousands of digits
         lines = text.split("\n")
         number = min(_sound(lines) + 1, len(lines))
         line = lines[number - 1].strip()
@@ -44,6 +53,30 @@ def parsed(name: str, text: str) -> dict[str, Any]:
         ) from exc
 
 
+def _plain(name: str, text: str) -> None:
+    """Refuse nesting that no job has, before it is parsed: time and depth grow with it without bound."""
+    for found, what in ((_DOTTED.search(text), "a key of many parts"), (_deep(text), "brackets in brackets")):
+        if found is not None:
+            at = found if isinstance(found, int) else found.start()
+            raise InvalidInputError(
+                Place(f"{name}, line {1 + text.count(chr(10), 0, at + 1)}"),
+                f"{what}, more than {_DEEPEST} deep",
+                "lines such as key = value under a [section]",
+                "Correct that line.",
+            )
+
+
+def _deep(text: str) -> int | None:
+    """Where brackets outside of texts are deeper than allowed; None if nowhere."""
+    depth = 0
+    for found in _BRACKETS.finditer(text):
+        sign = found[0]
+        depth = depth + 1 if sign in ("[", "{") else max(depth - 1, 0) if sign in ("]", "}") else depth
+        if depth > _DEEPEST:
+            return found.start()
+    return None
+
+
 def _sound(lines: list[str]) -> int:
     """Number of lines before the statement that is no TOML.
 
@@ -53,7 +86,7 @@ def _sound(lines: list[str]) -> int:
     for n in range(len(lines) - 1, 0, -1):
         try:
             tomllib.loads("\n".join(lines[:n]))
-        except tomllib.TOMLDecodeError:
+        except (ValueError, RecursionError):
             continue
         return n
     return 0

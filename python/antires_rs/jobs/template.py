@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from textwrap import wrap
 
 from .formats import format_of
@@ -45,6 +46,8 @@ _TABLES = {
     ]
 }
 _WIDTH = 108
+#: Node and direction of a universal file.
+_POINT = re.compile(r"(\d+)[+-]([XYZ])")
 
 
 def template(
@@ -54,8 +57,9 @@ def template(
     name: str = "job.toml",
     data: str = "record.uff",
     dofs: dict[str, object] | None = None,
+    excitation: str | None = None,
 ) -> str:
-    """A job to be filled in: valid as it stands, but for the files it names.
+    """A job to be filled in: valid as it stands, but for the files it names and dofs that are not given.
 
     Parameters
     ----------
@@ -66,7 +70,9 @@ def template(
     data : str
         File of the measurement.
     dofs : dict, optional
-        Channels of that file, each with a dof to begin with.
+        Channels of that file, each with its dof; "?" where it is not known, with which no job runs.
+    excitation : str, optional
+        The same of the force: the name of its channel or point, or "?".
 
     Returns
     -------
@@ -87,10 +93,16 @@ def template(
         "# Paths are relative to this file. Masses, springs, nodes, elements and dofs count from 0.",
         "",
     ]
-    filled = {"file": _quoted(data), "excitation": "0", "band_hz": "[3.0, 130.0]"}
+    force = "0" if excitation is None else _quoted(excitation)
+    filled = {"file": _quoted(data), "excitation": force, "band_hz": "[3.0, 130.0]"}
     if dofs:
-        pairs = [f"{_quoted(channel)} = {dof}" for channel, dof in dofs.items()]
+        pairs = [
+            f"{_quoted(channel)} = {_quoted(dof) if isinstance(dof, str) else dof}"
+            for channel, dof in dofs.items()
+        ]
         filled["dofs"] = "{ " + ", ".join(pairs) + " }"
+    if dofs or excitation is not None:
+        lines += _comment(_unset(model, list(dofs or ())))
     if task == "series":
         filled["file"] = _quoted("records" if data == "record.uff" else data)
         for part in ("data", "series", "identification", "output"):
@@ -111,6 +123,27 @@ def template(
     lines += _section(SECTIONS["search"], {"seed": "0"})
     lines += _section(SECTIONS["output"], {"folder": _quoted(name.removesuffix(".toml") + "_results")})
     return "\n".join(lines)
+
+
+def _unset(model: str, channels: list[str]) -> str:
+    """What a question mark stands for, with what the names of the channels suggest."""
+    points = {channel: found for channel in channels if (found := _POINT.fullmatch(channel))}
+    said = (
+        'A "?" stands for a dof of your model that the file cannot tell. Put the dof in its place, or false '
+        "for a channel that is to be left out; until then the job does not run."
+    )
+    if model != FRAME:
+        return said + (
+            " Dofs are rows of the matrices, from 0."
+            if model == MATRICES
+            else " Dofs count from 0, mass by mass."
+            if model == CHAIN
+            else ""
+        )
+    if not points:
+        return said + ' Dofs of frames are written as in "2 u": node 2, along x.'
+    some = [f'"{name}" = "{p[1]} {"uvw"["XYZ".index(p[2])]}"' for name, p in list(points.items())[:3]]
+    return f"{said} If the nodes of the file are those of the model, these are: {', '.join(some)}, and so on."
 
 
 def _section(section: Section, filled: dict[str, str], *, of: str = "", brief: bool = False) -> list[str]:

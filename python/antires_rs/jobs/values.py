@@ -8,7 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["KINDS", "Kind", "shown"]
+__all__ = ["KINDS", "UNSET", "Kind", "shown", "unset_in"]
+
+#: Stands in a new job for a dof that only its user knows.
+UNSET = "?"
 
 
 def _number(value: Any) -> bool:
@@ -87,6 +90,15 @@ KINDS = {
     ),
     "table": Kind("a table, name = { ... }", lambda v: isinstance(v, dict) and bool(v), "Put it in { }."),
 }
+
+
+def unset_in(value: Any) -> list[str]:
+    """Channels, or places in a list, whose dof is not given yet; [''] for the value itself."""
+    if isinstance(value, dict):
+        return [name for name, dof in value.items() if dof == UNSET]
+    if isinstance(value, list):
+        return [f"number {i + 1}" for i, dof in enumerate(value) if dof == UNSET]
+    return [""] if value == UNSET else []
 
 
 def shown(value: Any) -> str:

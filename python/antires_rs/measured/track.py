@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -21,16 +22,37 @@ __all__ = ["followed", "track"]
 NEIGHBOUR = 0.02
 
 
+# A track lives while half of the last so many tests have it; what lives is assigned first, so that a value
+# seen once does not take over an antiresonance that drifts past its place.
+RECENT = 10
+# A track not seen in so many tests, and in ten times as many as have it, is not looked for any more.
+CLOSED, CLOSED_TIMES = 100, 10
+
+
 class _Track:
-    """One antiresonance so far: where it was last, and the row of every test that has it."""
+    """One antiresonance so far: where it was last, and the row of every test that has it.
 
-    def __init__(self, test: int, table: ResponseTable, row: int) -> None:
-        self.rows = {test: row}
-        self.freq_hz = float(table.freq_hz[row])
+    Tests of its response are counted by ``nth``.
+    """
 
-    def follow(self, test: int, table: ResponseTable, row: int) -> None:
+    def __init__(self, test: int, nth: int, table: ResponseTable, row: int) -> None:
+        self.rows: dict[int, int] = {}
+        self._seen: list[int] = []
+        self.follow(test, nth, table, row)
+
+    def follow(self, test: int, nth: int, table: ResponseTable, row: int) -> None:
         self.rows[test] = row
+        self._seen.append(nth)
         self.freq_hz = float(table.freq_hz[row])
+
+    def lives(self, nth: int) -> bool:
+        """Whether half of the last tests before this one have it, or half of those since its first."""
+        seen = len(self._seen) - bisect_left(self._seen, nth - RECENT)
+        return 2 * seen >= min(RECENT, nth - self._seen[0])
+
+    def is_closed(self, nth: int) -> bool:
+        """Whether it was not seen for long."""
+        return nth - self._seen[-1] > max(CLOSED, CLOSED_TIMES * len(self._seen))
 
 
 def track(
@@ -68,7 +90,9 @@ def track(
     Notes
     -----
     From test to test the values of a response are assigned to the tracks, all at once and none twice
-    (:mod:`antires_rs.measured.matching`), each track being where it was seen last. What a track loses has
+    (:mod:`antires_rs.measured.matching`), each track being where it was seen last: first to those that half
+    of the last ten tests have, what is left to the others. What was not seen in 100 tests, and in ten times
+    as many as have it, is not looked for any more. What a track loses has
     "merged" if a neighbour, nearer than 2 % when both were last seen, is still there: two
     antiresonances that cannot be told apart any more, or have become a complex pair. Else it is "lost".
 
@@ -147,28 +171,46 @@ def _followed(
 ) -> tuple[list[_Track], list[tuple[str, int, int, float]]]:
     """Tracks of one response by test, and (kind, test, track, frequency) of what happened to them."""
     (before, first), *others = tables.items()
-    tracks = [_Track(before, first, row) for row in range(len(first))]
+    tracks = [_Track(before, 0, first, row) for row in range(len(first))]
+    looked_for = list(range(len(tracks)))
     events: list[tuple[str, int, int, float]] = []
-    for test, table in others:
-        where = np.array([one.freq_hz for one in tracks])
-        # Of a track that is new to this test only the test's own deviation is looked at, twice.
-        variance = np.broadcast_to(2.0 * variance_hz(table, between), (where.size, len(table)))
-        pairs = dict(paired(where, table.freq_hz, shift, variance))
-        for i, one in enumerate(tracks):
-            was = before in one.rows
-            if i in pairs and not was:
-                events.append(("back", test, i, float(table.freq_hz[pairs[i]])))
-            elif was and i not in pairs:
-                near = np.abs(where / where[i] - 1.0) <= NEIGHBOUR
-                merged = any(near[k] and k != i for k in pairs if before in tracks[k].rows)
-                events.append(("merged" if merged else "lost", test, i, float(where[i])))
-        for i, row in pairs.items():
-            tracks[i].follow(test, table, row)
+    for nth, (test, table) in enumerate(others, start=1):
+        looked_for = [i for i in looked_for if not tracks[i].is_closed(nth)]
+        where = np.array([tracks[i].freq_hz for i in looked_for])
+        pairs = _assigned([tracks[i] for i in looked_for], nth, table, shift, between)
+        for k, i in enumerate(looked_for):
+            was = before in tracks[i].rows
+            if k in pairs and not was:
+                events.append(("back", test, i, float(table.freq_hz[pairs[k]])))
+            elif was and k not in pairs:
+                near = np.abs(where / where[k] - 1.0) <= NEIGHBOUR
+                merged = any(near[j] and j != k for j in pairs if before in tracks[looked_for[j]].rows)
+                events.append(("merged" if merged else "lost", test, i, float(where[k])))
+        for k, row in pairs.items():
+            tracks[looked_for[k]].follow(test, nth, table, row)
         for row in sorted(set(range(len(table))) - set(pairs.values())):
             events.append(("new", test, len(tracks), float(table.freq_hz[row])))
-            tracks.append(_Track(test, table, row))
+            looked_for.append(len(tracks))
+            tracks.append(_Track(test, nth, table, row))
         before = test
     return tracks, events
+
+
+def _assigned(
+    tracks: list[_Track], nth: int, table: ResponseTable, shift: float, between: float
+) -> dict[int, int]:
+    """Row of the test by track: those that live first, the others from what is left."""
+    pairs: dict[int, int] = {}
+    # Of a track that is new to this test only the test's own deviation is looked at, twice.
+    variance = 2.0 * variance_hz(table, between)
+    for living in (True, False):
+        some = [k for k, one in enumerate(tracks) if one.lives(nth) is living]
+        left = np.array(sorted(set(range(len(table))) - set(pairs.values())), dtype=int)
+        where = np.array([tracks[k].freq_hz for k in some])
+        scatter = np.broadcast_to(variance[left], (len(some), left.size))
+        found = paired(where, table.freq_hz[left], shift, scatter)
+        pairs |= {some[i]: int(left[row]) for i, row in found}
+    return pairs
 
 
 def _column(one: _Track, tables: Mapping[int, ResponseTable], count: int) -> tuple[FloatArray, FloatArray]:

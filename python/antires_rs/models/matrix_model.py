@@ -65,7 +65,7 @@ class MatrixModel(StructuralModel):
     -----
     AntiresWarning
         An imaginary part; a mass below zero by rounding; penalties of which rounding in the assembly has
-        taken more than 2e-8 of the stiffness beside them.
+        taken more than 2e-8 of the stiffness beside them; dofs tied by 1e17 and more that nothing holds.
 
     Notes
     -----

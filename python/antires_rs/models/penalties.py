@@ -15,7 +15,7 @@ import numpy as np
 
 from ..exceptions import AntiresWarning
 from .entries import Entries
-from .soft_supports import softly_held
+from .soft_supports import free_by_ties, softly_held
 from .stiff_softness import without_ties
 
 if TYPE_CHECKING:
@@ -47,8 +47,11 @@ def warn_penalties(
     middle = float(np.median(np.abs(without_ties(model.n_dof, entries))[diagonal > 0.0]))
     stiff = np.flatnonzero(diagonal >= _MOST * middle)
     if not stiff.size:
-        for dofs, lost in softly_held(model.n_dof, entries):
+        soft = softly_held(model.n_dof, entries)
+        for dofs, lost in soft:
             warn_softly_held(model, dofs, lost, stacklevel=stacklevel + 1)
+        for dofs, support in [] if soft else free_by_ties(model.n_dof, entries):
+            _warn_free(model, dofs, float(diagonal[dofs].max()), support, stacklevel=stacklevel + 1)
         return
     warnings.warn(
         f"stiffness: {_named(model, stiff)} up to {diagonal.max() / middle:.1g} times as stiff as the middle "
@@ -78,6 +81,19 @@ def warn_softly_held(model: StructuralModel, dofs: Dofs, lost: float, *, stackle
         f"stiffness: {_named(model, dofs)} move as one beside what holds them, and rounding in the "
         f"assembly may have changed that by {lost:.1g} of it, and the lowest frequencies with it. Give ties "
         "and rigid links as constraints=, without penalties, or one mass for what moves as one.",
+        AntiresWarning,
+        stacklevel=stacklevel + 1,
+    )
+
+
+def _warn_free(
+    model: StructuralModel, dofs: Dofs, largest: float, support: float, *, stacklevel: int
+) -> None:
+    """Name the dofs whose ties may have rounded away what held them."""
+    warnings.warn(
+        f"stiffness: nothing holds {_named(model, dofs)}, and up to {largest:.1g} is more than any part has: "
+        f"beside such ties supports softer than {support:.1g} are rounded away in the sums, and a free body "
+        "is left. Give ties and rigid links as constraints=, without penalties.",
         AntiresWarning,
         stacklevel=stacklevel + 1,
     )

@@ -2,19 +2,23 @@ r"""Parts of a structure that are held by next to nothing: all dofs tied togethe
 
 Scaled to a diagonal of ones, the stiffness of such a part has an eigenvalue :math:`\lambda` of 1e-8 and less,
 and none up to 1e8 times that. Rounding of the entries takes :math:`\epsilon / \lambda` of it. Below some ulps
-the part is free: the supports are not in the matrix any more.
+the part is free: the supports are not in the matrix any more. Whether there have been any is not to be seen
+but by the size of the springs: those beyond what a material gives are ties.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .entries import Entries
 
-__all__ = ["lost_beside", "softly_held"]
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["free_by_ties", "lost_beside", "softly_held"]
 
 #: Eigenvalue up to which rounding takes 2e-8 of it, its largest part of the next, and what may be rounding.
 _SOFT, _GAP, _ROUNDING = 1e-8, 1e-8, 1e-14
@@ -25,31 +29,54 @@ _RIGID = 6
 #: Motion of each dof, over the largest, where all move.
 _MOVED = 1e-3
 _EPS = float(np.finfo(np.float64).eps)
+#: Stiffness that no part has in units in use: a metre of steel gives 2e11 N/m, 2e14 dyn/cm.
+_NO_MATERIAL = 1e17
 
 
 def softly_held(n: int, stiffness: Entries) -> list[tuple[NDArray[np.intp], float]]:
     """Dofs of each such part, and what rounding may take of its softest stiffness, relatively."""
-    from scipy.sparse.csgraph import connected_components
-
     k = stiffness.diagonal(n)
-    if not (k > 0.0).any():
-        return []
-    matrix = stiffness.sparse(n)
-    count, group = connected_components(matrix, directed=False)
-    number = np.bincount(group)
-    order = np.argsort(group, kind="stable")
-    parts = np.split(order, np.cumsum(number)[:-1])
     found = []
-    for dofs in (parts[each] for each in np.flatnonzero(number > 1)):
-        if not (k[dofs] > 0.0).all():
-            continue
-        own = matrix[dofs][:, dofs]
+    for dofs, own in _parts(n, stiffness, k, 0.0):
         lost = _of_springs(own, k[dofs])
         if lost is None and dofs.size <= _MOST:
             lost = _of_eigenvalues(own.toarray() / np.sqrt(np.outer(k[dofs], k[dofs])))
         if lost is not None:
             found.append((dofs, lost))
     return found
+
+
+def free_by_ties(n: int, stiffness: Entries) -> list[tuple[NDArray[np.intp], float]]:
+    """Dofs of each part of ties alone that nothing holds, and the support (N/m) below which it is lost."""
+    k = stiffness.diagonal(n)
+    found = []
+    for dofs, own in _parts(n, stiffness, k, _NO_MATERIAL):
+        ground = np.abs(np.asarray(own.sum(axis=1)).ravel())
+        free = bool((ground <= np.diff(own.indptr) * _EPS * k[dofs]).all())
+        if not free and dofs.size <= _MOST:  # rotations take part
+            scaled = own.toarray() / np.sqrt(np.outer(k[dofs], k[dofs]))
+            free = float(np.linalg.eigvalsh(scaled)[0]) <= _ROUNDING * dofs.size**0.5
+        if free:
+            found.append((dofs, 0.5 * _EPS * float(k[dofs].max())))
+    return found
+
+
+def _parts(
+    n: int, stiffness: Entries, k: NDArray[np.float64], least: float
+) -> Iterator[tuple[NDArray[np.intp], Any]]:
+    """Dofs and matrix of each part of several dofs, all of them stiffer than ``least``."""
+    from scipy.sparse.csgraph import connected_components
+
+    if not (k > least).any():
+        return
+    matrix = stiffness.sparse(n).tocsr()
+    count, group = connected_components(matrix, directed=False)
+    number = np.bincount(group)
+    order = np.argsort(group, kind="stable")
+    parts = np.split(order, np.cumsum(number)[:-1])
+    for dofs in (parts[each] for each in np.flatnonzero(number > 1)):
+        if (k[dofs] > least).all():
+            yield dofs, matrix[dofs][:, dofs]
 
 
 def lost_beside(ground: float, springs: NDArray[np.float64]) -> float | None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..assessor.assessor import Assessor
 from ..damage.assess import assess_damage
 from ..damage.prior import DamagePrior
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -19,7 +20,15 @@ from ..series.series import Series
 from ..support.validation import FloatArray, finite_scalar, reject
 from ..updating.problem import UpdatingProblem
 
-__all__ = ["baseline_tests", "believed", "check_assessment", "clocks", "conditions_of", "series_of"]
+__all__ = [
+    "baseline_tests",
+    "believed",
+    "check_assessment",
+    "check_judge",
+    "clocks",
+    "conditions_of",
+    "series_of",
+]
 
 #: Fewer tests than this are no baseline.
 LEAST = 8
@@ -106,6 +115,25 @@ def believed(column: FloatArray, baseline: NDArray[np.intp]) -> FloatArray:
         return column
     reach = _ABSURD * (own.max() - own.min())
     return np.where((column < own.min() - reach) | (column > own.max() + reach), np.nan, column)
+
+
+def check_judge(model: Any, assessor: Any, options: Mapping[str, Any]) -> None:
+    """Refuse what cannot assess damage, and options that have no effect."""
+    if model is not None and not isinstance(model, StructuralModel):
+        reject(
+            "model",
+            model,
+            "a MassSpringChain, FrameModel or MatrixModel",
+            "Leave it out to have alarms only.",
+        )
+    if assessor is not None and not isinstance(assessor, Assessor):
+        reject("assessor", assessor, "an Assessor", "Load it first: Assessor.load(path).")
+    if assessor is not None and (model is not None or options):
+        name = "model" if model is not None else next(iter(options))
+        reject(name, "together with an assessor", "only one of them", "The assessor has its own.")
+    if assessor is None and model is None and options:
+        name = next(iter(options))
+        reject(name, "without a model", "a model= to assess damage with", "Pass the model, or leave it out.")
 
 
 def check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..assessor.answer import AssessedTest
 from ..damage.result import DamageResult
 from ..support.pickling import ReadOnly
 from ..support.validation import FloatArray, reject
@@ -37,7 +38,7 @@ class JudgedTests(ReadOnly):
     faults: Mapping[int, tuple[Fault, ...]]
     failed: Mapping[int, str]
     runs: tuple[tuple[int, int], ...]
-    assessments: Mapping[int, DamageResult]
+    assessments: Mapping[int, DamageResult | AssessedTest]
     needed: int
     dof: NDArray[Any]
     freq_hz: FloatArray

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..assessor.assessor import Assessor
 from ..exceptions import AntiresWarning
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import MAX_SHIFT, check_shift
@@ -16,7 +17,15 @@ from ..series.series import Series
 from ..support.pickling import FrozenDict, frozen
 from ..support.progress import patient, step
 from ..support.validation import finite_scalar, reject
-from .arguments import baseline_tests, believed, check_assessment, clocks, conditions_of, series_of
+from .arguments import (
+    baseline_tests,
+    believed,
+    check_assessment,
+    check_judge,
+    clocks,
+    conditions_of,
+    series_of,
+)
 from .association import Values, places_of, values_of
 from .charts import Charts, charts_of
 from .faults import Fault, lost_alone, obvious
@@ -42,6 +51,7 @@ def monitor(
     false_alarm_rate: float = 0.01,
     conditions: Any = None,
     model: StructuralModel | None = None,
+    assessor: Assessor | None = None,
     max_shift: float = MAX_SHIFT,
     progress: bool | None = None,
     **assessment: Any,
@@ -64,6 +74,9 @@ def monitor(
         the baseline's values do together is taken for weather.
     model : MassSpringChain, FrameModel or MatrixModel, optional
         With it the damage of each run of alarms is assessed against the baseline, see ``.assessments``.
+    assessor : Assessor, optional
+        The same much faster, in place of ``model``; made from a baseline of the same sensors, such as
+        the first tests.
     max_shift : float
         Largest relative difference of a value from the baseline's, beside what all values do, as for
         :func:`~antires_rs.compare`.
@@ -117,16 +130,7 @@ def monitor(
     tests = series_of(series)
     rate = finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.2, low_open=True)
     shift = check_shift(max_shift)
-    if model is not None and not isinstance(model, StructuralModel):
-        reject(
-            "model",
-            model,
-            "a MassSpringChain, FrameModel or MatrixModel",
-            "Leave it out to have alarms only.",
-        )
-    if model is None and assessment:
-        name = next(iter(assessment))
-        reject(name, "without a model", "a model= to assess damage with", "Pass the model, or leave it out.")
+    check_judge(model, assessor, assessment)
     own = baseline_tests(baseline, tests)
     if model is not None:
         check_assessment(model, next(one for one in tests.sets if one is not None), assessment)
@@ -163,12 +167,13 @@ def monitor(
     alarm = judged & (np.nan_to_num(statistic) > 1.0)
     runs = runs_of(alarm, judged)
     assessments = {}
-    if model is not None:
+    by = model if assessor is None else assessor
+    if by is not None:
         inside = set(own.tolist())
         for run in runs:
             if run[1] not in inside:
                 step(f"assessing test {run[0]}")
-                found = assessed(model, run, charts.learned, sound, places, sets, used, assessment)
+                found = assessed(by, run, charts.learned, sound, places, sets, used, assessment)
                 if found is not None:
                     assessments[run[0]] = found
     enough = needed(rate, charts.learned.basis.size)

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..assessor.answer import AssessedTest
+from ..assessor.assessor import Assessor
 from ..damage.assess import assess_damage
 from ..damage.result import DamageResult
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -46,7 +48,7 @@ def runs_of(alarm: NDArray[np.bool_], judged: NDArray[np.bool_]) -> list[tuple[i
 
 
 def assessed(
-    model: StructuralModel,
+    by: StructuralModel | Assessor,
     run: tuple[int, int],
     learned: Learned,
     values: Values,
@@ -54,8 +56,9 @@ def assessed(
     sets: Sequence[AntiresonanceSet | None],
     conditions: Mapping[str, FloatArray],
     options: Mapping[str, Any],
-) -> DamageResult | None:
-    """``assess_damage`` of the tests of a run against the baseline; None if they have no antiresonance."""
+) -> DamageResult | AssessedTest | None:
+    """``assess_damage`` of the tests of a run against the baseline, or an assessor's answer; None if they
+    have no antiresonance."""
     first = next(one for one in sets if one is not None)
     tests = np.array([i for i in range(run[0], run[1] + 1) if values.looked[i].any()][-_MOST:])
     regular = places.regular
@@ -90,6 +93,8 @@ def assessed(
         std_hz={d: s for d, (_, s) in now.items()},
         **sight,
     )
+    if isinstance(by, Assessor):
+        return by.assess(measured)
     at = {dof: places.dof[regular] == dof for dof in dofs}
     hz = np.exp(reference)
     baseline = AntiresonanceSet(
@@ -101,7 +106,7 @@ def assessed(
     unsure = [directions(learned, own, i, free=False) for i in range(len(tests))]
     common = max([_COMMON] + [float(np.sqrt(np.mean(g**2)) * np.sqrt(g.shape[1])) for g in unsure if g.size])
     given = {"std_common": min(common, 0.1), "progress": False} | dict(options)
-    return assess_damage(model, measured, baseline=baseline, **given)
+    return assess_damage(by, measured, baseline=baseline, **given)
 
 
 def _again(strange: Sequence[Sequence[tuple[Any, float]]]) -> dict[Any, list[float]]:

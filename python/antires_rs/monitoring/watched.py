@@ -45,8 +45,8 @@ class Watched(JudgedTests):
         Responses that a test was judged without, and why.
     runs : tuple of (first, last)
         Alarms that stand together.
-    assessments : dict of int to DamageResult
-        Damage of each run, by its first test; empty without a model.
+    assessments : dict of int to DamageResult or AssessedTest
+        Damage of each run, by its first test; empty without a model or an assessor.
     needed : int
         Baseline tests from which on the rate can be relied on.
     dof : (m,)

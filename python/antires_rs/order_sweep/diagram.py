@@ -17,13 +17,14 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..rational.dominance import dominance
 from ..rational.fit import NestedFit, prepare
 from ..support.one_thread import one_blas_thread
 from ..support.pickling import ReadOnly, frozen
 from ..support.validation import ComplexArray, FloatArray, integer
-from .limits import SMALL_DAMPING
+from .chains import link, physical
 from .rule import Rule
 from .table import ResponseTable
 
@@ -176,8 +177,8 @@ class Sweep(Protocol):
     def roots(self, order: int, norm: bool = False) -> ComplexArray:
         """All roots in rad/s; ``norm`` for those of the second, finer solution if there is one."""
 
-    def dominances(self, order: int, s: ComplexArray) -> FloatArray:
-        """Share of each root in the curve at its frequency."""
+    def dominances(self, order: int | NDArray[np.int64], s: ComplexArray) -> FloatArray:
+        """Share of each root in the curve at its frequency; ``order`` is that of all, or of each of them."""
 
 
 class PoleSweep:
@@ -227,8 +228,14 @@ class PoleSweep:
         below = (self.nested.denominator_basis.p[:, : order + 1] * turn) @ d
         return np.asarray(above.T), np.asarray(below)
 
-    def dominances(self, order: int, s: ComplexArray) -> FloatArray:
+    def dominances(self, order: int | NDArray[np.int64], s: ComplexArray) -> FloatArray:
         """Share of each root's own peak in the fitted curves at its frequency."""
+        each, share = np.broadcast_to(order, s.shape), np.empty(s.shape)
+        for one in np.unique(each).tolist():
+            share[each == one] = self._share(one, s[each == one])
+        return share
+
+    def _share(self, order: int, s: ComplexArray) -> FloatArray:
         d = self._solution(order, False)
         return dominance(
             (self.nested.numerator_basis, self.nested.numerators(d)),
@@ -254,8 +261,8 @@ class ZeroSweep(PoleSweep):
         own = self.nested.values[self.output][None, :]
         return np.asarray(1.0 / np.where(own == 0.0, 1e-300, own)), np.asarray(d / n[self.output][None, :])
 
-    def dominances(self, order: int, s: ComplexArray) -> FloatArray:
-        """Share of each root's own peak in the reciprocal of the fitted curve."""
+    def _share(self, order: int, s: ComplexArray) -> FloatArray:
+        """Of each root's own peak in the reciprocal of the fitted curve."""
         d = self._solution(order, False)
         numerator = self.nested.numerators(d)[self.output]
         return dominance(
@@ -275,16 +282,13 @@ def diagram(
     added_decay_per_s: float = 0.0,
 ) -> StabilizationDiagram:
     """Sweep, link, select; ``added_decay_per_s`` of the exponential window is taken off every root."""
-    rows = [_physical(sweep.roots(order), band, rule, added_decay_per_s) for order in orders]
-    chains, stable = _link(rows, rule)
+    rows = physical([sweep.roots(order) for order in orders], band, rule, added_decay_per_s)
+    chains, stable = link(rows, rule)
+    # n poles in a row are n - 1 stable orders and the one they start from.
+    long = [chain for chain in chains if len(chain) - 1 > rule.min_rows]
+    linked = [[(orders[row], rows[row][i]) for row, i in chain] for chain in long]
     values, shares = [], []
-    for chain in chains:
-        # n poles in a row are n - 1 stable orders and the one they start from.
-        if len(chain) - 1 <= rule.min_rows:
-            continue
-        members = [(orders[row], rows[row][i]) for row, i in chain]
-        some = members[:: max(1, len(members) // 5)]
-        share = float(np.median([sweep.dominances(order, np.array([s]))[0] for order, s in some]))
+    for members, share in zip(linked, _shares(sweep, linked), strict=True):
         if share >= rule.min_dominance:
             values.append(_value(sweep, members, rule.freq_tol, added_decay_per_s))
             shares.append(share)
@@ -304,51 +308,13 @@ def diagram(
     )
 
 
-def _physical(s: ComplexArray, band: tuple[float, float], rule: Rule, added: float) -> ComplexArray:
-    """Upper half, left half plane, in the band, lightly damped; ascending."""
-    size = np.abs(s)
-    freq = size / (2 * np.pi)
-    keep = (
-        (s.imag > 0)
-        & ((s.real < 0) | rule.both_sides)
-        & (np.abs(s.real + added) <= rule.max_damping * size)
-        & (freq >= band[0])
-        & (freq <= band[1])
-    )
-    return s[keep][np.argsort(freq[keep], kind="stable")]
-
-
-def _link(rows: list[ComplexArray], rule: Rule) -> tuple[list[list[tuple[int, int]]], list[Any]]:
-    """Chains of (row, index) over consecutive orders, one to one, best pairs first; and the stable marks."""
-    chains: list[list[tuple[int, int]]] = []
-    marks: list[Any] = []
-    before: list[list[tuple[int, int]]] = []
-    for row, s in enumerate(rows):
-        own: list[list[tuple[int, int]] | None] = [None] * s.size
-        mark = np.zeros(s.size, dtype=bool)
-        if row and s.size and rows[row - 1].size:
-            size, old_size = np.abs(s), np.abs(rows[row - 1])
-            damping, old_damping = -s.real / size, -rows[row - 1].real / old_size
-            d_freq = np.abs(size[:, None] / old_size - 1.0) / rule.freq_tol
-            # About zero damping a relative change says nothing.
-            scale = np.maximum(np.abs(old_damping), SMALL_DAMPING if rule.both_sides else 0.0)
-            d_damping = np.abs(damping[:, None] - old_damping) / scale / rule.damping_tol
-            near = np.nonzero((d_freq <= 1.0) & (d_damping <= 1.0))
-            best_first = np.argsort((d_freq + d_damping)[near], kind="stable")
-            taken: set[int] = set()
-            for i, k in zip(near[0][best_first].tolist(), near[1][best_first].tolist(), strict=True):
-                if own[i] is None and k not in taken:
-                    own[i], mark[i] = before[k], True
-                    taken.add(k)
-        before = []
-        for i, chain in enumerate(own):
-            if chain is None:
-                chain = []
-                chains.append(chain)
-            chain.append((row, i))
-            before.append(chain)
-        marks.append(mark)
-    return chains, marks
+def _shares(sweep: Sweep, linked: list[list[tuple[int, complex]]]) -> list[float]:
+    """Median dominance of some members of every chain."""
+    some = [members[:: max(1, len(members) // 5)] for members in linked]
+    orders = np.array([order for members in some for order, _ in members], dtype=np.int64)
+    roots = np.array([s for members in some for _, s in members], dtype=np.complex128)
+    ends = np.cumsum([len(members) for members in some])
+    return [float(np.median(own)) for own in np.split(sweep.dominances(orders, roots), ends)[: len(some)]]
 
 
 def _value(

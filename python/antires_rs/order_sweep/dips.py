@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..signals.prominence import prominent_peaks
 from ..support.validation import FloatArray
 from .limits import DIP_LINES, DIP_REACH
 
@@ -38,10 +39,9 @@ def dips(
     >>> f[at].tolist(), depth.round(1).tolist()
     ([10.0], [11.8])
     """
-    from scipy.signal import find_peaks  # slow to import
 
     # No dip is deeper within its reach than without bounds.
-    lines = find_peaks(-level_db, prominence=least_db)[0]
+    lines = prominent_peaks(-level_db, least_db)
     if around_hz is not None:
         lines = lines[(freq_hz[lines] >= around_hz[0]) & (freq_hz[lines] <= around_hz[1])]
     step = float(np.median(np.diff(freq_hz)))

@@ -97,13 +97,13 @@ def local_misfit(
     >>> local_misfit(f, 1.1 * t, t, np.array([5.0]), np.array([0.01])).round(3).tolist()
     [0.1]
     """
-    size = np.maximum(np.sum(np.abs(fitted) ** 2, axis=0), 1e-300)
-    relative = np.sum(np.abs(data - fitted) ** 2, axis=0) / size
     out = np.full(value_hz.size, np.nan)
     for i, (value, damping) in enumerate(zip(value_hz, damping_ratio, strict=True)):
-        near = _within(freq_hz, value, NEAR_WIDTHS * _width(freq_hz, value, damping))
-        if near.any():
-            out[i] = np.sqrt(relative[near].mean())
+        near = np.flatnonzero(_within(freq_hz, value, NEAR_WIDTHS * _width(freq_hz, value, damping)))
+        if near.size:
+            some = slice(near[0], near[-1] + 1)
+            size = np.maximum(np.sum(np.abs(fitted[:, some]) ** 2, axis=0), 1e-300)
+            out[i] = np.sqrt((np.sum(np.abs(data[:, some] - fitted[:, some]) ** 2, axis=0) / size).mean())
     return out
 
 

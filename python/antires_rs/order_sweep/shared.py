@@ -23,14 +23,15 @@ __all__ = ["shared", "without_common"]
 def shared(values: Any, others: Sequence[Any], within: float = SHARED) -> NDArray[np.bool_]:
     """Whether all of two or more ``others`` have a member within this share of each value, (n,).
 
-    Values may be roots in the complex plane or frequencies.
+    Values may be roots in the complex plane or frequencies. One of ``others`` may be (n, m), with members
+    of its own for each value.
     """
     if len(others) < 2:
         return np.zeros(values.size, dtype=bool)
     size = within * np.abs(values)
     every = np.ones(values.size, dtype=bool)
     for other in others:
-        every &= np.abs(other[None, :] - values[:, None]).min(axis=1, initial=np.inf) <= size
+        every &= np.abs(other - values[:, None]).min(axis=1, initial=np.inf) <= size
         if not every.any():
             break
     return every

@@ -14,16 +14,20 @@ def dominance(
     """Norm of residues / abs(Re s), over the norm of above/below at i Im s.
 
     ``above`` holds the coefficients of one or more numerators, (n_outputs, order + 1), ``below`` those of the
-    denominator, (order + 1,); ``s`` are roots of the latter in units of 2 pi f_max.
+    denominator, (order + 1,), or both for each root, with its number in front; ``s`` are roots of the latter
+    in units of 2 pi f_max.
     """
-    order, n = below[1].size - 1, s.size
+    order = below[1].shape[-1] - 1
     step = 1e-6 * np.abs(s)  # central difference: error 1e-12 of a derivative that needs two digits
-    points = np.concatenate([s + step, s - step, s, 1j * s.imag])
-    denominator = below[0].at(points, order) @ below[1]
-    numerator = np.linalg.norm(above[0].at(points[2 * n :], order) @ above[1].T, axis=1)
-    slope = np.abs(denominator[:n] - denominator[n : 2 * n]) / (2 * step)
-    residue = numerator[:n] / np.maximum(slope, 1e-300)
-    curve = numerator[n:] / np.maximum(np.abs(denominator[3 * n :]), 1e-300)
+    points = np.stack([s + step, s - step, s, 1j * s.imag], axis=1)
+    phi = below[0].at(points.ravel(), order).reshape(*points.shape, order + 1)
+    denominator = (phi @ below[1][..., None])[..., 0]
+    if above[0] is not below[0]:
+        phi = above[0].at(points.ravel(), order).reshape(phi.shape)
+    numerator = np.linalg.norm(phi[:, 2:] @ above[1].swapaxes(-1, -2), axis=2)
+    slope = np.abs(denominator[:, 0] - denominator[:, 1]) / (2 * step)
+    residue = numerator[:, 0] / np.maximum(slope, 1e-300)
+    curve = numerator[:, 1] / np.maximum(np.abs(denominator[:, 3]), 1e-300)
     return share_of_curve(residue, s.real, curve)
 
 

@@ -18,7 +18,7 @@ from .condition_numbers import number, refuse_infinite
 from .reserved import refuse_reserved
 from .row_names import NAMES, is_one_of, keys_of, rows_by_name, test_names
 
-__all__ = ["ConditionTable", "condition_table", "of_source"]
+__all__ = ["ConditionTable", "condition_table", "in_order", "of_source"]
 
 #: Columns that date the test of a row, in any case.
 TIMES = ("time", "times", "date", "datetime", "timestamp")
@@ -95,6 +95,19 @@ def condition_table(given: Any) -> tuple[ConditionTable, tuple[Path, ...]]:
     if isinstance(given, str | PathLike):
         return _of_columns(read_table(Path(given))), (Path(given),)
     return _of_columns(_columns(given)), ()
+
+
+def in_order(given: Any, count: int, names: Any) -> tuple[dict[str, Any], Any, Any]:
+    """Columns, names and times of so many tests out of a table; it names them where ``names`` are None."""
+    table, _ = condition_table(given)
+    if names is None and table.names is not None and len(table.names) == count:
+        names = table.names
+    table.expect(count)
+    rows = [table.at(i, str(name)) for i, name in enumerate(range(count) if names is None else names)]
+    table.over(count)
+    columns = {key: [row[key] for row, _ in rows] for key in table.columns}
+    times = None if table.times is None else ["NaT" if time is None else time for _, time in rows]
+    return columns, names, times
 
 
 def of_source(nth: int, given: Mapping[str, Any]) -> tuple[dict[str, float], Any]:

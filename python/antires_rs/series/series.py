@@ -17,6 +17,7 @@ from ..measured.track import followed
 from ..measured.tracks import Tracks
 from ..support.validation import reject
 from .average import averaged
+from .condition_table import in_order
 from .encoded import encoded
 from .frames import series_frame
 from .kept import InMemory, Kept, Row, parts_of
@@ -73,7 +74,7 @@ class Series(KeptTests):
     def from_sets(
         cls,
         sets: Sequence[AntiresonanceSet | None],
-        conditions: Mapping[str, Any] | None = None,
+        conditions: Any = None,
         names: Sequence[str] | None = None,
         *,
         times: Any = None,
@@ -85,8 +86,9 @@ class Series(KeptTests):
         ----------
         sets : sequence of AntiresonanceSet or None
             In the order of the tests, all of one excitation; None for a test without a result.
-        conditions : mapping of str to array_like, (n,), optional
-            What was measured beside; NaN where not known.
+        conditions : mapping of str to array_like, (n,), DataFrame, structured array, list of dicts, path
+            What was measured beside; NaN where not known. A table may name and date the tests, as for
+            :func:`~antires_rs.identify_series`.
         names : sequence of str, optional
             By default the numbers of the tests.
         times : array_like, (n,), optional
@@ -101,6 +103,9 @@ class Series(KeptTests):
         """
         if not isinstance(sets, Sequence) or isinstance(sets, str | Mapping):
             reject("sets", type(sets).__name__, "a list of sets", "Put the sets in a list.")
+        if conditions is not None and not isinstance(conditions, Mapping):
+            conditions, names, dated = in_order(conditions, len(sets), names)
+            times = dated if times is None else times
         return cls(tuple(sets), names=names, conditions=conditions, times=times, failed=failed)
 
     def tracks(

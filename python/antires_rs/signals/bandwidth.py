@@ -52,20 +52,22 @@ class Autocorrelation:
 
     @cached_property
     def _lags(self) -> FloatArray:
-        from scipy.fft import next_fast_len, rfft  # slow to import
+        from scipy.fft import fft, next_fast_len  # slow to import
 
         lags = np.zeros(self.longest)
         for part in parts_of(self.rec):
-            n = next_fast_len(part.n_samples + self.longest, real=True)
-            total = np.zeros(n // 2 + 1, dtype=np.float32)
-            for row in part.responses:
-                # Seven digits do: what is looked for are the widths of peaks.
-                x = (row - row.mean()).astype(np.float32)
-                size = float(x @ x)
-                if size > 0.0:
-                    spectrum = rfft(x * np.float32(size**-0.5), n)
-                    total += spectrum.real**2 + spectrum.imag**2
-            lags += np.fft.irfft(total, n)[: self.longest]
+            n = next_fast_len(part.n_samples + self.longest)
+            total = np.zeros(n, dtype=np.float32)
+            # The power of z = x + i y, taken at f and at -f together, is that of x and y.
+            for first in range(0, part.n_channels, 2):
+                z = np.zeros(n, dtype=np.complex64)
+                for row, x in zip(part.responses[first : first + 2], (z.real, z.imag), strict=False):
+                    _unit_power(row, x[: row.size])
+                z = fft(z, overwrite_x=True)
+                total += z.real**2
+                total += z.imag**2
+            half = total[: n // 2 + 1] + np.roll(total[::-1], 1)[: n // 2 + 1]
+            lags += 0.5 * np.fft.irfft(half, n)[: self.longest]
         return lags
 
     def power(self, n: int, band_hz: tuple[float, float]) -> FloatArray:
@@ -78,6 +80,14 @@ class Autocorrelation:
         freq = np.fft.rfftfreq(n, 1.0 / self.rec.fs_hz)
         inside = (freq >= band_hz[0]) & (freq <= band_hz[1])
         return np.asarray(np.fft.rfft(folded).real[inside], dtype=np.float64)
+
+
+def _unit_power(row: FloatArray, out: FloatArray) -> None:
+    """Write a row less its mean, of unit power: in seven digits, as only widths of peaks are looked for."""
+    np.subtract(row, row.mean(), out=out, casting="same_kind")
+    # Of what stays constant nothing is left but rounding.
+    size = float(np.linalg.norm(out)) if row.max() > row.min() else 0.0
+    out *= np.float32(1.0 / size if size > 0.0 else 0.0)
 
 
 def hann_autocorrelation(n: int) -> FloatArray:

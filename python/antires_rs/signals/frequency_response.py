@@ -16,6 +16,7 @@ from ..support.validation import (
     complex_rows,
     dof_labels,
     finite_scalar,
+    in_range,
     real_array,
     reject,
 )
@@ -94,6 +95,7 @@ class FrequencyResponse(ReadOnly):
         freq = check_freq("freq_hz", freq_hz)
         wanted = f"a complex array (n_outputs, {freq.size}), one row an output, one column a frequency"
         array = complex_rows("values", values, freq.size, wanted=wanted)
+        in_range("values", array)
         labels = dof_labels("dofs", dofs, array.shape[0])
         choice("kind", kind, ("frf", "transmissibility"))
         if kind == "transmissibility" and reference not in labels:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..support.validation import ComplexArray, FloatArray
 from .eigen import dominant
+from .segments import pieces
 
 __all__ = ["channel_noise", "floors", "noise_floor", "noise_power"]
 
@@ -44,13 +45,18 @@ def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
     n = matrix.shape[1]
     mean = np.einsum("fii->fi", matrix).real.mean(axis=0)
     root = np.sqrt(np.where(mean > 0.0, mean, 1.0))
-    scaled = matrix / (root[:, None] * root)
-    auto = np.einsum("fii->fi", scaled).real
+    auto = np.einsum("fii->fi", matrix).real / root**2
+    left = np.empty(auto.shape)
     if n_averages >= AVERAGES_PER_CHANNEL * n:
-        ridge = RIDGE * np.maximum(auto.mean(axis=1), 1e-300)
-        inverse = np.linalg.inv(scaled + ridge[:, None, None] * np.eye(n))
-        left = 1.0 / np.einsum("fii->fi", inverse).real * (n_averages / (n_averages - n + 1.0))
+        for some in pieces(len(matrix), n * n):
+            part = matrix[some] * (1.0 / (root[:, None] * root))
+            part[:, np.arange(n), np.arange(n)] += (
+                RIDGE * np.maximum(auto[some].mean(axis=1), 1e-300)[:, None]
+            )
+            left[some] = 1.0 / np.einsum("fii->fi", np.linalg.inv(part)).real
+        left *= n_averages / (n_averages - n + 1.0)
     else:
+        scaled = matrix * (1.0 / (root[:, None] * root))
         scale = channel_noise(scaled)
         unit = dominant(scaled, scale)[2] * np.sqrt(scale)
         unit = unit / np.linalg.norm(unit, axis=1, keepdims=True)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..support.pickling import ReadOnly, frozen
-from ..support.validation import FloatArray, dof_labels, finite_scalar, real_array, reject
+from ..support.validation import FloatArray, dof_labels, finite_scalar, in_range, real_array, reject
 
 __all__ = ["Recording"]
 
@@ -76,6 +76,7 @@ class Recording(ReadOnly):
                 wanted + " with more samples than channels",
                 "Transpose it: channels come first.",
             )
+        in_range("responses", array)
         put = object.__setattr__  # the one place where a frozen value is filled
         put(self, "responses", frozen(array, responses))
         put(self, "fs_hz", finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz"))
@@ -87,6 +88,7 @@ class Recording(ReadOnly):
                 reject(
                     "force", f"{force.size} samples", wanted, "Cut force and responses to the same samples."
                 )
+            in_range("force", force)
             force = frozen(force)
         put(self, "force", force)
 

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from ..support.validation import ComplexArray, FloatArray
 
-__all__ = ["Segments", "pieces"]
+__all__ = ["Segments", "add_products", "pieces"]
 
 #: Numbers that are worked on at a time: a few times this is what a step needs beside its input.
 AT_A_TIME = 1 << 17
 
 
-def pieces(count: int, size: int) -> Iterator[slice]:
+def pieces(count: int, size: int, at_a_time: int = AT_A_TIME) -> Iterator[slice]:
     """Slices of ``count`` things of ``size`` numbers each, at least one thing in each slice.
 
     Examples
@@ -31,9 +31,17 @@ def pieces(count: int, size: int) -> Iterator[slice]:
     >>> list(pieces(5, 60_000))
     [slice(0, 2, None), slice(2, 4, None), slice(4, 5, None)]
     """
-    step = max(1, AT_A_TIME // max(1, size))
+    step = max(1, at_a_time // max(1, size))
     for start in range(0, count, step):
         yield slice(start, min(start + step, count))
+
+
+def add_products(total: ComplexArray, spectra: ComplexArray) -> None:
+    """Add the sums of conj(A) B over the segments, (n_freq, n_rows, n_segments), to ``total`` in place."""
+    _, n, count = spectra.shape
+    for some in pieces(len(spectra), n * (n + count)):
+        part = spectra[some]
+        total[some] += part.conj() @ part.transpose(0, 2, 1)
 
 
 @dataclass(frozen=True, eq=False)

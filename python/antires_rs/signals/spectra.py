@@ -32,9 +32,12 @@ from ..support.validation import ComplexArray, FloatArray, integer, real_array, 
 from .noise import noise_power
 from .pooled import parts_of, shortest
 from .recording import Recording
-from .segments import Segments, pieces
+from .segments import Segments, add_products, pieces
 
 __all__ = ["CrossSpectra", "cross_spectra", "effective_averages", "rows_of", "window_values"]
+
+#: Numbers of the spectra that are multiplied together: 4 MB.
+TOGETHER = 1 << 18
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +199,7 @@ def cross_spectra(
     done = 0
     for own in rows:
         for some in _transforms(own, unit, taper, step, lines):
-            products += some.conj() @ some.transpose(0, 2, 1)
+            add_products(products, some)
             segments[:, :, done : done + some.shape[2]] = some
             done += some.shape[2]
     scale = factor[:, None] * unit
@@ -216,14 +219,21 @@ def _transforms(
     rows: list[FloatArray], unit: FloatArray, taper: FloatArray, step: int, lines: slice
 ) -> Iterator[ComplexArray]:
     """Spectra of all segments, (n_lines, n_channels, n_more) at a time; nothing else transforms segments."""
-    views = [np.lib.stride_tricks.sliding_window_view(row, taper.size)[::step] for row in rows]
-    for some in pieces(len(views[0]), len(rows) * taper.size):
-        spectra = []
-        for view, size in zip(views, unit, strict=True):
-            piece = view[some] - view[some].mean(axis=1, keepdims=True)
-            piece *= taper / size
-            spectra.append(np.fft.rfft(piece)[:, lines].T)
-        yield np.stack(spectra, axis=1)
+    n, count = taper.size, 1 + (rows[0].size - taper.size) // step
+    tapers = (taper / unit[:, None])[:, None, :]
+    views = [np.lib.stride_tricks.sliding_window_view(row, n)[::step] for row in rows]
+    # Products of many segments cost little more than those of few.
+    for group in pieces(count, len(rows) * (lines.stop - lines.start), at_a_time=TOGETHER):
+        spectra = np.empty(
+            (lines.stop - lines.start, len(rows), group.stop - group.start), dtype=np.complex128
+        )
+        for some in pieces(group.stop - group.start, len(rows) * n):
+            at = slice(group.start + some.start, group.start + some.stop)
+            samples = np.stack([view[at] for view in views])
+            samples -= samples.mean(axis=2, keepdims=True)
+            samples *= tapers
+            spectra[:, :, some] = np.fft.rfft(samples)[:, :, lines].transpose(2, 0, 1)
+        yield spectra
 
 
 def lines_in(freq_hz: FloatArray, band_hz: tuple[float, float]) -> slice:
@@ -260,6 +270,8 @@ def rows_of(rec: Recording, include_force: bool) -> list[FloatArray]:
 
 def window_values(window: Any, n: int) -> FloatArray:
     """The window as an array, from a name known to scipy or from given values."""
+    if isinstance(window, str) and window == "hann":
+        return np.asarray(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n))
     if isinstance(window, str | tuple):
         from scipy.signal import get_window  # slow to import
 

@@ -59,7 +59,7 @@ def _energy(rec: Recording, block: int, every: int = 1) -> FloatArray:
     energy = np.zeros(n)
     for row in rec.responses:
         x = row - np.median(row[::every])
-        power = float(x.var()) or 1.0
+        power = max(float(x @ x) / x.size - float(x.mean()) ** 2, 0.0) or 1.0
         x = x[: n * block].reshape(n, block)
         energy += np.einsum("ij,ij->i", x, x) / (power * block * rec.n_channels)
     return energy

@@ -46,6 +46,8 @@ def written_beside(path: str | os.PathLike[str]) -> Iterator[Path]:
         )
     if target.is_dir():
         reject("path", str(target), "a file, not a folder", "Name a file in it.")
+    if target.exists() and not target.is_file():  # its name would be taken by a plain file
+        reject("path", str(target), "a plain file, not a device or pipe", "Write it to a file first.")
     # Same folder, so that the replacement is one step of the file system.
     beside = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     try:

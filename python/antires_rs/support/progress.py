@@ -15,6 +15,8 @@ from functools import wraps
 from threading import Event, Thread
 from typing import Any, ParamSpec, TypeVar
 
+from .validation import reject
+
 __all__ = ["apart", "counted", "interruptible", "patient", "span", "step", "waiting", "watched"]
 
 P = ParamSpec("P")
@@ -36,7 +38,7 @@ def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Ite
     ``progress=None`` shows the line on a terminal and in a notebook.
     """
     if not _shown(progress):
-        yield callback
+        yield None if callback is None else lambda state: _stops(callback(state))
         return
     start = time.monotonic()
     due, shown, width = start + FIRST_S, False, 0
@@ -52,13 +54,26 @@ def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Ite
             width = max(width, len(line))  # what was longer before is written over
             sys.stderr.write(f"\r{line:<{width}}")
             sys.stderr.flush()
-        return callback(state) if callback is not None else None
+        return _stops(callback(state)) if callback is not None else None
 
     try:
         yield watcher
     finally:
         if shown:
             sys.stderr.write("\n")
+
+
+def _stops(said: object) -> bool | None:
+    """What a callback returns, as the core takes it: any scalar; 0 and None go on."""
+    try:
+        return None if said is None else bool(said)
+    except (TypeError, ValueError):
+        reject(
+            "callback",
+            f"one that returns {type(said).__name__}",
+            "True to stop, False or None to go on",
+            "Return nothing, or a truth value.",
+        )
 
 
 def _shown(progress: bool | None) -> bool:

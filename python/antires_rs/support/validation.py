@@ -25,6 +25,9 @@ _WHOLE = "Pass a whole number, without a fraction."
 _TWO_NUMBERS = "Write it as in (5.0, 100.0)."
 _LABELS = "List a label for each channel, or leave them out to number the channels from 0."
 
+#: Beyond these, powers of values overflow or vanish.
+_SMALLEST, _LARGEST = 1e-100, 1e100
+
 
 def reject(name: str, got: object, wanted: str, remedy: str) -> NoReturn:
     """Raise the package's input error; ``name`` may be an :class:`~antires_rs.exceptions.Argument`."""
@@ -38,6 +41,13 @@ def part(name: str, key: Any) -> Argument:
 
 
 def _array(name: str, value: Any, dtype: type, ndim: int | None, wanted: str) -> NDArray[Any]:
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        reject(
+            name,
+            f"a masked array with {int(np.count_nonzero(np.ma.getmaskarray(value)))} values masked",
+            wanted,
+            "Cut what is masked, or fill it in by interpolation; numpy would take the values below the mask.",
+        )
     try:
         array = np.asarray(value)
         if dtype is np.float64 and np.iscomplexobj(array):
@@ -73,6 +83,19 @@ def _array(name: str, value: Any, dtype: type, ndim: int | None, wanted: str) ->
             "Remove or interpolate them first.",
         )
     return array
+
+
+def in_range(name: str, array: NDArray[Any]) -> None:
+    """Refuse numbers whose powers leave floating point: no quantity in any unit is as large or small."""
+    plain = array.view(np.float64) if np.iscomplexobj(array) else array
+    largest = max(float(plain.max()), -float(plain.min()))
+    if largest and not _SMALLEST <= largest <= _LARGEST:
+        reject(
+            name,
+            f"values up to {largest:.3g}",
+            f"values whose largest is between {_SMALLEST:g} and {_LARGEST:g}",
+            "Check how the file was read; scale the values if they are right.",
+        )
 
 
 def real_array(name: str, value: Any, *, ndim: int | None, wanted: str) -> FloatArray:

@@ -18,8 +18,9 @@ Of sets with damping ratios a value is one of these if
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,15 @@ from ..support.validation import FloatArray
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-__all__ = ["complex_zeros", "of_one_kind"]
+__all__ = [
+    "complex_zeros",
+    "looked_up_to",
+    "of_one_kind",
+    "real_zeros",
+    "sorted_out",
+    "usual_damping",
+    "zero_series",
+]
 
 #: Damping ratios whose median says what is usual.
 _LEAST_KNOWN = 4
@@ -90,33 +99,72 @@ def of_one_kind(
     masks, notes = [], []
     for found, numbers, force in zip(sets, dofs, forces, strict=True):
         tables = list(found.tables.values())
-        known = np.concatenate([np.empty(0), *(table.damping_ratio for table in tables)])
-        known = known[np.isfinite(known)]
         of_set = [np.ones(len(table), dtype=bool) for table in tables]
         masks.append(of_set)
-        if known.size < _LEAST_KNOWN:
+        usual = usual_damping(found)
+        if usual is None:
             continue
-        usual, highest = float(np.median(known)), max(found[dof].max(initial=0.0) for dof in found)
-        limit_hz = (1.0 + 2.0 * _REACH) * highest
-        core, rows = model._core_for([*numbers, force])
-        real = [f for f, *_ in core.antiresonances(rows[:-1], rows[-1], limit_hz, "modal", True)]
+        limit_hz = looked_up_to(max(found[dof].max(initial=0.0) for dof in found))
+        real = real_zeros(model, numbers, force, limit_hz)
         for label, table, dof, roots, keep in zip(found, tables, numbers, real, of_set, strict=True):
-            excess = np.abs(table.damping_ratio - usual)
-            to_real = np.abs(table.freq_hz[:, None] - roots).min(axis=1, initial=np.inf)
-            odd = ((excess > _LEAST / 2.0) | (to_real > _FAR * table.freq_hz)) & ~table.by_hand
-            if not odd.any():
-                continue
-            zeros = complex_zeros(model, dof, force, limit_hz, (_REAL, _MOST))
-            for at in np.flatnonzero(odd & np.isfinite(excess)):
-                freq = float(table.freq_hz[at])
-                why = _complex(freq, float(excess[at]), usual, float(to_real[at]), *zeros)
-                if why:
-                    keep[at] = False
-                    notes.append(
-                        f"Left out: {freq:.2f} Hz at dof {label}, damped by "
-                        f"{100 * table.damping_ratio[at]:.1f} % (usual: {100 * usual:.1f} %): {why}."
-                    )
+            series = partial(zero_series, model, dof, force, limit_hz)
+            notes += sorted_out(label, table, usual, roots, series, keep)
     return masks, tuple(notes)
+
+
+def looked_up_to(highest_hz: float) -> float:
+    """The frequency up to which zeros of the model count, beside values up to ``highest_hz``."""
+    return (1.0 + 2.0 * _REACH) * highest_hz
+
+
+def real_zeros(
+    model: StructuralModel, responses: Sequence[int], force: int, limit_hz: float
+) -> list[FloatArray]:
+    """All real zeros (Hz) of each response, those on a pole too."""
+    core, rows = model._core_for([*responses, force])
+    return [f for f, *_ in core.antiresonances(rows[:-1], rows[-1], limit_hz, "modal", True)]
+
+
+def zero_series(
+    model: StructuralModel, response: int, force: int, limit_hz: float
+) -> tuple[FloatArray, FloatArray]:
+    """All complex zeros that may pass for an antiresonance, as :func:`complex_zeros` gives them."""
+    return complex_zeros(model, response, force, limit_hz, (_REAL, _MOST))
+
+
+def usual_damping(found: AntiresonanceSet) -> float | None:
+    """The median damping ratio of a set; None where too few are known."""
+    known = np.concatenate([np.empty(0), *(table.damping_ratio for table in found.tables.values())])
+    known = known[np.isfinite(known)]
+    return float(np.median(known)) if known.size >= _LEAST_KNOWN else None
+
+
+def sorted_out(
+    label: object,
+    table: Any,
+    usual: float,
+    roots: FloatArray,
+    series: Callable[[], tuple[FloatArray, FloatArray]],
+    keep: NDArray[np.bool_],
+) -> list[str]:
+    """Sentences on the values of a response that are no antiresonances, which ``keep`` then tells; ``roots``
+    (Hz) are the model's real ones, ``series`` computes the complex ones."""
+    excess = np.abs(table.damping_ratio - usual)
+    to_real = np.abs(table.freq_hz[:, None] - roots).min(axis=1, initial=np.inf)
+    odd = ((excess > _LEAST / 2.0) | (to_real > _FAR * table.freq_hz)) & ~table.by_hand
+    if not odd.any():
+        return []
+    zeros, notes = series(), []
+    for at in np.flatnonzero(odd & np.isfinite(excess)):
+        freq = float(table.freq_hz[at])
+        why = _complex(freq, float(excess[at]), usual, float(to_real[at]), *zeros)
+        if why:
+            keep[at] = False
+            notes.append(
+                f"Left out: {freq:.2f} Hz at dof {label}, damped by "
+                f"{100 * table.damping_ratio[at]:.1f} % (usual: {100 * usual:.1f} %): {why}."
+            )
+    return notes
 
 
 def _complex(

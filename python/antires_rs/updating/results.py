@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 import numpy as np
 
 from ..support.validation import FloatArray
+from .explained import Explained, explained
 from .identifiability import Identifiability, identifiability
 from .tables import FrequencyTable, ModalTable
 from .with_intervals import WithIntervals
@@ -114,6 +115,11 @@ class UpdateResult(WithIntervals):
         """What the data can and cannot tell about the parameters, at the solution."""
         return identifiability(self.problem, self.x)
 
+    @cached_property
+    def _fit(self) -> Explained | None:
+        """What the updated model explains; None after Ctrl-C."""
+        return None if self.search.status == "interrupted" else explained(self.problem, self.x)
+
     @property
     def at_bound(self) -> list[str]:
         """Names of the parameters that the data pushed to a bound other than their nominal value."""
@@ -130,6 +136,8 @@ class UpdateResult(WithIntervals):
     def notes(self) -> list[str]:
         """What a reader should know before trusting the numbers."""
         notes = [] if self.success else [f"The search did not finish: {self.message}"]
+        fit = self._fit
+        notes += [] if fit is None or fit.enough else [fit.sentence]
         notes += self.problem.left_out
         if self.reduction is not None:
             notes.append(self.reduction.note)
@@ -222,8 +230,5 @@ class UpdateResult(WithIntervals):
         write_report(self, path, **options)
 
     def __repr__(self) -> str:
-        return (
-            f"{type(self).__name__}({self.status}, J = {self.fun:.4g}, largest difference "
-            f"{self.table.largest_before_percent:.2f} % before, "
-            f"{self.table.largest_after_percent:.2f} % after)"
-        )
+        closing = self.table._closing.replace(":", "")
+        return f"{type(self).__name__}({self.status}, J = {self.fun:.4g}, {closing})"

@@ -13,9 +13,16 @@ __all__ = ["FrequencyTable", "ModalTable", "signed"]
 
 
 def signed(percent: float) -> str:
-    """A difference with its sign; what rounds to nothing has none."""
+    """A difference with its sign; what rounds to nothing has none; a dash where there is no partner."""
+    if np.isnan(percent):
+        return "-"
     said = f"{percent:+.2f}"
     return said[1:] if said in ("+0.00", "-0.00") else said
+
+
+def _number(value: float, digits: int = 3) -> str:
+    """A number, or a dash where the model has no partner."""
+    return "-" if np.isnan(value) else f"{value:.{digits}f}"
 
 
 class _Differences:
@@ -47,9 +54,19 @@ class _Differences:
 
     @property
     def _closing(self) -> str:
-        return (
-            f"largest difference: {self.largest_before_percent:.2f} % before, "
-            f"{self.largest_after_percent:.2f} % after"
+        if not self.measured_hz.size:
+            return "nothing was measured"
+        return f"largest difference: {self._largest_in_words}"
+
+    @property
+    def _largest_in_words(self) -> str:
+        """Of both, without numbers where nothing has a partner."""
+        both = (self.largest_before_percent, self.largest_after_percent)
+        if np.isnan(both).all():
+            return "none, no value has a partner in the model"
+        return ", ".join(
+            f"no partner {when}" if np.isnan(each) else f"{each:.2f} % {when}"
+            for each, when in zip(both, ("before", "after"), strict=True)
         )
 
 
@@ -104,7 +121,8 @@ class FrequencyTable(_Differences, Value):
             strict=True,
         )
         lines += [
-            f"{pair:>{width}} {measured:10.3f}  {before:10.3f} {signed(db):>7}  {after:10.3f} {signed(da):>7}"
+            f"{pair:>{width}} {measured:10.3f}  {_number(before):>10} {signed(db):>7}  {_number(after):>10} "
+            f"{signed(da):>7}"
             for pair, measured, before, db, after, da in rows
         ]
         return "\n".join([*lines, self._closing])
@@ -161,8 +179,8 @@ class ModalTable(_Differences, Value):
             strict=True,
         )
         lines += [
-            f"{r:4d} {measured:10.3f}  {before:10.3f} {signed(db):>7} {mb:6.3f}  {after:10.3f} "
-            f"{signed(da):>7} {ma:6.3f}"
+            f"{r:4d} {measured:10.3f}  {_number(before):>10} {signed(db):>7} {_number(mb):>6}  "
+            f"{_number(after):>10} {signed(da):>7} {_number(ma):>6}"
             for r, measured, before, db, mb, after, da, ma in rows
         ]
         return "\n".join([*lines, self._closing])

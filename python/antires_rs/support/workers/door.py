@@ -52,7 +52,8 @@ class Workers:
     shared : object, optional
         Goes to each worker once: a model.
     seconds_a_chunk : float
-        Tasks are sent in chunks of about so long, from measured times; the results do not depend on it.
+        Tasks are sent in chunks of about so long, from measured times, longer where one scheduler serves many
+        workers; the results do not depend on it. 0: one by one.
     losses : int
         Workers that may be lost with one and the same task before that task fails.
 
@@ -164,7 +165,8 @@ class Workers:
 
         What arrives is put into ``arrived``; who takes nothing out of it stops the reading of tasks.
         """
-        schedule = Schedule(tasks, self._seconds, self._losses, arrived, self._a_task)
+        a_chunk_s = self._engine.a_chunk_s if self._seconds else 0.0  # 0: one by one, whatever it costs
+        schedule = Schedule(tasks, self._seconds, self._losses, arrived, self._a_task, a_chunk_s)
         try:
             while True:
                 self._hand_out(schedule)

@@ -30,6 +30,10 @@ class Engine(Protocol):
     """Workers of one kind, for one function."""
 
     @property
+    def a_chunk_s(self) -> float:
+        """Seconds that a chunk costs the one scheduler of them all; 0 where there is none, or it is quick."""
+
+    @property
     def workers(self) -> int:
         """How many there are now, as far as known."""
 
@@ -53,6 +57,7 @@ class Here:
     """This thread; ``limited`` to one BLAS thread as all other workers."""
 
     workers = 1
+    a_chunk_s = 0.0
 
     def __init__(self, call: Call, limited: bool = True) -> None:
         self._call = call

@@ -72,6 +72,8 @@ class Submitted:
         Whether the executor ends with these.
     """
 
+    a_chunk_s = 0.0
+
     def __init__(
         self, executor: Any, count: int, *, call: Call | None = None, payload: bytes = b"", own: bool = False
     ) -> None:
@@ -118,6 +120,9 @@ class Submitted:
     def _begin(self, function: Callable[..., Any], *args: Any) -> Any:
         return self.executor.submit(function, *args)
 
+    def _result(self, future: Any) -> Any:
+        return future.result()
+
     def _sent_payload(self) -> Any:
         return self._payload
 
@@ -141,7 +146,7 @@ class Submitted:
         try:
             if isinstance(future, BaseException):
                 raise future
-            found = future.result()
+            found = self._result(future)
         except (Exception, CancelledError) as error:
             return self._lost(chunk, error)
         if self._call is not None:

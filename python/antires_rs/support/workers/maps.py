@@ -20,6 +20,8 @@ __all__ = ["Mapped"]
 class Mapped:
     """Chunks as items of a map: it ends before the next one begins."""
 
+    a_chunk_s = 0.0
+
     def __init__(self, run: Callable[..., Iterable[Any]], call: Call) -> None:
         self._run, self._on = run, partial(run_here, call)
         self.workers = processors()

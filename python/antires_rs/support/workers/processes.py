@@ -51,6 +51,8 @@ class _Worker:
 class Processes:
     """A number of processes, begun as they are needed, each replaced when it is lost."""
 
+    a_chunk_s = 0.0
+
     def __init__(
         self,
         payload: bytes,

@@ -17,6 +17,9 @@ __all__ = ["Chunk", "Schedule"]
 _PIECES = 8
 #: The next chunk has at most so many times the tasks of the largest before: a first task may have been short.
 _GROWTH = 8
+#: Chunks of many workers are so many times as long as those that leave no rest to whoever gives them out;
+#: towards the end so many times.
+_LEISURE, _PRESSED = 4.0, 1.5
 
 
 @dataclass(eq=False)
@@ -49,6 +52,8 @@ class Schedule:
         Aimed at, from the times measured so far.
     losses : int
         Workers that one task may take with it.
+    a_chunk_s : float
+        What a chunk costs whoever gives them all out, whatever is in it: with many workers chunks are longer.
     arrived : dict
         Gets the outcomes, by number of the task; the caller takes them out.
     """
@@ -60,10 +65,11 @@ class Schedule:
         losses: int,
         arrived: dict[int, Outcome],
         a_task: float | None = None,
+        a_chunk_s: float = 0.0,
     ) -> None:
         self.total = len(tasks) if isinstance(tasks, Sized) else None
         self._tasks: Iterator[Any] = iter(tasks)
-        self._seconds, self._losses = seconds_a_chunk, losses
+        self._seconds, self._losses, self._a_chunk = seconds_a_chunk, losses, a_chunk_s
         self._again: deque[Chunk] = deque()
         self._read = 0
         self._exhausted = False
@@ -101,9 +107,13 @@ class Schedule:
     def _size(self, workers: int) -> int:
         if self.a_task is None:
             return 1
-        size = min(self._seconds / max(self.a_task, 1e-9), _GROWTH * self._largest)
+        # So many workers keep whoever gives out the chunks busy all the time if theirs are this long.
+        least = workers * self._a_chunk
+        a_task = max(self.a_task, 1e-9)
+        size = min(max(self._seconds, _LEISURE * least) / a_task, _GROWTH * self._largest)
         if self.total is not None:  # towards the end smaller ones, so that all end together
-            size = min(size, (self.total - self._read) / (3 * workers))
+            left = (self.total - self._read) / workers
+            size = min(size, max(left / 3, min(left, _PRESSED * least / a_task)))
         return max(1, int(size))
 
     def done(self, chunk: Chunk, outcomes: list[Outcome], seconds: float) -> None:

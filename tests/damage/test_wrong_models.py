@@ -1,0 +1,126 @@
+"""Wrong units, exchanged matrices, wrong dofs: the first sentence says that the model explains nothing.
+
+The limits were set on the structures SET_ON of reference/wrong_models.py; these are the others.
+"""
+
+import re
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.updating.unit_hint import unit_hint
+from reference.wrong_models import JUDGED_ON, MISTAKES, ONLY_FRAMES
+
+SAID = "The model does not explain the measurement"
+CHAIN, FRAME = JUDGED_ON
+#: What the sentence has to name, by mistake.
+NAMED = {
+    "springs in N/mm, modulus in kPa": "N/mm for N/m",
+    "masses in tonnes": "tonnes for kg",
+    "frequencies in kHz": "kHz in place of Hz",
+    "frequencies in rad/s": "rad/s in place of Hz",
+    "frequencies in rpm": "revolutions per minute",
+    "K and M swapped": "K and M swapped",
+    "lengths in mm": "lengths in mm",
+    "twice the sampling rate": "twice the true one",
+}
+
+
+def given(structure, mistake, seed=3):
+    return MISTAKES[mistake](structure, *structure.states(seed, 0.03))
+
+
+def headline(model, now, **options):
+    try:
+        return ar.assess_damage(model, now, workers=1, **options).headline
+    except ar.exceptions.InvalidInputError as error:
+        return f"{error.argument} {error}".replace("got one that does", "The model does").replace(
+            "model: ", ""
+        )
+
+
+@pytest.mark.parametrize("mistake", [each for each in MISTAKES if each not in ONLY_FRAMES])
+def test_one_state_of_a_chain(mistake):
+    model, _, now = given(CHAIN, mistake)
+    said = headline(model, now, rng=0)
+    assert said.startswith(SAID)
+    assert "No damage found" not in said
+    assert NAMED.get(mistake, "") in said
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_two_states_of_a_frame(mistake):
+    model, before, now = given(FRAME, mistake)
+    said = headline(model, now, baseline=before)
+    assert SAID in said
+    assert "No damage found" not in said
+    assert NAMED.get(mistake, "") in said
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.3, 0.7])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("structure", JUDGED_ON, ids=lambda each: each.name)
+def test_a_right_model_keeps_its_headline(structure, seed, loss):
+    elements = structure.build().default_elements
+    before, now = structure.states(seed, 0.05, {elements[2 * seed]: loss} if loss else None)
+    for options in ({"baseline": before}, {"rng": 0}):
+        assert SAID not in headline(structure.build(), now, **options)
+
+
+def test_a_fifth_of_the_values_not_identified_and_a_tenth_false():
+    before, now = CHAIN.states(5, 0.05)
+
+    def spoiled(sets):
+        return [
+            ar.AntiresonanceSet(
+                each.excitation,
+                {
+                    dof: sorted(
+                        [f for i, f in enumerate(each[dof]) if (i + dof) % 5] + [61.0] * (dof in (2, 7))
+                    )
+                    for dof in each
+                },
+            )
+            for each in sets
+        ]
+
+    before, now = spoiled(before), spoiled(now)
+    for options in ({"baseline": before}, {"rng": 0}):
+        assert SAID not in headline(CHAIN.build(), now, **options)
+
+
+def test_tables_show_a_dash_and_not_nan():
+    model, _, now = given(CHAIN, "masses in tonnes")
+    result = ar.assess_damage(model, now, rng=0, workers=1)
+    text = f"{result.summary()} {result!r} {result.table}"
+    assert not re.search(r"\bnan\b", text)
+    assert "none, no value has a partner in the model" in text
+    assert text.startswith(SAID)
+
+
+def test_updating_says_so_in_its_first_note():
+    model, _, now = given(CHAIN, "springs in N/mm, modulus in kPa")
+    springs = ar.stiffness_factor(list(range(8)), bounds=(0.7, 1.3))
+    search = ar.IslandGA(max_evaluations=2000)
+    result = ar.update(ar.UpdatingProblem(model, springs, now), optimizer=search, rng=0, workers=1)
+    notes = [note for note in result.notes if not note.startswith("The search")]
+    assert notes[0].startswith(SAID)
+    assert "N/mm for N/m" in notes[0]
+    right = ar.update(ar.UpdatingProblem(CHAIN.build(), springs, now), optimizer=search, rng=0, workers=1)
+    assert not any(SAID in note for note in right.notes)
+
+
+def test_modes_in_rad_per_s():
+    truth = CHAIN.truth(np.random.default_rng(0), 0.03)
+    modes = truth.modes(5)
+    wrong = ar.ModalSet(6.283185307 * modes.freq_hz, modes.shapes, modes.dofs)
+    assert headline(CHAIN.build(), wrong, rng=0).startswith(SAID)
+    assert SAID not in headline(CHAIN.build(), modes, rng=0)
+    assert "rad/s" in unit_hint(CHAIN.build(), {None: wrong.freq_hz})
+
+
+def test_no_hint_where_nothing_is_constant():
+    model, _, now = given(CHAIN, "dofs reversed")
+    measured = {(dof, each.excitation): each[dof] for each in now for dof in each if len(each[dof])}
+    assert unit_hint(model, measured) == ""
