@@ -28,7 +28,10 @@ def exact_hz(m, row, column, limit_hz, apart=0.0):
     step = np.arange(1, m + 1)
     own = STIFFNESS * (2.0 - 2.0 * np.cos(np.pi * step / (m + 1)))
     shape = np.sin(np.pi * np.outer(step, step) / (m + 1)) ** 2
-    poles, parts = (own[:, None] + (1.0 + apart) * own).ravel(), np.outer(shape[:, row], shape[:, column]).ravel()
+    poles, parts = (
+        (own[:, None] + (1.0 + apart) * own).ravel(),
+        np.outer(shape[:, row], shape[:, column]).ravel(),
+    )
     order = np.argsort(poles)
     poles, parts = poles[order], parts[order]
     # One pole for each frequency, and none without a part.
