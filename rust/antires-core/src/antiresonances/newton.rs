@@ -63,8 +63,9 @@ pub(super) fn newton(
         if !((at - x).abs() <= reach && ulp <= ROOT_UNCERTAINTY * at) {
             return None;
         }
+        // A step of a few ulps is rounding of the factors: the next would not be shorter.
         let enough = if iteration < NEWTON_STEPS {
-            ulp
+            ulp.max((MOST_ULPS * ulp).min(SCATTER * at))
         } else {
             MOST_ULPS * ulp
         };

@@ -17,8 +17,11 @@ use crate::modal::solved::Solved;
 pub(super) const DOUBTFUL_ROOT: f64 = 1e-9;
 
 /// Relative uncertainty of a root in x from which on it is placed on the matrices, of the series up to a limit; of
-/// large structures it is [`DOUBTFUL_ROOT`], for each place costs some factorizations.
+/// large structures it is [`DOUBTFUL_ROOT`], for each place costs a factorization or two.
 const INEXACT_ROOT: f64 = 1e-10;
+
+/// Most dofs of a structure that is not large.
+const MOST_EXACT: usize = 1000;
 
 /// Multiple of the expected error of a root within which its place on the matrices has to lie.
 pub(super) const REACH: f64 = 16.0;
@@ -139,7 +142,7 @@ impl<'a, 'm> Search<'a, 'm> {
             let (by_poles, fair) = match series {
                 Series::Reduced => (
                     self.solved.reduced().pole_error(x),
-                    if self.solved.may_be_dense() {
+                    if self.solved.n_dof() <= MOST_EXACT {
                         INEXACT_ROOT
                     } else {
                         DOUBTFUL_ROOT

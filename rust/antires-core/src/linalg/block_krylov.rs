@@ -16,7 +16,7 @@
 //! Reference: Golub & Underwood, in Mathematical Software III, 1977, 361-377 (block Lanczos).
 
 use super::panel::{Gram, Square, Take, identity, orthonormalize, product, transposed};
-use super::sparse::several::Row;
+use super::sparse::several::{Filled, Row};
 use super::sparse::{SparseFactors, SparseMatrix};
 use super::standard::StandardSymmetric;
 use super::wide::{self, LANES, dot, subtract};
@@ -65,7 +65,7 @@ impl BlockKrylov {
         most: usize,
         settled: impl Fn(&Self) -> bool,
     ) -> bool {
-        let n = mass.n();
+        let (n, mass) = (mass.n(), &Filled::of(mass));
         self.n = n;
         self.basis.clear();
         self.diagonal.clear();
@@ -76,7 +76,7 @@ impl BlockKrylov {
         shifted.solve(&mut self.response);
         let mut mq = vec![Row::default(); n];
         let mut q = self.starts(joined);
-        mass.multiply_several(&q, &mut mq);
+        mass.multiply(&q, &mut mq);
         q.copy_from_slice(&mq);
         shifted.solve_several(&mut q);
         let Some(start) = orthonormalize(&mut q, &mut mq, mass, &[]) else {

@@ -49,6 +49,9 @@ const SAMPLES: [f64; 6] = [1.0, 0.967, 0.913, 0.836, 0.719, 0.531];
 /// invariant.
 const INVARIANT: f64 = 1e-14;
 
+/// Vectors between two questions whether the space is settled.
+const MORE: usize = 8;
+
 /// Lanczos vectors and the poles they give, with the memory to do it again.
 #[derive(Debug, Clone, Default)]
 pub struct Krylov {
@@ -94,8 +97,9 @@ pub struct Operator<'a> {
 }
 
 impl Krylov {
-    /// Grows the space of A⁻¹ times `load`, from `start`, until the error is negligible for all x + σ up to `s_max`, or
-    /// until `most` vectors. False when the latter, or a failure of the small eigenproblem, comes first.
+    /// Grows the space of A⁻¹ times `load`, from `start`, until the error is negligible for all x + σ up to `s_max` and
+    /// `settled` says so, for which it may come to twice the size, or until `most` vectors. False when the latter, or a
+    /// failure of the small eigenproblem, comes before the error is negligible.
     #[must_use]
     pub fn grow(
         &mut self,
@@ -103,6 +107,7 @@ impl Krylov {
         (load, start): (&[f64], Start),
         s_max: f64,
         most: usize,
+        settled: impl Fn(&Self) -> bool,
     ) -> bool {
         self.n = op.mass.n();
         self.stride = self.n + op.mass.padding();
@@ -127,6 +132,8 @@ impl Krylov {
         // δ_j = det T_j(s) / det T_(j−1)(s), and the product that y_p is.
         let mut ratio = [1.0; SAMPLES.len()];
         let mut product = [1.0; SAMPLES.len()];
+        // Vectors at which it is asked again, and at which it is enough, once the error is negligible.
+        let mut asked: Option<(usize, usize)> = None;
         loop {
             let j = self.alpha.len();
             w.copy_from_slice(&self.weighted[j * self.stride..(j + 1) * self.stride]);
@@ -144,10 +151,16 @@ impl Krylov {
             let invariant = beta <= INVARIANT * size;
             self.beta.push(beta);
             // NaN, from a sample on a pole, keeps the space growing.
-            if invariant || error <= NEGLIGIBLE_ERROR {
-                return self.decompose();
-            }
-            if j + 1 >= most {
+            let negligible = error <= NEGLIGIBLE_ERROR || asked.is_some();
+            let (next, enough) = asked.unwrap_or((j, 2 * j));
+            let last = invariant || j + 1 >= most;
+            if invariant || negligible && (last || j >= next) {
+                let decomposed = self.decompose();
+                if !decomposed || last || j >= enough || settled(self) {
+                    return decomposed;
+                }
+                asked = Some((j + MORE, enough));
+            } else if last {
                 return false;
             }
         }

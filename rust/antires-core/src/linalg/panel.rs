@@ -10,8 +10,7 @@
 //!
 //! Reference: Fukaya, Kannan, Nakatsukasa, Yamamoto & Yanagisawa, SIAM J. Sci. Comput. 42 (2020) A477-A503.
 
-use super::sparse::SparseMatrix;
-use super::sparse::several::{Row, take};
+use super::sparse::several::{Filled, Row, take};
 use super::wide::{self, COLUMNS, LANES, NullaryFnOnce};
 
 /// A small matrix, column after column.
@@ -34,13 +33,13 @@ const MOST_PASSES: usize = 12;
 pub fn orthonormalize(
     w: &mut [Row],
     weighted: &mut [Row],
-    mass: &SparseMatrix,
+    mass: &Filled,
     outside: &[f64],
 ) -> Option<Square> {
     let mut b = identity();
     let mut look = true;
     for pass in 0..MOST_PASSES {
-        mass.multiply_several(w, weighted);
+        mass.multiply(w, weighted);
         let (a, c) = (&*w, &*weighted);
         let mut gram = wide::run(Gram { a, b: c });
         let mut far = 0.0_f64;
@@ -77,7 +76,7 @@ pub fn orthonormalize(
         });
         let done = pass > 0 && far <= NEARLY;
         if done && looked {
-            mass.multiply_several(w, weighted);
+            mass.multiply(w, weighted);
         } else if done {
             wide::run(Divide {
                 rows: weighted,

@@ -4,16 +4,15 @@
 //! They are sought in the complement of those found, from starts of fixed pseudo-random numbers, until the
 //! count by inertia is met.
 
-use super::poles::{FOUND, Poles};
+use super::poles::Poles;
 use super::scaled::ScaledMatrices;
-use crate::linalg::factored::Factors;
+use super::settled::FOUND;
 use crate::linalg::krylov::{Krylov, Operator, Start};
 
 /// In whose complement hidden modes are sought.
 pub(super) struct Outside<'a> {
+    /// With the factors of K + σM.
     pub matrices: &'a ScaledMatrices,
-    /// Factors of K + σM.
-    pub shifted: &'a Factors,
     /// The poles of the load.
     pub poles: &'a Poles,
     /// Only modes below this count.
@@ -51,7 +50,6 @@ impl HiddenModes {
     pub fn find(&mut self, outside: &Outside<'_>, missing: usize) -> bool {
         let Outside {
             matrices,
-            shifted,
             poles,
             cut,
         } = *outside;
@@ -75,14 +73,12 @@ impl HiddenModes {
             mass.multiply(&load, &mut start);
             start[mass.n()..].fill(0.0);
             let op = Operator {
-                shifted,
+                shifted: matrices.factors(),
                 mass,
                 outside: (&self.weighted, &self.vectors),
             };
-            if !self
-                .krylov
-                .grow(op, (&start, Start::Response), poles.highest(), mass.n())
-            {
+            let (load, highest) = ((&start[..], Start::Response), poles.highest());
+            if !self.krylov.grow(op, load, highest, mass.n(), |_| true) {
                 return false;
             }
             let before = self.lambda.len();

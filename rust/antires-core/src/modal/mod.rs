@@ -14,6 +14,7 @@
 //! | [`structure`] | what stays while parameters change: the ordering, band or sparse, the degrees of the determinants |
 //! | [`scaled`] | K and M in band or sparse form, factors of K − xM |
 //! | [`space`](reduced), [`poles`](reduced), [`reduced`] | the Krylov space of one load, its poles up to a limit, and the proof that none is missing |
+//! | [`settled`](reduced) | whether two poles that nearly coincide are those of two modes |
 //! | [`solved`] | K and M of one evaluation with the solutions made of them |
 //! | [`receptance`] | H_ik as partial fractions |
 //! | [`columns`], [`modal_columns`], [`on_pole`] | columns of (K − xM)⁻¹, and what stands for them on a pole |
@@ -37,6 +38,7 @@ mod poles;
 pub mod receptance;
 pub mod reduced;
 pub mod scaled;
+mod settled;
 pub mod solved;
 mod space;
 pub mod structure;

@@ -10,29 +10,19 @@
 
 use super::receptance::Receptance;
 use super::scaled::ScaledMatrices;
+use super::settled::{FOUND, Pairs, UNSEEN, is_close, settled, uncertainty};
 use super::space::Space;
-use crate::linalg::block_krylov::BlockKrylov;
-use crate::linalg::factored::Factors;
 use crate::linalg::form::Form;
 use crate::linalg::krylov::Start;
 
 /// The poles are told up to this part above the limit, for the count to find a clear place.
 pub(super) const MARGIN: f64 = 0.02;
 
-/// Residual, relative to θ, of a pole that counts as found. The eigenvalue is good to its square.
-pub(super) const FOUND: f64 = 1e-6;
-
-/// Part of a mode in the load, relative to the largest, below which a pole that is not found is rounding.
-const UNSEEN: f64 = 1e-11;
-
 /// Response at x = −σ, relative to the largest, below which nothing is left of it.
 const NOTHING: f64 = 1e-14;
 
 /// Rounding errors of Θ within which two poles are one.
 const REPEATED: f64 = 32.0;
-
-/// Relative distance of two poles from which on it is asked whether they are one.
-const CLOSE: f64 = 1e-6;
 
 /// Most rigid-body modes a structure has.
 const RIGID: usize = 6;
@@ -52,29 +42,19 @@ pub(super) struct Poles {
 }
 
 impl Poles {
-    /// Finds the poles up to `limit` of a load on row `k`; `shifted` holds the factors of K + σM. False where
+    /// Finds the poles up to `limit` of a load on row `k`; `matrices` hold the factors of K + σM. False where
     /// one of them is neither a mode nor rounding.
     pub fn find(
         &mut self,
         matrices: &ScaledMatrices,
-        shifted: &Factors,
         (sigma, limit): (f64, f64),
         (k, start): (usize, Start),
     ) -> bool {
         (self.limit, self.sigma) = (limit, sigma);
         let highest = self.highest();
-        let settled = |space: &BlockKrylov| {
-            let theta = space.theta();
-            let strongest = (0..theta.len()).fold(0.0, |m, j| f64::max(m, space.first(j)));
-            let poles = theta.iter().enumerate();
-            let mut up_to_limit = poles.take_while(|(_, t)| **t * highest >= 1.0);
-            up_to_limit.all(|(j, &t)| {
-                space.residual(j) <= FOUND * t || space.first(j) <= UNSEEN * strongest
-            })
-        };
-        let grown = self
-            .space
-            .grow(matrices, shifted, (k, start), highest, settled);
+        let least = highest.recip();
+        let settled = |space: &dyn Pairs| settled(space, least);
+        let grown = self.space.grow(matrices, (k, start), highest, settled);
         if !grown || !self.classify(matrices) {
             return false;
         }
@@ -190,8 +170,9 @@ impl Poles {
             let theta = self.space.theta();
             let (s, largest) = (theta[j].recip(), theta[0]);
             let mut tolerance = REPEATED * f64::EPSILON * s * s * largest;
-            if j > 0 && s - theta[j - 1].recip() <= CLOSE * s {
-                tolerance += 4.0 * self.ulps(matrices, j);
+            if is_close(theta, j) {
+                let moved = s * s * uncertainty(self.space.pairs(), j);
+                tolerance += moved + 4.0 * self.ulps(matrices, j);
             }
             self.repeated.push(tolerance);
         }

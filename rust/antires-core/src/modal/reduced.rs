@@ -16,9 +16,8 @@ use super::columns::{Columns, ReceptanceAt};
 use super::hidden_modes::{HiddenModes, Outside};
 use super::poles::{MARGIN, Poles};
 use super::receptance::Receptance;
-use super::scaled::{ScaledMatrices, Scope, factors_for};
+use super::scaled::{ScaledMatrices, Scope};
 use super::structure::{MOST_DENSE, Structure};
-use crate::linalg::factored::Factors;
 use crate::linalg::krylov::Start;
 use crate::linalg::sparse::SparseMatrix;
 
@@ -41,9 +40,6 @@ const ON_THE_LIMIT: f64 = 1e-8;
 /// Modes and pseudo-modes as seen by one excitation.
 pub struct ReducedModes {
     matrices: ScaledMatrices,
-    /// Factors of K + σM, the σ that they are for, and whether that is definite.
-    shifted: Factors,
-    shifted_at: Option<(f64, bool)>,
     /// What the Krylov spaces start from, once it is known whether all directions have a mass.
     start: Option<Start>,
     poles: Poles,
@@ -66,8 +62,6 @@ impl ReducedModes {
     #[must_use]
     pub fn new(structure: Arc<Structure>) -> Self {
         Self {
-            shifted: factors_for(&structure),
-            shifted_at: None,
             start: None,
             matrices: ScaledMatrices::new(structure),
             poles: Poles::default(),
@@ -80,7 +74,7 @@ impl ReducedModes {
     /// Takes K and M.
     pub fn set_matrices(&mut self, k: &SparseMatrix, m: &SparseMatrix) {
         self.matrices.set(k, m);
-        (self.last, self.shifted_at, self.start) = (None, None, None);
+        (self.last, self.start) = (None, None);
     }
 
     /// K and M, ordered and scaled.
@@ -139,29 +133,16 @@ impl ReducedModes {
                 Start::Remainder
             }
         });
-        let sigma = SHIFT * limit;
-        if !self.shift(sigma) {
-            return false;
-        }
         let few = |c| n > MOST_DENSE || c as f64 <= MOST_MODES * n as f64;
         if !few(self.matrices.count_below(limit, scope).0) {
             return false;
         }
-        self.poles
-            .find(&self.matrices, &self.shifted, (sigma, limit), (row, start))
+        let sigma = SHIFT * limit;
+        self.matrices.shift(sigma)
+            && self
+                .poles
+                .find(&self.matrices, (sigma, limit), (row, start))
             && self.complete(limit, scope)
-    }
-
-    /// Factorizes K + σM, if that is not done; whether it is definite.
-    fn shift(&mut self, sigma: f64) -> bool {
-        if let Some((_, definite)) = self.shifted_at.filter(|at| at.0 == sigma) {
-            return definite;
-        }
-        let (k, m) = (self.matrices.stiffness(), self.matrices.mass());
-        let signs = self.shifted.factorize(k, sigma, m, None);
-        let definite = signs.negative == 0 && signs.growth.is_finite();
-        self.shifted_at = Some((sigma, definite));
-        definite
     }
 
     /// A place at the limit or just above it, away from all poles, and the number of modes below it.
@@ -185,9 +166,9 @@ impl ReducedModes {
         if count <= shown {
             return count == shown;
         }
+        self.matrices.shift(self.poles.sigma());
         let outside = Outside {
             matrices: &self.matrices,
-            shifted: &self.shifted,
             poles: &self.poles,
             cut,
         };

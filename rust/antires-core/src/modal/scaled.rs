@@ -29,6 +29,7 @@ pub struct ScaledMatrices {
     mass: Form,
     scale: Vec<f64>,
     factors: Factors,
+    held: Option<Held>,
     largest_stiffness: f64,
     counted: Option<Counted>,
 }
@@ -50,6 +51,13 @@ struct Counted {
     signs: Signs,
 }
 
+/// K̃ + cM̃ that the factors are of, and what they tell of it.
+#[derive(Clone, Copy)]
+struct Held {
+    c: f64,
+    signs: Signs,
+}
+
 /// Zero matrix of the form that a structure has.
 fn zero_form(structure: &Structure) -> Form {
     match structure.layout() {
@@ -61,8 +69,7 @@ fn zero_form(structure: &Structure) -> Form {
 }
 
 /// Memory for factors in the form that a structure has.
-#[must_use]
-pub fn factors_for(structure: &Structure) -> Factors {
+fn factors_for(structure: &Structure) -> Factors {
     match (zero_form(structure), structure.layout()) {
         (Form::Sparse(sum), Layout::Sparse(layout)) => {
             Factors::Sparse(sum, SparseFactors::new(Arc::clone(&layout.symbolic)))
@@ -81,6 +88,7 @@ impl ScaledMatrices {
             mass: zero_form(&structure),
             scale: Vec::new(),
             factors: factors_for(&structure),
+            held: None,
             largest_stiffness: 0.0,
             counted: None,
             structure,
@@ -116,7 +124,7 @@ impl ScaledMatrices {
             }
         }
         self.largest_stiffness = self.stiffness.largest_diagonal();
-        self.counted = None;
+        (self.counted, self.held) = (None, None);
     }
 
     fn set_scale(&mut self, k: &SparseMatrix, m: &SparseMatrix) {
@@ -199,6 +207,7 @@ impl ScaledMatrices {
     pub fn mass_is_definite(&mut self) -> bool {
         match (&mut self.factors, &self.mass) {
             (Factors::Band(factors), Form::Band(mass)) => {
+                self.held = None;
                 factors.clone_from(mass);
                 factors.factorize_definite(LEAST_MASS)
             }
@@ -212,8 +221,7 @@ impl ScaledMatrices {
         let signs = if let Some(Counted { signs, .. }) = known {
             signs
         } else {
-            let (k, m) = (&self.stiffness, &self.mass);
-            let mut signs = self.factors.factorize(k, -x, m, None);
+            let mut signs = self.hold(-x);
             if let Scope::PartOf(of) = scope {
                 let part = |row| self.structure.part(row);
                 signs.negative = self.factors.negative_in(|row| part(row) == part(of));
@@ -225,14 +233,36 @@ impl ScaledMatrices {
         (signs.negative, error)
     }
 
+    /// Factorizes K̃ + cM̃, unless the factors are those.
+    fn hold(&mut self, c: f64) -> Signs {
+        if let Some(Held { signs, .. }) = self.held.filter(|held| held.c == c) {
+            return signs;
+        }
+        let signs = self.factors.factorize(&self.stiffness, c, &self.mass, None);
+        self.held = Some(Held { c, signs });
+        signs
+    }
+
+    /// Factorizes K̃ + σM̃; whether that is definite.
+    pub fn shift(&mut self, sigma: f64) -> bool {
+        let signs = self.hold(sigma);
+        signs.negative == 0 && signs.growth.is_finite()
+    }
+
+    /// The factors last made: there is memory for one matrix only.
+    #[must_use]
+    pub fn factors(&self) -> &Factors {
+        &self.factors
+    }
+
     /// Factorizes K̃ − xM̃; returns the growth of the factors.
     pub fn factorize(&mut self, x: f64) -> f64 {
-        let (k, m) = (&self.stiffness, &self.mass);
-        self.factors.factorize(k, -x, m, None).growth
+        self.hold(-x).growth
     }
 
     /// [`factorize`](Self::factorize) with row and column `row` taken out.
     pub fn factorize_without(&mut self, row: usize, x: f64) -> f64 {
+        self.held = None;
         let (k, m) = (&self.stiffness, &self.mass);
         self.factors.factorize(k, -x, m, Some(row)).growth
     }

@@ -1,6 +1,7 @@
 //! The Krylov space of a load: of it alone, or, where the factors are large, one that is grown four vectors at a time.
 
 use super::scaled::ScaledMatrices;
+use super::settled::Pairs;
 use crate::linalg::block_krylov::BlockKrylov;
 use crate::linalg::factored::Factors;
 use crate::linalg::form::Form;
@@ -30,24 +31,26 @@ macro_rules! last {
 }
 
 impl Space {
-    /// Grows the space of a load on row `k` until its error is negligible for all x + σ up to `highest`; of a block also
-    /// until `settled` says so of it. `shifted` holds the factors of K + σM.
+    /// Grows the space of a load on row `k` until its error is negligible for all x + σ up to `highest`, and until
+    /// `settled` says so. `matrices` hold the factors of K + σM.
     pub fn grow(
         &mut self,
         matrices: &ScaledMatrices,
-        shifted: &Factors,
         (k, start): (usize, Start),
         highest: f64,
-        settled: impl Fn(&BlockKrylov) -> bool,
+        settled: impl Fn(&dyn Pairs) -> bool,
     ) -> bool {
         let n = matrices.n();
-        if let (Factors::Sparse(_, factors), Form::Sparse(mass)) = (shifted, matrices.mass())
+        if let (Factors::Sparse(_, factors), Form::Sparse(mass)) =
+            (matrices.factors(), matrices.mass())
             && factors.symbolic().n_values() >= LARGE
         {
             let part = |row: usize| matrices.structure().part(row);
             let joined = |row: usize| part(row) == part(k);
             let at = (factors, mass);
-            self.by_block = self.block.grow(at, (k, joined), highest, n, settled);
+            self.by_block = self
+                .block
+                .grow(at, (k, joined), highest, n, |space| settled(space));
             if self.by_block {
                 return true;
             }
@@ -56,11 +59,21 @@ impl Space {
         let mut load = vec![0.0; matrices.stride()];
         load[k] = 1.0;
         let op = Operator {
-            shifted,
+            shifted: matrices.factors(),
             mass: matrices.mass(),
             outside: (&[], &[]),
         };
-        self.alone.grow(op, (&load, start), highest, n)
+        let settled = |space: &Krylov| settled(space);
+        self.alone.grow(op, (&load, start), highest, n, settled)
+    }
+
+    /// The poles.
+    pub fn pairs(&self) -> &dyn Pairs {
+        if self.by_block {
+            &self.block
+        } else {
+            &self.alone
+        }
     }
 
     /// θ_j = 1 / (λ_j + σ), descending.

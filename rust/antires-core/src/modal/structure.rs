@@ -218,7 +218,7 @@ impl Structure {
         }
     }
 
-    /// Whether there is room for K, M, two factors and the Krylov space, or for dense matrices.
+    /// Whether there is room for K, M, the factors and the Krylov space, or for dense matrices.
     ///
     /// # Errors
     /// [`Error::Memory`] where there is none.
@@ -226,8 +226,8 @@ impl Structure {
         let n = self.n_dof();
         let matrices = match &self.layout {
             Layout::Dense => n.saturating_mul(n).saturating_mul(DENSE_MATRICES),
-            Layout::Band(_) => 4 * (n + self.half).saturating_mul(self.half + 2),
-            Layout::Sparse(layout) => 2 * layout.symbolic.n_values() + 4 * layout.origin.len(),
+            Layout::Band(_) => 3 * (n + self.half).saturating_mul(self.half + 2),
+            Layout::Sparse(layout) => layout.symbolic.n_values() + 3 * layout.origin.len(),
         };
         let numbers = matrices.saturating_add(n.saturating_mul(KRYLOV_VECTORS));
         Error::check_memory(|| format!("a model of {n} dofs"), numbers)

@@ -129,16 +129,43 @@ fn backward(block: &Block<'_>, values: &[f64], rows: &mut [Row]) {
     }
 }
 
-impl SparseMatrix {
-    /// Y = A X, several columns at once.
-    pub fn multiply_several(&self, x: &[Row], y: &mut [Row]) {
+/// The entries of a symmetric matrix that are not zero, for products with several columns at once.
+#[derive(Debug, Clone, Default)]
+pub struct Filled {
+    starts: Vec<usize>,
+    rows: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl Filled {
+    /// Those of `a`.
+    #[must_use]
+    pub fn of(a: &SparseMatrix) -> Self {
+        let pattern = a.pattern();
+        let mut filled = Self::default();
+        filled.starts.push(0);
+        for j in 0..pattern.n() {
+            let range = pattern.starts()[j]..pattern.starts()[j + 1];
+            for (&value, &row) in a.values[range].iter().zip(pattern.column(j)) {
+                if value != 0.0 {
+                    filled.rows.push(row);
+                    filled.values.push(value);
+                }
+            }
+            filled.starts.push(filled.rows.len());
+        }
+        filled
+    }
+
+    /// Y = A X.
+    pub fn multiply(&self, x: &[Row], y: &mut [Row]) {
         wide::run(Multiply { a: self, x, y });
     }
 }
 
-/// [`SparseMatrix::multiply_several`].
+/// [`Filled::multiply`].
 struct Multiply<'a> {
-    a: &'a SparseMatrix,
+    a: &'a Filled,
     x: &'a [Row],
     y: &'a mut [Row],
 }
@@ -148,17 +175,13 @@ impl NullaryFnOnce for Multiply<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let (x, y) = (self.x, self.y);
-        let pattern = self.a.pattern();
-        let (starts, rows) = (pattern.starts(), pattern.rows());
-        for (j, y) in y.iter_mut().enumerate() {
-            let range = starts[j]..starts[j + 1];
+        let (a, x, y) = (self.a, self.x, self.y);
+        for (range, y) in a.starts.windows(2).zip(y) {
+            let (start, end) = (range[0], range[1]);
             let mut sum = [0.0; LANES];
             // Symmetric: column j is row j.
-            for (&a, &row) in self.a.values[range.clone()].iter().zip(&rows[range]) {
-                if a != 0.0 {
-                    take(&mut sum, -a, &x[row as usize]);
-                }
+            for (&value, &row) in a.values[start..end].iter().zip(&a.rows[start..end]) {
+                take(&mut sum, -value, &x[row as usize]);
             }
             *y = sum;
         }
