@@ -29,14 +29,13 @@ __all__ = ["Assessor"]
 
 
 class Assessor(ReadOnly):
-    """Assess the damage of single tests against a baseline, in some tens of milliseconds
-    each.
+    """Assess the damage of single tests against a baseline, each in some tens of milliseconds.
 
     What does not depend on the test is done once: the model's errors are learned from the baseline, its
     antiresonances and their sensitivities computed over the severity of each element. A test is then judged
     by the likelihood of :func:`assess_damage`, and the antiresonances of the answer are computed and
     compared. Where the answer may not be that of a full run it says so, see
-    :attr:`AssessedTest.full_run_wanted`.
+    :class:`AssessedTest`.
 
     Parameters
     ----------

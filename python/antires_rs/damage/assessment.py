@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..support.values import Value
-from ..updating.explained import LEAST_SHARE
+from ..updating.explained import LEAST_SHARE, mostly_paired
 from .hypotheses import Hypotheses, Hypothesis
 
 __all__ = ["Assessment"]
@@ -123,8 +123,7 @@ class Assessment(Value):
     def model_fits(self) -> bool:
         """Whether the model, its factors adjusted, explains the intact structure."""
         matched = self.n_intact_matched >= LEAST_SHARE * self.n_intact
-        both = self.n_intact + (self.n_intact_roots or self.n_intact)
-        paired = 2.0 * self.n_intact_matched >= LEAST_SHARE * both
+        paired = mostly_paired(self.n_intact_matched, self.n_intact, self.n_intact_roots or self.n_intact)
         near = self.factor_std <= _FAR_OFF and self.root_std <= _MISSED
         return not self.baseline or bool(matched and paired and near)
 

@@ -65,7 +65,8 @@ class Search:
     interrupted: bool = False
     #: How many elements were scanned for a single damage, of how many; none where all were.
     screened: tuple[int, int] | None = None
-    #: Sets that explain far less than others wherever they came to, without coming to rest.
+    #: Sets that explain far less than others wherever they came to, without coming to rest, and single elements that
+    #: the sensitivities rule out.
     hopeless: set[Elements] = field(default_factory=set)
 
     @cached_property
@@ -185,6 +186,7 @@ class Search:
             chosen_few = worth_a_scan(parent.view, further, size)
             if chosen_few is not None and size == 1:
                 self.screened = len(chosen_few), len(further)
+                self.hopeless.update((e,) for e in set(further) - set(chosen_few))
             grid = _GRID if chosen_few is None or size == 1 else COARSE
             further = further if chosen_few is None else chosen_few
             rows = np.repeat(base[None], len(further) * grid.size, axis=0)

@@ -23,7 +23,16 @@ if TYPE_CHECKING:
     from .problem import UpdatingProblem
     from .targets import Targets
 
-__all__ = ["LEAST_SHARE", "NEAR", "Explained", "explained", "hint_of", "paired", "roots_between"]
+__all__ = [
+    "LEAST_SHARE",
+    "NEAR",
+    "Explained",
+    "explained",
+    "hint_of",
+    "mostly_paired",
+    "paired",
+    "roots_between",
+]
 
 #: Largest difference in ln f of partners: right models after their search leave less (chains and frames
 #: with every term up to 8 % off and one element up to 70 % weaker, whose values were all within 3 %).
@@ -55,7 +64,7 @@ class Explained:
     @property
     def enough(self) -> bool:
         """Whether the model can be that of the tested structure."""
-        return 2.0 * self.n_paired >= LEAST_SHARE * (self.n_values + self.n_roots)
+        return mostly_paired(self.n_paired, self.n_values, self.n_roots)
 
     @property
     def sentence(self) -> str:
@@ -73,6 +82,11 @@ class Explained:
             f"The model does not explain the measurement: {counted}. "
             f"{self.hint + ' ' if self.hint else ''}Check its units, dofs, force and supports."
         )
+
+
+def mostly_paired(n_paired: int, n_values: int, n_roots: int) -> bool:
+    """Whether so many pairs are enough; of a few values and roots one without a partner tells nothing."""
+    return 2.0 * n_paired >= LEAST_SHARE * (n_values + n_roots - 1)
 
 
 def explained(problem: UpdatingProblem, x: FloatArray, *, doubted: bool = False) -> Explained:
