@@ -65,8 +65,8 @@ class Search:
     interrupted: bool = False
     #: How many elements were scanned for a single damage, of how many; none where all were.
     screened: tuple[int, int] | None = None
-    #: Sets that explain far less than others wherever they came to, without coming to rest, and single elements that
-    #: the sensitivities rule out.
+    #: Sets that explain far less than others wherever they came to, without coming to rest, and single
+    #: elements that the sensitivities rule out.
     hopeless: set[Elements] = field(default_factory=set)
 
     @cached_property
