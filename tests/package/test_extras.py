@@ -17,6 +17,7 @@ PROJECT = ROOT / "pyproject.toml"
 PACKAGES = {
     "plot": ("matplotlib",),
     "report": ("jinja2",),
+    "look": ("bokeh",),
     "uff": ("pyuff",),
     "hdf5": ("h5py",),
     "tables": ("pandas", "xarray"),
