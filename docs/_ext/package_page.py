@@ -13,5 +13,6 @@ def _read(app, docname, source):
 
 
 def setup(app):
+    """Connect to the event that reads a page."""
     app.connect("source-read", _read)
     return {"parallel_read_safe": True}
