@@ -96,6 +96,7 @@ _NAMES = {
     "signals.frequency_response": ("FrequencyResponse",),
     "signals.recording": ("Recording",),
     "signals.transfer_functions": ("frf", "transmissibility", "transmissibility_sum"),
+    "support.explained": ("explain",),
     "updating.box_identifiability": ("BoxIdentifiability", "identifiability"),
     "updating.parameter_intervals": ("ParameterIntervals",),
     "updating.penalty": ("DamagePenalty",),

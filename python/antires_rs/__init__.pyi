@@ -86,6 +86,7 @@ from .series.series import Series
 from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
+from .support.explained import explain
 from .updating.box_identifiability import BoxIdentifiability, identifiability
 from .updating.parameter_intervals import ParameterIntervals
 from .updating.penalty import DamagePenalty
@@ -167,6 +168,7 @@ __all__ = [
     "detectability",
     "diameter",
     "eliminate_constraints",
+    "explain",
     "fit_rational",
     "frf",
     "from_sep005",

@@ -77,6 +77,7 @@ def parser() -> argparse.ArgumentParser:
     _common(again)
     again.set_defaults(run=_command("jobs", "resume"))
     _report(commands)
+    _explain(commands)
     return top
 
 
@@ -300,6 +301,18 @@ def _report(commands: Any) -> None:
     report.add_argument("--pictures", type=Path, metavar="DIR", help="write the pictures as PNG too")
     report.add_argument("--json", action="store_true", help="print JSON instead of the tables")
     report.set_defaults(run=_command("study", "report"))
+
+
+def _explain(commands: Any) -> None:
+    told = commands.add_parser(
+        "explain",
+        help="what a warning means",
+        description="What is seen, why, and what to do, for the names in brackets at the end of warnings.",
+    )
+    told.add_argument(
+        "names", metavar="NAME", nargs="*", help="of a warning, finding or doubt; without any: all"
+    )
+    told.set_defaults(run=_command("explain", "explain"))
 
 
 def _common(command: argparse.ArgumentParser) -> None:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import warnings
 from pathlib import Path
 from typing import Any
 
-from ..exceptions import AntiresWarning
 from ..jobs.formats import FOLDER, FORMATS, format_of
 from ..jobs.keys_data import DATA
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import reject
+from ..support.warned import warn
 from ..support.wording import LeftOut, Part
 from .terminal import arguments, existing, print_json, say
 
@@ -172,11 +171,10 @@ def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
     from ..jobs.job import nearest
 
     hint = nearest(str(force), map(str, dofs))
-    warnings.warn(
+    warn(
+        "force_not_measured",
         f"--excitation: {force!r} is none of the channels {', '.join(map(repr, dofs))}, so that "
         f"the place of the force cannot be tested.{' ' * bool(hint)}{hint}",
-        AntiresWarning,
-        stacklevel=2,
     )
 
 

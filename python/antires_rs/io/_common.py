@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import os
-import sys
-import warnings
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
-from ..exceptions import AntiresWarning, MissingDependencyError, UnsuitableDataError
+from ..exceptions import MissingDependencyError, UnsuitableDataError
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.validation import reject
+from ..support.warned import warn
 from ..support.wording import Passed, Wording
 
 __all__ = [
@@ -58,7 +57,7 @@ def brief(exc: BaseException) -> str:
 def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) -> None:
     """A file of which a part is missing: an error, or with ``partial`` a warning that counts it."""
     if partial and kept:
-        warn(f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
+        warn("incomplete_file", f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
         return
     remedy = (
         Wording("Copy or export it again, or pass {} to read what is whole.", Passed("partial", True))
@@ -66,14 +65,6 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
         else "Copy or export it again."
     )
     unsuitable(path, found, wanted, remedy)
-
-
-def warn(message: str) -> None:
-    """Warn at the line of the user's call, however deep in this package."""
-    level, frame = 2, sys._getframe(1)
-    while frame.f_back is not None and str(frame.f_globals.get("__name__")).startswith("antires_rs."):
-        level, frame = level + 1, frame.f_back
-    warnings.warn(message, AntiresWarning, stacklevel=level)
 
 
 def missing_package(what: str, package: str, extra: str, cause: ImportError) -> MissingDependencyError:

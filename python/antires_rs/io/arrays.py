@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice, finite_scalar, reject, shape_of
+from ..support.warned import warn
 from ..support.wording import Passed, Wording
-from ._common import Signal, rate_of, unsuitable, warn
+from ._common import Signal, rate_of, unsuitable
 from .axis import GivenAxis, given_axis
 from .channels import Channel, Dofs, in_si, kept, recording_of, renamed
 from .units import named_unit
@@ -57,8 +58,9 @@ def signal_of_arrays(
     cubes = [name for name, value in arrays.items() if value.dtype.kind in "iufc" and value.ndim > 2]
     if cubes and responses is None:
         warn(
+            "many_axes",
             f"path: {str(path)!r} has arrays of three and more axes, {', '.join(cubes)}, which are not "
-            "read. Slice them to (n_channels, n_samples) if they are responses."
+            "read. Slice them to (n_channels, n_samples) if they are responses.",
         )
     if not numeric:
         unsuitable(
@@ -250,8 +252,9 @@ def _chosen(
         ]
         if short:
             warn(
+                "short_arrays",
                 f"path: {str(path)!r} has arrays shorter than the {longest} samples of the longest, "
-                f"{', '.join(short)}, which are left out. Name the responses= to choose."
+                f"{', '.join(short)}, which are left out. Name the responses= to choose.",
             )
     else:
         asked: Sequence[Any] = [responses] if shape_of(responses) == () else list(responses)

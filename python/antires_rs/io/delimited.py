@@ -16,8 +16,9 @@ import numpy as np
 from ..exceptions import AntiresError, UnsuitableDataError
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice, finite_scalar
+from ..support.warned import warn
 from ..support.wording import Passed, Wording
-from ._common import Signal, existing_file, missing_part, rate_of, unsuitable, warn
+from ._common import Signal, existing_file, missing_part, rate_of, unsuitable
 from .axis import given_axis
 from .channels import Channel, Dofs, in_si, recording_of
 from .column_pairs import joined
@@ -284,6 +285,7 @@ def _warn_other_rate(file: Path, times: Any, rate: float, digits: float) -> None
         own = rate_of(file, times, digits=digits)
         if abs(own - rate) > _SAME_RATE * rate:
             warn(
+                "other_rate",
                 f"path: {str(file)!r} has instants at {own:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
-                "Leave fs_hz= out if the file is right."
+                "Leave fs_hz= out if the file is right.",
             )

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..support.warned import warn
 from ..support.wording import Passed, Wording
-from ._common import unsuitable, warn
+from ._common import unsuitable
 from .column_pairs import is_part_unit, part_of
 from .units import abscissa_factor, parse_unit
 
@@ -277,6 +278,7 @@ def _bare(part: str) -> str:
 
 def _warn_end(file: Path) -> None:
     warn(
+        "cut_line",
         f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
-        "If it is whole, add one."
+        "If it is whole, add one.",
     )

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import FloatArray
+from ..support.warned import warn
 from ..support.wording import Passed, Wording
-from ._common import simplest_rate, unsuitable, warn
+from ._common import simplest_rate, unsuitable
 from .uff_names import Point, as_point, label_of
 from .uff_sets import Function
 from .units import Unit, named_unit, parse_unit
@@ -154,8 +155,9 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
         if above is None or below is None:
             odd = f.unit if above is None else f.reference_unit
             warn(
+                "unknown_unit",
                 f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit known here; "
-                "its values are as in the file. Name unit= to convert them."
+                "its values are as in the file. Name unit= to convert them.",
             )
         above, below = above or Unit(), below or Unit()
         # Some programs write the whole quotient into the numerator's label.
@@ -195,9 +197,10 @@ def _beside(file: Path, functions: list[Function], point: Point, responses: set[
     ]
     if odd:
         warn(
+            "coherence_left_out",
             f"path: {str(file)!r} has coherences of other points than its functions, "
             f"{', '.join(f'{label_of(f.response)} / {label_of(f.reference)}' for f in odd)}; they are left "
-            f"out. Wanted are the directions of the functions and the reference {label_of(point)}."
+            f"out. Wanted are the directions of the functions and the reference {label_of(point)}.",
         )
     return [f for f in coherences if f.reference == point]
 
@@ -207,8 +210,9 @@ def _coherence(file: Path, rows: dict[Point, Any], beside: list[Function]) -> di
     lost = [p for p in rows if p not in found]
     if found and lost:
         warn(
+            "coherence_left_out",
             f"path: {str(file)!r} has coherences of {len(found)} of {len(rows)} responses, not of "
-            f"{', '.join(map(label_of, lost))}; they are left out."
+            f"{', '.join(map(label_of, lost))}; they are left out.",
         )
     return found if found and not lost else None
 
