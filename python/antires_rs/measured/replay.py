@@ -43,9 +43,7 @@ def asked_of(zeros: AntiresonanceSet) -> tuple[Asked, ...]:
     return tuple(Asked.on(zeros.original(), edit) for edit in zeros.edits)
 
 
-def replayed(
-    base: AntiresonanceSet, asked: Iterable[Asked]
-) -> tuple[AntiresonanceSet, Sequence[str | None]]:
+def replayed(base: AntiresonanceSet, asked: Iterable[Asked]) -> tuple[AntiresonanceSet, Sequence[str | None]]:
     """The set with all edits that it can take, and for each why it waits, None where it was made.
 
     A value that was dropped may not be there in another band; one that was added may be identified now. Such

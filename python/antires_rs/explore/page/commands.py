@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from threading import Lock
 from typing import Any, Protocol
 
 from ...exceptions import AntiresError, InvalidInputError
+from ...signals.frequency_response import FrequencyResponse
 from ...support.validation import reject
 from ..canvas import item
 from ..evidence import evidence_figure
 from .picks import Click
-from .session import Session
+from .session import Session, Sight
 from .told import told
 
 __all__ = ["SetView", "View"]
@@ -46,6 +48,8 @@ class SetView:
 
     def __init__(self, session: Session, title: str) -> None:
         self.session, self.title = session, title
+        self._drawing = Lock()
+        self._drawn: tuple[Sight, int, dict[str, Any]] | None = None
         self._commands: dict[str, Callable[[Arguments], str | None]] = {
             "click": self._click,
             "drop": lambda a: session.drop(self._dof(a), _number(a, "freq_hz"), _text(a, "reason")),
@@ -64,11 +68,20 @@ class SetView:
 
     def figure(self, shown: int) -> dict[str, Any]:
         """Everything that speaks for the values of a response."""
+        with self._drawing:
+            now = self.session.now
+            if self._drawn is None or self._drawn[0] is not now or self._drawn[1] != shown:
+                self._drawn = (now, shown, self._figure(shown))
+            return self._drawn[2]
+
+    def _figure(self, shown: int) -> dict[str, Any]:
         session, dof = self.session, self._at(shown)
         source = session.source
-        response = source if source is not None and hasattr(source, "values") else None
+        response = source if isinstance(source, FrequencyResponse) else None
         return item(
-            evidence_figure(session.zeros, dof, session.curve(dof), response, session.now.band_hz)
+            evidence_figure(
+                session.zeros, dof, session.curve(dof), response, session.now.band_hz, every_kind=True
+            )
         )
 
     def do(self, command: str, arguments: Arguments) -> str:

@@ -70,8 +70,7 @@ class Guard:
         """What every answer carries: a page that can load nothing from anywhere else."""
         own = " ".join(f"ws://{name}" for name in self.hosts)
         return {
-            # BokehJS makes the code of its own templates, for which the browser wants to be asked.
-            "Content-Security-Policy": "default-src 'none'; script-src 'self' 'unsafe-eval'; "
+            "Content-Security-Policy": "default-src 'none'; script-src 'self'; "
             "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; "
             f"connect-src 'self' {own}; base-uri 'none'; form-action 'none'; frame-ancestors {FRAMED_BY}",
             "Cache-Control": "no-store",

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import sys
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
-from .commands import View
+from ...signals.repeats import one_source
+from ..canvas import require_bokeh
+from .commands import SetView, View
 from .running import Page, in_notebook
+from .session import Session
 
-__all__ = ["opened"]
+__all__ = ["of_set", "opened"]
 
 #: Height of the page in a notebook, in pixels.
 INLINE_PX = 820
@@ -57,6 +60,25 @@ def opened(
             if kept is not None:
                 say(f"Edits that were not saved are in {kept}")
     return page
+
+
+def of_set(
+    zeros: Any, source: Any, save_to: Any, options: Mapping[str, Any], *, wait: bool | None, browser: bool
+) -> Page:
+    """What :meth:`~antires_rs.AntiresonanceSet.look` does."""
+    require_bokeh()
+    given = dict(options)
+    session = Session(
+        zeros,
+        None if source is None else one_source(source),
+        band_hz=given.pop("band_hz", None),
+        max_order=given.pop("max_order", None),
+        options=given,
+        save_to=save_to,
+    )
+    return opened(
+        SetView(session, f"antiresonances, force at {zeros.excitation}"), wait=wait, browser=browser
+    )
 
 
 def _inline(url: str) -> None:

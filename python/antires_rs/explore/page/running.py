@@ -5,9 +5,11 @@ from __future__ import annotations
 import asyncio
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from ...exceptions import AntiresError
 from ..canvas import require_bokeh
 from .commands import SetView, View
 from .guard import ADDRESS, Guard
@@ -51,6 +53,7 @@ class Page:
     def start(self) -> None:
         """Serve in a thread; returns when the page can be opened."""
         self._thread.start()
+        threading.Thread(target=self._warm, daemon=True).start()
         self._ready.wait()
         if self._failed is not None:
             raise self._failed
@@ -80,6 +83,11 @@ class Page:
         beside = target.with_name(f"{target.stem}_unsaved.json")
         self._view.session.zeros.save(beside)
         return beside
+
+    def _warm(self) -> None:
+        """Make the first figure, with what has to be imported for it, while the browser begins."""
+        with suppress(AntiresError):  # told when the page asks for it
+            self._view.figure(0)
 
     def _run(self) -> None:
         try:

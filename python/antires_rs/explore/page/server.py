@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import json
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
+from contextlib import nullcontext, suppress
 from functools import cache
 from pathlib import Path
+from threading import Lock, Thread
 from typing import Any
 
 from ...exceptions import AntiresError
@@ -20,6 +22,7 @@ ASSETS = Path(__file__).with_name("assets")
 KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 #: Of what a page may send.
 MOST_BYTES = 100_000
+Work = Callable[[], dict[str, Any]]
 
 
 class Presence:
@@ -61,13 +64,32 @@ def asset(name: str) -> bytes:
 
 def application(view: View, guard: Guard, presence: Presence) -> Any:
     """The ``tornado.web.Application`` that shows a view."""
-    from tornado.web import Application, HTTPError, RequestHandler
-    from tornado.websocket import WebSocketHandler
+    from tornado.web import Application
 
-    # One at a time, in order, beside the thread that answers.
-    worker = ThreadPoolExecutor(1, thread_name_prefix="antires-look")
+    base = _guarded(guard)
+    page, asset_of, missing = _files(base, guard)
+    state, figure, download = _views(base, view)
+    return Application(
+        [
+            (r"/", page),
+            (r"/(bokeh\.js|page\.js|page\.css)", asset_of),
+            (r"/state", state),
+            (r"/figure", figure),
+            (r"/do/(\w+)", _commands(base, view)),
+            (r"/download", download),
+            (r"/alive", _alive(base, guard, presence)),
+        ],
+        default_handler_class=missing,
+        log_function=lambda handler: None,
+        websocket_ping_interval=5,
+    )
 
-    class Guarded(RequestHandler):
+
+def _guarded(guard: Guard) -> Any:
+    """What all handlers begin with: who is asking?"""
+    from tornado.web import HTTPError, RequestHandler
+
+    class Guarded(RequestHandler):  # type: ignore[misc]
         def prepare(self) -> None:
             asked = self.request
             token = self.get_query_argument("token", None)
@@ -94,62 +116,92 @@ def application(view: View, guard: Guard, presence: Presence) -> Any:
             self.finish(json.dumps(data, allow_nan=False))
 
         def shown(self) -> int:
-            try:
-                return int(self.get_query_argument("shown", "0"))
-            except ValueError:
-                raise HTTPError(400, log_message="shown is a number") from None
+            text = self.get_query_argument("shown", "0")
+            if not text.isascii() or not text.isdecimal():
+                raise HTTPError(400, log_message="shown is a number")
+            return int(text)
 
-    class Page(Guarded):
+    return Guarded
+
+
+def _files(base: Any, guard: Guard) -> tuple[Any, Any, Any]:
+    """The page, its files, and what is not there."""
+    from tornado.web import HTTPError
+
+    class Page(base):  # type: ignore[misc]
         def get(self) -> None:
-            text = asset("page.html").decode()
-            self.finish(text.replace("{{token}}", guard.token))
+            self.finish(asset("page.html").decode().replace("{{token}}", guard.token))
 
-    class Asset(Guarded):
+    class Asset(base):  # type: ignore[misc]
         def get(self, name: str) -> None:
             self.set_header("Content-Type", f"{KINDS[Path(name).suffix]}; charset=utf-8")
             self.finish(asset(name))
 
-    class State(Guarded):
+    class Missing(base):  # type: ignore[misc]
+        """Guarded too: who has no token does not learn what there is."""
+
+        def get(self) -> None:
+            raise HTTPError(404)
+
+    return Page, Asset, Missing
+
+
+def _views(base: Any, view: View) -> tuple[Any, Any, Any]:
+    """What is shown: state, figures, and the file."""
+    from tornado.web import HTTPError
+
+    class State(base):  # type: ignore[misc]
         def get(self) -> None:
             self.plain({"title": view.title, **_kindly(lambda: view.state(self.shown()))})
 
-    class Figure(Guarded):
+    class Figure(base):  # type: ignore[misc]
         async def get(self) -> None:
             shown = self.shown()
-            loop = asyncio.get_running_loop()
             # In a thread: the first figure waits for imports, and the socket must go on being answered.
-            self.plain(await loop.run_in_executor(None, lambda: _kindly(lambda: view.figure(shown))))
+            self.plain(await _aside(lambda: view.figure(shown)))
 
-    class Do(Guarded):
+    class Download(base):  # type: ignore[misc]
+        def get(self) -> None:
+            found = view.file()
+            if found is None:
+                raise HTTPError(404, log_message="nothing to download")
+            name = "".join(c if c.isascii() and (c.isalnum() or c in "._- ") else "_" for c in found[0])
+            self.set_header("Content-Type", "application/json; charset=utf-8")
+            self.set_header("Content-Disposition", f'attachment; filename="{name}"')
+            self.finish(found[1])
+
+    return State, Figure, Download
+
+
+def _commands(base: Any, view: View) -> Any:
+    """What is done."""
+    from tornado.web import HTTPError
+
+    turn = Lock()  # of what takes long
+
+    class Do(base):  # type: ignore[misc]
         async def post(self, command: str) -> None:
             shown = self.shown()
             try:
                 sent = json.loads(self.request.body or b"{}")
             except ValueError:
-                raise HTTPError(400, log_message="that is not JSON") from None
+                sent = None
             if not isinstance(sent, dict):
                 raise HTTPError(400, log_message="that is no JSON object")
 
             def done() -> dict[str, Any]:
                 return {"said": view.do(command, sent), **view.state(shown)}
 
-            if command in view.slow:
-                loop = asyncio.get_running_loop()
-                self.plain(await loop.run_in_executor(worker, lambda: _kindly(done)))
-            else:
-                self.plain(_kindly(done))
+            self.plain(await _aside(done, turn) if command in view.slow else _kindly(done))
 
-    class Download(Guarded):
-        def get(self) -> None:
-            found = view.file()
-            if found is None:
-                raise HTTPError(404)
-            self.set_header("Content-Type", "application/json; charset=utf-8")
-            name = "".join(c if c.isascii() and (c.isalnum() or c in "._- ") else "_" for c in found[0])
-            self.set_header("Content-Disposition", f'attachment; filename="{name}"')
-            self.finish(found[1])
+    return Do
 
-    class Alive(Guarded, WebSocketHandler):
+
+def _alive(base: Any, guard: Guard, presence: Presence) -> Any:
+    """The socket of a page that is open."""
+    from tornado.websocket import WebSocketHandler
+
+    class Alive(base, WebSocketHandler):  # type: ignore[misc]
         def check_origin(self, origin: str) -> bool:
             return guard.refuses(self.request.headers.get("Host"), origin, guard.token) is None
 
@@ -162,38 +214,30 @@ def application(view: View, guard: Guard, presence: Presence) -> Any:
         def on_close(self) -> None:
             presence.went(self)
 
-    return Application(
-        [
-            (r"/", Page),
-            (r"/(bokeh\.js|page\.js|page\.css)", Asset),
-            (r"/state", State),
-            (r"/figure", Figure),
-            (r"/do/(\w+)", Do),
-            (r"/download", Download),
-            (r"/alive", Alive),
-        ],
-        default_handler_class=_not_found(Guarded),
-        log_function=lambda handler: None,
-        websocket_ping_interval=5,
-    )
+    return Alive
 
 
-def _not_found(base: Any) -> Any:
-    from tornado.web import HTTPError
+async def _aside(work: Work, turn: Lock | None = None) -> dict[str, Any]:
+    """Work in a thread that the end of the server does not wait for; one at a time if they share a turn."""
+    loop = asyncio.get_running_loop()
+    answer: asyncio.Future[dict[str, Any]] = loop.create_future()
 
-    class NotFound(base):  # type: ignore[misc]
-        """Guarded too: who has no token does not learn what there is."""
+    def run() -> None:
+        try:
+            with turn or nullcontext():
+                tell, made = answer.set_result, _kindly(work)
+        except BaseException as exc:  # told as an answer that failed
+            tell, made = answer.set_exception, exc  # type: ignore[assignment]
+        with suppress(RuntimeError):  # the server has ended meanwhile
+            loop.call_soon_threadsafe(tell, made)
 
-        def get(self) -> None:
-            raise HTTPError(404)
-
-    return NotFound
+    Thread(target=run, daemon=True, name="antires-look").start()
+    return await answer
 
 
-def _kindly(work: Any) -> dict[str, Any]:
+def _kindly(work: Work) -> dict[str, Any]:
     """What came of it, or why it was refused."""
     try:
-        made: dict[str, Any] = work()
-        return made
+        return work()
     except AntiresError as exc:
         return refusal(exc)

@@ -97,7 +97,11 @@ class Session:
             band_hz = band_of(source, band_hz)
         asked = asked_of(zeros)
         self._now = Sight(
-            zeros, asked, (None,) * len(asked), None if band_hz is None else (band_hz[0], band_hz[1]), max_order
+            zeros,
+            asked,
+            (None,) * len(asked),
+            None if band_hz is None else (band_hz[0], band_hz[1]),
+            max_order,
         )
         self._past: list[Sight] = []
         self._future: list[Sight] = []
@@ -255,6 +259,14 @@ class Session:
         """Say that the set came from this file, to which it may be written back."""
         self.path, self._written = path, True
 
+    def make_again(self, edits: Sequence[Asked]) -> None:
+        """Make the edits of another set, as far as this one can take them; the others wait."""
+        now = self._now
+        if edits and self.identified:
+            self._step(now.on(self.zeros.original(), [*now.asked, *edits]))
+        elif edits:
+            self._now = replace(now, asked=tuple(edits), waits=("not identified yet",) * len(edits))
+
     def curve(self, dof: Any) -> Curve | None:
         """What was measured at a response, on the lines of the band."""
         source, band = self.source, self._now.band_hz
@@ -266,16 +278,16 @@ class Session:
                 names = ("nperseg", "noverlap", "window", "method")
                 chosen = {name: self.options[name] for name in names if name in self.options}
                 with_force = source.force is not None
-                self._averages = {
-                    band: average(source, band, Averaging(**chosen), include_force=with_force)
-                }
+                self._averages = {band: average(source, band, Averaging(**chosen), include_force=with_force)}
             averages = self._averages[band]
         return curve_of(source, averages, dof)
 
     def _edits(self, number: int) -> tuple[Asked, ...]:
         asked = self._now.asked
         if not 0 <= number < len(asked):
-            reject("number", number, f"an edit from 0 to {len(asked) - 1}", "Look again: the list has changed.")
+            reject(
+                "number", number, f"an edit from 0 to {len(asked) - 1}", "Look again: the list has changed."
+            )
         return asked
 
     def _edited(self, zeros: AntiresonanceSet) -> str:

@@ -7,6 +7,11 @@ let state = null;
 let shown = 0;
 let figures = null; // what Bokeh embedded
 let busy = 0;
+// Both are on their way at once: what draws, and what is drawn.
+const bokeh = new Promise((done) => {
+  if (window.Bokeh) done();
+  else document.getElementById("bokeh").addEventListener("load", done);
+});
 
 function address(path, more = {}) {
   return path + "?" + new URLSearchParams({ token, shown, ...more });
@@ -163,19 +168,20 @@ function mark() {
   if (!figures) return;
   for (const root of figures.roots) {
     for (const one of root.model.references()) {
-      if (one.name === "values") one.data = { ...state.marks };
+      if (state.marks[one.name]) one.data = { ...state.marks[one.name] };
     }
   }
 }
 
-async function draw(anew = true) {
+async function draw(anew = true, asked = null) {
   const place = $("pictures");
   const height = place.offsetHeight;
   const kept = anew ? null : range();
   const band = state.band_hz;
   try {
     if (state.kind === "result") return await drawResult(place);
-    const made = await ask("figure");
+    const made = await (asked ?? ask("figure"));
+    await bokeh;
     place.style.minHeight = height + "px"; // what is below stays where it is
     clear();
     const target = element("div", { id: "evidence" });
@@ -184,7 +190,9 @@ async function draw(anew = true) {
     for (const plot of plots()) listen(plot.model);
     if (kept && band && kept[0] >= band[0] && kept[1] <= band[1]) zoom(kept);
     place.dataset.drawn = shown;
+    place.dataset.at ??= performance.timeOrigin + performance.now();
   } catch (error) {
+    console.error(error);
     say(error.message, true);
   } finally {
     place.style.minHeight = "";
@@ -194,6 +202,7 @@ async function draw(anew = true) {
 async function drawResult(place) {
   const parts = state.figures.map((one) => element("figure", {}, element("div"), element("figcaption", {}, one.caption)));
   place.replaceChildren(...parts);
+  await bokeh;
   for (let i = 0; i < parts.length; i += 1) {
     const answer = await fetch(address("figure", { shown: i }));
     const made = await answer.json();
@@ -317,14 +326,16 @@ async function begin() {
   wire();
   live();
   try {
+    const first = ask("figure");
+    first.catch(() => {}); // told where it is waited for
     state = await ask("state");
     write();
     say(state.kind === "set" && !state.identified ? "Identifying …" : "");
-    await draw();
+    await draw(true, first);
     if (state.kind === "set" && !state.identified) await identify();
   } catch (error) {
     say(error.message, true);
   }
 }
 
-document.addEventListener("DOMContentLoaded", begin);
+begin();
