@@ -96,6 +96,7 @@ from .updating.reduction import Reduction, ReductionReport
 from .updating.results import UpdateResult
 from .updating.search import update
 from .updating.tables import FrequencyTable, ModalTable
+from .updating.update_ensemble import UpdateEnsemble, update_ensemble
 
 __all__ = [
     "AntiresError",
@@ -155,6 +156,7 @@ __all__ = [
     "Tracks",
     "Tube",
     "UnsuitableDataError",
+    "UpdateEnsemble",
     "UpdateResult",
     "UpdatingProblem",
     "Watched",
@@ -202,6 +204,7 @@ __all__ = [
     "transmissibility",
     "transmissibility_sum",
     "update",
+    "update_ensemble",
     "write_csv",
     "write_hdf5",
     "write_mat",

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from ..exceptions import InvalidInputError
 
-__all__ = ["Parser", "WrongValue", "complain", "dof", "number", "one_of", "pair"]
+__all__ = ["Parser", "WrongValue", "complain", "dof", "edit", "number", "one_of", "pair"]
 
 
 def complain(error: object, program: str = "antires") -> None:
@@ -169,3 +169,16 @@ def pair(text: str) -> tuple[str, int | str | bool]:
     if not sign or not channel:
         raise WrongValue(repr(text), "CHANNEL=DOF, such as 12+Z=4")
     return channel, dof(name) if name else False
+
+
+def edit(text: str) -> tuple[int | str, float, str]:
+    """(dof, frequency in Hz, reason) of ``DOF=HZ reason``."""
+    name, sign, rest = text.partition("=")
+    value, _, reason = rest.strip().partition(" ")
+    try:
+        freq_hz = float(value)
+    except ValueError:
+        freq_hz = 0.0
+    if not sign or not name or not 0.0 < freq_hz < float("inf"):
+        raise WrongValue(repr(text), 'DOF=HZ, such as 3=31.9, or "3=31.9 reason"')
+    return dof(name), freq_hz, reason.strip()
