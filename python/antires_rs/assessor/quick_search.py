@@ -222,11 +222,7 @@ class QuickSearch:
             self.judge(first)
         while True:
             top = max((weights[s] for s in self.fits), default=-np.inf)
-            open_ = [
-                s
-                for s, w in weights.items()
-                if s not in self.fits and w > top - self._room(s)
-            ]
+            open_ = [s for s, w in weights.items() if s not in self.fits and w > top - self._room(s)]
             self.cut = bool(open_) and self.looks >= budget
             if not open_ or self.cut:
                 return max(self.fits, key=lambda s: weights[s])
