@@ -14,7 +14,10 @@ from .values import shown
 __all__ = ["KEYS", "edited"]
 
 #: The keys, and what each does.
-KEYS = {"drop": AntiresonanceSet.drop, "add": AntiresonanceSet.add}
+KEYS: dict[str, Callable[..., AntiresonanceSet]] = {
+    "drop": AntiresonanceSet.drop,
+    "add": AntiresonanceSet.add,
+}
 
 
 def edited(
