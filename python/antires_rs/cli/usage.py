@@ -13,6 +13,7 @@ from difflib import get_close_matches
 from typing import Any, NoReturn
 
 from ..exceptions import InvalidInputError
+from ..support.wording import EDIT_WANTED, edit_named
 
 __all__ = ["Parser", "WrongValue", "complain", "dof", "edit", "number", "one_of", "pair"]
 
@@ -173,12 +174,8 @@ def pair(text: str) -> tuple[str, int | str | bool]:
 
 def edit(text: str) -> tuple[int | str, float, str]:
     """(dof, frequency in Hz, reason) of ``DOF=HZ reason``."""
-    name, sign, rest = text.partition("=")
-    value, _, reason = rest.strip().partition(" ")
-    try:
-        freq_hz = float(value)
-    except ValueError:
-        freq_hz = 0.0
-    if not sign or not name or not 0.0 < freq_hz < float("inf"):
-        raise WrongValue(repr(text), 'DOF=HZ, such as 3=31.9, or "3=31.9 reason"')
-    return dof(name), freq_hz, reason.strip()
+    named = edit_named(text)
+    if named is None:
+        raise WrongValue(repr(text), EDIT_WANTED)
+    name, freq_hz, reason = named
+    return dof(name), freq_hz, reason
