@@ -85,8 +85,8 @@ def _sound(lines: list[str], last: int) -> int:
     """Number of lines before the statement that is no TOML.
 
     An error stays where it is when lines behind it are cut off, so that the longest beginning without one
-    ends just before it. The error is on the line ``last`` or, where a statement has several, before it: what is
-    no job at all has thousands of lines to be cut off. (tomllib gives it as a number only from Python 3.14 on.)
+    ends just before it. What is on the line ``last`` is part of it: a file that is no job at all may have
+    thousands of lines behind. (tomllib gives the line as a number only from Python 3.14 on.)
     """
     for n in range(min(last, len(lines)) - 1, 0, -1):
         try:
