@@ -203,8 +203,8 @@ def _identify(commands: Any) -> None:
         metavar="FILE",
         nargs="+",
         type=Path,
-        help="a measurement (.uff .unv .mat .h5 .csv .tsv .txt .npz .npy, or a folder of files of one FRF "
-        "each), several of one test, or a job (.toml)",
+        help="a measurement (.uff .unv .mat .h5 .csv .tsv .txt .npz .npy .tdms .lvm .wav .xlsx .parquet "
+        ".mseed, or a folder of files of one FRF each), several of one test, or a job (.toml)",
     )
     found.add_argument(
         "--band",
@@ -216,7 +216,7 @@ def _identify(commands: Any) -> None:
     found.add_argument("--excitation", type=dof, metavar="DOF", help=f"dof of the one force: {_DOF}")
     found.add_argument(
         "--format",
-        **one_of("uff", "mat", "hdf5", "csv", "npz"),
+        **one_of("uff", "mat", "hdf5", "csv", "npz", "tdms", "lvm", "wav", "excel", "parquet", "miniseed"),
         help="format of the file (default: its ending tells)",
     )
     found.add_argument(

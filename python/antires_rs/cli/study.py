@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from ..io.other_programs import conversion
 from ..jobs.formats import FOLDER, FORMATS, format_of
 from ..jobs.keys_data import DATA
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -107,7 +108,7 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
             "FILE",
             repr(str(args.file)),
             "an ending out of " + " ".join(e for ends in FORMATS.values() for e in ends),
-            "Say by --format what it is.",
+            f"Say by --format what it is.{conversion(args.file.name)}",
         )
     if kind == "antiresonances":
         with arguments(_NAMES):
