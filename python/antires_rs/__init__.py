@@ -110,6 +110,7 @@ _NAMES = {
     "updating.profile": ("ProfileLikelihood",),
     "updating.results": ("UpdateResult",),
     "updating.search": ("update",),
+    "updating.update_ensemble": ("UpdateEnsemble", "update_ensemble"),
     "updating.tables": ("FrequencyTable", "ModalTable"),
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names}

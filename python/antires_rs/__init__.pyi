@@ -102,6 +102,7 @@ from .updating.reduction import Reduction, ReductionReport
 from .updating.results import UpdateResult
 from .updating.search import update
 from .updating.tables import FrequencyTable, ModalTable
+from .updating.update_ensemble import UpdateEnsemble, update_ensemble
 
 __all__ = [
     "AntiresError",
@@ -161,6 +162,7 @@ __all__ = [
     "Tracks",
     "Tube",
     "UnsuitableDataError",
+    "UpdateEnsemble",
     "UpdateResult",
     "UpdatingProblem",
     "Watched",
@@ -214,6 +216,7 @@ __all__ = [
     "transmissibility",
     "transmissibility_sum",
     "update",
+    "update_ensemble",
     "write_csv",
     "write_hdf5",
     "write_mat",

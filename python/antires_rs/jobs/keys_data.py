@@ -52,6 +52,12 @@ DATA = Section(
             'leaves a channel out. Dofs count from 0; those of frames may be named as in "3 v".',
         ),
         Key(
+            "drop",
+            "texts",
+            'Values to leave out, "DOF=HZ why", each the one within 1 % of it: "3=31.9 mains hum".',
+        ),
+        Key("add", "texts", "Values that are added, in the same way."),
+        Key(
             "unit",
             "text",
             'Unit of the responses, where the file does not tell: "m/s2", "g", "g/N".',
