@@ -13,8 +13,8 @@ __all__ = ["DOF", "identify", "look"]
 
 DOF = "a number, or a name as the file has it"
 _KINDS = (
-    ".uff .unv .mat .h5 .csv .tsv .txt .npz .npy .tdms .lvm .wav .xlsx .parquet .mseed, or a folder of files of "
-    "one FRF each"
+    ".uff .unv .mat .h5 .csv .tsv .txt .npz .npy .tdms .lvm .wav .xlsx .parquet .mseed, or a folder of files "
+    "of one FRF each"
 )
 Command = Callable[[str, str], Callable[[argparse.Namespace], int]]
 
