@@ -41,6 +41,7 @@ _ABSCISSA = {
     "ms": 1e-3,
     "msec": 1e-3,
     "us": 1e-6,
+    "ns": 1e-9,
     "usec": 1e-6,
     "min": 60.0,
     "khz": 1e3,
