@@ -101,6 +101,7 @@ def test_a_set_is_looked_at_and_saved_in_its_own_file(started, tmp_path):
 
 def test_ctrl_c_during_the_identification_ends_it_at_once(started, measured):
     process, url = started(measured, "--excitation", "0")
+    asked(url, "state")  # it has been read
     base, _, token = url.partition("/?")
     waits = subprocess.Popen(
         [sys.executable, "-c", "import sys, urllib.request as u; u.urlopen(sys.argv[1], b'{}')",
@@ -125,8 +126,19 @@ def test_ctrl_c_during_the_identification_ends_it_at_once(started, measured):
 )
 def test_wrong_calls_are_told(measured, capsys, given, said):
     pytest.importorskip("bokeh", reason="the page needs bokeh")
-    assert cli.main(["look", str(measured), *given]) == 2
+    assert cli.main(["look", str(measured), "--no-browser", *given]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_a_file_that_cannot_be_read_is_told_on_the_page_too(started, tmp_path):
+    file = tmp_path / "zeros.json"
+    file.write_text("{}")
+    process, url = started(file)
+    assert "without the mark" in asked(url, "state")["error"]
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 2
+    assert "without the mark" in err
+    assert "Traceback" not in err
 
 
 def identified(measured, capsys, *given):

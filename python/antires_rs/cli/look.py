@@ -1,102 +1,43 @@
-"""``antires look``: the page of a measurement, of a set of antiresonances, or of a result."""
+"""``antires look``: the page is opened at once, and what it shows is read while the browser begins."""
 
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
+from importlib import import_module
+from typing import Any
 
-from ..exceptions import InvalidInputError
 from ..explore.canvas import require_bokeh
-from ..explore.page.commands import SetView, View
 from ..explore.page.opened import opened
-from ..explore.page.session import Session
-from ..measured.antiresonance_set import AntiresonanceSet
-from ..measured.replay import Asked, asked_of
 from ..support.validation import reject
-from .measurement import NAMES, files_of, kind_of, measurement
-from .terminal import arguments, existing, say
+from .terminal import existing
 
 __all__ = ["look"]
+
+#: Files that tell the place of the force, or have none.
+COMPLETE = {".json", ".toml", ".uff", ".unv"}
 
 
 def look(args: argparse.Namespace) -> int:
     """Serve the page until it is closed."""
     require_bokeh()
-    opened(_view(args), wait=True, browser=not args.no_browser, say=lambda line: print(line, flush=True))
-    return 0
+    first = args.files[0]
+    for file in args.files:
+        if not file.is_dir():
+            existing("FILE", file, "Name a measurement, antiresonances or a result.")
 
-
-def _view(args: argparse.Namespace) -> View:
-    first: Path = args.files[0]
-    files_of(args)
-    _check_out(args.out)
-    if first.suffix == ".toml":
-        return SetView(_of_job(args), first.name)
-    kind = kind_of(args)
-    edits = _edits(args)
-    if kind == "antiresonances":
-        with arguments(NAMES):
-            zeros = AntiresonanceSet.load(first)
-        session = Session(zeros, save_to=args.out)
-        if args.out is None:
-            session.opened(first)
-        session.make_again(edits)
-        return SetView(session, first.name)
-    given = measurement(args, kind, band_needed=False)
-    with arguments(NAMES):
-        session = Session(
-            None,
-            given.signal,
-            excitation=given.force,
-            band_hz=args.band,
-            max_order=args.max_order,
-            options={name: value for name, value in given.options.items() if name != "max_order"},
-            save_to=args.out or f"{first.stem}_antiresonances.json",
-        )
-    session.make_again(edits)
-    return SetView(session, first.name)
-
-
-def _of_job(args: argparse.Namespace) -> Session:
-    """The one measurement of a job, with the options and the edits that stand there."""
-    from ..jobs import read_job
-    from ..jobs.measured import measured_of
-    from ..jobs.model import model_of
-
-    job = read_job(args.file)
-    found = measured_of(job, model_of(job), say)
-    if len(found) > 1:
-        reject(
-            "FILE", f"a job of {len(found)} measurements", "one to look at", "Name the file of one of them."
-        )
-    one = found[0]
-    options = {name: value for name, value in job.section("identification").items() if name != "dofs"}
-    session = Session(
-        one.found,
-        one.signal,
-        band_hz=one.table.get("band_hz"),
-        max_order=options.pop("max_order", None),
-        options=options,
-        save_to=args.out or f"{args.file.stem}_antiresonances.json",
-    )
-    session.make_again(_edits(args))
-    return session
-
-
-def _edits(args: argparse.Namespace) -> tuple[Asked, ...]:
-    """Those of a set that was saved."""
-    if args.edits is None:
-        return ()
-    existing("--edits", args.edits, "Name a set that was saved.")
-    with arguments({"path": "--edits"}):
-        return asked_of(AntiresonanceSet.load(args.edits))
-
-
-def _check_out(out: Path | None) -> None:
+    out = args.out
     if out is not None and (out.suffix != ".json" or not out.parent.is_dir()):
-        raise InvalidInputError(
-            "--out",
-            repr(str(out)),
-            "a file that ends in .json, in a folder that exists",
-            "Choose another name.",
-        )
+        wanted = "a file that ends in .json, in a folder that exists"
+        reject("--out", repr(str(out)), wanted, "Choose another name.")
+    if args.edits is not None:
+        existing("--edits", args.edits, "Name a set that was saved.")
+
+    def made() -> Any:
+        # Imported here: the page is being opened meanwhile.
+        return import_module(f"{__package__}.looked").view_of(args)
+
+    if args.excitation is None and first.suffix.lower() not in COMPLETE:
+        view = made()  # which will say what is missing, if anything is
+        made = lambda: view  # noqa: E731 - in place of the function above
+    opened(made, first.name, wait=True, browser=not args.no_browser, say=lambda line: print(line, flush=True))
+    return 0

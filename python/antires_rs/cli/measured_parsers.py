@@ -12,7 +12,10 @@ from .usage import dof, edit, number, one_of, pair
 __all__ = ["DOF", "identify", "look"]
 
 DOF = "a number, or a name as the file has it"
-_KINDS = ".uff .unv .mat .h5 .csv .tsv .txt .npz .npy, or a folder of files of one FRF each"
+_KINDS = (
+    ".uff .unv .mat .h5 .csv .tsv .txt .npz .npy .tdms .lvm .wav .xlsx .parquet .mseed, or a folder of files "
+    "of one FRF each"
+)
 Command = Callable[[str, str], Callable[[argparse.Namespace], int]]
 
 
@@ -91,7 +94,7 @@ def _measurement(command: argparse.ArgumentParser) -> None:
     command.add_argument("--excitation", type=dof, metavar="DOF", help=f"dof of the one force: {DOF}")
     command.add_argument(
         "--format",
-        **one_of("uff", "mat", "hdf5", "csv", "npz"),
+        **one_of("uff", "mat", "hdf5", "csv", "npz", "tdms", "lvm", "wav", "excel", "parquet", "miniseed"),
         help="format of the file (default: its ending tells)",
     )
     command.add_argument(
@@ -121,7 +124,7 @@ def _measurement(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--unit", help="unit of the responses, such as g or m/s2, where the file does not tell"
     )
-    command.add_argument("--first", **one_of("time", "freq", "channel"), help="first column of a CSV file")
+    command.add_argument("--first", **one_of("time", "freq", "channel"), help="first column of a table")
     command.add_argument(
         "--pairs",
         **one_of("real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad"),
@@ -139,7 +142,20 @@ def _measurement(command: argparse.ArgumentParser) -> None:
         type=number(int, 1),
         metavar="N",
         dest="of_run",
-        help="which run of a universal file with several",
+        help="which run of a universal file with several, or segment of an .lvm",
+    )
+    command.add_argument(
+        "--responses",
+        action="append",
+        metavar="NAME",
+        help="array or channel of the responses, * for any text; once for each (default: all)",
+    )
+    command.add_argument("--sheet", metavar="NAME", help="sheet of an Excel workbook (default: the first)")
+    command.add_argument(
+        "--full-scale",
+        type=number(float, 0.0),
+        metavar="VALUE",
+        help="what full scale of a WAV file stands for, in --unit",
     )
     command.add_argument("--pattern", metavar="GLOB", help="which files of a folder (default: *)")
     command.add_argument(

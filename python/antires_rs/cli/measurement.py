@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..io.other_programs import conversion
 from ..jobs.formats import FOLDER, FORMATS, format_of
 from ..jobs.keys_data import DATA
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -30,12 +31,18 @@ NAMES = {
     "df_hz": "--df",
     "pairs": "--pairs",
     "run": "--run",
+    "responses": "--responses",
+    "sheet": "--sheet",
+    "full_scale": "--full-scale",
     "pattern": "--pattern",
     "cross_check": "--cross-check",
     "max_order": "--max-order",
     **{name: f"--{name}" for name in ("excitation", "unit", "force", "kind", "first", "reference", "preset")},
 }
-READING = ("kind", "reference", "force", "fs_hz", "unit", "first", "df_hz", "pairs", "of_run", "pattern")
+READING = (
+    *("kind", "reference", "force", "fs_hz", "unit", "first", "df_hz", "pairs", "of_run", "pattern"),
+    *("responses", "sheet", "full_scale"),
+)
 CHOICES = ("preset", "max_order", "cross_check")
 
 
@@ -75,7 +82,7 @@ def kind_of(args: argparse.Namespace) -> str:
             "FILE",
             repr(str(args.file)),
             "an ending out of " + " ".join(e for ends in FORMATS.values() for e in ends),
-            "Say by --format what it is.",
+            f"Say by --format what it is.{conversion(args.file.name)}",
         )
     return kind
 

@@ -1,4 +1,4 @@
-"""Reads a MATLAB or HDF5 file and writes its arrays as a NumPy archive.
+"""Reads a file of another program and writes its arrays as a NumPy archive.
 
 Run as a program of its own, with a limit on memory, because a damaged file can crash or fill the interpreter
 that reads it: ``python _child.py KIND FILE OUT REQUEST``, the request in JSON (:mod:`.child` makes it).
@@ -156,13 +156,24 @@ def values_of(item: Any) -> Any:
     return values.T if "MATLAB_class" in item.attrs else values
 
 
+def reader_of(kind: str) -> Any:
+    """The function that reads files of a kind; those of records and tables stand in the file beside this."""
+    own = {"mat5": mat5, "hdf5": hdf5}
+    if kind in own:
+        return own[kind]
+    from pathlib import Path
+    from runpy import run_path  # which needs no package around it
+
+    return run_path(str(Path(__file__).with_name("_child_records.py")))["READERS"][kind]
+
+
 def main(kind: str, path: str, out: str, text: str) -> None:
     """Read and write."""
     request = json.loads(text)
     limit_memory(request["memory_gb"])
     import numpy as np
 
-    arrays, texts, listed = {"mat5": mat5, "hdf5": hdf5}[kind](path, request)
+    arrays, texts, listed = reader_of(kind)(path, request)
     keys = {f"a{i}": name for i, name in enumerate(arrays)}
     names = json.dumps({"arrays": keys, "texts": texts, "listed": listed}).encode()
     members: dict[str, Any] = {key: np.ascontiguousarray(arrays[name]) for key, name in keys.items()}

@@ -15,6 +15,9 @@ from ..support.validation import reject
 from ..support.warned import warn
 from ..support.wording import Passed, Wording
 
+#: Parts of a record whose mean steps are compared, and by how much they may differ relatively.
+_PARTS, _DRIFT = 32, 1e-3
+
 __all__ = [
     "Signal",
     "brief",
@@ -114,6 +117,27 @@ def _digits(number: float) -> int:
     return len(f"{number:.15e}".partition("e")[0].rstrip("0"))
 
 
+def _no_drift(path: Path, times: Any, step: float, rounding: float) -> None:
+    """Refuse steps that change in the course of the record, each by less than counts as a gap."""
+    width = max(times.size // _PARTS, 16)
+    edges = np.arange(0, times.size - 1, width)
+    if edges.size < 3:
+        return
+    steps = np.diff(times[edges]) / width
+    # Jitter of single instants averages out over a part; its two ends have at most a tenth of a step each.
+    allowed = _DRIFT * step + (2.0 * rounding + 0.2 * step) / width
+    odd = np.flatnonzero(np.abs(steps - step) > allowed)
+    if odd.size:
+        i = int(odd[np.argmax(np.abs(steps[odd] - step))])
+        unsuitable(
+            path,
+            f"whose steps are {steps[i]:.6g} s on average from {times[edges[i]]:.9g} to "
+            f"{times[edges[i + 1]]:.9g} s, and {step:.6g} s in all",
+            "instants in s, evenly spaced and ascending",
+            "The sampling rate drifts: resample it to even steps, or cut out a part with an even rate.",
+        )
+
+
 def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     """Sampling rate of evenly spaced instants in s; refuses gaps.
 
@@ -148,5 +172,6 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
             wanted,
             "Samples are missing, or the sampling was uneven.",
         )
+    _no_drift(path, times, step, rounding)
     count = times.size - 1
     return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))

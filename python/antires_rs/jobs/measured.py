@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..identification.identify import identify_antiresonances
+from ..io.other_programs import conversion
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import StructuralModel
 from ..signals.repeats import one_source
@@ -91,7 +92,8 @@ def kind_of(job: Job, place: Keys, table: dict[str, Any], file: Path) -> str:
             (*place, at),
             shown(table[at]),
             f"a format out of {', '.join(FORMATS)}",
-            'Say which by format = "uff" or another, where the ending does not tell.',
+            'Say which by format = "uff" or another, where the ending does not tell.'
+            + conversion(file.name) * ("format" not in table),
         )
     return kind
 

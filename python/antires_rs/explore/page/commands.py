@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from threading import Lock
-from typing import Any, Protocol
+from typing import Any
 
-from ...exceptions import AntiresError, InvalidInputError
 from ...signals.frequency_response import FrequencyResponse
 from ...support.validation import reject
 from ..canvas import item
@@ -15,30 +14,9 @@ from ..evidence import evidence_figure
 from .picks import Click
 from .session import Session, Sight
 from .told import told
+from .view import Arguments
 
-__all__ = ["SetView", "View"]
-
-Arguments = Mapping[str, Any]
-
-
-class View(Protocol):
-    """What the server shows: a set that is edited, or a result."""
-
-    title: str
-    #: Commands that take long; the others are answered at once.
-    slow: frozenset[str]
-
-    def state(self, shown: int) -> dict[str, Any]:
-        """What stands beside the figures, as plain data."""
-
-    def figure(self, shown: int) -> dict[str, Any]:
-        """A figure as ``Bokeh.embed.embed_item`` takes it."""
-
-    def do(self, command: str, arguments: Arguments) -> str:
-        """Carry out a command; what was done, in words."""
-
-    def file(self) -> tuple[str, str] | None:
-        """Name and text of what can be downloaded."""
+__all__ = ["SetView"]
 
 
 class SetView:
@@ -120,13 +98,6 @@ class SetView:
         if not 0 <= number < len(dofs):
             reject("dof", number, f"a response from 0 to {len(dofs) - 1}", "Load the page again.")
         return dofs[number]
-
-
-def refusal(exc: AntiresError) -> dict[str, str]:
-    """An error for the page: the sentence, without the name of an argument that its user never typed."""
-    if isinstance(exc, InvalidInputError):
-        return {"error": f"Got {exc.got}; wanted {exc.wanted}. {exc.remedy}"}
-    return {"error": str(exc)}
 
 
 def _number(a: Arguments, name: str) -> float:

@@ -3,30 +3,40 @@
 from __future__ import annotations
 
 import sys
+import time
 import webbrowser
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ...signals.repeats import one_source
+from ...exceptions import AntiresError
 from ..canvas import require_bokeh
-from .commands import SetView, View
 from .running import Page, in_notebook
-from .session import Session
+from .view import Refused, View
 
 __all__ = ["of_set", "opened"]
 
 #: Height of the page in a notebook, in pixels.
 INLINE_PX = 820
+#: For the page to say why there is nothing to see.
+LAST_WORD_S = 0.5
 
 
 def opened(
-    view: View, *, wait: bool | None = None, browser: bool = True, say: Callable[[str], Any] = print
+    make: Callable[[], View],
+    title: str,
+    *,
+    wait: bool | None = None,
+    browser: bool = True,
+    say: Callable[[str], Any] = print,
 ) -> Page:
     """Serve a view and show it.
 
     Parameters
     ----------
-    view : View
+    make : callable
+        Returns the view. It is called when the browser has been told to open the page.
+    title : str
+        What is looked at.
     wait : bool, optional
         Return when the page was closed, or Ctrl-C; by default everywhere but in a notebook, which shows the
         page below the cell and goes on.
@@ -42,14 +52,22 @@ def opened(
     """
     inline = in_notebook()
     wait = not inline if wait is None else wait
-    page = Page(view, ends_with_page=wait or not inline)
+    page = Page(ends_with_page=wait or not inline)
     page.start()
-    if inline:
-        _inline(page.url)
-    else:
-        say(f"looking at {view.title}: {page.url}")
-        if browser and not webbrowser.open(page.url):
-            say("No browser was found; open that address.")
+    try:
+        if inline:
+            _inline(page.url)
+        else:
+            say(f"looking at {title}: {page.url}")
+            if browser and not webbrowser.open(page.url):
+                say("No browser was found; open that address.")
+        page.show(make())
+    except BaseException as exc:
+        if isinstance(exc, AntiresError):
+            page.show(Refused(title, exc))
+            time.sleep(LAST_WORD_S)
+        page.stop()
+        raise
     if wait:
         try:
             page.wait()
@@ -67,6 +85,10 @@ def of_set(
 ) -> Page:
     """What :meth:`~antires_rs.AntiresonanceSet.look` does."""
     require_bokeh()
+    from ...signals.repeats import one_source
+    from .commands import SetView
+    from .session import Session
+
     given = dict(options)
     session = Session(
         zeros,
@@ -76,9 +98,8 @@ def of_set(
         options=given,
         save_to=save_to,
     )
-    return opened(
-        SetView(session, f"antiresonances, force at {zeros.excitation}"), wait=wait, browser=browser
-    )
+    title = f"antiresonances, force at {zeros.excitation}"
+    return opened(lambda: SetView(session, title), title, wait=wait, browser=browser)
 
 
 def _inline(url: str) -> None:

@@ -7,12 +7,14 @@ import sys
 import threading
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...exceptions import AntiresError
 from ..canvas import require_bokeh
-from .commands import SetView, View
 from .guard import ADDRESS, Guard
+
+if TYPE_CHECKING:
+    from .view import View
 
 __all__ = ["Page"]
 
@@ -29,13 +31,14 @@ class Page:
         Its address, with the token. Whoever has it may use the page.
     """
 
-    def __init__(self, view: View, *, ends_with_page: bool) -> None:
+    def __init__(self, view: View | None = None, *, ends_with_page: bool) -> None:
         require_bokeh()
         self._view = view
         self._ends_with_page = ends_with_page
         self._ready, self._over = threading.Event(), threading.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._stopping: asyncio.Event | None = None
+        self._there: asyncio.Event | None = None
         self._failed: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="antires-look", daemon=True)
         self.url = ""
@@ -43,7 +46,32 @@ class Page:
     @property
     def zeros(self) -> Any:
         """The set as it is now, with all edits; None for a page that shows a result."""
-        return self._view.session.zeros if isinstance(self._view, SetView) else None
+        session = getattr(self._view, "session", None)
+        return None if session is None else session.zeros
+
+    def show(self, view: View) -> None:
+        """What is served, where it was not there when the page was opened: browsers are slow to begin too."""
+        self._view = view
+        self._warm()
+        if self._loop is not None and self._there is not None and self.running:
+            self._loop.call_soon_threadsafe(self._there.set)
+
+    def _warm(self) -> None:
+        """Make the first figure, with what has to be imported for it, while the browser begins."""
+
+        def make() -> None:
+            with suppress(AntiresError):  # told when the page asks for it
+                if self._view is not None:
+                    self._view.figure(0)
+
+        threading.Thread(target=make, daemon=True).start()
+
+    async def _viewed(self) -> View:
+        """The view, when it is there."""
+        assert self._there is not None
+        await self._there.wait()
+        assert self._view is not None
+        return self._view
 
     @property
     def running(self) -> bool:
@@ -53,7 +81,8 @@ class Page:
     def start(self) -> None:
         """Serve in a thread; returns when the page can be opened."""
         self._thread.start()
-        threading.Thread(target=self._warm, daemon=True).start()
+        if self._view is not None:
+            self._warm()
         self._ready.wait()
         if self._failed is not None:
             raise self._failed
@@ -75,19 +104,13 @@ class Page:
 
     def keep_unsaved(self) -> Path | None:
         """Write edits that were not saved beside where they belong, so that closing loses nothing."""
-        if not isinstance(self._view, SetView) or not self._view.session.unsaved:
+        session = getattr(self._view, "session", None)
+        target = None if session is None or not session.unsaved else session.path
+        if session is None or target is None:
             return None
-        target = self._view.session.path
-        if target is None:
-            return None
-        beside = target.with_name(f"{target.stem}_unsaved.json")
-        self._view.session.zeros.save(beside)
+        beside: Path = target.with_name(f"{target.stem}_unsaved.json")
+        session.zeros.save(beside)
         return beside
-
-    def _warm(self) -> None:
-        """Make the first figure, with what has to be imported for it, while the browser begins."""
-        with suppress(AntiresError):  # told when the page asks for it
-            self._view.figure(0)
 
     def _run(self) -> None:
         try:
@@ -105,11 +128,14 @@ class Page:
         from .server import MOST_BYTES, Presence, application
 
         self._loop, self._stopping = asyncio.get_running_loop(), asyncio.Event()
+        self._there = asyncio.Event()
+        if self._view is not None:
+            self._there.set()
         alone = self._stopping.set if self._ends_with_page else (lambda: None)
         presence = Presence(alone, GRACE_S)
         sockets = bind_sockets(0, ADDRESS)
         guard = Guard(sockets[0].getsockname()[1])
-        server = HTTPServer(application(self._view, guard, presence), max_body_size=MOST_BYTES)
+        server = HTTPServer(application(self._viewed, guard, presence), max_body_size=MOST_BYTES)
         server.add_sockets(sockets)
         self.url = guard.address
         self._ready.set()
@@ -117,6 +143,7 @@ class Page:
         server.stop()
         presence.close()
         await asyncio.sleep(0.05)  # for the sockets to say goodbye
+        await server.close_all_connections()
 
 
 def in_notebook() -> bool:

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import nullcontext, suppress
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from threading import Lock, Thread
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ...exceptions import AntiresError
+from ...exceptions import AntiresError, InvalidInputError
 from ..canvas import script_files
-from .commands import View, refusal
 from .guard import Guard
+
+if TYPE_CHECKING:
+    from .view import View
 
 __all__ = ["Presence", "application"]
 
@@ -23,6 +26,7 @@ KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 #: Of what a page may send.
 MOST_BYTES = 100_000
 Work = Callable[[], dict[str, Any]]
+Viewed = Callable[[], Awaitable["View"]]
 
 
 class Presence:
@@ -58,24 +62,28 @@ class Presence:
 @cache
 def asset(name: str) -> bytes:
     """A file of the page, or BokehJS."""
-    file = script_files()[0] if name == "bokeh.js" else ASSETS / name
-    return file.read_bytes()
+    if name != "bokeh.js":
+        return (ASSETS / name).read_bytes()
+    # Where it is can be told without importing bokeh, which takes longer than a browser to begin.
+    found = find_spec("bokeh")
+    guessed = Path(str(found.origin if found else "")).parent / "server/static/js/bokeh.min.js"
+    return (guessed if guessed.is_file() else script_files()[0]).read_bytes()
 
 
-def application(view: View, guard: Guard, presence: Presence) -> Any:
-    """The ``tornado.web.Application`` that shows a view."""
+def application(viewed: Viewed, guard: Guard, presence: Presence) -> Any:
+    """The ``tornado.web.Application`` that shows a view, which may have to be waited for."""
     from tornado.web import Application
 
     base = _guarded(guard)
     page, asset_of, missing = _files(base, guard)
-    state, figure, download = _views(base, view)
+    state, figure, download = _views(base, viewed)
     return Application(
         [
             (r"/", page),
             (r"/(bokeh\.js|page\.js|page\.css)", asset_of),
             (r"/state", state),
             (r"/figure", figure),
-            (r"/do/(\w+)", _commands(base, view)),
+            (r"/do/(\w+)", _commands(base, viewed)),
             (r"/download", download),
             (r"/alive", _alive(base, guard, presence)),
         ],
@@ -146,23 +154,24 @@ def _files(base: Any, guard: Guard) -> tuple[Any, Any, Any]:
     return Page, Asset, Missing
 
 
-def _views(base: Any, view: View) -> tuple[Any, Any, Any]:
+def _views(base: Any, viewed: Viewed) -> tuple[Any, Any, Any]:
     """What is shown: state, figures, and the file."""
     from tornado.web import HTTPError
 
     class State(base):  # type: ignore[misc]
-        def get(self) -> None:
-            self.plain({"title": view.title, **_kindly(lambda: view.state(self.shown()))})
+        async def get(self) -> None:
+            shown, view = self.shown(), await viewed()
+            self.plain({"title": view.title, **_kindly(lambda: view.state(shown))})
 
     class Figure(base):  # type: ignore[misc]
         async def get(self) -> None:
-            shown = self.shown()
+            shown, view = self.shown(), await viewed()
             # In a thread: the first figure waits for imports, and the socket must go on being answered.
             self.plain(await _aside(lambda: view.figure(shown)))
 
     class Download(base):  # type: ignore[misc]
-        def get(self) -> None:
-            found = view.file()
+        async def get(self) -> None:
+            found = (await viewed()).file()
             if found is None:
                 raise HTTPError(404, log_message="nothing to download")
             name = "".join(c if c.isascii() and (c.isalnum() or c in "._- ") else "_" for c in found[0])
@@ -173,7 +182,7 @@ def _views(base: Any, view: View) -> tuple[Any, Any, Any]:
     return State, Figure, Download
 
 
-def _commands(base: Any, view: View) -> Any:
+def _commands(base: Any, viewed: Viewed) -> Any:
     """What is done."""
     from tornado.web import HTTPError
 
@@ -181,7 +190,7 @@ def _commands(base: Any, view: View) -> Any:
 
     class Do(base):  # type: ignore[misc]
         async def post(self, command: str) -> None:
-            shown = self.shown()
+            shown, view = self.shown(), await viewed()
             try:
                 sent = json.loads(self.request.body or b"{}")
             except ValueError:
@@ -240,4 +249,11 @@ def _kindly(work: Work) -> dict[str, Any]:
     try:
         return work()
     except AntiresError as exc:
-        return refusal(exc)
+        return {"error": refusal(exc)}
+
+
+def refusal(exc: AntiresError) -> str:
+    """An error for the page: the sentence, without the name of an argument that its user never typed."""
+    if isinstance(exc, InvalidInputError):
+        return f"Got {exc.got}; wanted {exc.wanted}. {exc.remedy}"
+    return str(exc)

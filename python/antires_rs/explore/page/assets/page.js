@@ -318,7 +318,7 @@ function live() {
   const socket = new WebSocket("ws://" + location.host + "/alive?" + new URLSearchParams({ token }));
   socket.addEventListener("close", () => {
     ended = true;
-    say("The server has ended; this page can be closed.", true);
+    if (state) say("The server has ended; this page can be closed.", true);
   });
 }
 
