@@ -91,7 +91,7 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         body = [line.rstrip()[:-1] for line in body[:-1]] + [body[-1].rstrip()[:-1] if whole else body[-1]]
         ended, trailing = ended and whole, not whole
     between = delimiter if delimiter is not None else _delimiter(body)
-    body, instants = _without_instants(file, body, between)
+    body, instants, place = _without_instants(file, body, between)
     point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
@@ -124,34 +124,37 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
             _warn_end(file)
     _fill(file, table, rows, between, point, width)
     if instants:
-        table.names[:1] = ["time"] if table.names else []
-        table.units = [instants, *(table.units[1:] or [""] * (width - 1))]
+        table.names[place : place + 1] = ["time"] if table.names else []
+        table.units = table.units or [""] * width
+        table.units[place] = instants
     return table
 
 
-def _without_instants(file: Path, body: list[str], between: str | None) -> tuple[list[str], str]:
-    """Rows with an instant in front with the time since the first of them in its place, and the unit of that.
+def _without_instants(file: Path, body: list[str], between: str | None) -> tuple[list[str], str, int]:
+    """Rows with an instant in front, or after the number of the row, as the time since the first of them.
 
-    The unit is as fine as the instants were written, so that their rounding is known.
+    The unit of that time is as fine as the instants were written, so that their rounding is known; with it the column.
     """
-    rows = [(i, *_first_field(line, between)) for i, line in enumerate(body)]
-    found = [(i, match, rest) for i, field, rest in rows if (match := _INSTANT.match(field))]
+    sample = body[len(body) // 2] if body else ""
+    place = int(not _INSTANT.match(_field(sample, between, 0)[1]) and between is not None)
+    rows = [(i, *_field(line, between, place)) for i, line in enumerate(body)]
+    found = [(i, before, match, rest) for i, before, field, rest in rows if (match := _INSTANT.match(field))]
     if not found:
-        return body, ""
+        return body, "", 0
     start = found[0][0]
-    there = {i for i, _, _ in found}
+    there = {i for i, _, _, _ in found}
     odd = next((i for i in range(start, len(body) - 1) if i not in there), None)
     if odd is not None:
         unsuitable(
             file,
-            f"whose row {odd - start + 1} has {rows[odd][1][:40]!r} where others have an instant",
-            "instants in the first column",
+            f"whose row {odd - start + 1} has {rows[odd][2][:40]!r} where others have an instant",
+            "instants in that column",
             "Correct or remove that row.",
         )
-    digits = max(len(match[7] or "") for _, match, _ in found)
+    digits = max(len(match[7] or "") for _, _, match, _ in found)
     unit, per_s = next((u, n) for u, n in (("s", 0), ("ms", 3), ("us", 6), ("ns", 9)) if digits <= n)
     made, first = list(body), None
-    for i, match, rest in found:
+    for i, before, match, rest in found:
         try:
             at = _instant(match)
         except ValueError:
@@ -159,17 +162,21 @@ def _without_instants(file: Path, body: list[str], between: str | None) -> tuple
                 file, f"with the instant {match[0]!r}", "days and times that exist", "Correct that row."
             )
         first = at if first is None else first
-        made[i] = f"{int((at - first) / np.timedelta64(1, 'ns')) // 10 ** (9 - per_s)}{rest}"
-    return made, unit
+        made[i] = f"{before}{int((at - first) / np.timedelta64(1, 'ns')) // 10 ** (9 - per_s)}{rest}"
+    return made, unit, place
 
 
-def _first_field(line: str, between: str | None) -> tuple[str, str]:
-    """The first field of a line, and what follows it with its delimiter."""
+def _field(line: str, between: str | None, place: int) -> tuple[str, str, str]:
+    """What stands before a field with its delimiter, the field, and what follows it with its delimiter."""
     if between is None:
         field, _, rest = line.strip().partition(" ")
-        return field, f" {rest}"
+        return "", field, f" {rest}"
+    before = ""
+    for _ in range(place):
+        first, sign, line = line.partition(between)
+        before += first + sign
     field, sign, rest = line.partition(between)
-    return field.strip(), sign + rest
+    return before, field.strip(), sign + rest
 
 
 def _instant(match: re.Match[str]) -> np.datetime64:
