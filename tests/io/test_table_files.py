@@ -174,3 +174,32 @@ def test_complex_columns_of_every_spelling(tmp_path, form):
     ]
     read = ar.read_csv(text(tmp_path / "a.csv", ["freq,a,b"], rows))
     np.testing.assert_allclose(read.values, values)
+
+
+@pytest.mark.parametrize("ending", ["", "77;2026-03-0"], ids=["whole", "cut in the last row"])
+@pytest.mark.parametrize("decimal", [".", ","], ids=["points", "commas"])
+@pytest.mark.parametrize("head", ["", "No.;Timestamp;tip [g];base [g]\n"], ids=["no names", "names"])
+def test_a_count_before_an_instant_is_left_out(tmp_path, head, decimal, ending):
+    file = tmp_path / "logger.csv"
+    numbers = np.random.default_rng(0).standard_normal((76, 2))
+    lines = [
+        f"{k + 1};2026-03-02T09:15:{10 + k / 256:09.6f};{a:.6e};{b:.6e}".replace(".", decimal)
+        for k, (a, b) in enumerate(numbers)
+    ]
+    file.write_text(head + "\n".join(lines) + "\n" + ending, encoding="utf-8")
+    if ending:
+        with pytest.raises(ar.UnsuitableDataError, match="row 77 is cut, 76 are whole"):
+            ar.read_csv(file)
+        return
+    record = ar.read_csv(file)
+    assert record.fs_hz == 256.0
+    assert record.dofs == (("tip", "base") if head else (0, 1))
+    np.testing.assert_allclose(record.responses.T, numbers * (9.80665 if head else 1.0), rtol=1e-5)
+
+
+def test_numbers_that_do_not_count_are_no_count(tmp_path):
+    file = tmp_path / "logger.csv"
+    rows = [f"{5 * k % 7};2026-03-02T09:15:{10 + k:02d};{k}.5;{k}.25" for k in range(40)]
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    with pytest.raises(ar.UnsuitableDataError, match="without a row of numbers"):
+        ar.read_csv(file)

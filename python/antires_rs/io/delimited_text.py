@@ -16,6 +16,7 @@ from ..support.warned import warn
 from ..support.wording import Passed, Wording
 from ._common import unsuitable
 from .column_pairs import is_part_unit, part_of
+from .instants import without_count, without_instants
 from .units import abscissa_factor, parse_unit
 
 __all__ = ["MARK", "Table", "named", "table_of"]
@@ -28,11 +29,6 @@ _UNIT = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]$")
 
 #: The sign of an imaginary part between blanks, 1 + 2i, or its unit after one.
 _SPACED = re.compile(r"[ \t]*([+-])[ \t]*([0-9.,]+(?:[eE][+-]?\d+)?[ij])\b")
-#: An instant, as ISO 8601 has it, or with slashes.
-_INSTANT = re.compile(
-    r"^\"?(\d{4})[-/](\d\d)[-/](\d\d)(?:[T ](\d\d):(\d\d)(?::(\d\d)(?:[.,](\d{1,9}))?)?)?"
-    r"(Z|[+-]\d\d:?\d\d)?\"?$"
-)
 
 
 @dataclass
@@ -91,7 +87,7 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         body = [line.rstrip()[:-1] for line in body[:-1]] + [body[-1].rstrip()[:-1] if whole else body[-1]]
         ended, trailing = ended and whole, not whole
     between = delimiter if delimiter is not None else _delimiter(body)
-    body, instants = _without_instants(file, body, between)
+    body, instants = without_instants(file, without_count(body, between), between)
     point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
@@ -127,59 +123,6 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         table.names[:1] = ["time"] if table.names else []
         table.units = [instants, *(table.units[1:] or [""] * (width - 1))]
     return table
-
-
-def _without_instants(file: Path, body: list[str], between: str | None) -> tuple[list[str], str]:
-    """Rows with an instant in front with the time since the first of them in its place, and the unit of that.
-
-    The unit is as fine as the instants were written, so that their rounding is known.
-    """
-    rows = [(i, *_first_field(line, between)) for i, line in enumerate(body)]
-    found = [(i, match, rest) for i, field, rest in rows if (match := _INSTANT.match(field))]
-    if not found:
-        return body, ""
-    start = found[0][0]
-    there = {i for i, _, _ in found}
-    odd = next((i for i in range(start, len(body) - 1) if i not in there), None)
-    if odd is not None:
-        unsuitable(
-            file,
-            f"whose row {odd - start + 1} has {rows[odd][1][:40]!r} where others have an instant",
-            "instants in the first column",
-            "Correct or remove that row.",
-        )
-    digits = max(len(match[7] or "") for _, match, _ in found)
-    unit, per_s = next((u, n) for u, n in (("s", 0), ("ms", 3), ("us", 6), ("ns", 9)) if digits <= n)
-    made, first = list(body), None
-    for i, match, rest in found:
-        try:
-            at = _instant(match)
-        except ValueError:
-            unsuitable(
-                file, f"with the instant {match[0]!r}", "days and times that exist", "Correct that row."
-            )
-        first = at if first is None else first
-        made[i] = f"{int((at - first) / np.timedelta64(1, 'ns')) // 10 ** (9 - per_s)}{rest}"
-    return made, unit
-
-
-def _first_field(line: str, between: str | None) -> tuple[str, str]:
-    """The first field of a line, and what follows it with its delimiter."""
-    if between is None:
-        field, _, rest = line.strip().partition(" ")
-        return field, f" {rest}"
-    field, sign, rest = line.partition(between)
-    return field.strip(), sign + rest
-
-
-def _instant(match: re.Match[str]) -> np.datetime64:
-    year, month, day, hour, minute, second, part, zone = match.groups()
-    clock = f"{hour or '00'}:{minute or '00'}:{second or '00'}.{(part or '0').ljust(9, '0')}"
-    at = np.datetime64(f"{year}-{month}-{day}T{clock}", "ns")
-    if zone and zone != "Z":
-        shift = np.timedelta64(int(zone[1:3]) * 60 + int(zone[-2:]), "m")
-        at = at - shift if zone[0] == "+" else at + shift
-    return at
 
 
 def _fill(file: Path, table: Table, rows: list[str], between: str | None, point: str, width: int) -> None:

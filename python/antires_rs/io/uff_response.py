@@ -30,6 +30,15 @@ def response_of(
     """The response of all points to one reference; its kind, coherence and averages."""
     names = ("auto spectrum", "cross spectrum") if kind == "spectra" else (kind,)
     wanted = [f for f in functions if f.what in names]
+    if kind == "spectra" and all(f.what == "auto spectrum" for f in wanted):
+        unsuitable(
+            file,
+            f"with {len(wanted)} auto spectra (power spectral densities), the first of "
+            f"{label_of(wanted[0].response)}, and no cross spectrum",
+            "time records, FRFs, or cross spectra with the auto spectrum of their reference",
+            "Power spectra have lost the phase between channels, from which antiresonances are found: export "
+            "one of these instead.",
+        )
     point = _reference(file, [f for f in wanted if kind != "spectra" or f.response != f.reference], reference)
     if kind == "spectra":
         wanted, is_force = _over_auto(file, wanted, point, unit)

@@ -129,9 +129,12 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
 
 
 def _to_the_left(rows: list[bytes], width: int) -> bool:
-    """Whether numbers begin their fields, so that blanks at the end of a line belong to the last."""
+    """Whether numbers begin their fields, so that blanks at the end of a line belong to the last.
+
+    A blank in the place of the sign counts as the beginning.
+    """
     starts = [found.start() for row in rows for found in re.finditer(rb"\S+", row)]
-    return width > 0 and bool(starts) and all(start % width == 0 for start in starts)
+    return width > 0 and bool(starts) and all(start % width < 2 for start in starts)
 
 
 def _binary(data: bytes, start: int, at: int, points: int, numbers: int, size: int) -> Dataset:
