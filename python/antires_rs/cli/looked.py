@@ -11,6 +11,7 @@ from ..explore.page.view import View
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.replay import Asked, asked_of
 from ..support.validation import reject
+from .looked_result import result_file, result_view
 from .measurement import NAMES, files_of, kind_of, measurement
 from .terminal import arguments, say
 
@@ -20,6 +21,9 @@ __all__ = ["view_of"]
 def view_of(args: argparse.Namespace) -> View:
     """The view that the arguments name."""
     first: Path = args.files[0]
+    result = result_file(first)
+    if result is not None:
+        return result_view(result)
     files_of(args)
     if first.suffix == ".toml":
         return SetView(_of_job(args), first.name)

@@ -181,7 +181,7 @@ def below(fig: Any, *, side_by_side: int = 2) -> None:
         legend.click_policy = "hide"
         legend.border_line_color = None
         legend.padding = legend.margin = 0
-        legend.spacing = 10
+        legend.spacing = 5
         legend.label_text_font, legend.label_text_font_size = FONT, "12px"
         legend.label_text_color = INK
 

@@ -21,6 +21,8 @@ LOOKS: dict[str, tuple[str, str | list[int]]] = {
     "dropped by hand": (COLOURS["black"], [1, 4]),
 }
 STABLE, UNSTABLE, ADDED, DROPPED = LOOKS
+#: Before the name of a kind: its entry in a legend, which a page shows while there are such values.
+ENTRY = "entry of "
 #: Labels nearer to each other than this share of the band are left out; hover and table have them.
 LABEL_GAP = 0.03
 Marks = dict[str, dict[str, list[Any]]]
@@ -66,6 +68,8 @@ def draw_marks(fig: Any, marks: Marks, *, labels: bool = False, every_kind: bool
             x="freq", source=table, line_color=colour, line_dash=dash, line_width=1.6, legend_label=kind
         )
         hover(fig, [drawn], {kind.capitalize(): "@freq{0.000} Hz", "Standard deviation": "@error"})
+        entry = fig.legend[0].items[-1]  # that of no value at all would stand there without its line
+        entry.name, entry.visible = f"{ENTRY}{kind}", bool(marks[kind]["freq"])
         if labels:
             fig.add_layout(_labels(table))
 

@@ -22,7 +22,7 @@ def stabilization_figure(
     zeros: AntiresonanceSet | None = None,
     dof: Any = 0,
     *,
-    height: int = 380,
+    height: int = 400,
     x_range: Any = None,
     every_kind: bool = False,
 ) -> Any:

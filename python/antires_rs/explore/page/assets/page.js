@@ -73,9 +73,11 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
-// As many decimals that the error has two digits.
-function decimals(error) {
-  return error ? Math.min(6, Math.max(2, Math.ceil(-Math.log10(error)) + 1)) : 3;
+// As many decimals that the typical error has two digits.
+function decimals(rows) {
+  const errors = rows.map((row) => row.std_hz).filter((error) => error > 0).sort((a, b) => a - b);
+  if (!errors.length) return 3;
+  return Math.min(6, Math.max(3, Math.ceil(-Math.log10(errors[errors.length >> 1])) + 1));
 }
 
 function write() {
@@ -115,7 +117,7 @@ function writeSet() {
 }
 
 function writeValues() {
-  const rows = [];
+  const rows = [], digits = decimals(state.rows);
   state.dofs.forEach((name, dof) => {
     const own = state.rows.filter((row) => row.dof === dof);
     const lines = own.length ? own : [null];
@@ -126,13 +128,13 @@ function writeValues() {
         rows.push(element("tr", { class: kind }, element("td", { class: "dof" }, go), element("td", { class: "number" }, "–"), element("td", { colspan: 5 })));
         return;
       }
-      const hz = row.freq_hz.toFixed(decimals(row.std_hz));
+      const hz = row.freq_hz.toFixed(digits);
       const drop = element("button", { type: "button", "aria-label": `Drop ${hz} Hz at dof ${name}`, title: "Drop this value",
         onclick: () => act("drop", { dof, freq_hz: row.freq_hz, reason: $("reason").value }) }, "×");
       rows.push(element("tr", { class: kind, "data-dof": name },
         element("td", { class: "dof" }, ...(i ? [] : [go])),
         element("td", { class: "number hz" }, hz),
-        element("td", { class: "number" }, row.std_hz === null ? "" : row.std_hz.toPrecision(2)),
+        element("td", { class: "number" }, row.std_hz === null ? "" : (+row.std_hz.toPrecision(2)).toFixed(digits)),
         element("td", { class: "number" }, row.damping_percent === null ? "" : row.damping_percent.toFixed(2)),
         element("td", {}, row.grade),
         element("td", { class: "doubts" }, row.doubts),
@@ -155,12 +157,14 @@ function writeEdits() {
 }
 
 function writeResult() {
-  $("tables").replaceChildren(...state.tables.flatMap((table) => [
-    element("h2", {}, table.title),
-    element("div", { class: "scroll" }, element("table", {},
-      element("thead", {}, element("tr", {}, ...table.head.map((text) => element("th", {}, text)))),
-      element("tbody", {}, ...table.rows.map((row) => element("tr", {}, ...row.map((text) => element("td", {}, text))))))),
-  ]));
+  $("tables").replaceChildren(...state.tables.flatMap((table) => {
+    const numbers = table.head.map((text) => text.includes(", "));
+    const cell = (name) => (text, i) => element(name, { class: numbers[i] ? "number" : null }, text);
+    return [element("h2", {}, table.title), element("div", { class: "scroll" }, element("table", {},
+      element("thead", {}, element("tr", {}, ...table.head.map(cell("th")))),
+      element("tbody", {}, ...table.rows.map((row) => element("tr", {}, ...row.map(cell("td")))))))];
+  }));
+  $("answer").replaceChildren(...state.answer.map((text) => element("p", {}, text)));
 }
 
 // The marks of the values in every figure that has them.
@@ -169,6 +173,8 @@ function mark() {
   for (const root of figures.roots) {
     for (const one of root.model.references()) {
       if (state.marks[one.name]) one.data = { ...state.marks[one.name] };
+      const kind = one.name?.startsWith("entry of ") ? one.name.slice(9) : null;
+      if (kind) one.visible = state.marks[kind].freq.length > 0;
     }
   }
 }
@@ -200,16 +206,30 @@ async function draw(anew = true, asked = null) {
 }
 
 async function drawResult(place) {
-  const parts = state.figures.map((one) => element("figure", {}, element("div"), element("figcaption", {}, one.caption)));
+  const parts = state.figures.map((one, i) => element("figure", { "data-figure": i }, element("div"), element("figcaption", {}, one.caption)));
   place.replaceChildren(...parts);
   await bokeh;
-  for (let i = 0; i < parts.length; i += 1) {
-    const answer = await fetch(address("figure", { shown: i }));
+  // Each when it comes into sight; the first ones at once.
+  const sight = new IntersectionObserver((seen) => {
+    for (const one of seen.filter((each) => each.isIntersecting)) {
+      sight.unobserve(one.target);
+      drawOne(one.target);
+    }
+  }, { rootMargin: "600px" });
+  for (const part of parts) sight.observe(part);
+}
+
+async function drawOne(part) {
+  try {
+    const answer = await fetch(address("figure", { shown: part.dataset.figure }));
     const made = await answer.json();
-    if (made.error) say(made.error, true);
-    else await Bokeh.embed.embed_item(made, parts[i].firstChild);
+    if (made.error) throw new Error(made.error);
+    await Bokeh.embed.embed_item(made, part.firstChild);
+    $("pictures").dataset.drawn = part.dataset.figure;
+    part.dataset.there = "";
+  } catch (error) {
+    say(error.message, true);
   }
-  place.dataset.drawn = "all";
 }
 
 function clear() {
