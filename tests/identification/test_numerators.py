@@ -58,7 +58,7 @@ def covariance_of(x):
 
 def fit_of(covariance, order):
     largest = np.linalg.eigvalsh(covariance)[:, -1]
-    return NumeratorFit(FREQ, covariance, largest, 1.0 / largest, order)
+    return NumeratorFit(FREQ, covariance.__getitem__, largest, 1.0 / largest, order)
 
 
 def nearest(roots, wanted):
@@ -153,7 +153,7 @@ def lines_of(x):
 @pytest.mark.parametrize("level", [0.01, 0.1])
 def test_the_order_is_that_of_the_structure(level):
     """Three modes and a rigid body seen by four sensors: numerators of order six."""
-    covariances = [lines_of(draw(np.random.default_rng(seed), level)).covariance() for seed in range(5)]
+    covariances = [lines_of(draw(np.random.default_rng(seed), level)).covariance for seed in range(5)]
     orders = [likeliest(FREQ, covariance, 1e4, 1.0, 30).order for covariance in covariances]
     assert orders == [6] * 5
 
@@ -163,7 +163,7 @@ def test_predicted_scatter_is_the_observed_one():
     scores = []
     for seed in range(40):
         lines = lines_of(draw(np.random.default_rng(100 + seed), 0.1))
-        best = likeliest(FREQ, lines.covariance(), 1e4, 1.0, 12)
+        best = likeliest(FREQ, lines.covariance, 1e4, 1.0, 12)
         influence = Influence(best.fit, best.coefficients, best.misfit, lines)
         for row in range(3):
             true = exact_zeros(row)

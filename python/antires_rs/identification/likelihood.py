@@ -15,6 +15,7 @@ Reference: G. Schwarz, Ann. Stat. 6 (1978) 461-464.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,7 +59,7 @@ class Likeliest:
 
 def likeliest(
     freq_hz: FloatArray,
-    covariance: ComplexArray,
+    covariance: Callable[[slice], ComplexArray],
     cap: float,
     independent: float,
     max_order: int,
@@ -68,17 +69,20 @@ def likeliest(
 ) -> Likeliest:
     """Iterate weights and order until they stand, or so many times.
 
-    ``cap`` bounds the signal-to-noise power a line may count with; ``independent`` is the number of
+    ``covariance`` gives the covariances of a slice of the lines, (n_lines, n, n). ``cap`` bounds the signal-to-noise power a line may count with; ``independent`` is the number of
     independent lines over the number of lines. ``start`` is the order of an earlier fit and the squared norm
     of its numerators at the lines.
     """
-    n = covariance.shape[1]
-    largest = dominant(covariance, np.ones(n))[0]
+    n = covariance(slice(0, 1)).shape[1]
+    largest = np.empty(freq_hz.size)
+    for part in pieces(freq_hz.size, n * n):
+        largest[part] = dominant(covariance(part), np.ones(n))[0]
     capped = 1.0 / (1.0 + largest / cap)
     # Weights and order are found on a part of the lines; the last fit has all.
     step = max(1, freq_hz.size // ENOUGH_LINES)
     some = slice(step // 2, None, step)
     data = 2.0 * (n - 1) * len(freq_hz[some]) * min(1.0, independent * step)
+    seen = covariance(some)
     orders = np.arange(LEAST_ORDER, max_order + 1, 2)
     size = np.ones(freq_hz.size)
     if start is not None:
@@ -89,9 +93,9 @@ def likeliest(
     before = np.inf
     for _ in range(iterations):
         weights = (capped / size)[some]
-        fit = NumeratorFit(freq_hz[some], covariance[some], largest[some], weights, int(orders[-1]))
+        fit = NumeratorFit(freq_hz[some], seen.__getitem__, largest[some], weights, int(orders[-1]))
         solutions = fit.likeliest(*orders.tolist())
-        q = _misfits(fit, solutions, covariance[some], largest[some], capped[some])
+        q = _misfits(fit, solutions, seen, largest[some], capped[some])
         free = (n - 1.0) * (orders + 1.0)
         # Q does not depend on the weights, so that iterations can be compared; it need not fall.
         criterion = np.maximum(data - free, 1.0) * np.log(q) + free * np.log(data)
@@ -113,6 +117,7 @@ def likeliest(
         del fit, at  # before the next one is made
         orders = np.arange(max(middle - BELOW, LEAST_ORDER), min(middle + ABOVE, max_order) + 1)
     _, order, size = best
+    del seen  # before the last one is made
     fit = NumeratorFit(freq_hz, covariance, largest, capped / size, min(max_order, order + HIGHER))
     (c,) = fit.likeliest(order)
     return Likeliest(fit, order, c, fit.misfit(c))

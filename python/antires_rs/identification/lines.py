@@ -90,12 +90,12 @@ class Lines:
             return int(self.runs.shape[2])
         return 1 if self.draws is None or self.segments is None else int(np.unique(self.draws).size)
 
-    def covariance(self) -> ComplexArray:
-        """Covariance of the rows at every line, (n_freq, n_rows, n_rows), in units of the noise."""
+    def covariance(self, lines: slice = slice(None)) -> ComplexArray:
+        """Covariance of the rows at some lines, (n_lines, n_rows, n_rows), in units of the noise."""
         if self.segments is not None:
-            return self.segments.covariance()
-        v = self.vectors.T
-        return np.asarray(self.snr[:, None, None] * v[:, :, None] * v[:, None, :].conj())
+            return self.segments.covariance(lines)
+        v = self.vectors.T[lines]
+        return np.asarray(self.snr[lines, None, None] * v[:, :, None] * v[:, None, :].conj())
 
     @property
     def capped_snr(self) -> FloatArray:

@@ -28,7 +28,7 @@ References: Lagrange's identity and projectors as in M. Viberg and B. Ottersten,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,7 @@ from ..exceptions import NumericalError
 from ..order_sweep.shared import shared
 from ..rational.dominance import dominance
 from ..rational.forsythe import Basis, forsythe_basis, roots
+from ..signals.segments import pieces
 from ..support.validation import ComplexArray, FloatArray
 
 # Relative to the mean diagonal: exact data make A singular, and rounding must not make it indefinite. The
@@ -49,20 +50,21 @@ ITERATIONS = 4
 class NumeratorFit:
     """The quadratic form of the weighted direction misfit, factored once for all orders up to ``max_order``.
 
-    Parameters are the lines' frequencies (n_freq,), covariances (n_freq, n, n), their largest eigenvalues,
+    Parameters are the lines' frequencies (n_freq,), what gives covariances of a slice of them, (n_lines, n, n),
+    their largest eigenvalues,
     and the weights of the iteration, all checked by the caller.
     """
 
     def __init__(
         self,
         freq_hz: FloatArray,
-        covariance: ComplexArray,
+        covariance: Callable[[slice], ComplexArray],
         largest: FloatArray,
         weights: FloatArray,
         max_order: int,
     ) -> None:
         self.scale_hz = float(freq_hz[-1])
-        self.n = covariance.shape[1]
+        self.n = covariance(slice(0, 1)).shape[1]
         self.max_order = max_order
         self.weights = weights / weights.sum()
         whole = forsythe_basis(freq_hz / self.scale_hz, self.weights, 2 * max_order)
@@ -75,7 +77,9 @@ class NumeratorFit:
         self._upper = _upper(self.form)
         self._first = _solved(self._upper, np.eye(self.form.shape[0], self.n))
 
-    def _form(self, whole: Basis, covariance: ComplexArray, largest: FloatArray) -> FloatArray:
+    def _form(
+        self, whole: Basis, covariance: Callable[[slice], ComplexArray], largest: FloatArray
+    ) -> FloatArray:
         """A of Q = c' A c, ordered by degree, then by channel.
 
         Its entries are sums over the lines of z phi_i phi_j, z the weighted entries of lam I - C. By the
@@ -84,13 +88,17 @@ class NumeratorFit:
         """
         n, terms, b = self.n, self.max_order + 1, whole.b[:, None]
         one, other = np.triu_indices(n)
-        z = -np.take(covariance.reshape(-1, n * n), one * n + other, axis=1)
+        z = np.empty((largest.size, one.size), dtype=np.complex128)
+        # Some lines at a time: half of the entries are enough, and all of them are never held.
+        for some in pieces(largest.size, n * n):
+            np.negative(np.take(covariance(some).reshape(-1, n * n), one * n + other, axis=1), out=z[some])
         z[:, one == other] += largest[:, None]
         z *= self.weights[:, None]
         # Even products see the real part of z, odd ones the imaginary part.
         row = np.empty((2 * terms - 1, one.size))
         row[0::2] = whole.p[:, 0::2].T @ z.real
         row[1::2] = whole.p[:, 1::2].T @ z.imag
+        del z
         row /= whole.b[0]
         # Row i holds <i, i>, <i, i + 1>, ... only: those before are known.
         place = np.empty((n, n), dtype=int)

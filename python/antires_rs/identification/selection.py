@@ -61,7 +61,7 @@ def select(
     """One diagram for each of the first ``n_responses`` rows of ``lines``."""
     rule, keep_common = replace(options.rule, both_sides=True), options.keep_common
     orders = rule.orders(options.orders, lines.freq_hz.size)
-    best = likeliest(lines.freq_hz, lines.covariance(), SNR_CAP, lines.independent, orders[-1])
+    best = likeliest(lines.freq_hz, lines.covariance, SNR_CAP, lines.independent, orders[-1])
     orders = range(orders[0], best.fit.max_order + 1)
     influence = Influence(best.fit, best.coefficients, best.misfit, lines.by_test())
     # The force, if it is there, has the poles for zeros: only where there is no second response may it say

@@ -76,11 +76,11 @@ class Segments:
         """Number of segments."""
         return int(self.values.shape[2])
 
-    def covariance(self) -> ComplexArray:
-        """Mean over the segments of A conj(B), scaled, (n_freq, n_rows, n_rows)."""
-        scaled = self.matrix.conj()
-        scaled *= self.scale[:, :, None]
-        scaled *= self.scale[:, None, :]
+    def covariance(self, lines: slice = slice(None)) -> ComplexArray:
+        """Mean over the segments of A conj(B) at some lines, scaled, (n_lines, n_rows, n_rows)."""
+        scaled, scale = self.matrix[lines].conj(), self.scale[lines]
+        scaled *= scale[:, :, None]
+        scaled *= scale[:, None, :]
         return scaled
 
     def at(self, lines: slice) -> ComplexArray:

@@ -82,7 +82,7 @@ class LocalFit:
         self._lines = lines.projected(held)
         self.best: Likeliest = likeliest(
             self.freq_hz,
-            self._lines.covariance(),
+            self._lines.covariance,
             SNR_CAP,
             lines.independent,
             max_order,
