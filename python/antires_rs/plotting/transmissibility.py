@@ -15,7 +15,7 @@ from .canvas import COLOURS, band_shown, below, new_axes, offer
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-__all__ = ["plot_transmissibility"]
+__all__ = ["plot_transmissibility", "summed_db"]
 
 
 def plot_transmissibility(
@@ -121,6 +121,20 @@ def plot_transmissibility(
     below(ax)
     offer(ax, transmissibility=table)
     return ax
+
+
+def summed_db(
+    measured: FrequencyResponse, models: Sequence[StructuralModel], excitation: int
+) -> tuple[FloatArray, list[FloatArray]]:
+    """Lines above 0 Hz, and the summed transmissibility of the measurement and of each model in dB."""
+    keep = measured.freq_hz > 0.0
+    freq = measured.freq_hz[keep]
+    shown = FrequencyResponse(
+        freq, measured.values[:, keep], measured.dofs, "transmissibility", measured.reference
+    )
+    return freq, [
+        _decibel(one, None) for one in (shown, *(_of_model(m, shown, excitation, 0.01) for m in models))
+    ]
 
 
 def _named(model: StructuralModel, dof: Any) -> str:
