@@ -34,8 +34,9 @@ _FROM_SCAN = 2
 _HOPELESS = 25.0
 #: A set is judged anew where its severities are further (u) than this from where it was judged.
 _RESTS, _LOOKS, _LONGEST = 0.02, 4, 0.7
-#: A set from a scan may turn out so much likelier (log probability) than it looked.
-_ROUGH = 3.0
+#: A set from a scan may turn out so much likelier (log probability) than it looked; and one as it is seen
+#: where errors have to be wider than stated, which hide what an element would explain.
+_ROUGH, _HIDDEN = 3.0, 5.0
 #: Change of u up to which the slopes of one point serve.
 _REACH = 0.12
 
@@ -60,6 +61,8 @@ class QuickSearch:
     u: dict[Elements, FloatArray] = field(default_factory=dict)
     #: Sets whose evidence is that of a scan.
     rough: set[Elements] = field(default_factory=set)
+    #: Sets judged from severities that a scan has left, and these.
+    judged_before: dict[Elements, tuple[Fit, FloatArray]] = field(default_factory=dict)
     #: The view that each set's evidence is from.
     seen_from: dict[Elements, View] = field(default_factory=dict)
     #: Log of prior times evidence.
@@ -186,14 +189,19 @@ class QuickSearch:
             return
         u = self.u[elements]
         for key, begin in rough.scan(elements, u, further).items():
-            if key not in self.fits:
-                self._look(key, begin)
+            self._look(key, begin)
 
     def _look(self, key: Elements, begin: FloatArray) -> None:
         """A set from severities near its own, in the tables."""
         found, evidence = self._rough.refined(key, begin)
-        # The slopes of no damage tell nothing of severities that they do not reach.
-        beyond = key in self.u and np.abs(self.u[key] - found).max() > _REACH
+        # The slopes of no damage tell nothing of severities that they do not reach, nor those of roots that
+        # no value belongs to.
+        reach = _RESTS if key in self.fits and not self.fits[key].view.matched.all() else _REACH
+        beyond = key in self.u and np.abs(self.u[key] - found).max() > reach
+        if key in self.fits:
+            if not beyond:
+                return
+            self.judged_before[key] = self.fits.pop(key), self.u[key]
         if beyond or key not in self.evidence or evidence > self.evidence[key]:
             self._keep(key, evidence, found)
             self.rough.add(key)
@@ -214,15 +222,17 @@ class QuickSearch:
             self.judge(first)
         while True:
             top = max((weights[s] for s in self.fits), default=-np.inf)
-            open_ = [
-                s
-                for s, w in weights.items()
-                if s not in self.fits and w > top - (_ROUGH if s in self.rough else _NEAR)
-            ]
+            open_ = [s for s, w in weights.items() if s not in self.fits and w > top - self._room(s)]
             self.cut = bool(open_) and self.looks >= budget
             if not open_ or self.cut:
                 return max(self.fits, key=lambda s: weights[s])
             self.judge(max(open_, key=lambda s: weights[s]))
+
+    def _room(self, elements: Elements) -> float:
+        """How much likelier (log probability) a set may turn out."""
+        if elements in self.rough:
+            return _ROUGH
+        return _HIDDEN if len(elements) == 1 and self.seen_from[elements].times > 1.0 else _NEAR
 
     def judge(self, elements: Elements) -> None:
         """A set from its own severities, by the likelihood."""
@@ -239,6 +249,9 @@ class QuickSearch:
                 break
             u = u + np.clip(ahead, -_LONGEST, _LONGEST)
         assert fit is not None
+        before, at = self.judged_before.pop(elements, (fit, u))
+        if before.log_evidence > fit.log_evidence:
+            fit, u = before, at
         self.u[elements] = u
         self.keep(elements, fit)
         self.rough.discard(elements)

@@ -68,7 +68,7 @@ def differences_figure(
             "measured": table.measured_hz,
             "model": getattr(table, f"{state}_hz"),
         } | ({"mac": getattr(table, f"{state}_mac")} if modal else {})
-        look = {"fill_color": colour if side else "white", "line_color": colour}
+        look: dict[str, Any] = {"fill_color": colour if side else "white", "line_color": colour}
         look |= (
             {} if side else {"hatch_pattern": "right_diagonal_line", "hatch_color": colour, "hatch_scale": 6}
         )

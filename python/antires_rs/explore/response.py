@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..plotting.responses import curves_db
-from ..plotting.transmissibility import summed_db
+from ..plotting.transmissibility import named, summed_db
 from ..signals.frequency_response import FrequencyResponse
 from .canvas import COLOURS, FONT, below, columns, hover, paper
 
@@ -52,7 +52,7 @@ def response_figure(
     """
     three = ("measured", f"model {names[0]}", f"model {names[1]}")
     if measured.kind == "transmissibility":
-        over = before.dof_label(measured.reference)
+        over = named(before, measured.reference)
         freq, levels = summed_db(measured, (before, after), excitation)
         fig = paper("Frequency (Hz)", f"Sum of T over {over} (dB re 1)", height=340, name="response")
         _three(fig, freq, [level[None] for level in levels], 0, three, legend=True)

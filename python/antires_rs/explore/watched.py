@@ -31,14 +31,18 @@ def watched_figure(watched: Watched) -> Any:
     bokeh.models.Column
     """
     times, count = watched.times, len(watched)
-    dated = times is not None and not np.isnat(times).any()
+    if times is not None and np.isnat(times).any():
+        times = None
+    dated = times is not None
     kept = np.arange(count)
     if count > MOST_TESTS:
         calm = np.flatnonzero(~watched.alarm)[
             -(MOST_TESTS - min(int(watched.alarm.sum()), MOST_TESTS // 2)) :
         ]
         kept = np.sort(np.concatenate([np.flatnonzero(watched.alarm)[-MOST_TESTS // 2 :], calm]))
-    x = times.astype("datetime64[ms]").astype(np.float64) if dated else np.arange(count, dtype=np.float64)
+    x = np.arange(count, dtype=np.float64)
+    if times is not None:
+        x = times.astype("datetime64[ms]").astype(np.float64)
     figures: list[Any] = []
     for name in panels(watched):
         shared = {"x_range": figures[0].x_range} if figures else {}

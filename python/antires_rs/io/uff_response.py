@@ -14,7 +14,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import FloatArray
 from ..support.warned import warn
 from ..support.wording import Passed, Wording
-from ._common import simplest_rate, unsuitable
+from ._common import refuse_real, simplest_rate, unsuitable
 from .uff_names import Point, as_point, label_of
 from .uff_sets import Function
 from .units import Unit, named_unit, parse_unit
@@ -30,6 +30,15 @@ def response_of(
     """The response of all points to one reference; its kind, coherence and averages."""
     names = ("auto spectrum", "cross spectrum") if kind == "spectra" else (kind,)
     wanted = [f for f in functions if f.what in names]
+    if kind == "spectra" and all(f.what == "auto spectrum" for f in wanted):
+        unsuitable(
+            file,
+            f"with {len(wanted)} auto spectra (power spectral densities), the first of "
+            f"{label_of(wanted[0].response)}, and no cross spectrum",
+            "time records, FRFs, or cross spectra with the auto spectrum of their reference",
+            "Power spectra have lost the phase between channels, from which antiresonances are found: export "
+            "one of these instead.",
+        )
     point = _reference(file, [f for f in wanted if kind != "spectra" or f.response != f.reference], reference)
     if kind == "spectra":
         wanted, is_force = _over_auto(file, wanted, point, unit)
@@ -57,6 +66,7 @@ def response_of(
     if unit is None:
         _check_kinds(file, [f for f in wanted if named(f.response)[0] is not None])
     rows = {f.response: _values(file, f, unit) for f in wanted}
+    refuse_real(file, list(rows.values()))
     coherence = _coherence(file, rows, beside)
     if kind == "transmissibility" and point not in rows:
         rows[point] = np.ones(lines.size, dtype=np.complex128)

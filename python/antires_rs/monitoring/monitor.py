@@ -20,6 +20,7 @@ from .arguments import (
     baseline_tests,
     believed,
     check_assessment,
+    check_assessor,
     check_judge,
     clocks,
     conditions_of,
@@ -131,8 +132,11 @@ def monitor(
     shift = check_shift(max_shift)
     check_judge(model, assessor, assessment)
     own = baseline_tests(baseline, tests)
+    first = next(one for one in tests.sets if one is not None)
     if model is not None:
-        check_assessment(model, next(one for one in tests.sets if one is not None), assessment)
+        check_assessment(model, first, assessment)
+    if assessor is not None:
+        check_assessor(assessor, first)
     given = conditions_of(conditions, tests)
     counting = clocks(given)
     used = {name: believed(column, own) for name, column in given.items() if name not in counting}

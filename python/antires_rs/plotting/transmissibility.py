@@ -15,7 +15,7 @@ from .canvas import COLOURS, band_shown, below, new_axes, offer
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-__all__ = ["plot_transmissibility", "summed_db"]
+__all__ = ["named", "plot_transmissibility", "summed_db"]
 
 
 def plot_transmissibility(
@@ -115,8 +115,8 @@ def plot_transmissibility(
             ax.plot(shown.freq_hz, level, ls=dashes, lw=1.2, color=COLOURS[colour], label=name)
     ax.set_xlim(low, high)
     ax.set_xlabel("Frequency (Hz)")
-    what = "Sum of T" if dof is None else f"|T| of {_named(before, dof)}"
-    ax.set_ylabel(f"{what} over {_named(before, measured.reference)} (dB re 1)")
+    what = "Sum of T" if dof is None else f"|T| of {named(before, dof)}"
+    ax.set_ylabel(f"{what} over {named(before, measured.reference)} (dB re 1)")
     ax.grid(alpha=0.25)
     below(ax)
     offer(ax, transmissibility=table)
@@ -137,7 +137,7 @@ def summed_db(
     ]
 
 
-def _named(model: StructuralModel, dof: Any) -> str:
+def named(model: StructuralModel, dof: Any) -> str:
     """A dof as the tables name it."""
     return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
 
