@@ -272,8 +272,9 @@ async function show(dof) {
   shown = (dof + state.dofs.length) % state.dofs.length;
   const kept = range();
   try {
-    state = { ...(await ask("state")) };
+    state = await ask("state");
     write();
+    document.querySelector("#values tr.shown")?.scrollIntoView({ block: "nearest" });
     await draw(kept === null);
   } catch (error) {
     say(error.message, true);
