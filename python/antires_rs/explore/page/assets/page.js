@@ -274,7 +274,8 @@ async function show(dof) {
   try {
     state = await ask("state");
     write();
-    document.querySelector("#values tr.shown")?.scrollIntoView({ block: "nearest" });
+    const row = document.querySelector("#values tr.shown");
+    if (row) $("values").parentElement.scrollTop = row.offsetTop - 40; // of the table alone, not of the window
     await draw(kept === null);
   } catch (error) {
     say(error.message, true);
