@@ -85,6 +85,7 @@ function write() {
   if (state.title) $("title").textContent = state.title;
   for (const one of document.querySelectorAll(".of-set")) one.hidden = state.kind !== "set";
   for (const one of document.querySelectorAll(".of-result")) one.hidden = state.kind !== "result";
+  document.querySelector("main").classList.toggle("result", state.kind === "result");
   const warned = state.warnings || [];
   $("warnings").hidden = !warned.length;
   $("warnings").replaceChildren(...warned.map((text) => element("li", {}, text)));
