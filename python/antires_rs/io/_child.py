@@ -12,7 +12,10 @@ from typing import Any
 
 #: More parts than this, and the file is no record of a test.
 MOST_ARRAYS, DEEPEST = 10_000, 8
+MOST_ATTRIBUTES, LONGEST_TEXT = 100, 1_000
 #: Complex numbers as pairs: MATLAB's, and those of h5py.
+#: Before the name of an object, whose class is the text.
+OPAQUE = "object "
 COMPLEX = (("real", "imag"), ("r", "i"))
 
 
@@ -32,6 +35,9 @@ def flatten(name: str, value: Any, arrays: dict[str, Any], texts: dict[str, str]
     import numpy as np
 
     if depth > DEEPEST or len(arrays) >= MOST_ARRAYS or not isinstance(value, np.ndarray):
+        return
+    if value.dtype.names == ("s0", "s1", "s2", "arr"):  # an object, which only MATLAB reads
+        texts[f"{OPAQUE}{name}"] = b"".join(map(bytes, value["s2"].ravel()[:1])).decode("latin-1")
         return
     if value.dtype.names:
         items = list(enumerate(value.ravel(order="F")))
@@ -68,15 +74,43 @@ class Datasets:
         self.arrays: dict[str, Any] = {}
         #: Name, shape, and whether nothing is missing of what was asked for.
         self.listed: list[Any] = []
+        #: Attributes, by path@name, and MATLAB's texts.
+        self.texts: dict[str, str] = {}
 
     def visit(self, name: str, item: Any) -> None:
         """Keep a data set; MATLAB's own places are reached by references."""
+        self.attributes(name, item)
         if hasattr(item, "dtype") and not name.startswith("#"):
             self.keep(name, item)
+
+    def attributes(self, name: str, item: Any) -> None:
+        """Keep the attributes that are a number or a short text."""
+        for key in list(item.attrs)[:MOST_ATTRIBUTES]:
+            if key.startswith("MATLAB_") or len(self.texts) >= MOST_ARRAYS:
+                continue
+            try:
+                value = item.attrs[key]
+            except (OSError, TypeError, ValueError):  # of a type that h5py does not know
+                continue
+            value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+            single = getattr(value, "size", 1) == 1 and not isinstance(value, str)
+            value = value.ravel()[0] if single and hasattr(value, "ravel") else value
+            if isinstance(value, bytes | str):
+                value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+                self.texts[f"{name}@{key}"] = value[:LONGEST_TEXT]
+            elif single and getattr(value, "dtype", None) is not None and value.dtype.kind in "iuf":
+                self.texts[f"{name}@{key}"] = repr(float(value))
+
+    def text(self, name: str, item: Any) -> None:
+        """Keep a text of MATLAB, which is stored as the numbers of its letters."""
+        if item.dtype.kind == "u" and 0 < item.size <= LONGEST_TEXT and len(self.texts) < MOST_ARRAYS:
+            self.texts[name] = "".join(map(chr, item[()].ravel(order="F").tolist()))
 
     def keep(self, name: str, item: Any, above: tuple[Any, ...] = ()) -> None:
         """Keep a data set, or what it refers to."""
         made = matlab_class(item)
+        if made == "char" and "MATLAB_empty" not in item.attrs:
+            self.text(name, item)
         if "MATLAB_empty" in item.attrs or made == "char" or len(self.listed) >= MOST_ARRAYS:
             return  # MATLAB stores texts as numbers, and the shape of what is empty
         struct = made != "cell" and item.dtype.kind == "O" and matlab_class(item.parent) == "struct"
@@ -121,7 +155,8 @@ def hdf5(path: str, request: dict[str, Any]) -> tuple[dict[str, Any], dict[str, 
         text = opened.attrs.get("antires_rs")
         found = Datasets(request if text is None else {**request, "only": None})  # ours are read whole
         opened.visititems(found.visit)
-    return found.arrays, {} if text is None else {"antires_rs": str(text)}, found.listed
+        found.attributes("", opened)
+    return found.arrays, found.texts if text is None else {"antires_rs": str(text)}, found.listed
 
 
 def asked(name: str, request: dict[str, Any]) -> bool:

@@ -25,6 +25,7 @@ __all__ = [
     "missing_package",
     "missing_part",
     "rate_of",
+    "refuse_real",
     "signal_given",
     "simplest_rate",
     "unsuitable",
@@ -68,6 +69,18 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
         else "Copy or export it again."
     )
     unsuitable(path, found, wanted, remedy)
+
+
+def refuse_real(path: Path, rows: Any) -> None:
+    """Refuse complex responses whose imaginary parts all vanish; rows of ones are references."""
+    made = [np.asarray(row) for row in rows]
+    if made and all(not np.any(row.imag) for row in made) and any((row != row[:1]).any() for row in made):
+        unsuitable(
+            path,
+            "whose responses have no imaginary part at all",
+            "complex FRFs or transmissibilities",
+            "Magnitudes alone have lost the phase: export real and imaginary part, or magnitude and phase.",
+        )
 
 
 def missing_package(what: str, package: str, extra: str, cause: ImportError) -> MissingDependencyError:

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,10 @@ from ._common import unsuitable
 from .arrays import ROLES
 from .npz import read_archive
 
-__all__ = ["Asked", "Found", "in_a_child"]
+__all__ = ["OPAQUE", "Asked", "Found", "in_a_child"]
+
+#: Before the names of objects among the texts, whose class is the text (as the child has it).
+OPAQUE = "object "
 
 #: Share of the memory that arrays may take; the rest is for the archive in which they are handed over.
 _SHARE = 0.3
@@ -58,9 +61,8 @@ class Asked:
         return [name for _, name in self.named]
 
 
-@dataclass(frozen=True)
-class Found:
-    """Arrays that were read, texts, and the shapes of arrays that nobody asked for."""
+class Found(NamedTuple):
+    """Arrays that were read, and texts; arrays that nobody asked for have their shape alone."""
 
     arrays: dict[str, NDArray[Any]]
     texts: dict[str, str]

@@ -14,7 +14,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import FloatArray
 from ..support.warned import warn
 from ..support.wording import Passed, Wording
-from ._common import simplest_rate, unsuitable
+from ._common import refuse_real, simplest_rate, unsuitable
 from .uff_names import Point, as_point, label_of
 from .uff_sets import Function
 from .units import Unit, named_unit, parse_unit
@@ -66,6 +66,7 @@ def response_of(
     if unit is None:
         _check_kinds(file, [f for f in wanted if named(f.response)[0] is not None])
     rows = {f.response: _values(file, f, unit) for f in wanted}
+    refuse_real(file, list(rows.values()))
     coherence = _coherence(file, rows, beside)
     if kind == "transmissibility" and point not in rows:
         rows[point] = np.ones(lines.size, dtype=np.complex128)
