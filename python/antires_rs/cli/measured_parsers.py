@@ -34,6 +34,14 @@ def identify(commands: Any, command: Command) -> None:
         help=f"a measurement ({_KINDS}), several of one test, or a job (.toml)",
     )
     _measurement(found)
+    found.add_argument(
+        "--hit",
+        action="append",
+        type=dof,
+        metavar="DOF",
+        help="with --roving: where the force of each file acted, once for each in their order (default: as "
+        "universal files state)",
+    )
     for option, what in (("drop", "leave a value out"), ("add", "add a value")):
         found.add_argument(
             f"--{option}",
@@ -149,6 +157,13 @@ def _measurement(command: argparse.ArgumentParser) -> None:
         action="append",
         metavar="NAME",
         help="array or channel of the responses, * for any text; once for each (default: all)",
+    )
+    command.add_argument(
+        "--roving",
+        type=dof,
+        metavar="SENSOR",
+        help="the sensor that stayed while the hammer roved: of a universal file with all hits, or "
+        "of several files, a hit each, which are identified one by one and joined",
     )
     command.add_argument("--sheet", metavar="NAME", help="sheet of an Excel workbook (default: the first)")
     command.add_argument(

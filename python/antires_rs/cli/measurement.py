@@ -33,6 +33,7 @@ NAMES = {
     "run": "--run",
     "responses": "--responses",
     "sheet": "--sheet",
+    "roving": "--roving",
     "full_scale": "--full-scale",
     "pattern": "--pattern",
     "cross_check": "--cross-check",
@@ -41,7 +42,7 @@ NAMES = {
 }
 READING = (
     *("kind", "reference", "force", "fs_hz", "unit", "first", "df_hz", "pairs", "of_run", "pattern"),
-    *("responses", "sheet", "full_scale"),
+    *("responses", "sheet", "full_scale", "roving"),
 )
 CHOICES = ("preset", "max_order", "cross_check")
 
@@ -89,6 +90,11 @@ def kind_of(args: argparse.Namespace) -> str:
 
 def measurement(args: argparse.Namespace, kind: str, *, band_needed: bool = True) -> Measurement:
     """Read it; the force may be stated by the file itself."""
+    if args.excitation is None and args.roving is not None:
+        from ..io.uff_names import as_point, label_of
+
+        with arguments(NAMES):
+            args.excitation = label_of(as_point("roving", args.roving))
     if args.excitation is None and kind == "uff" and args.reference is None:
         from ..io.uff_force import force_of
 

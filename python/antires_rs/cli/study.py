@@ -55,7 +55,7 @@ def _of_job(args: argparse.Namespace) -> list[AntiresonanceSet]:
     from ..jobs.measured import measured_of
     from ..jobs.model import model_of
 
-    for name in ("band", "excitation", "format", "dofs", *READING, *CHOICES, "drop", "add"):
+    for name in ("band", "excitation", "format", "dofs", *READING, *CHOICES, "drop", "add", "hit"):
         if getattr(args, name) is not None:
             option = {"dofs": "--dof", "fs_hz": "--fs", "df_hz": "--df", "of_run": "--run"}.get(
                 name, "--" + name.replace("_", "-")
@@ -75,6 +75,10 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
     if kind == "antiresonances":
         with arguments(NAMES):
             return edited(AntiresonanceSet.load(args.file), args)
+    if args.roving is not None and len(args.files) > 1:
+        from .setups import of_setups
+
+        return edited(of_setups(args, kind), args)
     from ..identification.identify import identify_antiresonances
 
     given = measurement(args, kind)

@@ -104,6 +104,14 @@ DATA = Section(
             "Frequencies in Hz of FRFs, in place of df_hz.",
             of=(*ARRAYS, *COLUMNS, FOLDER),
         ),
+        Key(
+            "roving",
+            "text",
+            'The sensor that stayed while the hammer roved, as "5+Z", of a universal file with the FRFs of '
+            "all hits: by reciprocity they are those of a force at that sensor, the excitation then. "
+            "Hits in files of their own are a [[data]] each.",
+            of=("uff",),
+        ),
         Key("pattern", "text", 'Which files of the folder, as "*.csv".', '"*"', of=(FOLDER,)),
         Key(
             "run",
