@@ -72,7 +72,7 @@ def test_the_page_grows(watched, tmp_path):
     assert "12 of 22 tests outside the baseline alarm" in first
     assert "spring 2" in first
     assert "test 81, the latest: ALARM" in first
-    assert "src=\"http" not in first
+    assert 'src="http' not in first
     watched.report(page)
     assert [path.name for path in tmp_path.iterdir()] == ["watch.html"]
 
