@@ -38,7 +38,7 @@ _CLASSES = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}
 
 def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
     """Write a result, whole or not at all; see :meth:`UpdateResult.save`."""
-    if Path(path).suffix != ".npz":
+    if isinstance(path, str | os.PathLike) and Path(path).suffix != ".npz":
         reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
     store, search = Store(), result.search
     assessment = result._assessment if isinstance(result, DamageResult) else None
