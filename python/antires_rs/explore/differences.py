@@ -116,10 +116,19 @@ def _state(
                 "x", "edge", source=marks, size=10, color=look["line_color"], line_color="white",
                 marker="triangle" if up else "inverted_triangle", legend_label="beyond the axis",
             )  # fmt: skip
+            # Upright, so that neighbours do not run into each other.
             fig.text(
-                "x", "edge", "label", source=marks, x_offset=8, text_baseline="middle", text_font_size="11px",
+                "x",
+                "edge",
+                "label",
+                source=marks,
+                angle=np.pi / 2,
+                text_align="right" if up else "left",
+                y_offset=9 if up else -9,
+                text_baseline="middle",
+                text_font_size="11px",
                 background_fill_color="white",
-            )  # fmt: skip
+            )
 
 
 def _rows(values: dict[str, Any], which: Any) -> Any:

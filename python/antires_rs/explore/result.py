@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..damage.result import DamageResult
+from ..damage.supersets import without_idle
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
@@ -56,7 +57,7 @@ def result_figures(
         loss = {element: 100.0 * beta for element, beta in result.severity.items()}
         figures["damage"] = losses_figure(result, truth)
         if result.has_baseline:
-            figures["hypotheses"] = hypotheses_figure(result.hypotheses)
+            figures["hypotheses"] = hypotheses_figure(without_idle(result.assessment).hypotheses)
     if isinstance(model, MassSpringChain | FrameModel):
         at = (list(first), first.excitation) if isinstance(first, AntiresonanceSet) else ((), None)
         figures["model"] = structure_figure(model, loss, *at)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..damage.result import DamageResult
+from ..damage.supersets import without_idle
 from ..explore.result import result_figures
 from ..explore.stabilization import stabilization_figure
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -210,12 +211,12 @@ def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str
         )
     }
     if judged:
-        hypotheses = result.hypotheses
+        hypotheses = without_idle(result.assessment).hypotheses
         rows = min(len(hypotheses), 9)
         figures["hypotheses"] = Figure(
             partial(plot_hypotheses, hypotheses),
             (8.0, 1.3 + 0.5 * rows),
-            "Probabilities of all explanations that were judged, with losses and their 90 % intervals.",
+            "Probabilities of what may explain the measurement, with losses and their 90 % intervals.",
             "Bar chart of the table above",
         )
     return figures
@@ -263,7 +264,7 @@ def _model_picture(result: UpdateResult) -> tuple[Draw, tuple[float, float], str
         return (
             partial(_drawn, plot_frame, model, beams, at),
             (9.0, height),
-            caption,
+            f"{caption} Numbers upright are of elements, slanted ones of nodes.",
             f"Drawing of a frame of {len(model.elements)} elements",
         )
     return None
