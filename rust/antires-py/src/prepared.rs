@@ -274,6 +274,7 @@ impl PreparedTest {
     }
 
     /// Places (r,) of the roots at severities of some elements, how far beside the model's, and which are there.
+    #[allow(clippy::type_complexity)]
     fn places<'py>(
         &self,
         py: Python<'py>,
@@ -296,6 +297,7 @@ impl PreparedTest {
     }
 
     /// Distances and misfits (further, levels) that sets with one element more leave.
+    #[allow(clippy::type_complexity)]
     fn scan<'py>(
         &self,
         py: Python<'py>,
