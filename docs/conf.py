@@ -25,6 +25,7 @@ extensions = [
     "numpydoc",
     "sphinx_gallery.gen_gallery",
     "drawn_math",
+    "package_page",
 ]
 html_math_renderer = "drawn"
 source_suffix = {".rst": "restructuredtext", ".md": "markdown"}

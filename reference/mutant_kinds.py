@@ -83,6 +83,99 @@ def _mat73(path):
     path.write_bytes(bytes(whole))
 
 
+def _tdms(path):
+    from nptdms import ChannelObject, TdmsWriter
+
+    made = {"wf_increment": 1.0 / 256.0, "unit_string": "g"}
+    with TdmsWriter(path) as file:
+        for half in (slice(0, 120), slice(120, 240)):
+            file.write_segment(
+                [
+                    ChannelObject("run", name, row[half], properties=made)
+                    for name, row in zip("abc", RECORD.responses, strict=True)
+                ]
+            )
+
+
+def _wav(path):
+    from scipy.io import wavfile
+
+    wavfile.write(path, 256, (RECORD.responses.T * 4000).astype(np.int16))
+
+
+def _lvm(path):
+    head = [
+        "LabVIEW Measurement",
+        "Separator\tTab",
+        "Decimal_Separator\t.",
+        "Multi_Headings\tYes",
+        "X_Columns\tOne",
+        "***End_of_Header***",
+        "",
+        "Channels\t3",
+        "Samples\t240\t240\t240",
+        "Y_Unit_Label\tg\tg\tg",
+        "X0\t0.0\t0.0\t0.0",
+        "Delta_X\t0.00390625\t0.00390625\t0.00390625",
+        "***End_of_Header***",
+        "X_Value\ta\tb\tc\tComment",
+    ]
+    rows = [
+        f"{i / 256:.8f}\t" + "\t".join(f"{v:.6f}" for v in each) for i, each in enumerate(RECORD.responses.T)
+    ]
+    path.write_text("\n".join([*head, *rows, ""]))
+
+
+def _frame():
+    import pandas as pd
+
+    return pd.DataFrame(
+        {"time": np.arange(240) / 256.0, "a [g]": RECORD.responses[0], "b [g]": RECORD.responses[1]}
+    )
+
+
+def _excel(path):
+    _frame().to_excel(path, index=False)
+
+
+def _mseed(path):
+    import obspy
+
+    traces = [
+        obspy.Trace(row, {"sampling_rate": 256.0, "station": f"S{i}"})
+        for i, row in enumerate(RECORD.responses)
+    ]
+    obspy.Stream(traces).write(str(path), format="MSEED")
+
+
+def _testlab(path):
+    from scipy.io import savemat
+
+    held = {
+        "x_values": {"start_value": 0.0, "increment": 1.0 / 256.0, "number_of_values": 240.0},
+        "y_values": {"values": RECORD.responses.T, "quantity": {"label": "g"}},
+        "function_record": {"name": np.array(["a", "b", "c"], dtype=object)},
+    }
+    savemat(path, {"Signal": held})
+
+
+def _attributes(path):
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        file["run/acc"] = RECORD.responses
+        file["run"].attrs["fs"], file["run/acc"].attrs["unit"] = 256.0, "g"
+
+
+def _instants(path):
+    start = np.datetime64("2026-05-04T12:00:00", "us")
+    rows = [
+        f"{i};{start + np.timedelta64(3906 * i, 'us')};" + ";".join(f"{v:.6e}" for v in column)
+        for i, column in enumerate(RECORD.responses.T)
+    ]
+    path.write_text(";when;a [g];b [g];c [g]\n" + "\n".join(rows) + "\n")
+
+
 def _market(path, **options):
     from scipy.io import mmwrite
     from scipy.sparse import coo_array
@@ -140,6 +233,15 @@ KINDS = {
     "mat5": Kind(".mat", _mat5, ar.read_mat),
     "mat of ours": Kind(".mat", lambda p: ar.write_mat(p, RECORD), ar.read_mat),
     "mat 7.3": Kind(".mat", _mat73, ar.read_mat),
+    "mat of testlab": Kind(".mat", _testlab, ar.read_mat),
+    "hdf5 attributes": Kind(".h5", _attributes, ar.read_hdf5),
+    "csv instants": Kind(".csv", _instants, ar.read_csv),
+    "tdms": Kind(".tdms", _tdms, ar.read_tdms),
+    "wav": Kind(".wav", _wav, ar.read_wav),
+    "lvm": Kind(".lvm", _lvm, ar.read_lvm),
+    "excel": Kind(".xlsx", _excel, ar.read_excel),
+    "parquet": Kind(".parquet", lambda p: _frame().to_parquet(p), ar.read_parquet),
+    "miniseed": Kind(".mseed", _mseed, ar.read_miniseed),
     "mtx array": Kind(".mtx", lambda p: _market(p, symmetry="symmetric"), _matrix),
     "mtx sparse": Kind(".mtx", lambda p: _market(p, sparse=True, symmetry="general"), _matrix),
     "mtx.gz": Kind(".mtx.gz", lambda p: _market(p, symmetry="symmetric"), _matrix),

@@ -31,12 +31,18 @@ from .identification.modes import identify_modes
 from .io import (
     from_sep005,
     read_csv,
+    read_excel,
     read_frf_files,
     read_hdf5,
+    read_lvm,
     read_mat,
     read_matrices,
+    read_miniseed,
     read_npz,
+    read_parquet,
+    read_tdms,
     read_uff,
+    read_wav,
     to_sep005,
     write_csv,
     write_hdf5,
@@ -86,6 +92,7 @@ from .series.series import Series
 from .signals.frequency_response import FrequencyResponse
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
+from .support.explained import explain
 from .updating.box_identifiability import BoxIdentifiability, identifiability
 from .updating.parameter_intervals import ParameterIntervals
 from .updating.penalty import DamagePenalty
@@ -95,6 +102,7 @@ from .updating.reduction import Reduction, ReductionReport
 from .updating.results import UpdateResult
 from .updating.search import update
 from .updating.tables import FrequencyTable, ModalTable
+from .updating.update_ensemble import UpdateEnsemble, update_ensemble
 
 __all__ = [
     "AntiresError",
@@ -154,6 +162,7 @@ __all__ = [
     "Tracks",
     "Tube",
     "UnsuitableDataError",
+    "UpdateEnsemble",
     "UpdateResult",
     "UpdatingProblem",
     "Watched",
@@ -167,6 +176,7 @@ __all__ = [
     "detectability",
     "diameter",
     "eliminate_constraints",
+    "explain",
     "fit_rational",
     "frf",
     "from_sep005",
@@ -184,12 +194,18 @@ __all__ = [
     "point_mass",
     "position",
     "read_csv",
+    "read_excel",
     "read_frf_files",
     "read_hdf5",
+    "read_lvm",
     "read_mat",
     "read_matrices",
+    "read_miniseed",
     "read_npz",
+    "read_parquet",
+    "read_tdms",
     "read_uff",
+    "read_wav",
     "stabilization",
     "stiffness_factor",
     "stiffness_reduction",
@@ -200,6 +216,7 @@ __all__ = [
     "transmissibility",
     "transmissibility_sum",
     "update",
+    "update_ensemble",
     "write_csv",
     "write_hdf5",
     "write_mat",

@@ -251,6 +251,15 @@ class MissingDependencyError(AntiresError, ImportError):
 class AntiresWarning(UserWarning):
     """The result stands, but the reader should know something about it.
 
+    Its text ends with the command that tells more: what is seen, why, and what to do.
+
+    Attributes
+    ----------
+    text : str
+        What was found, with its numbers.
+    about : tuple of str
+        Names under which :func:`~antires_rs.explain` tells more.
+
     Examples
     --------
     >>> import warnings, antires_rs as ar
@@ -259,7 +268,16 @@ class AntiresWarning(UserWarning):
     ...     zeros = two_parts.antiresonances(0, 1)
     >>> print(seen[0].category.__name__, str(seen[0].message).split(":")[0])
     AntiresWarning response dof 0 is not connected to excitation dof 1
+    >>> print(seen[0].message.about)
+    ('not_connected',)
     """
+
+    def __init__(self, text: str, about: tuple[str, ...] = ()) -> None:
+        super().__init__(text, about)
+        self.text, self.about = text, about
+
+    def __str__(self) -> str:
+        return f"{self.text} [antires explain {' '.join(self.about)}]" if self.about else self.text
 
 
 def catalogue() -> dict[str, type[Exception]]:

@@ -118,6 +118,8 @@ def test_a_damaged_file_is_refused(prepared, tmp_path):
         ar.Assessor.load(path)
     with pytest.raises(ar.InvalidInputError, match=r"\.npz"):
         prepared[0].save(tmp_path / "plan.dat")
+    with pytest.raises(ar.InvalidInputError, match="path: got 5"):
+        prepared[0].save(5)
     with pytest.raises(FileNotFoundError):
         ar.Assessor.load(tmp_path / "none.npz")
 
@@ -193,6 +195,12 @@ def test_wrong_arguments_are_refused(prepared, options, argument):
     given = {"baseline": prepared[1], **options}
     with pytest.raises(ar.InvalidInputError, match=argument):
         ar.Assessor(NOMINAL, **given)
+
+
+def test_a_model_without_terms_is_told_what_it_lacks(prepared):
+    bare = ar.MatrixModel(np.diag([2e4, 1e4, 1e4, 1e4, 1e4, 1e4]), np.eye(6))
+    with pytest.raises(ar.InvalidInputError, match="stiffness_terms"):
+        ar.Assessor(bare, baseline=prepared[1])
 
 
 def test_wrong_models_and_tests_are_refused(prepared):

@@ -40,7 +40,7 @@ WRONG = {
     "a folder in place of a file": ("FILE", identify(file="folder")),
     "an ending that is not known": ("FILE", identify(file="record.xyz")),
     "a file that was cut": ("FILE", identify(file="cut.npz")),
-    "an unknown format": ("--format", identify("--format", "wav")),
+    "an unknown format": ("--format", identify("--format", "aiff")),
     "no band": ("--band", ["identify", "record.npz", "--excitation", "tip"]),
     "half a band": ("--band", ["identify", "record.npz", "--excitation", "tip", "--band", "3"]),
     "a band that is no number": ("--band", identify(band=("3", "high"))),

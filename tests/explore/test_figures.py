@@ -14,7 +14,7 @@ pytest.importorskip("bokeh", reason="figures to be explored need bokeh")
 from antires_rs.explore.canvas import below, columns, hover, item, paper, parts, script_files
 from antires_rs.explore.curve import curve_of
 from antires_rs.explore.evidence import evidence_figure
-from antires_rs.explore.marks import mark_columns
+from antires_rs.explore.marks import LOOKS, mark_columns
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def test_a_figure_shows_the_poles_and_the_values_of_its_response(identified, rec
     np.testing.assert_allclose(drawn["circle"]["freq"], np.concatenate(diagram.freq_hz)[stable], rtol=1e-6)
     assert drawn["x"]["freq"].size == np.count_nonzero(~stable)
     np.testing.assert_allclose(
-        source_of(shown["stabilization"], "values").data["freq"], identified[1], rtol=1e-6
+        source_of(shown["stabilization"], "accepted").data["freq"], identified[1], rtol=1e-6
     )
 
 
@@ -52,11 +52,11 @@ def test_marks_tell_what_was_dropped_and_added(identified):
     value = float(identified[1][0])
     edited = identified.drop(1, value).add(1, 1.1 * value)
     marks = mark_columns(edited, 1, BAND)
-    kinds = dict(zip(marks["freq"], marks["kind"], strict=True))
-    assert kinds[value] == "dropped by hand"
-    assert kinds[1.1 * value] == "added by hand"
-    assert marks["freq"] == sorted(marks["freq"])
-    assert len(set(map(str, marks["dash"]))) == len(set(kinds.values()))  # told apart in grey
+    assert marks["dropped by hand"]["freq"] == [value]
+    assert marks["added by hand"]["freq"] == [1.1 * value]
+    assert marks["accepted"]["freq"] == identified[1][1:].tolist()
+    looks = [(str(dash), colour) for colour, dash in LOOKS.values()]
+    assert len({dash for dash, _ in looks}) == len(looks)  # told apart in grey
 
 
 def test_a_curve_has_its_dips_at_the_values(identified, record, averages):

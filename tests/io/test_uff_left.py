@@ -7,6 +7,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import UnsuitableDataError
+from antires_rs.io.uff_scan import _to_the_left
 
 pytest.importorskip("pyuff")
 RECORD = ar.Recording(np.random.default_rng(3).standard_normal((1, 22)), 512.0, dofs=["12+Z"])
@@ -34,3 +35,10 @@ def test_fields_to_the_left(tmp_path):
     file.write_bytes(moved.replace(row, row[: row.rindex(b" ")].rstrip()))
     with pytest.raises(UnsuitableDataError, match="points, not the 22"):
         ar.read_uff(file)
+
+
+def test_fields_to_the_right_are_told_by_their_first_lines():
+    """Looking at all lines of a long file took a third of its reading."""
+    rows = iter([b"   1.00000e+00  -1.00000e+00"] * 1000)
+    assert not _to_the_left(rows, 14)
+    assert len(list(rows)) > 900

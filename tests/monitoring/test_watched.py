@@ -113,3 +113,14 @@ def test_an_assessor_goes_alone(options, argument):
     given = {"assessor": ar.Assessor(chain(), baseline=sets[0], workers=1), **options}
     with pytest.raises(ar.InvalidInputError, match=argument):
         ar.monitor(sets, baseline=10, **given)
+
+
+@pytest.mark.parametrize(("force", "dofs", "said"), [(5, [0, 1, 2], "force"), (0, [6], "dofs")])
+def test_an_assessor_of_other_tests_is_refused_before_the_first_alarm(force, dofs, said):
+    """A watch would end at its first alarm, perhaps after months."""
+    sets = many(exact(chain()), 12, np.random.default_rng(79))
+    model = ar.MassSpringChain([*MASSES, 1.0, 1.0], [*SPRINGS, 5e4, 5e4])
+    exact_hz = model.antiresonances(dofs, force)
+    before = ar.AntiresonanceSet(force, dict(zip(dofs, exact_hz, strict=True)))
+    with pytest.raises(ar.InvalidInputError, match=f"^assessor: .*{said} of these tests"):
+        ar.monitor(sets, baseline=10, assessor=ar.Assessor(model, baseline=before, workers=1))

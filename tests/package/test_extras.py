@@ -20,6 +20,9 @@ PACKAGES = {
     "look": ("bokeh",),
     "uff": ("pyuff",),
     "hdf5": ("h5py",),
+    "tdms": ("npTDMS",),
+    "excel": ("openpyxl",),
+    "miniseed": ("obspy",),
     "tables": ("pandas", "xarray"),
     "series": ("pyarrow",),
     "watch": ("watchdog",),
@@ -27,13 +30,13 @@ PACKAGES = {
     "dask": ("dask",),
 }
 #: Extras that bring so much with them that "all" leaves them out.
-LARGE = {"ansys", "dask"}
+LARGE = {"ansys", "dask", "miniseed"}
 
 
 @pytest.fixture
 def bare(monkeypatch):
     """An installation without extras."""
-    missing = {package for packages in PACKAGES.values() for package in packages}
+    missing = {package.lower() for packages in PACKAGES.values() for package in packages}
     for name in [name for name in sys.modules if name.split(".")[0] in missing]:
         monkeypatch.delitem(sys.modules, name)
     for package in missing:
@@ -126,6 +129,21 @@ def test_reports_say_what_to_install(bare, study, monkeypatch, tmp_path):
             study["damage"].report(tmp_path / "run.html")
         monkeypatch.delitem(sys.modules, package)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("read", "package", "extra"),
+    [
+        ("read_tdms", "nptdms", "tdms"),
+        ("read_excel", "openpyxl", "excel"),
+        ("read_parquet", "pyarrow", "series"),
+        ("read_miniseed", "obspy", "miniseed"),
+    ],
+)
+def test_readers_in_a_child_say_what_to_install(bare, tmp_path, read, package, extra):
+    (tmp_path / "a").write_bytes(b"TDSm" + bytes(24))  # a segment without anything in it
+    with pytest.raises(ar.MissingDependencyError, match=rf'{package}.*pip install "antires-rs\[{extra}\]"'):
+        getattr(ar, read)(tmp_path / "a")
 
 
 @pytest.mark.parametrize(("name", "extra"), [("a.uff", "uff"), ("a.h5", "hdf5"), ("a.mat", "hdf5")])
@@ -226,4 +244,9 @@ def test_the_extras_bring_what_the_messages_promise():
         for source in (PROJECT.parent / "python").rglob("*.py")
         for extra in re.findall(r'missing_package\([^)]*"(\w+)", exc\)', source.read_text(encoding="utf-8"))
     }
-    assert named | called == set(PACKAGES)
+    children = {  # which read in a child process
+        extra
+        for source in (PROJECT.parent / "python").rglob("*.py")
+        for extra in re.findall(r'\("\w+", "(\w+)"\),\n +"read_', source.read_text(encoding="utf-8"))
+    }
+    assert named | called | children == set(PACKAGES)

@@ -23,8 +23,21 @@ NOISE = RNG.standard_normal((3, 64))
         ".".join(["a"] * 20_000) + " = 1",
         "[" + ".".join(["a"] * 20_000) + "]",
         "[data]\nx = { " + '"a" . ' * 20_000 + "a = 1 }",
+        "[data]\nband_hz = " + "[" * 50_000,
+        '[data]\nfile = "' + "[" * 50_000,
+        "time,channel\n" + "0.5,1.5\n" * 50_000,
     ],
-    ids=["brackets", "braces", "digits", "dotted key", "dotted heading", "dotted in braces"],
+    ids=[
+        "brackets",
+        "braces",
+        "digits",
+        "dotted key",
+        "dotted heading",
+        "dotted in braces",
+        "brackets in brackets",
+        "brackets in a text",
+        "a table in place of a job",
+    ],
 )
 def test_a_job_of_thousands(tmp_path, text):
     file = tmp_path / "job.toml"

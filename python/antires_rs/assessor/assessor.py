@@ -27,6 +27,8 @@ from .plan import Plan, plan_of
 
 __all__ = ["Assessor"]
 
+_NO_TERMS = "Give the MatrixModel its stiffness_terms."
+
 
 class Assessor(ReadOnly):
     """Assess the damage of single tests against a baseline, each in some tens of milliseconds.
@@ -111,7 +113,8 @@ class Assessor(ReadOnly):
         chosen = [chosen] if shape_of(chosen) == () else list(chosen)
         chosen = [int(e) if isinstance(e, np.integer) else e for e in chosen]
         if not chosen:
-            reject("elements", "no candidate", "at least one stiffness term", "Name elements of the model.")
+            given = "Name elements of the model." if model.default_elements else _NO_TERMS
+            reject("elements", "no candidate", "at least one stiffness term", given)
         UpdatingProblem(model, stiffness_reduction(chosen), before)  # speaks up where they do not fit
         if prior is not None and not isinstance(prior, DamagePrior):
             reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")

@@ -30,8 +30,9 @@ from .starts import starts
 __all__ = ["QuickSearch"]
 
 #: Sets within this of the likeliest (log probability) are judged by the likelihood; the same for those that a
-#: scan has found, whose errors are those without damage.
-_NEAR, _NEAR_ROUGH = 1.0, 2.5
+#: scan has found, whose errors are those without damage, and for elements as they are seen where errors have
+#: to be wider than stated, which hide what an element would explain.
+_NEAR, _NEAR_ROUGH, _HIDDEN = 1.0, 2.5, 5.0
 #: At most so many of each stage; so many of a scan are judged however likely they look, but not those so far
 #: below the first of them.
 _MOST, _FROM_SCAN, _HOPELESS = 8, 3, 12.0
@@ -69,6 +70,8 @@ class QuickSearch:
     u: dict[Elements, FloatArray] = field(default_factory=dict)
     #: Sets whose evidence is that of a scan.
     rough: set[Elements] = field(default_factory=set)
+    #: Sets judged from severities that a scan has left, and these.
+    judged_before: dict[Elements, tuple[Fit, FloatArray, bool]] = field(default_factory=dict)
     #: The view that each set's evidence is from, where it is not one from its own severities.
     seen_from: dict[Elements, View] = field(default_factory=dict)
     #: Log of prior times evidence.
@@ -214,7 +217,9 @@ class QuickSearch:
         parents = sorted(known, key=lambda s: -self.weights[s])[:most]
         count = self.n if size == 1 else self.n_candidates
         known_to = [(s, self.u[s]) for s in parents]
-        self.found_by_scan(starts(self.test, known_to, count, set(self.fits), _LIKELIEST[size - 1]))
+        # A single element may have been judged where no slope leads on.
+        known_sets = set(self.fits) if size > 1 else set()
+        self.found_by_scan(starts(self.test, known_to, count, known_sets, _LIKELIEST[size - 1]))
 
     def _exchange(self, elements: Elements) -> None:
         """Sets with another element in place of one."""
@@ -228,6 +233,11 @@ class QuickSearch:
         looks = 2 if sets and len(sets[0][0]) == 1 else 1
         settled = self.test.settle(asked, looks, _RESTS, False)
         for (elements, _), (_, u, _, _, log_evidence, _) in zip(sets, settled, strict=True):
+            if elements in self.fits:
+                if np.abs(self.u[elements] - u).max() <= _RESTS or log_evidence <= self.evidence[elements]:
+                    continue
+                judged = self.fits.pop(elements), self.u[elements], elements in self.views
+                self.judged_before[elements] = judged
             self._keep(elements, log_evidence, np.array(u))
             self.rough.add(elements)
             self.seen_from.pop(elements, None)
@@ -245,17 +255,19 @@ class QuickSearch:
                 extended.add(best)
                 self._extend(best)
             top = weights[best]
-            open_ = [
-                s
-                for s, w in weights.items()
-                if s not in self.fits and w > top - (_NEAR_ROUGH if s in self.rough else _NEAR)
-            ]
+            open_ = [s for s, w in weights.items() if s not in self.fits and w > top - self._room(s)]
             self.cut = len(open_) > left
             open_ = sorted(open_, key=lambda s: -weights[s])[: min(left, 3)]
             if not open_:
                 return max(self.fits, key=lambda s: weights[s])
             left -= len(open_)
             self.judge(open_)
+
+    def _room(self, elements: Elements) -> float:
+        """How much likelier (log probability) a set may turn out."""
+        if elements in self.rough:
+            return _NEAR_ROUGH
+        return _HIDDEN if len(elements) == 1 and self.seen_from[elements].times > 1.0 else _NEAR
 
     def _extend(self, elements: Elements) -> None:
         view = self.fit(elements).view
@@ -283,3 +295,8 @@ class QuickSearch:
             self._keep(s, log_evidence, np.array(at))
             self.rough.discard(s)
             self.views.discard(s)
+            before = self.judged_before.pop(s, None)
+            if before and before[0].log_evidence > log_evidence:
+                self.fits[s] = before[0]
+                self._keep(s, before[0].log_evidence, before[1])
+                self.views.update([s] if before[2] else [])

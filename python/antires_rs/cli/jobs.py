@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from ..io.other_programs import conversion
 from ..jobs import Job, read_job, template
 from ..jobs.files import RunFolder
 from ..jobs.formats import FORMATS, format_of
@@ -54,7 +55,8 @@ def _channels(file: Path) -> dict[str, Any]:
             "--data",
             repr(str(file)),
             "a file that ends in " + ", ".join(e for ends in FORMATS.values() for e in ends),
-            "Convert it first, or write the job without --data and name its format there.",
+            "Convert it first, or write the job without --data and name its format there."
+            + conversion(file.name),
         )
     from ..io.uff_force import force_of
     from ..jobs.reading import read_signal

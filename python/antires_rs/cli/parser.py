@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from .._core import __version__
-from .usage import Parser, dof, number, one_of, pair
+from .measured_parsers import DOF, identify, look
+from .usage import Parser, dof, number, one_of
 
 __all__ = ["parser"]
-
-_DOF = "a number, or a name as the file has it"
 
 
 def parser() -> argparse.ArgumentParser:
@@ -34,7 +33,8 @@ def parser() -> argparse.ArgumentParser:
     )
     _demo(commands)
     _init(commands)
-    _identify(commands)
+    for verb in (identify, look):
+        verb(commands, _command)
     for task, what in (
         ("update", "bring a model to the measured antiresonances"),
         ("damage", "locate and size damage"),
@@ -77,6 +77,7 @@ def parser() -> argparse.ArgumentParser:
     _common(again)
     again.set_defaults(run=_command("jobs", "resume"))
     _report(commands)
+    _explain(commands)
     return top
 
 
@@ -88,7 +89,7 @@ def _watch(commands: Any) -> None:
         "differ from the baseline. Ends with Ctrl-C; it may be killed at any time, and goes on where it was.",
     )
     watch.add_argument("folder", metavar="FOLDER", type=Path, help="where the measurements arrive")
-    watch.add_argument("--excitation", type=dof, required=True, metavar="DOF", help=f"of the force: {_DOF}")
+    watch.add_argument("--excitation", type=dof, required=True, metavar="DOF", help=f"of the force: {DOF}")
     watch.add_argument(
         "--band", type=number(float, 0.0), nargs=2, required=True, metavar=("LOW", "HIGH"), help="in Hz"
     )
@@ -191,99 +192,6 @@ def _init(commands: Any) -> None:
     init.set_defaults(run=_command("jobs", "init"))
 
 
-def _identify(commands: Any) -> None:
-    found = commands.add_parser(
-        "identify",
-        help="antiresonances of a measurement",
-        description="Identify the antiresonances of every response in a file, or of the [data] of a job.",
-    )
-    found.add_argument(
-        "files",
-        metavar="FILE",
-        nargs="+",
-        type=Path,
-        help="a measurement (.uff .unv .mat .h5 .csv .tsv .txt .npz .npy, or a folder of files of one FRF "
-        "each), several of one test, or a job (.toml)",
-    )
-    found.add_argument(
-        "--band",
-        nargs=2,
-        type=number(float, 0.0),
-        metavar=("LOW", "HIGH"),
-        help="lowest and highest frequency in Hz",
-    )
-    found.add_argument("--excitation", type=dof, metavar="DOF", help=f"dof of the one force: {_DOF}")
-    found.add_argument(
-        "--format",
-        **one_of("uff", "mat", "hdf5", "csv", "npz"),
-        help="format of the file (default: its ending tells)",
-    )
-    found.add_argument(
-        "--dof",
-        action="append",
-        type=pair,
-        metavar="CHANNEL=DOF",
-        dest="dofs",
-        help="name a channel's dof, or leave it out by CHANNEL=; once for each channel",
-    )
-    found.add_argument(
-        "--kind",
-        **one_of("frf", "transmissibility", "time", "spectra"),
-        help="what to read, where a file does not tell or holds several",
-    )
-    found.add_argument(
-        "--reference", type=dof, metavar="DOF", help=f"reference of transmissibilities: {_DOF}"
-    )
-    found.add_argument("--force", metavar="CHANNEL", help="channel of the force")
-    found.add_argument(
-        "--fs",
-        type=number(float, 0.0),
-        metavar="HZ",
-        dest="fs_hz",
-        help="sampling rate in Hz, where the file does not tell",
-    )
-    found.add_argument(
-        "--unit", help="unit of the responses, such as g or m/s2, where the file does not tell"
-    )
-    found.add_argument("--first", **one_of("time", "freq", "channel"), help="first column of a CSV file")
-    found.add_argument(
-        "--pairs",
-        **one_of("real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad"),
-        help="what two neighbouring columns of a CSV file are, where their names do not tell",
-    )
-    found.add_argument(
-        "--df",
-        type=number(float, 0.0),
-        metavar="HZ",
-        dest="df_hz",
-        help="spacing of FRFs from 0 Hz on, where the file has no axis",
-    )
-    found.add_argument(
-        "--run",
-        type=number(int, 1),
-        metavar="N",
-        dest="of_run",
-        help="which run of a universal file with several",
-    )
-    found.add_argument("--pattern", metavar="GLOB", help="which files of a folder (default: *)")
-    found.add_argument(
-        "--preset", **one_of("paper", "strict", "sensitive"), help="options of the identification"
-    )
-    found.add_argument("--max-order", type=number(int, 2), metavar="N", help="highest order (default: 60)")
-    found.add_argument(
-        "--cross-check",
-        "--second-opinion",
-        **one_of("aaa", "vector_fitting"),
-        help="another method that confirms or flags every value",
-    )
-    found.add_argument("--out", type=Path, metavar="FILE.json", help="save the antiresonances, for a job")
-    found.add_argument(
-        "--pictures", type=Path, metavar="DIR", help="draw the stabilization diagrams into a folder"
-    )
-    found.add_argument("--json", action="store_true", help="print JSON instead of the table")
-    found.set_defaults(run=_command("study", "identify"))
-
-
 def _report(commands: Any) -> None:
     report = commands.add_parser(
         "report",
@@ -300,6 +208,18 @@ def _report(commands: Any) -> None:
     report.add_argument("--pictures", type=Path, metavar="DIR", help="write the pictures as PNG too")
     report.add_argument("--json", action="store_true", help="print JSON instead of the tables")
     report.set_defaults(run=_command("study", "report"))
+
+
+def _explain(commands: Any) -> None:
+    told = commands.add_parser(
+        "explain",
+        help="what a warning means",
+        description="What is seen, why, and what to do, for the names in brackets at the end of warnings.",
+    )
+    told.add_argument(
+        "names", metavar="NAME", nargs="*", help="of a warning, finding or doubt; without any: all"
+    )
+    told.set_defaults(run=_command("explain", "explain"))
 
 
 def _common(command: argparse.ArgumentParser) -> None:

@@ -3,41 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import warnings
 from pathlib import Path
 from typing import Any
 
-from ..exceptions import AntiresWarning
-from ..jobs.formats import FOLDER, FORMATS, format_of
-from ..jobs.keys_data import DATA
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import reject
-from ..support.wording import LeftOut, Part
+from .measurement import CHOICES, NAMES, READING, edited, files_of, kind_of, measurement
 from .terminal import arguments, existing, print_json, say
 
 __all__ = ["demo", "identify", "report"]
-
-#: Options of ``identify`` by the arguments of the functions behind it.
-_NAMES = {
-    "path": "FILE",
-    "files": "FILE",
-    "format": "--format",
-    "signal": "FILE",
-    "source": "FILE",
-    "band_hz": "--band",
-    "dofs": "--dof",
-    "fs_hz": "--fs",
-    "df_hz": "--df",
-    "pairs": "--pairs",
-    "run": "--run",
-    "pattern": "--pattern",
-    "cross_check": "--cross-check",
-    "max_order": "--max-order",
-    **{name: f"--{name}" for name in ("excitation", "unit", "force", "kind", "first", "reference", "preset")},
-}
-_READING = ("kind", "reference", "force", "fs_hz", "unit", "first", "df_hz", "pairs", "of_run", "pattern")
-_CHOICES = ("preset", "max_order", "cross_check")
-_SEE = "See 'antires identify --help'."
 
 
 def demo(args: argparse.Namespace) -> int:
@@ -51,12 +25,7 @@ def demo(args: argparse.Namespace) -> int:
 
 def identify(args: argparse.Namespace) -> int:
     """Antiresonances of a file, or of the [data] of a job."""
-    for file in args.files:
-        if not file.is_dir():
-            existing("FILE", file, "Name a measurement, or a job.")
-    args.file = args.files[0]
-    if len(args.files) > 1:
-        _of_one_kind(args.files)
+    files_of(args)
     out: Path | None = args.out
     if out is not None and (out.suffix != ".json" or not out.parent.is_dir()):
         reject(
@@ -86,7 +55,7 @@ def _of_job(args: argparse.Namespace) -> list[AntiresonanceSet]:
     from ..jobs.measured import measured_of
     from ..jobs.model import model_of
 
-    for name in ("band", "excitation", "format", "dofs", *_READING, *_CHOICES):
+    for name in ("band", "excitation", "format", "dofs", *READING, *CHOICES, "drop", "add", "hit"):
         if getattr(args, name) is not None:
             option = {"dofs": "--dof", "fs_hz": "--fs", "df_hz": "--df", "of_run": "--run"}.get(
                 name, "--" + name.replace("_", "-")
@@ -102,94 +71,23 @@ def _of_job(args: argparse.Namespace) -> list[AntiresonanceSet]:
 
 
 def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
-    kind = FOLDER if args.file.is_dir() else format_of(args.file.name, args.format)
-    if kind is None:
-        reject(
-            "FILE",
-            repr(str(args.file)),
-            "an ending out of " + " ".join(e for ends in FORMATS.values() for e in ends),
-            "Say by --format what it is.",
-        )
+    kind = kind_of(args)
     if kind == "antiresonances":
-        with arguments(_NAMES):
-            return AntiresonanceSet.load(args.file)
-    if args.excitation is None and kind == "uff" and args.reference is None:
-        from ..io.uff_force import force_of
+        with arguments(NAMES):
+            return edited(AntiresonanceSet.load(args.file), args)
+    if args.roving is not None and len(args.files) > 1:
+        from .setups import of_setups
 
-        with arguments(_NAMES):
-            args.excitation = force_of(args.file)
-        if args.excitation is not None:
-            say(f"the force is at {args.excitation}, as the file states")
-    for name in ("band", "excitation"):
-        if getattr(args, name) is None:
-            wanted = {
-                "band": "--band LOW HIGH, in Hz",
-                "excitation": "--excitation DOF, where the force acts",
-            }[name]
-            reject(f"--{name}", "nothing", wanted, _SEE)
+        return edited(of_setups(args, kind), args)
     from ..identification.identify import identify_antiresonances
-    from ..jobs.reading import read_signal
-    from ..signals.repeats import one_source
 
-    options = {
-        name.removeprefix("of_"): getattr(args, name) for name in _READING if getattr(args, name) is not None
-    }
-    if kind == FOLDER and args.format is not None:
-        options["format"] = args.format
-    if args.dofs:
-        options["dofs"] = dict(args.dofs)
-    chosen = {name: getattr(args, name) for name in _CHOICES if getattr(args, name) is not None}
-    with arguments(_NAMES):
-        signals = []
-        for file in args.files:
-            say(f"reading {file.name}")
-            signals.append(read_signal(file, kind, options, _as_option))
-        signal = one_source(signals)
-        say(f"identifying the antiresonances of {len(signal.dofs)} responses")
-        # A channel that is left out still names the place of the force, which need not be recorded.
-        named = options.get("dofs", {}).get(args.excitation, False)
-        force = args.excitation if named is False else named
-        if force not in signal.dofs and args.excitation not in options.get("dofs", {}):
-            _warn_unmeasured(force, signal.dofs)
-        return identify_antiresonances(signal, excitation=force, band_hz=args.band, **chosen)
-
-
-def _of_one_kind(files: list[Path]) -> None:
-    """Several files are repeats of one test: measurements of one format."""
-    ending = files[0].suffix.lower()
-    for file in files:
-        if file.suffix.lower() in (".toml", ".json") or file.suffix.lower() != ending:
-            reject(
-                "FILE",
-                repr(str(file)) + " among several",
-                "measurements of one format: other impacts or runs of the same test",
-                "Name a job or a file of antiresonances alone.",
-            )
-
-
-def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
-    """The antiresonances do not depend on the name, so that a slip of the pen would pass in silence."""
-    from ..jobs.job import nearest
-
-    hint = nearest(str(force), map(str, dofs))
-    warnings.warn(
-        f"--excitation: {force!r} is none of the channels {', '.join(map(repr, dofs))}, so that "
-        f"the place of the force cannot be tested.{' ' * bool(hint)}{hint}",
-        AntiresWarning,
-        stacklevel=2,
-    )
-
-
-def _as_option(part: Part) -> str:
-    """An argument of a reader as this command has it; those it lacks a job has."""
-    if isinstance(part, LeftOut):
-        from ..jobs.reading import LEAVE_OUT
-
-        return LEAVE_OUT
-    option = _NAMES.get(part.name)
-    if option is None or not option.startswith("--"):
-        return f"{part.name} (in a job)" if DATA.key(part.name) else part.name
-    return option if part.value is None else f"{option} {part.value}"
+    given = measurement(args, kind)
+    say(f"identifying the antiresonances of {len(given.signal.dofs)} responses")
+    with arguments(NAMES):
+        found = identify_antiresonances(
+            given.signal, excitation=given.force, band_hz=args.band, **given.options
+        )
+    return edited(found, args)
 
 
 def _diagrams(found: AntiresonanceSet, folder: Path, prefix: str) -> None:

@@ -13,8 +13,9 @@ from difflib import get_close_matches
 from typing import Any, NoReturn
 
 from ..exceptions import InvalidInputError
+from ..support.wording import EDIT_WANTED, edit_named
 
-__all__ = ["Parser", "WrongValue", "complain", "dof", "number", "one_of", "pair"]
+__all__ = ["Parser", "WrongValue", "complain", "dof", "edit", "number", "one_of", "pair"]
 
 
 def complain(error: object, program: str = "antires") -> None:
@@ -169,3 +170,12 @@ def pair(text: str) -> tuple[str, int | str | bool]:
     if not sign or not channel:
         raise WrongValue(repr(text), "CHANNEL=DOF, such as 12+Z=4")
     return channel, dof(name) if name else False
+
+
+def edit(text: str) -> tuple[int | str, float, str]:
+    """(dof, frequency in Hz, reason) of ``DOF=HZ reason``."""
+    named = edit_named(text)
+    if named is None:
+        raise WrongValue(repr(text), EDIT_WANTED)
+    name, freq_hz, reason = named
+    return dof(name), freq_hz, reason

@@ -84,6 +84,7 @@ def curve_figure(
     *,
     x_range: Any = None,
     legend: bool = True,
+    every_kind: bool = False,
 ) -> Any:
     """The curve of a response with its values marked: antiresonances stand at its dips.
 
@@ -96,6 +97,8 @@ def curve_figure(
         To tie the two together.
     legend : bool
         Not needed under a diagram that has it.
+    every_kind : bool
+        Have a place for values of every kind, for pages in which they change.
     """
     shown = (curve.freq_hz >= band_hz[0]) & (curve.freq_hz <= band_hz[1])
     fig = paper(
@@ -107,7 +110,7 @@ def curve_figure(
         name="curve",
     )
     fig.yaxis.axis_label_text_font_size = "11px"
-    draw_marks(fig, mark_columns(zeros, dof, band_hz))
+    draw_marks(fig, mark_columns(zeros, dof, band_hz), every_kind=every_kind)
     size = np.where(curve.size > 0.0, curve.size, np.nan)
     line = fig.line(
         "freq",

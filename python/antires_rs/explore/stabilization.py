@@ -22,8 +22,9 @@ def stabilization_figure(
     zeros: AntiresonanceSet | None = None,
     dof: Any = 0,
     *,
-    height: int = 380,
+    height: int = 400,
     x_range: Any = None,
+    every_kind: bool = False,
 ) -> Any:
     """Poles of every order, the stable ones, the values, and the summed curve behind them.
 
@@ -37,6 +38,8 @@ def stabilization_figure(
         In pixels.
     x_range : range of another figure, optional
         To tie the two together.
+    every_kind : bool
+        Have a place for values of every kind, for pages in which they change.
 
     Returns
     -------
@@ -60,7 +63,7 @@ def stabilization_figure(
     _curve_behind(fig, diagram)
     if zeros is None:
         zeros = AntiresonanceSet.from_tables(dof, {dof: diagram.accepted})
-    draw_marks(fig, mark_columns(zeros, dof, diagram.band_hz), labels=True)
+    draw_marks(fig, mark_columns(zeros, dof, diagram.band_hz), labels=True, every_kind=every_kind)
     drawn = [
         fig.scatter(
             "freq",

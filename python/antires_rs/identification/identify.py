@@ -22,7 +22,6 @@ Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -30,7 +29,7 @@ import numpy as np
 
 from ..data_check import DataCheck
 from ..data_check.check import judged
-from ..exceptions import AntiresWarning, UnsuitableDataError
+from ..exceptions import UnsuitableDataError
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.tables import label
 from ..order_sweep.scores import graded
@@ -44,6 +43,7 @@ from ..signals.repeats import AveragedResponse, one_source
 from ..support.one_thread import one_blas_thread
 from ..support.progress import patient, step
 from ..support.validation import reject
+from ..support.warned import warn
 from .diagrams import diagrams_of
 from .options import DEFAULT, IdentificationOptions, checked_options
 from .repeat_scatter import freedom, independent_averages
@@ -301,7 +301,7 @@ def _checked(
         )
     if not checked.ok:
         said = "\n".join(f"data check: {line}" for line in checked.warnings)
-        warnings.warn(said, AntiresWarning, stacklevel=5)
+        warn(tuple(dict.fromkeys(f.name for f in checked.findings if f.severity != "note")), said)
     return checked
 
 

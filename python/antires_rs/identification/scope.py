@@ -6,10 +6,9 @@ said, not refused.
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 
-from ..exceptions import AntiresWarning
+from ..support.warned import warn
 from .lines import Lines
 from .local.fit import HIGHEST_ORDER, LINES_PER_ORDER
 from .local.grid import SCALES
@@ -56,16 +55,15 @@ def settled(options: IdentificationOptions, lines: Lines) -> IdentificationOptio
         idle = [name for name in OF_WINDOWS if name in options.given]
         fit = f"the sweep over orders (formulation {formulation!r})"
         counts = [*OF_BOTH, *OF_SWEEP, "min_order", "max_order"]
-    said = []
     if idle:
         verb = "has" if len(idle) == 1 else "have"
-        said.append(
-            f"{' and '.join(idle)} {verb} no effect on {fit}; what counts there is {', '.join(counts)}."
+        warn(
+            "no_effect",
+            f"identify_antiresonances: {' and '.join(idle)} {verb} no effect on {fit}; what counts there is "
+            f"{', '.join(counts)}.",
         )
     if formulation == "windows" and lines.freq_hz.size < FEW_LINES:
-        said.append(_of_few_lines(lines))
-    for text in said:
-        warnings.warn(f"identify_antiresonances: {text}", AntiresWarning, stacklevel=5)
+        warn("few_lines", f"identify_antiresonances: {_of_few_lines(lines)}")
     return replace(options, formulation=formulation)
 
 

@@ -2,19 +2,25 @@
 
 Each format has a file of its own; docs/files.md has a table of what each keeps. Uses the values that it reads
 and writes (``signals``, ``measured``, ``models``, ``optimize``, ``updating``); it computes nothing. Optional
-packages (h5py, pyuff, pandas, xarray) and ``scipy.io`` are imported where they are used.
+packages (h5py, pyuff, pandas, xarray, npTDMS, openpyxl, ObsPy) and ``scipy.io`` are imported where they are
+used.
 """
 
 from .delimited import read_csv
 from .delimited_write import write_csv
 from .frf_files import read_frf_files
 from .hdf5 import read_hdf5, write_hdf5
+from .lvm import read_lvm
 from .mat import mat_arrays, read_mat, write_mat
 from .matrices import read_dof_map, read_matrices, write_matrices
+from .miniseed import read_miniseed
 from .npz import read_npz, write_npz
 from .sep005 import from_sep005, to_sep005
+from .table_files import read_excel, read_parquet
+from .tdms import read_tdms
 from .uff import list_uff, read_uff
 from .uff_write import write_uff
+from .wav import read_wav
 
 __all__ = [
     "from_sep005",
@@ -22,12 +28,18 @@ __all__ = [
     "mat_arrays",
     "read_csv",
     "read_dof_map",
+    "read_excel",
     "read_frf_files",
     "read_hdf5",
+    "read_lvm",
     "read_mat",
     "read_matrices",
+    "read_miniseed",
     "read_npz",
+    "read_parquet",
+    "read_tdms",
     "read_uff",
+    "read_wav",
     "to_sep005",
     "write_csv",
     "write_hdf5",

@@ -1,4 +1,4 @@
-"""Reads a MATLAB or HDF5 file and writes its arrays as a NumPy archive.
+"""Reads a file of another program and writes its arrays as a NumPy archive.
 
 Run as a program of its own, with a limit on memory, because a damaged file can crash or fill the interpreter
 that reads it: ``python _child.py KIND FILE OUT REQUEST``, the request in JSON (:mod:`.child` makes it).
@@ -12,7 +12,10 @@ from typing import Any
 
 #: More parts than this, and the file is no record of a test.
 MOST_ARRAYS, DEEPEST = 10_000, 8
+MOST_ATTRIBUTES, LONGEST_TEXT = 100, 1_000
 #: Complex numbers as pairs: MATLAB's, and those of h5py.
+#: Before the name of an object, whose class is the text.
+OPAQUE = "object "
 COMPLEX = (("real", "imag"), ("r", "i"))
 
 
@@ -32,6 +35,9 @@ def flatten(name: str, value: Any, arrays: dict[str, Any], texts: dict[str, str]
     import numpy as np
 
     if depth > DEEPEST or len(arrays) >= MOST_ARRAYS or not isinstance(value, np.ndarray):
+        return
+    if value.dtype.names == ("s0", "s1", "s2", "arr"):  # an object, which only MATLAB reads
+        texts[f"{OPAQUE}{name}"] = b"".join(map(bytes, value["s2"].ravel()[:1])).decode("latin-1")
         return
     if value.dtype.names:
         items = list(enumerate(value.ravel(order="F")))
@@ -68,15 +74,43 @@ class Datasets:
         self.arrays: dict[str, Any] = {}
         #: Name, shape, and whether nothing is missing of what was asked for.
         self.listed: list[Any] = []
+        #: Attributes, by path@name, and MATLAB's texts.
+        self.texts: dict[str, str] = {}
 
     def visit(self, name: str, item: Any) -> None:
         """Keep a data set; MATLAB's own places are reached by references."""
+        self.attributes(name, item)
         if hasattr(item, "dtype") and not name.startswith("#"):
             self.keep(name, item)
+
+    def attributes(self, name: str, item: Any) -> None:
+        """Keep the attributes that are a number or a short text."""
+        for key in list(item.attrs)[:MOST_ATTRIBUTES]:
+            if key.startswith("MATLAB_") or len(self.texts) >= MOST_ARRAYS:
+                continue
+            try:
+                value = item.attrs[key]
+            except (OSError, TypeError, ValueError):  # of a type that h5py does not know
+                continue
+            value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+            single = getattr(value, "size", 1) == 1 and not isinstance(value, str)
+            value = value.ravel()[0] if single and hasattr(value, "ravel") else value
+            if isinstance(value, bytes | str):
+                value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+                self.texts[f"{name}@{key}"] = value[:LONGEST_TEXT]
+            elif single and getattr(value, "dtype", None) is not None and value.dtype.kind in "iuf":
+                self.texts[f"{name}@{key}"] = repr(float(value))
+
+    def text(self, name: str, item: Any) -> None:
+        """Keep a text of MATLAB, which is stored as the numbers of its letters."""
+        if item.dtype.kind == "u" and 0 < item.size <= LONGEST_TEXT and len(self.texts) < MOST_ARRAYS:
+            self.texts[name] = "".join(map(chr, item[()].ravel(order="F").tolist()))
 
     def keep(self, name: str, item: Any, above: tuple[Any, ...] = ()) -> None:
         """Keep a data set, or what it refers to."""
         made = matlab_class(item)
+        if made == "char" and "MATLAB_empty" not in item.attrs:
+            self.text(name, item)
         if "MATLAB_empty" in item.attrs or made == "char" or len(self.listed) >= MOST_ARRAYS:
             return  # MATLAB stores texts as numbers, and the shape of what is empty
         struct = made != "cell" and item.dtype.kind == "O" and matlab_class(item.parent) == "struct"
@@ -121,7 +155,8 @@ def hdf5(path: str, request: dict[str, Any]) -> tuple[dict[str, Any], dict[str, 
         text = opened.attrs.get("antires_rs")
         found = Datasets(request if text is None else {**request, "only": None})  # ours are read whole
         opened.visititems(found.visit)
-    return found.arrays, {} if text is None else {"antires_rs": str(text)}, found.listed
+        found.attributes("", opened)
+    return found.arrays, found.texts if text is None else {"antires_rs": str(text)}, found.listed
 
 
 def asked(name: str, request: dict[str, Any]) -> bool:
@@ -156,13 +191,24 @@ def values_of(item: Any) -> Any:
     return values.T if "MATLAB_class" in item.attrs else values
 
 
+def reader_of(kind: str) -> Any:
+    """The function that reads files of a kind; those of records and tables stand in the file beside this."""
+    own = {"mat5": mat5, "hdf5": hdf5}
+    if kind in own:
+        return own[kind]
+    from pathlib import Path
+    from runpy import run_path  # which needs no package around it
+
+    return run_path(str(Path(__file__).with_name("_child_records.py")))["READERS"][kind]
+
+
 def main(kind: str, path: str, out: str, text: str) -> None:
     """Read and write."""
     request = json.loads(text)
     limit_memory(request["memory_gb"])
     import numpy as np
 
-    arrays, texts, listed = {"mat5": mat5, "hdf5": hdf5}[kind](path, request)
+    arrays, texts, listed = reader_of(kind)(path, request)
     keys = {f"a{i}": name for i, name in enumerate(arrays)}
     names = json.dumps({"arrays": keys, "texts": texts, "listed": listed}).encode()
     members: dict[str, Any] = {key: np.ascontiguousarray(arrays[name]) for key, name in keys.items()}

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import os
-import sys
-import warnings
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
-from ..exceptions import AntiresWarning, MissingDependencyError, UnsuitableDataError
+from ..exceptions import MissingDependencyError, UnsuitableDataError
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.validation import reject
+from ..support.warned import warn
 from ..support.wording import Passed, Wording
+
+#: Parts of a record whose mean steps are compared, and by how much they may differ relatively.
+_PARTS, _DRIFT = 32, 1e-3
 
 __all__ = [
     "Signal",
@@ -23,6 +25,7 @@ __all__ = [
     "missing_package",
     "missing_part",
     "rate_of",
+    "refuse_real",
     "signal_given",
     "simplest_rate",
     "unsuitable",
@@ -58,7 +61,7 @@ def brief(exc: BaseException) -> str:
 def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) -> None:
     """A file of which a part is missing: an error, or with ``partial`` a warning that counts it."""
     if partial and kept:
-        warn(f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
+        warn("incomplete_file", f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
         return
     remedy = (
         Wording("Copy or export it again, or pass {} to read what is whole.", Passed("partial", True))
@@ -68,12 +71,16 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
     unsuitable(path, found, wanted, remedy)
 
 
-def warn(message: str) -> None:
-    """Warn at the line of the user's call, however deep in this package."""
-    level, frame = 2, sys._getframe(1)
-    while frame.f_back is not None and str(frame.f_globals.get("__name__")).startswith("antires_rs."):
-        level, frame = level + 1, frame.f_back
-    warnings.warn(message, AntiresWarning, stacklevel=level)
+def refuse_real(path: Path, rows: Any) -> None:
+    """Refuse complex responses whose imaginary parts all vanish; rows of ones are references."""
+    made = [np.asarray(row) for row in rows]
+    if made and all(not np.any(row.imag) for row in made) and any((row != row[:1]).any() for row in made):
+        unsuitable(
+            path,
+            "whose responses have no imaginary part at all",
+            "complex FRFs or transmissibilities",
+            "Magnitudes alone have lost the phase: export real and imaginary part, or magnitude and phase.",
+        )
 
 
 def missing_package(what: str, package: str, extra: str, cause: ImportError) -> MissingDependencyError:
@@ -123,6 +130,27 @@ def _digits(number: float) -> int:
     return len(f"{number:.15e}".partition("e")[0].rstrip("0"))
 
 
+def _no_drift(path: Path, times: Any, step: float, rounding: float) -> None:
+    """Refuse steps that change in the course of the record, each by less than counts as a gap."""
+    width = max(times.size // _PARTS, 16)
+    edges = np.arange(0, times.size - 1, width)
+    if edges.size < 3:
+        return
+    steps = np.diff(times[edges]) / width
+    # Jitter of single instants averages out over a part; its two ends have at most a tenth of a step each.
+    allowed = _DRIFT * step + (2.0 * rounding + 0.2 * step) / width
+    odd = np.flatnonzero(np.abs(steps - step) > allowed)
+    if odd.size:
+        i = int(odd[np.argmax(np.abs(steps[odd] - step))])
+        unsuitable(
+            path,
+            f"whose steps are {steps[i]:.6g} s on average from {times[edges[i]]:.9g} to "
+            f"{times[edges[i + 1]]:.9g} s, and {step:.6g} s in all",
+            "instants in s, evenly spaced and ascending",
+            "The sampling rate drifts: resample it to even steps, or cut out a part with an even rate.",
+        )
+
+
 def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     """Sampling rate of evenly spaced instants in s; refuses gaps.
 
@@ -157,5 +185,6 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
             wanted,
             "Samples are missing, or the sampling was uneven.",
         )
+    _no_drift(path, times, step, rounding)
     count = times.size - 1
     return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))

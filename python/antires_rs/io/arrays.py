@@ -12,22 +12,24 @@ from numpy.typing import NDArray
 
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice, finite_scalar, reject, shape_of
+from ..support.warned import warn
 from ..support.wording import Passed, Wording
-from ._common import Signal, rate_of, unsuitable, warn
+from ._common import Signal, rate_of, refuse_real, simplest_rate, unsuitable
 from .axis import GivenAxis, given_axis
-from .channels import Channel, Dofs, in_si, kept, recording_of, renamed
+from .channels import Channel, Dofs, in_si, kept, recording_of, renamed, unit_or_warning
+from .said import RATES, STEPS, Said
 from .units import named_unit
 
 __all__ = ["ROLES", "signal_of_arrays"]
 
 #: Last parts of names, in small letters, that say what an array is when the user does not.
 _TIME = {"time", "t", "time_s", "tijd", "zeit"}
-_RATE = {"fs", "fs_hz", "rate", "samplerate", "sampling_rate", "sample_rate", "samplingfrequency"}
+_RATE, _STEP = set(RATES), set(STEPS)
 _FREQ = {"f", "freq", "freq_hz", "frequency", "frequencies", "freqs"}
 _FORCE = {"force", "hammer", "excitation", "input"}
 _COHERENCE = {"coherence", "coh", "gamma2"}
 #: Names that tell a role, whatever is asked for.
-ROLES = frozenset(_TIME | _RATE | _FREQ | _FORCE | _COHERENCE)
+ROLES = frozenset(_TIME | _RATE | _STEP | _FREQ | _FORCE | _COHERENCE)
 
 Kind = Literal["frf", "transmissibility"]
 
@@ -47,6 +49,7 @@ def signal_of_arrays(
     reference: Any = None,
     freq_hz: Any = None,
     df_hz: float | None = None,
+    said: Said | None = None,
 ) -> Signal:
     """A Recording, or a FrequencyResponse where the arrays lie over a frequency.
 
@@ -57,9 +60,11 @@ def signal_of_arrays(
     cubes = [name for name, value in arrays.items() if value.dtype.kind in "iufc" and value.ndim > 2]
     if cubes and responses is None:
         warn(
+            "many_axes",
             f"path: {str(path)!r} has arrays of three and more axes, {', '.join(cubes)}, which are not "
-            "read. Slice them to (n_channels, n_samples) if they are responses."
+            "read. Slice them to (n_channels, n_samples) if they are responses.",
         )
+    said = said or Said()
     if not numeric:
         unsuitable(
             path,
@@ -73,7 +78,7 @@ def signal_of_arrays(
             reject("freq", repr(freq), "no name beside freq_hz or df_hz", "Leave one of them out.")
         if axis.size is not None:
             numeric = {name: _along(values, axis.size) for name, values in numeric.items()}
-        return _response(path, numeric, axis, None, responses, dofs, unit, kind, reference)
+        return _response(path, numeric, axis, None, responses, dofs, unit, kind, reference, said)
     freq = _role(path, "freq", freq, numeric, _FREQ)
     time = _role(path, "time", time, numeric, _TIME)
     taken = {name for name in (freq, time) if name}
@@ -91,9 +96,8 @@ def signal_of_arrays(
         )
     if freq is not None:
         lines = GivenAxis(numeric[freq][0].real)
-        return _response(path, numeric, lines, freq, responses, dofs, unit, kind, reference)
-    rate = _rate(path, numeric, time, fs_hz)
-    taken |= {name for name in numeric if _last(name) in _RATE}
+        return _response(path, numeric, lines, freq, responses, dofs, unit, kind, reference, said)
+    taken |= {name for name in numeric if _last(name) in _RATE | _STEP and numeric[name].size == 1}
     pushed = force if isinstance(force, str) and force in numeric else None
     if isinstance(force, str) and force != "auto" and pushed is None:
         reject(
@@ -107,7 +111,8 @@ def signal_of_arrays(
         pushed = found[0] if len(found) == 1 and force == "auto" else None
         taken |= set(found)
     rows = _chosen(path, numeric, responses, taken | ({pushed} if pushed else set()))
-    channels = [Channel(name, values) for name, values in rows]
+    rate = _rate(path, numeric, time, fs_hz, said, [raw for _, _, raw in rows])
+    channels = [Channel(name, values, said.unit(raw)) for name, values, raw in rows]
     instants = None if time is None or fs_hz is not None else numeric[time].shape[1]
     for c in channels:
         if instants not in (None, c.values.size):
@@ -118,7 +123,7 @@ def signal_of_arrays(
                 Wording("Name the {} that belongs to them, or give {}.", Passed("time"), Passed("fs_hz")),
             )
     if pushed is not None:
-        channels.append(Channel(pushed, numeric[pushed][0], "N", "force"))
+        channels.append(Channel(pushed, numeric[pushed][0], said.unit(pushed) or "N", "force"))
     return recording_of(path, channels, rate, dofs=dofs, unit=unit, force=None if force is None else "auto")
 
 
@@ -132,6 +137,7 @@ def _response(
     unit: str | None,
     kind: str,
     reference: Any,
+    said: Said,
 ) -> FrequencyResponse:
     """FRFs or transmissibilities over the array ``freq``, or over a given axis."""
     choice("kind", kind, ("frf", "transmissibility"))
@@ -141,7 +147,7 @@ def _response(
     rows = _chosen(
         path, complex_ones if responses is None and complex_ones else numeric, responses, {*axes, *seen}
     )
-    real = next((name for name, values in rows if not np.iscomplexobj(values)), None)
+    real = next((name for name, values, _ in rows if not np.iscomplexobj(values)), None)
     if real is not None:
         unsuitable(
             path,
@@ -151,7 +157,7 @@ def _response(
         )
     count = rows[0][1].size
     lines = axis.lines(path, count) if freq is None else axis.lines(path, axis.size or count)
-    for name, values in rows:
+    for name, values, _ in rows:
         if values.size != lines.size:
             unsuitable(
                 path,
@@ -159,9 +165,11 @@ def _response(
                 "as many",
                 "Export values and frequencies of the same test.",
             )
-    labels = renamed("dofs", [name for name, _ in rows], dofs)
+    labels = renamed("dofs", [name for name, _, _ in rows], dofs)
     chosen = kept(labels)
-    values = np.stack([rows[i][1] for i in chosen])
+    own = [named_unit("unit", unit) if unit else unit_or_warning(path, said.unit(rows[i][2])) for i in chosen]
+    values = np.stack([in_si(rows[i][1], each) for i, each in zip(chosen, own, strict=True)])
+    refuse_real(path, values)
     coherence = np.vstack([numeric[n] for n in seen]).real if seen else None
     if coherence is not None and coherence.shape == (len(rows), lines.size):
         coherence = coherence[chosen]
@@ -172,17 +180,36 @@ def _response(
             f"({len(rows)}, {lines.size})",
             "Export a coherence for each response, over the same frequencies.",
         )
-    if unit is not None:
-        values = in_si(values, named_unit("unit", unit))
     return FrequencyResponse(
         lines, values, [labels[i] for i in chosen], cast(Kind, kind), reference, coherence
     )
 
 
-def _rate(path: Path, numeric: dict[str, NDArray[Any]], time: str | None, fs_hz: float | None) -> float:
+def _rate(
+    path: Path,
+    numeric: dict[str, NDArray[Any]],
+    time: str | None,
+    fs_hz: float | None,
+    said: Said,
+    names: list[str],
+) -> float:
+    stated = said.rate(path, names)
     if fs_hz is not None:
-        return finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
+        rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
+        if stated is not None and abs(stated - rate) > 1e-3 * rate:
+            warn(
+                "other_rate",
+                f"path: {str(path)!r} states {stated:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
+                "Leave fs_hz= out if the file is right.",
+            )
+        return rate
     rates = [n for n in numeric if _last(n) in _RATE and numeric[n].size == 1]
+    if time is None and not rates and stated is None:
+        steps = [float(numeric[n][0, 0].real) for n in numeric if _last(n) in _STEP and numeric[n].size == 1]
+        if len(steps) == 1 and 0.0 < steps[0] < float("inf"):
+            return simplest_rate((1.0 - 1e-12) / steps[0], (1.0 + 1e-12) / steps[0])
+    if time is None and not rates and stated is not None:
+        return stated
     if time is not None:
         rate = rate_of(path, numeric[time][0].real)
         stated = float(numeric[rates[0]][0, 0].real) if len(rates) == 1 else rate
@@ -197,7 +224,7 @@ def _rate(path: Path, numeric: dict[str, NDArray[Any]], time: str | None, fs_hz:
     if len(rates) != 1:
         unsuitable(
             path,
-            f"without a sampling rate or a time ({_listed(numeric)})",
+            f"without a sampling rate or a time ({_listed(numeric)}{said.listed()})",
             "one of them",
             Wording(
                 "Name {} or give {}; for responses over frequency name {}, or give {} or {}.",
@@ -237,8 +264,8 @@ def _role(
 
 def _chosen(
     path: Path, numeric: dict[str, NDArray[Any]], responses: Any, taken: set[str]
-) -> list[tuple[str, NDArray[Any]]]:
-    """(name, values) of every response row; rows of a matrix are named ``name[0]``, ``name[1]``..."""
+) -> list[tuple[str, NDArray[Any], str]]:
+    """(name, values, array) of every response row; rows of a matrix are ``name[0]``, ``name[1]``..."""
     if responses is None:
         longest = max((v.shape[1] for n, v in numeric.items() if n not in taken), default=0)
         names = [n for n, v in numeric.items() if n not in taken and v.shape[1] == longest and longest > 1]
@@ -250,8 +277,9 @@ def _chosen(
         ]
         if short:
             warn(
+                "short_arrays",
                 f"path: {str(path)!r} has arrays shorter than the {longest} samples of the longest, "
-                f"{', '.join(short)}, which are left out. Name the responses= to choose."
+                f"{', '.join(short)}, which are left out. Name the responses= to choose.",
             )
     else:
         asked: Sequence[Any] = [responses] if shape_of(responses) == () else list(responses)
@@ -288,10 +316,10 @@ def _chosen(
     rows = []
     for name in names:
         several = len(numeric[name]) > 1
-        rows += [(f"{name}[{i}]" if several else name, row) for i, row in enumerate(numeric[name])]
-    shared = {n.rpartition(".")[0] for n, _ in rows}
+        rows += [(f"{name}[{i}]" if several else name, row, name) for i, row in enumerate(numeric[name])]
+    shared = {n.rpartition(".")[0] for n, _, _ in rows}
     cut = len(shared.pop()) + 1 if len(shared) == 1 and "." in rows[0][0] else 0
-    return [(name[cut:], row) for name, row in rows]
+    return [(name[cut:], row, raw) for name, row, raw in rows]
 
 
 def _usable(value: Any) -> bool:

@@ -27,7 +27,7 @@ FORMAT, VERSION = "antires_rs.assessor", 1
 
 def save_assessor(assessor: Assessor, path: str | os.PathLike[str]) -> Path:
     """Write an assessor, whole or not at all; see :meth:`Assessor.save`."""
-    if Path(path).suffix != ".npz":
+    if isinstance(path, str | os.PathLike) and Path(path).suffix != ".npz":
         reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
     store, plan = Store(), assessor._plan
     data = {

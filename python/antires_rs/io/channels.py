@@ -11,8 +11,9 @@ import numpy as np
 
 from ..signals.recording import Recording
 from ..support.validation import FloatArray, reject, shape_of
+from ..support.warned import warn
 from ..support.wording import LeftOut, Passed, Wording
-from ._common import unsuitable, warn
+from ._common import unsuitable
 from .units import Unit, named_unit, parse_unit
 
 __all__ = ["Channel", "Dofs", "in_si", "recording_of", "renamed", "unit_or_warning"]
@@ -166,8 +167,9 @@ def unit_or_warning(path: Path, text: str) -> Unit:
     unit = parse_unit(text)
     if unit is None:
         warn(
+            "unknown_unit",
             f"path: {str(path)!r} has responses in {text!r}, which is no unit known "
-            "here; values are as they are in the file. Name it by unit= if they should be converted."
+            "here; values are as they are in the file. Name it by unit= if they should be converted.",
         )
     return unit or Unit()
 

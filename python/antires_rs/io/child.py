@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,10 @@ from ._common import unsuitable
 from .arrays import ROLES
 from .npz import read_archive
 
-__all__ = ["Asked", "Found", "in_a_child"]
+__all__ = ["OPAQUE", "Asked", "Found", "in_a_child"]
+
+#: Before the names of objects among the texts, whose class is the text (as the child has it).
+OPAQUE = "object "
 
 #: Share of the memory that arrays may take; the rest is for the archive in which they are handed over.
 _SHARE = 0.3
@@ -58,16 +61,22 @@ class Asked:
         return [name for _, name in self.named]
 
 
-@dataclass(frozen=True)
-class Found:
-    """Arrays that were read, texts, and the shapes of arrays that nobody asked for."""
+class Found(NamedTuple):
+    """Arrays that were read, and texts; arrays that nobody asked for have their shape alone."""
 
     arrays: dict[str, NDArray[Any]]
     texts: dict[str, str]
 
 
 def in_a_child(
-    kind: str, file: Path, asked: Asked, wanted: str, *, time_limit_s: float, memory_limit_gb: float
+    kind: str,
+    file: Path,
+    asked: Asked,
+    wanted: str,
+    *,
+    time_limit_s: float,
+    memory_limit_gb: float,
+    **more: Any,
 ) -> Found:
     """What the child makes of the file, handed over as an archive of plain arrays."""
     import subprocess
@@ -79,12 +88,14 @@ def in_a_child(
         "only": asked.names,
         "every": asked.every,
         "roles": sorted(ROLES),
+        **more,
     }
     environment = {
         **os.environ,
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
         "OPENBLAS_NUM_THREADS": "1",
         "OMP_NUM_THREADS": "1",
+        "ARROW_DEFAULT_MEMORY_POOL": "system",  # others reserve more than the limit
     }
     with tempfile.TemporaryDirectory(prefix="antires_") as folder:
         out = Path(folder) / "arrays.npz"
@@ -110,14 +121,23 @@ def in_a_child(
             )
         if done.returncode != 0 or not out.is_file():
             said = done.stderr.strip().splitlines()
-            reason = said[-1] if said else f"the reader ended with code {done.returncode}"
+            if said and said[-1].startswith("MemoryError"):
+                unsuitable(
+                    file,
+                    f"which takes more than {memory_limit_gb:.3g} GB",
+                    wanted,
+                    "Name the responses= to be read, or raise memory_limit_gb, if it is not damaged.",
+                )
+            reason = said[-1][:300] if said else f"the reader ended with code {done.returncode}"
             unsuitable(
                 file, f"which cannot be read ({reason})", wanted, "It was cut or damaged, or is no such file."
             )
         arrays = read_archive(out)
     names = json.loads(bytes(arrays.pop("names")).decode())
     found = {name: np.asarray(arrays[key]) for key, name in names["arrays"].items()}
-    if not names["texts"]:  # a file of ours holds what it says, and is judged as a whole
+    if (
+        kind in ("mat5", "hdf5") and "antires_rs" not in names["texts"]
+    ):  # a file of ours holds what it says, and is judged as a whole
         _named(file, asked, names["listed"])
     _complete(file, names["listed"], memory_limit_gb)
     for name, shape, _ in names["listed"]:

@@ -7,30 +7,22 @@ a file that was cut between two rows is noticed too. Others are read with or wit
 from __future__ import annotations
 
 import os
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ..exceptions import AntiresError, UnsuitableDataError
+from ..exceptions import AntiresError
 from ..signals.frequency_response import FrequencyResponse
-from ..support.validation import choice, finite_scalar
-from ..support.wording import Passed, Wording
-from ._common import Signal, existing_file, missing_part, rate_of, unsuitable, warn
+from ..support.validation import choice
+from ._common import Signal, existing_file, missing_part, unsuitable
 from .axis import given_axis
 from .channels import Channel, Dofs, in_si, recording_of
-from .column_pairs import joined
-from .delimited_response import response_of, response_without_axis, says_frequency
+from .columns import signal_of_columns
+from .delimited_response import response_without_axis
 from .delimited_text import Table, table_of
 from .own import own_signal
-from .units import abscissa_factor, named_unit
+from .units import named_unit
 
 __all__ = ["read_csv"]
-
-_TIME = ("time", "t", "s", "time_s", "seconds")
-# Instants with few digits may differ so much from the rate that they were sampled at.
-_SAME_RATE = 1e-3
 
 
 def read_csv(
@@ -59,7 +51,8 @@ def read_csv(
     path : path-like
         Separated by commas, semicolons, tabs or spaces; lines beginning with # or % are comments. The last of
         a few lines of text before the numbers names the columns, ``tip [g]``; a line of units may follow it.
-        Time may be in ms, us or min too, frequency in kHz. Complex columns are ``1.5-0.2j`` (or i), or pairs
+        Time may be in ms, us or min too, or instants such as ``2026-05-04 12:30:00.001``; frequency in kHz. A
+        first column that counts the rows is left out. Complex columns are ``1.5-0.2j`` (or i), or pairs
         ``re(tip)``, ``im(tip)``; ``Real``, ``Imaginary``; or, over frequency, ``Magnitude [g/N]`` (``[dB]``),
         ``Phase [deg]`` (``[rad]``).
     first : {"time", "freq", "channel"}, optional
@@ -169,7 +162,7 @@ def read_csv(
     kind = "frf" if kind is None else kind
     if axis is not None:
         return response_without_axis(file, table, axis, first, pairs, dofs, unit, kind, reference)
-    return _foreign(file, table, first, pairs, fs_hz, dofs, force, unit, kind, reference)
+    return signal_of_columns(file, table, first, pairs, fs_hz, dofs, force, unit, kind, reference)
 
 
 def _own(file: Path, table: Table) -> Signal:
@@ -207,83 +200,3 @@ def _own(file: Path, table: Table) -> Signal:
             "a file of write_csv",
             "Write it again; leave the lines at the top as they are.",
         )
-
-
-def _foreign(
-    file: Path,
-    table: Table,
-    first: str | None,
-    pairs: str | None,
-    fs_hz: float | None,
-    dofs: Dofs,
-    force: Any,
-    unit: str | None,
-    kind: str,
-    reference: Any,
-) -> Signal:
-    names, units, columns = table.columns()
-    hertz = first == "freq" or pairs is not None or says_frequency(table, names[0], units[0])
-    names, units, columns = joined(file, names, units, columns, pairs, hertz)
-    if first is None:
-        seconds = not hertz and (units[0].lower() == "s" or abscissa_factor(units[0]) != 1.0)
-        first = (
-            "time"
-            if (bool(table.names) and names[0].lower() in _TIME) or seconds
-            else "freq"
-            if hertz or any(np.iscomplexobj(c) for c in columns)
-            else "channel"
-            if table.names and fs_hz is not None
-            else None
-        )
-    if first is None:
-        unsuitable(
-            file,
-            f"whose first column, {names[0]!r}, is neither called time nor frequency",
-            "to know what it is",
-            Wording(
-                "Pass {}, {} or, with {}, {}.",
-                Passed("first", "time"),
-                Passed("first", "freq"),
-                Passed("fs_hz"),
-                Passed("first", "channel"),
-            ),
-        )
-    skip = 0 if first == "channel" else 1
-    if len(columns) <= skip:
-        unsuitable(
-            file,
-            "with no column of values",
-            "at least one beside the first",
-            "Export the channels beside the first column.",
-        )
-    labels = [name if table.names and name else i - skip for i, name in enumerate(names)]
-    if first == "freq":
-        lines = columns[0].real * abscissa_factor(units[0])
-        return response_of(file, lines, columns[1:], labels[1:], units[1:], dofs, unit, kind, reference)
-    if any(np.iscomplexobj(c) for c in columns):
-        unsuitable(
-            file, "with complex columns over time", "real ones", Wording("Pass {}.", Passed("first", "freq"))
-        )
-    instants = columns[0] * abscissa_factor(units[0]) if first == "time" else None
-    if instants is not None and fs_hz is None:
-        rate = rate_of(file, instants, digits=table.digits)
-    else:
-        rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
-        if instants is not None:
-            _warn_other_rate(file, instants, rate, table.digits)
-    channels = [
-        Channel(name, values, its, "force" if str(name).lower() == "force" else "")
-        for name, values, its in zip(labels[skip:], columns[skip:], units[skip:], strict=True)
-    ]
-    return recording_of(file, channels, rate, dofs=dofs, force=force, unit=unit)
-
-
-def _warn_other_rate(file: Path, times: Any, rate: float, digits: float) -> None:
-    """A rate that the caller gives and the column of time denies moves every frequency."""
-    with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
-        own = rate_of(file, times, digits=digits)
-        if abs(own - rate) > _SAME_RATE * rate:
-            warn(
-                f"path: {str(file)!r} has instants at {own:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
-                "Leave fs_hz= out if the file is right."
-            )

@@ -10,7 +10,7 @@ import numpy as np
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import FloatArray, choice, reject
 from ..support.wording import Passed, Wording
-from ._common import unsuitable
+from ._common import refuse_real, unsuitable
 from .axis import GivenAxis
 from .channels import Dofs, in_si, kept, renamed, unit_or_warning
 from .column_pairs import PAIRS, joined
@@ -57,6 +57,7 @@ def response_of(
     for i in chosen:
         own = named_unit("unit", unit) if unit is not None else unit_or_warning(file, units[i])
         rows.append(in_si(columns[i], own))
+    refuse_real(file, rows)
     return FrequencyResponse(
         lines,
         np.stack(rows),

@@ -12,17 +12,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..support.warned import warn
 from ..support.wording import Passed, Wording
-from ._common import unsuitable, warn
+from ._common import unsuitable
 from .column_pairs import is_part_unit, part_of
+from .instants import without_count, without_instants
 from .units import abscissa_factor, parse_unit
 
-__all__ = ["MARK", "Table", "table_of"]
+__all__ = ["MARK", "Table", "named", "table_of"]
 
 #: First line of our files.
 MARK, VERSION = "# antires_rs csv", 1
 _COMMENT = ("#", "%", "//")
 _UNIT = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]$")
+
+
+#: The sign of an imaginary part between blanks, 1 + 2i, or its unit after one.
+_SPACED = re.compile(r"[ \t]*([+-])[ \t]*([0-9.,]+(?:[eE][+-]?\d+)?[ij])\b")
 
 
 @dataclass
@@ -39,8 +45,8 @@ class Table:
         Real or complex.
     problem : str
         What is cut; empty for a whole file.
-    digits : float
-        Relative rounding of the first column, by its digits.
+    digits : (float, float)
+        Relative rounding of the first two columns, by their digits.
     """
 
     header: dict[str, Any] = field(default_factory=dict)
@@ -48,7 +54,7 @@ class Table:
     units: list[str] = field(default_factory=list)
     values: NDArray[Any] = field(default_factory=lambda: np.empty((0, 0)))
     problem: str = ""
-    digits: float = 1e-9
+    digits: tuple[float, float] = (1e-9, 1e-9)
 
     def columns(self) -> tuple[list[str], list[str], list[Any]]:
         """Names, units and values of the columns as they stand."""
@@ -81,6 +87,7 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         body = [line.rstrip()[:-1] for line in body[:-1]] + [body[-1].rstrip()[:-1] if whole else body[-1]]
         ended, trailing = ended and whole, not whole
     between = delimiter if delimiter is not None else _delimiter(body)
+    body, instants = without_instants(file, without_count(body, between), between)
     point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
@@ -112,6 +119,9 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         else:
             _warn_end(file)
     _fill(file, table, rows, between, point, width)
+    if instants:
+        table.names[:1] = ["time"] if table.names else []
+        table.units = [instants, *(table.units[1:] or [""] * (width - 1))]
     return table
 
 
@@ -138,8 +148,10 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
     plain = "\n".join(between.join(_split(row, between)) if between and '"' in row else row for row in rows)
     if point == ",":
         plain = plain.replace(",", ".")
-    is_complex = bool(re.search(r"[0-9.][ij]\b", plain[:2000]))
+    is_complex = bool(re.search(r"[0-9.] ?\*?[ij]\b", plain[:2000]))
     if is_complex:
+        if between is not None:
+            plain = _SPACED.sub(r"\1\2", plain)
         plain = re.sub(r"(?<=[0-9.])i\b", "j", plain)
     try:
         values = np.loadtxt(
@@ -157,10 +169,15 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
             "Correct or remove that value.",
         )
     table.values = values
-    # Half a unit in the last decimal place that the first column ever shows.
-    places = max(_places(_split(row, between)[0], point) for row in rows[:1000])
-    largest = float(np.abs(table.values[:, 0]).max()) or 1.0
-    table.digits = max(0.5 * 10.0**-places / largest, 1e-15)
+    digits = [_rounding(rows, c, table.values[:, c], between, point) for c in range(min(width, 2))]
+    table.digits = (digits[0], digits[-1])
+
+
+def _rounding(rows: list[str], c: int, values: NDArray[Any], between: str | None, point: str) -> float:
+    """Half a unit in the last decimal place that a column ever shows, relative to its largest number."""
+    places = max(_places(_split(row, between)[c], point) for row in rows[:1000])
+    largest = float(np.abs(values).max()) or 1.0
+    return max(0.5 * 10.0**-places / largest, 1e-15)
 
 
 def _places(number: str, point: str) -> int:
@@ -218,6 +235,8 @@ def _split(line: str, between: str | None) -> list[str]:
 
 def _numeric(line: str, between: str | None, point: str) -> bool:
     parts = [p.strip().replace("i", "j") for p in _split(line, between)]
+    if between is not None and "j" in line.replace("i", "j"):
+        parts = [_SPACED.sub(r"\1\2", p) for p in parts]
     try:
         for part in parts:
             complex(part.replace(",", ".") if point == "," else part)
@@ -231,6 +250,11 @@ def _names(table: Table, head: list[str], between: str | None) -> None:
     if between is None:  # "Frequency [Hz]" is one name
         head = [re.sub(r"(?<=\w)\s+([\[(])", r"\1", line) for line in head]
     rows = [[part.strip().strip('"') for part in _split(line, between)] for line in head]
+    named(table, rows)
+
+
+def named(table: Table, rows: list[list[str]]) -> None:
+    """Put names and units, as the lines above the numbers have them, into the table."""
     if not rows:
         return
     names = rows[-1]
@@ -277,6 +301,7 @@ def _bare(part: str) -> str:
 
 def _warn_end(file: Path) -> None:
     warn(
+        "cut_line",
         f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
-        "If it is whole, add one."
+        "If it is whole, add one.",
     )

@@ -7,16 +7,15 @@ import os
 from pathlib import Path
 from typing import Any
 
-from numpy.typing import NDArray
-
 from ..support.files import write_atomically
 from ..support.validation import finite_scalar
 from ._common import Signal, existing_file, missing_package, signal_given
 from ._packing import FORMAT, pack, unpack
 from .arrays import signal_of_arrays
 from .channels import Dofs
-from .child import Asked, in_a_child
+from .child import Asked, Found, in_a_child
 from .own import own_signal
+from .said import Said
 
 __all__ = ["datasets_of", "read_hdf5", "write_hdf5"]
 
@@ -48,7 +47,8 @@ def read_hdf5(
     path : path-like
     responses, time, freq, force, fs_hz, dofs, unit, kind, reference, freq_hz, df_hz
         As in :func:`read_npz`; datasets in groups are named ``group/name``. Where ``responses`` are named,
-        nothing else is read but what the other roles need.
+        nothing else is read but what the other roles need. Attributes of the dataset, its group or the file
+        tell the sampling rate (``fs``, ``sampling_rate``, ``dt``, ...) and the ``unit``.
     time_limit_s, memory_limit_gb : float
         Limits of the child process that reads (the memory's where the system has such limits).
 
@@ -75,17 +75,18 @@ def read_hdf5(
     Recording(1 channels, 0.375 s at 8 Hz, dofs=('tip',), no force)
     """
     file = existing_file(path)
-    text, arrays = datasets_of(
+    found = datasets_of(
         file,
         "read_hdf5",
         Asked.of(responses=responses, time=time, freq=freq, force=force),
         time_limit_s=finite_scalar("time_limit_s", time_limit_s, low=0.0, low_open=True, unit="s"),
         memory_limit_gb=finite_scalar("memory_limit_gb", memory_limit_gb, low=0.0, low_open=True, unit="GB"),
     )
-    if text is not None:
+    arrays = found.arrays
+    if TEXT in found.texts:
         return own_signal(
             file,
-            unpack(file, text, arrays),
+            unpack(file, found.texts[TEXT], arrays),
             responses=responses,
             time=time,
             freq=freq,
@@ -112,6 +113,7 @@ def read_hdf5(
         reference=reference,
         freq_hz=freq_hz,
         df_hz=df_hz,
+        said=Said(found.texts),
     )
 
 
@@ -164,13 +166,12 @@ def write_hdf5(path: str | os.PathLike[str], signal: Signal) -> Path:
 
 def datasets_of(
     file: Path, reader: str, asked: Asked, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0
-) -> tuple[str | None, dict[str, NDArray[Any]]]:
-    """Our JSON text, where there is one, and the datasets asked for by their paths."""
+) -> Found:
+    """The datasets asked for by their paths, and our JSON text or the attributes."""
     from importlib.util import find_spec
 
     if find_spec("h5py") is None:
         raise missing_package(reader, "h5py", "hdf5", ImportError("h5py"))
-    found = in_a_child(
+    return in_a_child(
         "hdf5", file, asked, "a whole HDF5 file", time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb
     )
-    return found.texts.get(TEXT), found.arrays

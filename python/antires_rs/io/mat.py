@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from numpy.typing import NDArray
 
@@ -13,16 +13,19 @@ from ..support.files import write_atomically
 from ..support.validation import finite_scalar
 from ._common import Signal, existing_file, signal_given, unsuitable
 from ._packing import pack, unpack
+from .analysers import signal_of_analyser
 from .arrays import signal_of_arrays
 from .channels import Dofs
-from .child import Asked, in_a_child
+from .child import OPAQUE, Asked, Found, in_a_child
 from .hdf5 import datasets_of
 from .own import own_signal
+from .said import Said
 
 __all__ = ["mat_arrays", "read_mat", "write_mat"]
 
 #: The variable that holds our JSON text.
 TEXT = "antires_rs"
+T = TypeVar("T")
 WANTED = "a whole MAT file, version 5 or 7.3"
 
 
@@ -51,8 +54,9 @@ def read_mat(
         Version 5 (7 and 6 of MATLAB's ``save``) or 7.3, which needs h5py.
     responses, time, freq, force, fs_hz, dofs, unit, kind, reference, freq_hz, df_hz
         As in :func:`read_npz`; fields of structs are named ``struct.field``, and
-        ``struct[0].field`` where there are several. See :func:`antires_rs.io.mat_arrays` for what a file
-        holds.
+        ``struct[0].field`` where there are several. Sampling rate and units are taken from fields beside the
+        array (``fs``, ``dt``, ``unit``), and the exports of Siemens Testlab, B&K and Dewesoft are
+        known. See :func:`antires_rs.io.mat_arrays` for what a file holds.
     time_limit_s, memory_limit_gb : float
         Limits of the child process that reads (the memory's where the system has such limits).
 
@@ -79,7 +83,8 @@ def read_mat(
     """
     file = existing_file(path)
     asked = Asked.of(responses=responses, time=time, freq=freq, force=force)
-    text, arrays = _variables(file, time_limit_s, memory_limit_gb, asked)
+    found = _variables(file, time_limit_s, memory_limit_gb, asked)
+    arrays, text = found.arrays, found.texts.get(TEXT)
     if text is not None:
         # MATLAB has no vectors: a row stands for one.
         shapes = {n: a.ravel() if n in ("force", "freq_hz") else a for n, a in arrays.items()}
@@ -98,6 +103,22 @@ def read_mat(
             freq_hz=None if freq_hz is None else "an axis",
             df_hz=df_hz,
         )
+    axis = (responses, time, freq, freq_hz, df_hz)
+    if all(given is None for given in axis):
+        made = signal_of_analyser(
+            file,
+            arrays,
+            found.texts,
+            fs_hz=fs_hz,
+            dofs=dofs,
+            force=force,
+            unit=unit,
+            kind=kind,
+            reference=reference,
+        )
+        if made is not None:
+            return made
+    _no_objects(file, found)
     return signal_of_arrays(
         file,
         arrays,
@@ -112,6 +133,7 @@ def read_mat(
         reference=reference,
         freq_hz=freq_hz,
         df_hz=df_hz,
+        said=Said(found.texts),
     )
 
 
@@ -144,7 +166,7 @@ def mat_arrays(
     ...     ar.io.mat_arrays(file)
     {'responses': array([[1., 2., 4.]])}
     """
-    return _variables(existing_file(path), time_limit_s, memory_limit_gb, Asked(every=True))[1]
+    return _variables(existing_file(path), time_limit_s, memory_limit_gb, Asked(every=True)).arrays
 
 
 def write_mat(path: str | os.PathLike[str], signal: Signal) -> Path:
@@ -186,27 +208,42 @@ def write_mat(path: str | os.PathLike[str], signal: Signal) -> Path:
     return write_atomically(path, buffer.getvalue())
 
 
-def _variables(
-    file: Path, time_limit_s: float, memory_limit_gb: float, asked: Asked
-) -> tuple[str | None, dict[str, NDArray[Any]]]:
-    """Our JSON text, where there is one, and the numeric variables."""
+def _no_objects(file: Path, found: Found) -> None:
+    """Refuse a file of objects and no numbers."""
+    objects = {name[len(OPAQUE) :]: made for name, made in found.texts.items() if name.startswith(OPAQUE)}
+    if objects and not any(array.size > 1 for array in found.arrays.values()):
+        name, made = next(iter(objects.items()))
+        unsuitable(
+            file,
+            f"whose {name or 'variable'} is a {made or 'object'} of MATLAB",
+            "arrays or structs of numbers",
+            "Only MATLAB reads its objects. Of a timetable T save there: x = T.Variables; t = seconds("
+            "T.Properties.RowTimes); save('file.mat', 'x', 't').",
+        )
+
+
+def _variables(file: Path, time_limit_s: float, memory_limit_gb: float, asked: Asked) -> Found:
+    """The numeric variables, and our JSON text or the texts of the file."""
     with open(file, "rb") as opened:
         head = opened.read(1024)
     time_limit_s = finite_scalar("time_limit_s", time_limit_s, low=0.0, low_open=True, unit="s")
     memory_limit_gb = finite_scalar("memory_limit_gb", memory_limit_gb, low=0.0, low_open=True, unit="GB")
     # Version 7.3 is HDF5 after a block of 512 bytes.
     if b"\x89HDF\r\n\x1a\n" in (head[:8], head[512:520]):
-        text, arrays = datasets_of(
+        found = datasets_of(
             file, "read_mat of a 7.3 file", asked, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb
         )
-        return text, {name.replace("/", "."): a for name, a in arrays.items()}
+        return Found(_dotted(found.arrays), _dotted(found.texts))
     if head[:10] == b"MATLAB 7.3":
         unsuitable(file, "which announces version 7.3 and is cut in its head", WANTED, "Copy it again.")
     _check_length(file)
-    found = in_a_child(
+    return in_a_child(
         "mat5", file, Asked(every=True), WANTED, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb
     )
-    return found.texts.get(TEXT), found.arrays
+
+
+def _dotted(named: dict[str, T]) -> dict[str, T]:
+    return {name.replace("/", "."): value for name, value in named.items()}
 
 
 def _check_length(file: Path) -> None:

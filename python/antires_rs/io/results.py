@@ -20,8 +20,9 @@ from .._core import __version__
 from ..damage.result import DamageResult
 from ..optimize.outcome import History, OptimizeResult
 from ..support.validation import reject
+from ..support.warned import warn
 from ..updating.results import UpdateResult
-from ._common import unsuitable, warn
+from ._common import unsuitable
 from ._store import Store, read_store, write_store
 from .assessments import describe_assessment, made_assessment
 from .problems import describe_problem, made_problem
@@ -37,7 +38,7 @@ _CLASSES = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}
 
 def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
     """Write a result, whole or not at all; see :meth:`UpdateResult.save`."""
-    if Path(path).suffix != ".npz":
+    if isinstance(path, str | os.PathLike) and Path(path).suffix != ".npz":
         reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
     store, search = Store(), result.search
     assessment = result._assessment if isinstance(result, DamageResult) else None
@@ -96,7 +97,8 @@ def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateR
     if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
         maker = data["made_with"]["antires_rs"]
         warn(
+            "other_version",
             f"path: {str(file)!r} was made by antires_rs {maker}; its objective was {search.fun:.9g} where "
-            f"this version computes {cost:.9g}."
+            f"this version computes {cost:.9g}.",
         )
     return made(problem, search, data["seed"], *more)

@@ -18,6 +18,7 @@ from ._common import Signal, existing_file, rate_of, simplest_rate, unsuitable
 from .channels import Channel, recording_of
 from .uff_names import Point, as_point, dof_of, label_of
 from .uff_response import half_digit, response_of
+from .uff_roving import roved
 from .uff_runs import listed, one_run
 from .uff_sets import Function, functions_of
 
@@ -36,6 +37,7 @@ def read_uff(
     force: Any = "auto",
     unit: str | None = None,
     run: int | None = None,
+    roving: Any = None,
     partial: bool = False,
 ) -> Signal:
     """Read dataset 58 of a universal file, in text or binary form.
@@ -63,6 +65,9 @@ def read_uff(
     run : int, optional
         Which run to read, where points were recorded several times: 1 is the first of each point. Read each,
         and identify from all of them: ``identify_antiresonances([run 1, run 2], ...)``.
+    roving : str or (int, str), optional
+        The sensor that stayed while the hammer roved, ``'5+Z'``: its FRFs to all references become, by
+        reciprocity, those of the references to a force at that sensor. Name it as the excitation then.
     partial : bool
         Read the whole sets of a file that was cut, with a warning that counts what is missing.
 
@@ -100,6 +105,8 @@ def read_uff(
     if kind is not None:
         choice("kind", kind, ("time", "frf", "transmissibility", "spectra"))
     functions = functions_of(file, partial)
+    if roving is not None:
+        functions = roved(file, functions, roving)
     there = list(
         dict.fromkeys(
             _KIND_OF.get(f.what, f.what)

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import FloatArray
+from ..support.warned import warn
 from ..support.wording import Passed, Wording
-from ._common import simplest_rate, unsuitable, warn
+from ._common import refuse_real, simplest_rate, unsuitable
 from .uff_names import Point, as_point, label_of
 from .uff_sets import Function
 from .units import Unit, named_unit, parse_unit
@@ -29,6 +30,15 @@ def response_of(
     """The response of all points to one reference; its kind, coherence and averages."""
     names = ("auto spectrum", "cross spectrum") if kind == "spectra" else (kind,)
     wanted = [f for f in functions if f.what in names]
+    if kind == "spectra" and all(f.what == "auto spectrum" for f in wanted):
+        unsuitable(
+            file,
+            f"with {len(wanted)} auto spectra (power spectral densities), the first of "
+            f"{label_of(wanted[0].response)}, and no cross spectrum",
+            "time records, FRFs, or cross spectra with the auto spectrum of their reference",
+            "Power spectra have lost the phase between channels, from which antiresonances are found: export "
+            "one of these instead.",
+        )
     point = _reference(file, [f for f in wanted if kind != "spectra" or f.response != f.reference], reference)
     if kind == "spectra":
         wanted, is_force = _over_auto(file, wanted, point, unit)
@@ -56,6 +66,7 @@ def response_of(
     if unit is None:
         _check_kinds(file, [f for f in wanted if named(f.response)[0] is not None])
     rows = {f.response: _values(file, f, unit) for f in wanted}
+    refuse_real(file, list(rows.values()))
     coherence = _coherence(file, rows, beside)
     if kind == "transmissibility" and point not in rows:
         rows[point] = np.ones(lines.size, dtype=np.complex128)
@@ -154,8 +165,9 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
         if above is None or below is None:
             odd = f.unit if above is None else f.reference_unit
             warn(
+                "unknown_unit",
                 f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit known here; "
-                "its values are as in the file. Name unit= to convert them."
+                "its values are as in the file. Name unit= to convert them.",
             )
         above, below = above or Unit(), below or Unit()
         # Some programs write the whole quotient into the numerator's label.
@@ -195,9 +207,10 @@ def _beside(file: Path, functions: list[Function], point: Point, responses: set[
     ]
     if odd:
         warn(
+            "coherence_left_out",
             f"path: {str(file)!r} has coherences of other points than its functions, "
             f"{', '.join(f'{label_of(f.response)} / {label_of(f.reference)}' for f in odd)}; they are left "
-            f"out. Wanted are the directions of the functions and the reference {label_of(point)}."
+            f"out. Wanted are the directions of the functions and the reference {label_of(point)}.",
         )
     return [f for f in coherences if f.reference == point]
 
@@ -207,8 +220,9 @@ def _coherence(file: Path, rows: dict[Point, Any], beside: list[Function]) -> di
     lost = [p for p in rows if p not in found]
     if found and lost:
         warn(
+            "coherence_left_out",
             f"path: {str(file)!r} has coherences of {len(found)} of {len(rows)} responses, not of "
-            f"{', '.join(map(label_of, lost))}; they are left out."
+            f"{', '.join(map(label_of, lost))}; they are left out.",
         )
     return found if found and not lost else None
 

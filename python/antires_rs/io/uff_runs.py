@@ -6,8 +6,9 @@ from collections import Counter
 from pathlib import Path
 
 from ..support.validation import reject
+from ..support.warned import warn
 from ..support.wording import Passed, Wording
-from ._common import unsuitable, warn
+from ._common import unsuitable
 from .uff_names import Point, label_of
 from .uff_sets import Function
 
@@ -55,7 +56,10 @@ def one_run(file: Path, functions: list[Function], run: int | None) -> list[Func
     there = {_key(f) for f, number in zip(functions, runs, strict=True) if number == run}
     lost = dict.fromkeys(label_of(f.response) for f in functions if _key(f) not in there)
     if lost:
-        warn(f"path: {str(file)!r} has no run {run} of {', '.join(lost)}, which is left out.")
+        warn(
+            "points_without_run",
+            f"path: {str(file)!r} has no run {run} of {', '.join(lost)}, which is left out.",
+        )
     return [f for f, number in zip(functions, runs, strict=True) if number == run]
 
 

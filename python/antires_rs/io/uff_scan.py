@@ -7,6 +7,7 @@ notice that one is short; so each dataset 58 is measured here against the number
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 __all__ = ["Dataset", "plain_exponents", "scan"]
@@ -128,10 +129,18 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
     return _judged(start, end, len(data), points, there)
 
 
-def _to_the_left(rows: list[bytes], width: int) -> bool:
-    """Whether numbers begin their fields, so that blanks at the end of a line belong to the last."""
-    starts = [found.start() for row in rows for found in re.finditer(rb"\S+", row)]
-    return width > 0 and bool(starts) and all(start % width == 0 for start in starts)
+def _to_the_left(rows: Iterable[bytes], width: int) -> bool:
+    """Whether numbers begin their fields, so that blanks at the end of a line belong to the last.
+
+    A blank in the place of the sign counts as the beginning.
+    """
+    some = False
+    for row in rows if width > 0 else ():
+        for found in re.finditer(rb"\S+", row):
+            if found.start() % width > 1:
+                return False  # in most files on one of the first lines
+            some = True
+    return some
 
 
 def _binary(data: bytes, start: int, at: int, points: int, numbers: int, size: int) -> Dataset:

@@ -16,7 +16,8 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.files import write_atomically
 from ..support.validation import reject
-from ._common import Signal, signal_given, warn
+from ..support.warned import warn
+from ._common import Signal, signal_given
 from ._packing import check_dofs
 from .uff_names import Point, as_point, label_of, points_of
 from .uff_sets import VERSION
@@ -152,8 +153,9 @@ def _responses(
     ideal = resp.freq_hz[0] + step * np.arange(resp.n_freq)
     if resp.std is not None and not _follows(resp):
         warn(
+            "errors_not_written",
             "signal: its standard deviations are not those of coherence and averages, and a universal file "
-            "has no place for them; they are left out."
+            "has no place for them; they are left out.",
         )
     even = bool(np.abs(ideal - resp.freq_hz).max() <= 1e-12 * resp.freq_hz[-1])
     line4: dict[str, Any] = {} if resp.n_averages is None else {"n_averages": resp.n_averages}

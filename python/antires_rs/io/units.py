@@ -7,6 +7,7 @@ the same unit. An FRF has a quotient, such as ``g/N`` or ``m/s2/N``.
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,11 +42,13 @@ _ABSCISSA = {
     "ms": 1e-3,
     "msec": 1e-3,
     "us": 1e-6,
+    "ns": 1e-9,
     "usec": 1e-6,
     "min": 60.0,
     "khz": 1e3,
     **dict.fromkeys(("rad/s", "rad/sec"), 0.5 / math.pi),
 }
+_INVERSE = re.compile(r"^\(?1/(\w+)\)?[*.](.+)$")
 _NONE = {"", "1", "-", "none", "unknown", "[]"}
 
 
@@ -73,6 +76,8 @@ def parse_unit(text: str) -> Unit | None:
     name = _plain(text)
     if name.lower() in _NONE:
         return Unit()
+    if inverse := _INVERSE.match(name):  # (1/N)*(m/s2)
+        name = f"{inverse[2].strip('()')}/{inverse[1]}"
     simple = _simple(name)
     if simple:
         return Unit(*simple[:1], "", simple[1])
@@ -108,7 +113,17 @@ def is_frequency(text: str) -> bool:
 
 
 def _plain(text: str) -> str:
-    for old, new in (("²", "2"), ("^", ""), ("**", ""), ("·", ""), (" ", ""), ("µ", "u"), ("μ", "u")):
+    # What is left of a Latin-1 ² where a package read it as UTF-8.
+    for old, new in (
+        ("/s\ufffd", "/s2"),
+        ("²", "2"),
+        ("^", ""),
+        ("**", ""),
+        ("·", ""),
+        (" ", ""),
+        ("µ", "u"),
+        ("μ", "u"),
+    ):
         text = text.replace(old, new)
     while len(text) > 1 and (text[0], text[-1]) in (("(", ")"), ("[", "]")):
         text = text[1:-1]

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..exceptions import AntiresWarning, MissingDependencyError, UnsuitableDataError
+from ..exceptions import MissingDependencyError, UnsuitableDataError
 from ..report.facts import named_diagrams
 from ..report.figures import Drawings, drawings_of
 from ..support.files import write_atomically
+from ..support.warned import warn
 from ..updating.results import UpdateResult
 from .evidence import Evidence
 from .files import RunFolder, picture_name
@@ -75,7 +75,7 @@ def evidence_in(folder: RunFolder, result: UpdateResult) -> Evidence:
     try:
         kept = Evidence.load(folder.evidence)
     except UnsuitableDataError as exc:
-        warnings.warn(f"the report has no diagrams: {exc}", AntiresWarning, stacklevel=2)
+        warn("report_without_diagrams", f"the report has no diagrams: {exc}")
         return Evidence()
     return kept if len(kept.diagrams) == len(result.problem.measured) else Evidence()
 

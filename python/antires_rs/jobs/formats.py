@@ -6,7 +6,7 @@ from pathlib import PurePath
 
 from ..io.readers import ENDINGS
 
-__all__ = ["ARRAYS", "FOLDER", "FORMATS", "SIGNALS", "format_of"]
+__all__ = ["ARRAYS", "COLUMNS", "FOLDER", "FORMATS", "RECORDS", "RESPONSES", "SIGNALS", "format_of"]
 
 #: Endings of files by format.
 FORMATS = {**ENDINGS, "antiresonances": (".json",)}
@@ -14,6 +14,9 @@ FORMATS = {**ENDINGS, "antiresonances": (".json",)}
 FOLDER = "folder"
 
 ARRAYS, SIGNALS = ("mat", "hdf5", "npz"), (*ENDINGS, FOLDER)
+#: Tables of columns; records of channels that state themselves; what may hold responses over frequency.
+COLUMNS, RECORDS = ("csv", "excel", "parquet"), ("tdms", "lvm", "wav", "miniseed")
+RESPONSES = tuple(kind for kind in SIGNALS if kind not in RECORDS)
 
 
 def format_of(name: str, given: str | None = None) -> str | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .formats import ARRAYS, FOLDER, SIGNALS
+from .formats import ARRAYS, COLUMNS, FOLDER, RECORDS, RESPONSES, SIGNALS
 from .key import Key, Section
 
 __all__ = ["DATA", "IDENTIFICATION"]
@@ -14,7 +14,8 @@ DATA = Section(
         Key(
             "file",
             "text",
-            "The measurement: a file .uff, .unv, .mat, .h5, .csv, .tsv, .txt, .npz or .npy, a folder of "
+            "The measurement: a file .uff, .unv, .mat, .h5, .csv, .tsv, .txt, .npz, .npy, .tdms, "
+            ".lvm, .wav, .xlsx, .parquet or .mseed, a folder of "
             "files of one FRF each, or the .json of 'antires identify'. Relative to this job file.",
             required=True,
         ),
@@ -26,7 +27,10 @@ DATA = Section(
             of=SIGNALS,
         ),
         Key(
-            "format", "text", "One of uff, mat, hdf5, csv, npz, antiresonances. By default the ending tells."
+            "format",
+            "text",
+            "One of uff, mat, hdf5, csv, npz, tdms, lvm, wav, excel, parquet, miniseed, "
+            "antiresonances. By default the ending tells.",
         ),
         Key(
             "excitation",
@@ -48,6 +52,12 @@ DATA = Section(
             'leaves a channel out. Dofs count from 0; those of frames may be named as in "3 v".',
         ),
         Key(
+            "drop",
+            "texts",
+            'Values to leave out, "DOF=HZ why", each the one within 1 % of it: "3=31.9 mains hum".',
+        ),
+        Key("add", "texts", "Values that are added, in the same way."),
+        Key(
             "unit",
             "text",
             'Unit of the responses, where the file does not tell: "m/s2", "g", "g/N".',
@@ -64,40 +74,61 @@ DATA = Section(
             "fs_hz",
             "number",
             "Sampling rate in Hz, where the file does not tell.",
-            of=("mat", "hdf5", "npz", "csv"),
+            of=("mat", "hdf5", "npz", "csv", "tdms", "lvm", "excel", "parquet"),
         ),
         Key(
             "kind",
             "text",
             '"frf" or "transmissibility" (for UFF also "time" and "spectra"): what to read '
             "where a file does not tell or holds several.",
-            of=SIGNALS,
+            of=RESPONSES,
         ),
-        Key("reference", "dof", "Reference of transmissibilities.", of=SIGNALS),
-        Key("responses", "texts", "Arrays of the responses; * stands for anything.", of=(*ARRAYS, FOLDER)),
+        Key("reference", "dof", "Reference of transmissibilities.", of=RESPONSES),
+        Key(
+            "responses",
+            "texts",
+            "Arrays or channels of the responses; * stands for anything.",
+            of=(*ARRAYS, *RECORDS, FOLDER),
+        ),
         Key("time", "text", "Array of time in s.", of=ARRAYS),
         Key("freq", "text", "Array of frequencies in Hz.", of=(*ARRAYS, FOLDER)),
         Key(
             "df_hz",
             "number",
             "Spacing in Hz of FRFs from 0 Hz on, where the file has no axis.",
-            of=(*ARRAYS, "csv", FOLDER),
+            of=(*ARRAYS, *COLUMNS, FOLDER),
         ),
         Key(
-            "freq_hz", "numbers", "Frequencies in Hz of FRFs, in place of df_hz.", of=(*ARRAYS, "csv", FOLDER)
+            "freq_hz",
+            "numbers",
+            "Frequencies in Hz of FRFs, in place of df_hz.",
+            of=(*ARRAYS, *COLUMNS, FOLDER),
+        ),
+        Key(
+            "roving",
+            "text",
+            'The sensor that stayed while the hammer roved, as "5+Z", of a universal file with the FRFs of '
+            "all hits: by reciprocity they are those of a force at that sensor, the excitation then. "
+            "Hits in files of their own are a [[data]] each.",
+            of=("uff",),
         ),
         Key("pattern", "text", 'Which files of the folder, as "*.csv".', '"*"', of=(FOLDER,)),
         Key(
-            "run", "whole", "Which run, from 1, where points were recorded several times.", of=("uff", FOLDER)
+            "run",
+            "whole",
+            "Which run, from 1, where points were recorded several times; which segment of an .lvm.",
+            of=("uff", "lvm", FOLDER),
         ),
         Key(
             "pairs",
             "text",
             '"real_imag", "magnitude_deg", "magnitude_rad", "db_deg" or "db_rad": what two neighbouring '
             "columns are, where their names do not tell.",
-            of=("csv", FOLDER),
+            of=(*COLUMNS, FOLDER),
         ),
-        Key("first", "text", 'What the first column is: "time", "freq" or "channel".', of=("csv", FOLDER)),
+        Key("first", "text", 'What the first column is: "time", "freq" or "channel".', of=(*COLUMNS, FOLDER)),
+        Key("sheet", "text", "Sheet of an Excel workbook.", "the first", of=("excel", FOLDER)),
+        Key("full_scale", "number", "What full scale of a WAV file stands for, in unit.", "1", of=("wav",)),
         Key("delimiter", "text", "What stands between columns.", of=("csv", FOLDER)),
         Key("decimal", "text", "Decimal sign.", of=("csv", FOLDER)),
         Key(
@@ -105,7 +136,7 @@ DATA = Section(
             "switch",
             "Whether to read what is whole of a file that was cut.",
             "false",
-            of=("uff", "csv", FOLDER),
+            of=("uff", "csv", "tdms", "lvm", FOLDER),
         ),
     ),
     "may",

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from ..identification.identify import identify_antiresonances
+from ..io.other_programs import conversion
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import StructuralModel
 from ..signals.repeats import one_source
+from .by_hand import edited
 from .formats import FOLDER, FORMATS, format_of
 from .job import Job
 from .keys_data import IDENTIFICATION
@@ -69,7 +71,8 @@ def measured_of(job: Job, model: StructuralModel | None, say: Callable[[str], An
             kind_of(job, place, table, file)  # an unknown ending is told before a file that is not there
             job.existing((*place, "file"), table["file"])
         further = _further(job, place, table, file)
-        measured.append(one_measured(job, place, table, model, find, say, ((*place, "file"), file), further))
+        one = one_measured(job, place, table, model, find, say, ((*place, "file"), file), further)
+        measured.append(replace(one, found=edited(job, place, table, one.found, find)))
     if job.section("identification") and all(each.signal is None for each in measured):
         job.reject(
             ("identification",),
@@ -89,7 +92,8 @@ def kind_of(job: Job, place: Keys, table: dict[str, Any], file: Path) -> str:
             (*place, at),
             shown(table[at]),
             f"a format out of {', '.join(FORMATS)}",
-            'Say which by format = "uff" or another, where the ending does not tell.',
+            'Say which by format = "uff" or another, where the ending does not tell.'
+            + conversion(file.name) * ("format" not in table),
         )
     return kind
 

@@ -25,7 +25,7 @@ _READERS: dict[str, Callable[..., Signal]] = {**READERS, FOLDER: io.read_frf_fil
 #: How this is done in a job and on the command line.
 LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the command line"
 #: Keys of [data] that are not a reader's.
-_OURS = {"file", "repeats", "format", "excitation", "band_hz", "dofs"}
+_OURS = {"file", "repeats", "format", "excitation", "band_hz", "dofs", "drop", "add"}
 
 
 def _in_a_job(part: Part) -> str:

@@ -18,6 +18,7 @@ from ..plotting.tracks import plot_tracks
 from ..series.identify_series import identify_series
 from ..series.series import Series
 from ..support.files import write_atomically
+from .by_hand import KEYS
 from .files import RunFolder, picture_name
 from .formats import FOLDER, FORMATS, SIGNALS, format_of
 from .job import Job
@@ -77,6 +78,8 @@ def run_series(job: Job, *, workers: int | None = None, say: Callable[[str], Any
             job.missing(place, key)
     if "repeats" in table:
         job.reject((*place, "repeats"), "repeats", "tests of one file each", "Remove it.")
+    for key in KEYS.keys() & table:
+        job.reject((*place, key), f"{key} for many tests", "edits of one test", "Remove it.")
     if "format" in table and table["format"] not in FORMATS.keys() & set(SIGNALS):
         wanted = f"a format out of {', '.join(name for name in FORMATS if name in SIGNALS)}"
         job.reject((*place, "format"), shown(table["format"]), wanted, "Leave it out: the endings tell.")

@@ -15,7 +15,10 @@ __all__ = ["parsed"]
 #: Keys and lists of a job are three or four deep.
 _DEEPEST = 40
 _PART = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')"""
-_DOTTED = re.compile(rf"(?:^|[{{,\[])[ \t\[]*(?:{_PART}[ \t]*\.[ \t]*){{{_DEEPEST}}}", re.MULTILINE)
+#: A key begins a line, or stands in braces: no bracket is where one may begin, which keeps the search linear.
+_DOTTED = re.compile(rf"(?:^|[{{,])[ \t\[]*(?:{_PART}[ \t]*\.[ \t]*){{{_DEEPEST}}}", re.MULTILINE)
+#: Where tomllib says what it came to; at the end of the document it says no line.
+_AT_LINE = re.compile(r"at line (\d+)")
 #: Brackets; and what may hold some that do not count: texts and comments.
 _BRACKETS = re.compile(r"""[\[\]{}]|"[^"\n]*"|'[^'\n]*'|#[^\n]*""")
 
@@ -38,7 +41,8 @@ def parsed(name: str, text: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as exc:  # of TOML, or of Python for numbers of thousands of digits
         lines = text.split("\n")
-        number = min(_sound(lines) + 1, len(lines))
+        at = _AT_LINE.search(str(exc))
+        number = min(_sound(lines, int(at[1]) if at else len(lines)) + 1, len(lines))
         line = lines[number - 1].strip()
         remedy = (
             _again(lines[: number - 1], line) or "Text stands in quotes, lists in [ ], and each key once."
@@ -77,13 +81,14 @@ def _deep(text: str) -> int | None:
     return None
 
 
-def _sound(lines: list[str]) -> int:
+def _sound(lines: list[str], last: int) -> int:
     """Number of lines before the statement that is no TOML.
 
     An error stays where it is when lines behind it are cut off, so that the longest beginning without one
-    ends just before it. (tomllib gives the line as a number only from Python 3.14 on.)
+    ends just before it. What is on the line ``last`` is part of it: a file that is no job at all may have
+    thousands of lines behind. (tomllib gives the line as a number only from Python 3.14 on.)
     """
-    for n in range(len(lines) - 1, 0, -1):
+    for n in range(min(last, len(lines)) - 1, 0, -1):
         try:
             tomllib.loads("\n".join(lines[:n]))
         except (ValueError, RecursionError):

@@ -75,3 +75,55 @@ class EvidenceTables(EditedTables):
     def second_opinion(self) -> Any | None:
         """The older name of ``cross_check``."""
         return self._cross_check
+
+    def look(
+        self,
+        source: Any = None,
+        *,
+        save_to: Any = None,
+        wait: bool | None = None,
+        browser: bool = True,
+        **options: Any,
+    ) -> Any:
+        """Open a page of this computer on which the set is looked at and edited.
+
+        Diagram, curve, coherence and singular values of each response, and the table of values with grade,
+        error and doubts. A click drops or adds a value, with a reason if one is typed.
+
+        Parameters
+        ----------
+        source : Recording, FrequencyResponse or a list of either, optional
+            What it was identified from. With it curves are shown, and band and orders can be changed.
+        save_to : path-like, optional
+            Where the page saves the set; without it the page offers a download.
+        wait : bool, optional
+            Return when the page was closed, or Ctrl-C. By default everywhere but in a notebook, where the
+            page stands below the cell and stays open.
+        browser : bool
+            Open the browser; else the address is printed only.
+        **options
+            Of :func:`~antires_rs.identify_antiresonances`, for the page to identify again as the set was.
+
+        Returns
+        -------
+        Page
+            ``.zeros`` is the set as it is now, with all edits; ``.url`` the address, ``.stop()`` ends it.
+
+        Raises
+        ------
+        MissingDependencyError
+            bokeh is not installed.
+        InvalidInputError
+            A source of another kind, or a band outside of it.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> page = ar.AntiresonanceSet(0, {0: [8.7, 12.2]}).look(wait=False, browser=False)
+        looking at antiresonances, force at 0: http://127.0.0.1:...
+        >>> page.zeros[0].tolist(), page.stop()
+        ([8.7, 12.2], None)
+        """
+        from ..explore.page.opened import of_set
+
+        return of_set(self, source, save_to, options, wait=wait, browser=browser)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from typing import Any
 
-from ..exceptions import AntiresWarning, UnsuitableDataError
+from ..exceptions import UnsuitableDataError
 from ..order_sweep.table import ResponseTable
 from ..support.validation import choice, finite_scalar, reject
+from ..support.warned import warn
 from .antiresonance_set import AntiresonanceSet
 from .joined import disagreements, joined
 from .matching import MAX_SHIFT, check_sets, check_shift
@@ -155,11 +155,7 @@ def _warn_of_copies(copies: dict[tuple[int, int], int], check: str) -> None:
             "measurements of their own, whose errors are independent",
             "Give each setup once.",
         )
-    warnings.warn(
-        f"merge_setups: {text} to the last bit: one measurement, which counts once.",
-        AntiresWarning,
-        stacklevel=3,
-    )
+    warn("copied_setups", f"merge_setups: {text} to the last bit: one measurement, which counts once.")
 
 
 def _agree(
@@ -173,11 +169,10 @@ def _agree(
     """Say which setups differ from the others in what they have in common."""
     common = {dof: tables for dof, tables in shared.items() if len(tables) > 1}
     if not common:
-        warnings.warn(
+        warn(
+            "nothing_in_common",
             f"merge_setups: the {count} setups have no response in common, so that nothing tells whether "
             "they agree.",
-            AntiresWarning,
-            stacklevel=4,
         )
         return
     found = disagreements(common, count, shift, between, rate)
@@ -191,4 +186,4 @@ def _agree(
             f"values that agree within their errors (false alarms {100 * rate:g} %)",
             "Test that setup again, or give std_between= for what moving the sensors changes.",
         )
-    warnings.warn(f"merge_setups: {text}", AntiresWarning, stacklevel=4)
+    warn("setups_disagree", f"merge_setups: {text}")

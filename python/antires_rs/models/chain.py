@@ -78,13 +78,10 @@ class MassSpringChain(StructuralModel):
         self._build(ModelDescription(recipe))
         lost = lost_beside(recipe.ground_first_n_per_m + recipe.ground_last_n_per_m, springs)
         if lost is not None:
-            warn_softly_held(self, range(self.n_dof), lost, stacklevel=2)
+            warn_softly_held(self, range(self.n_dof), lost)
             return
         warn_penalties(
-            self,
-            self.stiffness(),
-            "Leave out masses that are held, and join masses that move as one.",
-            stacklevel=2,
+            self, self.stiffness(), "Leave out masses that are held, and join masses that move as one."
         )
 
     @property

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from ..exceptions import AntiresWarning
 from ..support.validation import FloatArray
+from ..support.warned import warn
 
 __all__ = ["warn_doubts", "warn_modes_left_out"]
 
@@ -30,23 +29,26 @@ def warn_doubts(
 ) -> None:
     """Say whether H is zero, whether roots may be missing, and which (by their bounds) are not certain."""
     if is_zero:
-        _warn(
+        warn(
+            "not_connected",
             f"response dof {dof} is not connected to excitation dof {excitation}: "
-            "H is identically zero and has no antiresonance."
+            "H is identically zero and has no antiresonance.",
         )
     if is_doubtful:
-        _warn(
+        warn(
+            "hidden_by_rounding",
             f"response dof {dof}: rounding hides whether antiresonances of it are missing or double; "
             f"with {n_dof} dofs only other units or fewer digits between the stiffest and the "
-            "softest part would tell."
+            "softest part would tell.",
         )
     if len(values) == 2 and np.isinf(values[1]).any():
         open_hz = values[0][np.isinf(values[1])]
         named = ", ".join(f"{f:.6g}" for f in open_hz[:_NAMED])
         more = f" and {open_hz.size - _NAMED} more" if open_hz.size > _NAMED else ""
-        _warn(
+        warn(
+            "uncertain_roots",
             f"response dof {dof}: {named}{more} Hz are not certain: too close to others to be told "
-            "from them, or moved too far by the rounding of K and M."
+            "from them, or moved too far by the rounding of K and M.",
         )
 
 
@@ -65,11 +67,8 @@ def warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: C
     if out.any():
         named = ", ".join(label(int(dof)) for dof in alone[out][:_NAMED])
         more = f" and {int(out.sum()) - _NAMED} more" if out.sum() > _NAMED else ""
-        _warn(
+        warn(
+            "modes_left_out",
             f"modes at {named}{more}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above "
-            f"the lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them."
+            f"the lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them.",
         )
-
-
-def _warn(text: str) -> None:
-    warnings.warn(text, AntiresWarning, stacklevel=4)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import AntiresWarning
 from ..support.validation import FloatArray, integer
+from ..support.warned import warn
 from .description import ModelDescription
 from .frame_input import frame_recipe
 from .frame_parts import GroundSpring, NodeSpring, PointMass, scaled_node_springs, text
@@ -95,22 +94,16 @@ class FrameModel(StructuralModel):
             nodes_m, elements, sections, point_masses, ground_springs, node_springs, fixed, orientation
         )
         for name, section in zip(recipe.section_names, recipe.sections, strict=True):
-            warn_soft(section_argument(name), section, stacklevel=2)
+            warn_soft(section_argument(name), section)
         self._build(ModelDescription(recipe))
-        warn_penalties(
-            self,
-            self.stiffness(),
-            "Use fixed= for rigid supports, and softer springs for ties.",
-            stacklevel=2,
-        )
+        warn_penalties(self, self.stiffness(), "Use fixed= for rigid supports, and softer springs for ties.")
         parts = np.array(self._frame.parts())
         if parts.max() > 0:
             alone = [int(node) for node in np.flatnonzero(parts != parts[0])]
-            warnings.warn(
+            warn(
+                "frame_in_parts",
                 f"the frame is in {parts.max() + 1} parts that nothing joins; apart from node 0 "
                 f"are nodes {alone}. A response in one part to a force in another is zero.",
-                AntiresWarning,
-                stacklevel=2,
             )
 
     @property

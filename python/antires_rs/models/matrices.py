@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from ..exceptions import AntiresWarning
 from ..support.validation import FloatArray, part, real_array, reject
+from ..support.warned import warn
 from .entries import Columns, Entries
 
 __all__ = ["as_dense", "as_masses", "as_sparse", "as_square", "as_term"]
@@ -42,7 +41,7 @@ def as_dense(columns: Columns) -> FloatArray:
 
 def as_square(name: str, matrix: Any, n: int | None = None) -> tuple[int, Entries]:
     """Size and entries of a finite square matrix, (n, n) where n is known."""
-    shape, entries = _entries(name, matrix, stacklevel=4)
+    shape, entries = _entries(name, matrix)
     if shape != (n or shape[0],) * 2:
         reject(
             name,
@@ -53,7 +52,7 @@ def as_square(name: str, matrix: Any, n: int | None = None) -> tuple[int, Entrie
     return shape[0], entries
 
 
-def as_masses(mass: Entries, n: int, label: Callable[[int], str], *, stacklevel: int) -> Entries:
+def as_masses(mass: Entries, n: int, label: Callable[[int], str]) -> Entries:
     """A mass without what is below zero by rounding; real negative masses are refused, by name."""
     own = mass.diagonal(n)
     negative = np.flatnonzero(own < 0.0)
@@ -73,10 +72,8 @@ def as_masses(mass: Entries, n: int, label: Callable[[int], str], *, stacklevel:
             "Check its signs, and that stiffness and mass are not exchanged.",
         )
     named = ", ".join(label(int(dof)) for dof in negative[:6]) + (", ..." if negative.size > 6 else "")
-    warnings.warn(
-        f"mass: negative by rounding at {named}, {own[negative].min():.2g}: counted as none.",
-        AntiresWarning,
-        stacklevel=stacklevel + 1,
+    warn(
+        "negative_mass", f"mass: negative by rounding at {named}, {own[negative].min():.2g}: counted as none."
     )
     without = np.zeros(n, dtype=bool)
     without[negative] = True
@@ -85,7 +82,7 @@ def as_masses(mass: Entries, n: int, label: Callable[[int], str], *, stacklevel:
 
 def as_term(name: str, matrix: Any, n: int) -> Entries:
     """Entries of a symmetric (n, n) matrix."""
-    shape, entries = _entries(name, matrix, stacklevel=5)
+    shape, entries = _entries(name, matrix)
     if shape != (n, n):
         reject(
             name,
@@ -115,15 +112,15 @@ def _is_symmetric(entries: Entries, n: int) -> bool:
     return bool(difference <= SYMMETRY * np.abs(entries.values).max())
 
 
-def _entries(name: str, matrix: Any, *, stacklevel: int) -> tuple[tuple[int, ...], Entries]:
+def _entries(name: str, matrix: Any) -> tuple[tuple[int, ...], Entries]:
     """Shape and finite entries of a matrix, undamped."""
-    shape, entries = _given(name, _undamped(name, matrix, stacklevel + 1))
+    shape, entries = _given(name, _undamped(name, matrix))
     if shape[0] == shape[-1]:
         _check_triangles(name, entries)
     return shape, entries
 
 
-def _undamped(name: str, matrix: Any, stacklevel: int) -> Any:
+def _undamped(name: str, matrix: Any) -> Any:
     """The real part of a matrix: hysteretic damping moves no antiresonance of the undamped structure."""
     own = matrix if hasattr(matrix, "tocsr") else np.asarray(matrix)
     if not (hasattr(own, "dtype") and np.issubdtype(own.dtype, np.complexfloating)):
@@ -131,11 +128,10 @@ def _undamped(name: str, matrix: Any, stacklevel: int) -> Any:
     size = abs(own.real).max()
     loss = float(abs(own.imag).max() / size) if size else 0.0
     if loss > 0.0:
-        warnings.warn(
+        warn(
+            "complex_matrix",
             f"{name}: its imaginary part, {loss:.2g} of the real one, is left out: antiresonances are those "
             "of the undamped structure. Give damping_ratio= to frf and simulate.",
-            AntiresWarning,
-            stacklevel=stacklevel,
         )
     return own.real
 

@@ -107,7 +107,7 @@ class MatrixModel(StructuralModel):
         recipe = MatrixRecipe(
             n,
             k,
-            as_masses(as_square("mass", mass, n)[1], n, partial(_label, names), stacklevel=2),
+            as_masses(as_square("mass", mass, n)[1], n, partial(_label, names)),
             tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms)),
             tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms)),
             names,
@@ -116,13 +116,12 @@ class MatrixModel(StructuralModel):
         independent = recipe.independent()
         self._build(ModelDescription(recipe), independent.core())
         self._fill(_independent=independent)
-        warn_rounded(self, independent.rounded, stacklevel=2)
+        warn_rounded(self, independent.rounded)
         warn_penalties(
             self,
             self.stiffness(),
             "Take ties and supports out by constraints=, or use penalties a million times softer.",
             taken_out=() if independent.dependent is None else independent.dependent.dofs.tolist(),
-            stacklevel=2,
         )
 
     @property

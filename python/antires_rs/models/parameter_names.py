@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Sequence
 from typing import Protocol, cast
 
-from ..exceptions import AntiresWarning
 from ..support.validation import FloatArray
+from ..support.warned import warn
 from .parameter import OF_SECTIONS, QUANTITIES, Parameter
 
 __all__ = ["parameter_name", "warn_far"]
@@ -68,8 +67,7 @@ def warn_far(parameters: Iterable[Parameter], names: Sequence[str], nominal: Flo
             hint = (
                 "Bounds that are factors need relative=True." if factors else "Check the unit of the bounds."
             )
-            warnings.warn(
+            warn(
+                "far_outside_bounds",
                 f"{name}: the model has {value:g}, far outside the bounds ({low:g}, {high:g}). " + hint,
-                AntiresWarning,
-                stacklevel=4,
             )

@@ -7,13 +7,12 @@ cantilever on springs all of it at 1e13.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..exceptions import AntiresWarning
+from ..support.warned import warn
 from .entries import Entries
 from .soft_supports import free_by_ties, softly_held
 from .stiff_softness import without_ties
@@ -36,7 +35,7 @@ _NAMED = 6
 
 
 def warn_penalties(
-    model: StructuralModel, stiffness: Any, remedy: str, *, taken_out: Sequence[int] = (), stacklevel: int
+    model: StructuralModel, stiffness: Any, remedy: str, *, taken_out: Sequence[int] = ()
 ) -> None:
     """Name the dofs that are too stiff beside the others, but for those ``taken_out`` of ``stiffness``."""
     entries = Entries.of(stiffness) if isinstance(stiffness, np.ndarray) else Entries.of_sparse(stiffness)
@@ -49,53 +48,47 @@ def warn_penalties(
     if not stiff.size:
         soft = softly_held(model.n_dof, entries)
         for dofs, lost in soft:
-            warn_softly_held(model, dofs, lost, stacklevel=stacklevel + 1)
+            warn_softly_held(model, dofs, lost)
         for dofs, support in [] if soft else free_by_ties(model.n_dof, entries):
-            _warn_free(model, dofs, float(diagonal[dofs].max()), support, stacklevel=stacklevel + 1)
+            _warn_free(model, dofs, float(diagonal[dofs].max()), support)
         return
-    warnings.warn(
+    warn(
+        "stiff_penalties",
         f"stiffness: {_named(model, stiff)} up to {diagonal.max() / middle:.1g} times as stiff as the middle "
         f"dof: rounding may take 1e-6 of the frequencies and more. {remedy}",
-        AntiresWarning,
-        stacklevel=stacklevel + 1,
     )
 
 
-def warn_rounded(model: StructuralModel, rounded: Mapping[int, float], *, stacklevel: int) -> None:
+def warn_rounded(model: StructuralModel, rounded: Mapping[int, float]) -> None:
     """Name the dofs beside penalties whose stiffness the assembly has rounded."""
     spoiled = sorted(dof for dof, share in rounded.items() if share >= _LOST)
     if not spoiled:
         return
-    warnings.warn(
+    warn(
+        "rounded_penalties",
         f"stiffness: penalties at {_named(model, spoiled)}: rounding in the assembly has changed the "
         f"stiffness beside them by up to {max(rounded.values()):.1g} of it, and frequencies with it. "
         "Give ties and rigid links as constraints=, without penalties.",
-        AntiresWarning,
-        stacklevel=stacklevel + 1,
     )
 
 
-def warn_softly_held(model: StructuralModel, dofs: Dofs, lost: float, *, stacklevel: int) -> None:
+def warn_softly_held(model: StructuralModel, dofs: Dofs, lost: float) -> None:
     """Name the dofs that move as one on supports a hundred million times softer."""
-    warnings.warn(
+    warn(
+        "softly_held",
         f"stiffness: {_named(model, dofs)} move as one beside what holds them, and rounding in the "
         f"assembly may have changed that by {lost:.1g} of it, and the lowest frequencies with it. Give ties "
         "and rigid links as constraints=, without penalties, or one mass for what moves as one.",
-        AntiresWarning,
-        stacklevel=stacklevel + 1,
     )
 
 
-def _warn_free(
-    model: StructuralModel, dofs: Dofs, largest: float, support: float, *, stacklevel: int
-) -> None:
+def _warn_free(model: StructuralModel, dofs: Dofs, largest: float, support: float) -> None:
     """Name the dofs whose ties may have rounded away what held them."""
-    warnings.warn(
+    warn(
+        "free_by_ties",
         f"stiffness: nothing holds {_named(model, dofs)}, and up to {largest:.1g} is more than any part has: "
         f"beside such ties supports softer than {support:.1g} are rounded away in the sums, and a free body "
         "is left. Give ties and rigid links as constraints=, without penalties.",
-        AntiresWarning,
-        stacklevel=stacklevel + 1,
     )
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ..exceptions import AntiresWarning, Argument
+from ..exceptions import Argument
 from ..support.validation import finite_scalar, reject
+from ..support.warned import warn
 
 __all__ = ["AnySection", "Rectangle", "Section", "Tube", "section_of", "shear_of", "warn_soft"]
 
@@ -151,18 +151,17 @@ class Section:
 AnySection = Tube | Rectangle | Section
 
 
-def warn_soft(name: str, section: AnySection, stacklevel: int) -> None:
+def warn_soft(name: str, section: AnySection) -> None:
     """A material softer than rubber is a slip of units."""
     if (
         0.0
         < finite_scalar(Argument(name).attribute("youngs_modulus_pa"), section.youngs_modulus_pa)
         < SOFTEST_PA
     ):
-        warnings.warn(
+        warn(
+            "softer_than_rubber",
             f"{name}.youngs_modulus_pa: {section.youngs_modulus_pa:g} Pa is softer than rubber. "
             "Steel has 2.1e11 Pa, and lengths are in metres.",
-            AntiresWarning,
-            stacklevel=stacklevel + 1,
         )
 
 

@@ -9,12 +9,10 @@ damping where 0.51 % is true.)
 
 from __future__ import annotations
 
-import warnings
 from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from ..exceptions import AntiresWarning
 from ..signals.recording import Recording
 from ..support.progress import patient, step
 from ..support.validation import (
@@ -25,6 +23,7 @@ from ..support.validation import (
     random_generator,
     reject,
 )
+from ..support.warned import warn
 
 __all__ = ["simulate"]
 
@@ -118,11 +117,10 @@ def _lead_in(samples: int, rate: float, lowest_hz: float, damping_ratio: Any) ->
         return samples // 2  # nothing rings, or nothing ever stops ringing
     memory = _TIME_CONSTANTS / (2 * np.pi * lowest_hz * least) * rate
     if memory > _LONGEST_LEAD_IN:
-        warnings.warn(
+        warn(
+            "lead_in_cut",
             f"the slowest mode ({lowest_hz:.3g} Hz, damping ratio {least:.3g}) remembers "
             f"{memory / rate:.3g} s; the lead-in is cut to {_LONGEST_LEAD_IN / rate:.3g} s and "
             "that mode is not quite stationary in the record.",
-            AntiresWarning,
-            stacklevel=5,
         )
     return int(min(memory, _LONGEST_LEAD_IN)) + 1

@@ -24,6 +24,7 @@ __all__ = [
     "baseline_tests",
     "believed",
     "check_assessment",
+    "check_assessor",
     "check_judge",
     "clocks",
     "conditions_of",
@@ -134,6 +135,25 @@ def check_judge(model: Any, assessor: Any, options: Mapping[str, Any]) -> None:
     if assessor is None and model is None and options:
         name = next(iter(options))
         reject(name, "without a model", "a model= to assess damage with", "Pass the model, or leave it out.")
+
+
+def check_assessor(assessor: Assessor, one: AntiresonanceSet) -> None:
+    """Refuse one made for other tests now, not at the first alarm."""
+    own = {each.excitation: tuple(each) for each in assessor.baseline}
+    if one.excitation not in own:
+        reject(
+            "assessor",
+            f"one for forces at {', '.join(map(repr, own))}",
+            f"one for the force of these tests, {one.excitation!r}",
+            "Make it from some of their baseline.",
+        )
+    if not set(own[one.excitation]) & set(one):
+        reject(
+            "assessor",
+            f"one for dofs {', '.join(map(repr, own[one.excitation]))}",
+            f"one for dofs of these tests: {', '.join(map(repr, one))}",
+            "Make it from some of their baseline.",
+        )
 
 
 def check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:

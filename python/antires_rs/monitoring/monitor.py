@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ..assessor.assessor import Assessor
-from ..exceptions import AntiresWarning
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import MAX_SHIFT, check_shift
 from ..models.structural_model import StructuralModel
@@ -17,10 +15,12 @@ from ..series.series import Series
 from ..support.pickling import FrozenDict, frozen
 from ..support.progress import patient, step
 from ..support.validation import finite_scalar, reject
+from ..support.warned import warn
 from .arguments import (
     baseline_tests,
     believed,
     check_assessment,
+    check_assessor,
     check_judge,
     clocks,
     conditions_of,
@@ -132,8 +132,11 @@ def monitor(
     shift = check_shift(max_shift)
     check_judge(model, assessor, assessment)
     own = baseline_tests(baseline, tests)
+    first = next(one for one in tests.sets if one is not None)
     if model is not None:
-        check_assessment(model, next(one for one in tests.sets if one is not None), assessment)
+        check_assessment(model, first, assessment)
+    if assessor is not None:
+        check_assessor(assessor, first)
     given = conditions_of(conditions, tests)
     counting = clocks(given)
     used = {name: believed(column, own) for name, column in given.items() if name not in counting}
@@ -178,11 +181,10 @@ def monitor(
                     assessments[run[0]] = found
     enough = needed(rate, charts.learned.basis.size)
     if own.size < enough:
-        warnings.warn(
+        warn(
+            "short_baseline",
             f"monitor: a baseline of {own.size} tests is short for {100 * rate:g} % false alarms; with "
             f"{enough} the limits can be relied on.",
-            AntiresWarning,
-            stacklevel=4,
         )
     return Watched(
         alarm=frozen(alarm),

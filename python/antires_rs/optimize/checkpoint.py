@@ -10,13 +10,13 @@ from __future__ import annotations
 import hashlib
 import os
 import struct
-import warnings
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..exceptions import AntiresWarning, UnsuitableDataError
+from ..exceptions import UnsuitableDataError
 from ..support.files import put_in_place
 from ..support.validation import reject
+from ..support.warned import warn
 
 __all__ = ["Checkpoint", "digest_of"]
 
@@ -87,11 +87,7 @@ class Checkpoint:
                 damaged.append(f"{file.name} ({exc})")
                 continue
             if damaged:
-                warnings.warn(
-                    f"checkpoint: {damaged[0]} is damaged; going on from {file.name}.",
-                    AntiresWarning,
-                    stacklevel=5,
-                )
+                warn("damaged_checkpoint", f"checkpoint: {damaged[0]} is damaged; going on from {file.name}.")
             return
         if damaged:
             raise UnsuitableDataError(
@@ -128,10 +124,9 @@ class Checkpoint:
         except OSError as exc:
             self._beside.unlink(missing_ok=True)
             if not self._failed:
-                warnings.warn(
+                warn(
+                    "checkpoint_not_written",
                     f"checkpoint: {self.path} cannot be written ({exc}); the search goes on without.",
-                    AntiresWarning,
-                    stacklevel=2,
                 )
             self._failed = True
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from datetime import UTC
 from os import PathLike
@@ -11,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import AntiresWarning
 from ..support.validation import part, reject
+from ..support.warned import warn
 from .condition_files import read_table
 from .condition_numbers import number, refuse_infinite
 from .reserved import refuse_reserved
@@ -197,7 +196,7 @@ def _numbers(key: str, values: Any) -> Any:
     refuse_infinite(name, column)
     if len(other) > np.count_nonzero(~np.isnan(column)):
         text = f"conditions: column {key!r} is left out, its values are no numbers."
-        warnings.warn(text, AntiresWarning, stacklevel=5)  # the caller of identify_series
+        warn("condition_left_out", text)  # the caller of identify_series
         return None
     if other:  # a column of numbers: leaving it out would be a surprise
         wanted = "numbers; nothing, NaN, NA or - where one is not known"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 import json
 import re
-import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
@@ -15,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import AntiresWarning
 from ..identification.identify import identify_antiresonances
 from ..identification.options import options_of
 from ..measured.tables import label
 from ..support.progress import span, step, waiting
 from ..support.validation import frequency_band, reject
+from ..support.warned import warn
 from .computed import computed
 from .condition_table import ConditionTable, condition_table, of_source
 from .fingerprint import fingerprint
@@ -155,7 +154,7 @@ def identify_series(
         opened.close()
     if isinstance(opened, FileStore) and opened.changed:
         text = f"store: {len(opened.changed)} sources have changed since they were identified and were "
-        warnings.warn(text + f"identified again, the first is {opened.changed[0]!r}.", AntiresWarning, 2)
+        warn("changed_sources", text + f"identified again, the first is {opened.changed[0]!r}.")
     return Series(**parts_of(rows), interrupted=interrupted)
 
 

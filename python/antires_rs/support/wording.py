@@ -9,7 +9,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["LeftOut", "Part", "Passed", "Wording", "spelled"]
+__all__ = ["EDIT_WANTED", "LeftOut", "Part", "Passed", "Wording", "edit_named", "spelled"]
+
+#: How an edit by hand is written in a job and on the command line.
+EDIT_WANTED = 'DOF=HZ, such as "3=31.9" or "3=31.9 mains hum"'
 
 
 @dataclass(frozen=True)
@@ -63,3 +66,21 @@ class Wording(str):
 def spelled(text: str, spell: Callable[[Part], str]) -> str:
     """A text with its arguments as this caller writes them."""
     return text.template.format(*map(spell, text.parts)) if isinstance(text, Wording) else text
+
+
+def edit_named(text: str) -> tuple[str, float, str] | None:
+    """Dof, frequency in Hz and reason of ``DOF=HZ reason``; None for another text.
+
+    Examples
+    --------
+    >>> from antires_rs.support.wording import edit_named
+    >>> edit_named("3 v=31.9 mains hum"), edit_named("3=soon")
+    (('3 v', 31.9, 'mains hum'), None)
+    """
+    name, _, rest = text.partition("=")
+    value, _, reason = rest.strip().partition(" ")
+    try:
+        freq_hz = float(value)
+    except ValueError:
+        return None
+    return (name.strip(), freq_hz, reason.strip()) if name.strip() and 0.0 < freq_hz < float("inf") else None

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .._common import unsuitable, warn
+from ...support.warned import warn
+from .._common import unsuitable
 from .labelled import Labelled, Point, by_points
 
 __all__ = ["is_abaqus", "read_abaqus"]
@@ -48,7 +49,8 @@ def read_abaqus(file: Path) -> dict[str, Labelled]:
         first = ", ".join(f"{node}:{dof}" for node, dof in sorted(fixed)[:5])
         more = ", ..." if len(fixed) > 5 else ""
         warn(
+            "dofs_on_supports",
             f"path: {str(file)!r} has {len(fixed)} dof(s) with a boundary condition, 1e36 on the diagonal "
-            f"({first}{more}); they are left out."
+            f"({first}{more}); they are left out.",
         )
     return {file.stem: by_points(file, [e for e in entries if e[0] not in fixed and e[1] not in fixed])}

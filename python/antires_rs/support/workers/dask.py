@@ -9,13 +9,12 @@ submitted again; one that stays away is an error, as soon as the client gives up
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from ...exceptions import AntiresWarning
 from ..validation import reject
+from ..warned import warn
 from .engine import Answer, Engine
 from .executors import SMALL_BYTES, Submitted
 from .schedule import Chunk
@@ -75,7 +74,7 @@ class OnDask(Submitted):
         if alone > _WARN_S and not self._warned:
             self._warned = True
             text = f"workers: the Dask cluster has had no worker for {alone:.0f} s; waiting for one."
-            warnings.warn(text, AntiresWarning, stacklevel=2)
+            warn("no_dask_worker", text)
         return found
 
     def _connected(self) -> None:

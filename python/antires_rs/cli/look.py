@@ -1,0 +1,43 @@
+"""``antires look``: the page is opened at once, and what it shows is read while the browser begins."""
+
+from __future__ import annotations
+
+import argparse
+from importlib import import_module
+from typing import Any
+
+from ..explore.canvas import require_bokeh
+from ..explore.page.opened import opened
+from ..support.validation import reject
+from .terminal import existing
+
+__all__ = ["look"]
+
+#: Files that tell the place of the force, or have none.
+COMPLETE = {".json", ".toml", ".uff", ".unv"}
+
+
+def look(args: argparse.Namespace) -> int:
+    """Serve the page until it is closed."""
+    require_bokeh()
+    first = args.files[0]
+    for file in args.files:
+        if not file.is_dir():
+            existing("FILE", file, "Name a measurement, antiresonances or a result.")
+
+    out = args.out
+    if out is not None and (out.suffix != ".json" or not out.parent.is_dir()):
+        wanted = "a file that ends in .json, in a folder that exists"
+        reject("--out", repr(str(out)), wanted, "Choose another name.")
+    if args.edits is not None:
+        existing("--edits", args.edits, "Name a set that was saved.")
+
+    def made() -> Any:
+        # Imported here: the page is being opened meanwhile.
+        return import_module(f"{__package__}.looked").view_of(args)
+
+    if args.excitation is None and first.suffix.lower() not in COMPLETE:
+        view = made()  # which will say what is missing, if anything is
+        made = lambda: view  # noqa: E731 - in place of the function above
+    opened(made, first.name, wait=True, browser=not args.no_browser, say=lambda line: print(line, flush=True))
+    return 0

@@ -1,0 +1,177 @@
+"""A measurement as the arguments of ``identify`` and ``look`` name it: read, with the place of its force."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..io.other_programs import conversion
+from ..jobs.formats import FOLDER, FORMATS, format_of
+from ..jobs.keys_data import DATA
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..support.validation import reject
+from ..support.warned import warn
+from ..support.wording import LeftOut, Part
+from .terminal import arguments, existing, say
+
+__all__ = ["CHOICES", "NAMES", "READING", "Measurement", "edited", "files_of", "kind_of", "measurement"]
+
+#: Options by the arguments of the functions behind it.
+NAMES = {
+    "path": "FILE",
+    "files": "FILE",
+    "format": "--format",
+    "signal": "FILE",
+    "source": "FILE",
+    "band_hz": "--band",
+    "dofs": "--dof",
+    "fs_hz": "--fs",
+    "df_hz": "--df",
+    "pairs": "--pairs",
+    "run": "--run",
+    "responses": "--responses",
+    "sheet": "--sheet",
+    "roving": "--roving",
+    "full_scale": "--full-scale",
+    "pattern": "--pattern",
+    "cross_check": "--cross-check",
+    "max_order": "--max-order",
+    **{name: f"--{name}" for name in ("excitation", "unit", "force", "kind", "first", "reference", "preset")},
+}
+READING = (
+    *("kind", "reference", "force", "fs_hz", "unit", "first", "df_hz", "pairs", "of_run", "pattern"),
+    *("responses", "sheet", "full_scale", "roving"),
+)
+CHOICES = ("preset", "max_order", "cross_check")
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What a file holds.
+
+    Attributes
+    ----------
+    signal : Recording or FrequencyResponse
+    force : int or str
+        The dof of the force.
+    options : dict
+        Those of the identification.
+    """
+
+    signal: Any
+    force: Any
+    options: dict[str, Any]
+
+
+def files_of(args: argparse.Namespace) -> None:
+    """Check that the files are there and of one kind; the first is ``args.file``."""
+    for file in args.files:
+        if not file.is_dir():
+            existing("FILE", file, "Name a measurement, or a job.")
+    args.file = args.files[0]
+    if len(args.files) > 1:
+        _of_one_kind(args.files)
+
+
+def kind_of(args: argparse.Namespace) -> str:
+    """Format of the file."""
+    kind = FOLDER if args.file.is_dir() else format_of(args.file.name, args.format)
+    if kind is None:
+        reject(
+            "FILE",
+            repr(str(args.file)),
+            "an ending out of " + " ".join(e for ends in FORMATS.values() for e in ends),
+            f"Say by --format what it is.{conversion(args.file.name)}",
+        )
+    return kind
+
+
+def measurement(args: argparse.Namespace, kind: str, *, band_needed: bool = True) -> Measurement:
+    """Read it; the force may be stated by the file itself."""
+    if args.excitation is None and args.roving is not None:
+        from ..io.uff_names import as_point, label_of
+
+        with arguments(NAMES):
+            args.excitation = label_of(as_point("roving", args.roving))
+    if args.excitation is None and kind == "uff" and args.reference is None:
+        from ..io.uff_force import force_of
+
+        with arguments(NAMES):
+            args.excitation = force_of(args.file)
+        if args.excitation is not None:
+            say(f"the force is at {args.excitation}, as the file states")
+    wanted = {"band": "--band LOW HIGH, in Hz", "excitation": "--excitation DOF, where the force acts"}
+    for name, what in wanted.items():
+        if getattr(args, name) is None and (name != "band" or band_needed):
+            reject(f"--{name}", "nothing", what, f"See 'antires {args.command} --help'.")
+    from ..jobs.reading import read_signal
+    from ..signals.repeats import one_source
+
+    options = {
+        name.removeprefix("of_"): getattr(args, name) for name in READING if getattr(args, name) is not None
+    }
+    if kind == FOLDER and args.format is not None:
+        options["format"] = args.format
+    if args.dofs:
+        options["dofs"] = dict(args.dofs)
+    chosen = {name: getattr(args, name) for name in CHOICES if getattr(args, name) is not None}
+    with arguments(NAMES):
+        signals = []
+        for file in args.files:
+            say(f"reading {file.name}")
+            signals.append(read_signal(file, kind, options, _as_option))
+        signal = one_source(signals)
+        # A channel that is left out still names the place of the force, which need not be recorded.
+        named = options.get("dofs", {}).get(args.excitation, False)
+        force = args.excitation if named is False else named
+        if force not in signal.dofs and args.excitation not in options.get("dofs", {}):
+            _warn_unmeasured(force, signal.dofs)
+    return Measurement(signal, force, chosen)
+
+
+def edited(found: AntiresonanceSet, args: argparse.Namespace) -> AntiresonanceSet:
+    """The set without what ``--drop`` names and with what ``--add`` does."""
+    for option, change in (("drop", AntiresonanceSet.drop), ("add", AntiresonanceSet.add)):
+        with arguments({"dof": f"--{option}", "freq_hz": f"--{option}"}):
+            for dof, freq_hz, reason in getattr(args, option) or ():
+                found = change(found, dof, freq_hz, reason=reason)
+    return found
+
+
+def _of_one_kind(files: list[Path]) -> None:
+    """Several files are repeats of one test: measurements of one format."""
+    ending = files[0].suffix.lower()
+    for file in files:
+        if file.suffix.lower() in (".toml", ".json") or file.suffix.lower() != ending:
+            reject(
+                "FILE",
+                repr(str(file)) + " among several",
+                "measurements of one format: other impacts or runs of the same test",
+                "Name a job or a file of antiresonances alone.",
+            )
+
+
+def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
+    """The antiresonances do not depend on the name, so that a slip of the pen would pass in silence."""
+    from ..jobs.job import nearest
+
+    hint = nearest(str(force), map(str, dofs))
+    warn(
+        "force_not_measured",
+        f"--excitation: {force!r} is none of the channels {', '.join(map(repr, dofs))}, so that "
+        f"the place of the force cannot be tested.{' ' * bool(hint)}{hint}",
+    )
+
+
+def _as_option(part: Part) -> str:
+    """An argument of a reader as this command has it; those it lacks a job has."""
+    if isinstance(part, LeftOut):
+        from ..jobs.reading import LEAVE_OUT
+
+        return LEAVE_OUT
+    option = NAMES.get(part.name)
+    if option is None or not option.startswith("--"):
+        return f"{part.name} (in a job)" if DATA.key(part.name) else part.name
+    return option if part.value is None else f"{option} {part.value}"

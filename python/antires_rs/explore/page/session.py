@@ -1,0 +1,319 @@
+"""A set of antiresonances on the desk: edited, identified again, undone, saved."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from threading import RLock
+from typing import Any
+
+from ...exceptions import AntiresWarning
+from ...identification.identify import identify_antiresonances
+from ...measured.antiresonance_set import AntiresonanceSet
+from ...measured.replay import Asked, asked_of, replayed
+from ...signals.averaging import Averages, Averaging, average
+from ...signals.band import band_of
+from ...signals.frequency_response import FrequencyResponse
+from ...signals.recording import Recording
+from ...support.validation import integer, reject
+from ..curve import Curve, curve_of
+from .picks import Click, picked
+
+__all__ = ["Session", "Sight"]
+
+Source = Recording | FrequencyResponse
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What is on the desk at one moment; undo goes back to an earlier one.
+
+    Attributes
+    ----------
+    zeros : AntiresonanceSet
+        With the edits that it can take.
+    asked : tuple of Asked
+        All edits, in order.
+    waits : tuple of str or None
+        For each edit why it waits, None where it was made.
+    band_hz : (low, high) or None
+        None where there is nothing to identify from.
+    max_order : int or None
+        None for the default.
+    """
+
+    zeros: AntiresonanceSet
+    asked: tuple[Asked, ...] = ()
+    waits: tuple[str | None, ...] = ()
+    band_hz: tuple[float, float] | None = None
+    max_order: int | None = None
+
+    def on(self, base: AntiresonanceSet, asked: Sequence[Asked]) -> Sight:
+        """The same edits, or others, on a set without any."""
+        zeros, waits = replayed(base, asked)
+        return replace(self, zeros=zeros, asked=tuple(asked), waits=tuple(waits))
+
+
+class Session:
+    """A set and what may be done with it. Calls may come from several threads.
+
+    Parameters
+    ----------
+    zeros : AntiresonanceSet or None
+        None: :meth:`identify` makes it, and until then there are curves without values.
+    source : Recording or FrequencyResponse, optional
+        What it was identified from: curves are shown, and band and orders may be changed.
+    excitation : int or str, optional
+        Of a source without a set.
+    band_hz, max_order, options : optional
+        With which the set was identified, and the other options of the identification.
+    save_to : path-like, optional
+        Where :meth:`save` writes.
+    """
+
+    def __init__(
+        self,
+        zeros: AntiresonanceSet | None,
+        source: Source | None = None,
+        *,
+        excitation: Any = None,
+        band_hz: Sequence[float] | None = None,
+        max_order: int | None = None,
+        options: Mapping[str, Any] | None = None,
+        save_to: str | os.PathLike[str] | None = None,
+    ) -> None:
+        self.source, self.options = source, dict(options or {})
+        self.identified = zeros is not None
+        if zeros is None:
+            assert source is not None
+            zeros = AntiresonanceSet(excitation, {dof: [] for dof in source.dofs}, channels=source.dofs)
+        if source is not None:
+            diagram = next(iter(zeros.diagrams.values()), None)
+            if band_hz is None:
+                band_hz = whole_band(source) if diagram is None else diagram.band_hz
+            band_hz = band_of(source, band_hz)
+        asked = asked_of(zeros)
+        self._now = Sight(
+            zeros,
+            asked,
+            (None,) * len(asked),
+            None if band_hz is None else (band_hz[0], band_hz[1]),
+            max_order,
+        )
+        self._past: list[Sight] = []
+        self._future: list[Sight] = []
+        self._saved = zeros.edits
+        self.path = None if save_to is None else Path(save_to)
+        self._written = False
+        self.warned: tuple[str, ...] = ()
+        self._averages: dict[tuple[float, float], Averages] = {}
+        self._lock = RLock()
+
+    @property
+    def now(self) -> Sight:
+        """What is on the desk."""
+        return self._now
+
+    @property
+    def zeros(self) -> AntiresonanceSet:
+        """The set as it is now."""
+        return self._now.zeros
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is something to undo."""
+        return bool(self._past)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is something to do again."""
+        return bool(self._future)
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether there are edits that the file does not have."""
+        return self.zeros.edits != self._saved
+
+    def click(self, dof: Any, click: Click, reason: str = "") -> str | None:
+        """Do what a click means; what was done, in words, None where it hit nothing."""
+        with self._lock:
+            pick = picked(self.zeros, dof, click, self.curve(dof))
+            if pick is None:
+                return None
+            if pick.action == "drop":
+                return self.drop(dof, pick.freq_hz, reason)
+            if pick.action == "restore":
+                return self.restore(dof, pick.freq_hz)
+            return self.add(dof, pick.freq_hz, reason, pick.damping_ratio, pick.std_hz)
+
+    def drop(self, dof: Any, freq_hz: float, reason: str = "") -> str:
+        """Drop a value; one that was added by hand is taken back instead."""
+        with self._lock:
+            for i, each in enumerate(self._now.asked):
+                same = each.edit.dof == dof and each.edit.freq_hz == freq_hz
+                if same and each.edit.action == "add" and self._now.waits[i] is None:
+                    return self.take_back(i)
+            return self._edited(self.zeros.drop(dof, freq_hz, reason=reason))
+
+    def add(
+        self,
+        dof: Any,
+        freq_hz: float,
+        reason: str = "",
+        damping_ratio: float | None = None,
+        std_hz: float | None = None,
+    ) -> str:
+        """Add a value."""
+        with self._lock:
+            return self._edited(
+                self.zeros.add(dof, freq_hz, damping_ratio=damping_ratio, std_hz=std_hz, reason=reason)
+            )
+
+    def restore(self, dof: Any, freq_hz: float) -> str:
+        """Bring back a value that was dropped, as it was."""
+        with self._lock:
+            for i, each in enumerate(self._now.asked):
+                same = each.edit.dof == dof and abs(each.edit.freq_hz / freq_hz - 1.0) < 1e-2
+                if same and each.edit.action == "drop" and self._now.waits[i] is None:
+                    return self.take_back(i)
+            reject("freq_hz", f"{freq_hz:g} Hz at dof {dof!r}", "a value that was dropped", "Name another.")
+
+    def take_back(self, number: int) -> str:
+        """Take an edit back, by its place in the list; the others stay."""
+        with self._lock:
+            asked = self._edits(number)
+            undone = asked[number].edit
+            rest = [each for i, each in enumerate(asked) if i != number]
+            self._step(self._now.on(self.zeros.original(), rest))
+            verb = "brought back" if undone.action == "drop" else "took back"
+            return f"{verb} {undone.freq_hz:.2f} Hz at dof {undone.dof}"
+
+    def reword(self, number: int, reason: str) -> str:
+        """Give an edit another reason."""
+        with self._lock:
+            asked = list(self._edits(number))
+            if asked[number].edit.reason == reason:
+                return ""
+            asked[number] = asked[number].reworded(reason)
+            self._step(self._now.on(self.zeros.original(), asked))
+            return "reason kept"
+
+    def identify(self, band_hz: Sequence[float] | None = None, max_order: int | None = None) -> str:
+        """Identify again, and make all edits again; what became of those that wait is told by :attr:`now`.
+
+        It takes as long as it takes; until then the set stays as it was.
+        """
+        if self.source is None:
+            reject("source", "a set alone", "the measurement too", "Open the measurement to identify again.")
+        band = self._now.band_hz if band_hz is None else band_hz
+        band = band_of(self.source, band)
+        if max_order is not None:
+            max_order = integer("max_order", max_order, low=2)
+        options = {**self.options, **({} if max_order is None else {"max_order": max_order})}
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always", AntiresWarning)
+            made = identify_antiresonances(
+                self.source, excitation=self.zeros.excitation, band_hz=band, progress=False, **options
+            )
+        with self._lock:
+            self.warned = tuple(line for each in heard for line in str(each.message).splitlines())
+            seen = replace(self._now, band_hz=(band[0], band[1]), max_order=max_order)
+            seen = seen.on(made, self._now.asked)
+            if self.identified:
+                self._step(seen)
+            else:  # the first one is where undo ends
+                self._now, self.identified = seen, True
+            count = sum(len(each) for each in made.values())
+            return f"identified {count} values in {band[0]:g} to {band[1]:g} Hz"
+
+    def undo(self) -> str:
+        """Go back to what was before the last change, of edits, band or orders."""
+        return self._moved(self._past, self._future, "undone")
+
+    def redo(self) -> str:
+        """Do again what was undone."""
+        return self._moved(self._future, self._past, "done again")
+
+    def save(self, *, replace_file: bool = False) -> str:
+        """Write the set where it belongs.
+
+        Raises
+        ------
+        InvalidInputError
+            A file of that name is there that this session has not written, and ``replace_file`` is False;
+            there is no name; or the folder does not exist.
+        """
+        with self._lock:
+            if self.path is None:
+                reject("path", None, "a file to write", "Download the set instead.")
+            if self.path.exists() and not self._written and not replace_file:
+                reject("path", str(self.path), "a file that is not there yet", "Replace it, or download.")
+            self.zeros.save(self.path)
+            self._saved, self._written = self.zeros.edits, True
+            return f"saved {self.path.name}"
+
+    def opened(self, path: Path) -> None:
+        """Say that the set came from this file, to which it may be written back."""
+        self.path, self._written = path, True
+
+    def make_again(self, edits: Sequence[Asked]) -> None:
+        """Make the edits of another set, as far as this one can take them; the others wait."""
+        now = self._now
+        if edits and self.identified:
+            self._step(now.on(self.zeros.original(), [*now.asked, *edits]))
+        elif edits:
+            self._now = replace(now, asked=tuple(edits), waits=("not identified yet",) * len(edits))
+
+    def curve(self, dof: Any) -> Curve | None:
+        """What was measured at a response, on the lines of the band."""
+        source, band = self.source, self._now.band_hz
+        if source is None or band is None:
+            return None
+        averages = None
+        if isinstance(source, Recording):
+            if band not in self._averages:
+                names = ("nperseg", "noverlap", "window", "method")
+                chosen = {name: self.options[name] for name in names if name in self.options}
+                with_force = source.force is not None
+                self._averages = {band: average(source, band, Averaging(**chosen), include_force=with_force)}
+            averages = self._averages[band]
+        return curve_of(source, averages, dof)
+
+    def _edits(self, number: int) -> tuple[Asked, ...]:
+        asked = self._now.asked
+        if not 0 <= number < len(asked):
+            reject(
+                "number", number, f"an edit from 0 to {len(asked) - 1}", "Look again: the list has changed."
+            )
+        return asked
+
+    def _edited(self, zeros: AntiresonanceSet) -> str:
+        edit = zeros.edits[-1]
+        now = self._now
+        asked = (*now.asked, Asked.on(zeros.original(), edit))
+        self._step(replace(now, zeros=zeros, asked=asked, waits=(*now.waits, None)))
+        return str(edit)
+
+    def _step(self, sight: Sight) -> None:
+        self._past.append(self._now)
+        self._future.clear()
+        self._now = sight
+
+    def _moved(self, source: list[Sight], target: list[Sight], said: str) -> str:
+        with self._lock:
+            if not source:
+                return f"nothing to be {said}"
+            target.append(self._now)
+            self._now = source.pop()
+            return said
+
+
+def whole_band(source: Source) -> tuple[float, float]:
+    """A band to begin with: all lines of curves; of records up to 80 % of the highest frequency."""
+    if isinstance(source, FrequencyResponse):
+        positive = source.freq_hz[source.freq_hz > 0.0]
+        return float(positive[0]), float(source.freq_hz[-1])
+    return 0.005 * source.fs_hz, 0.4 * source.fs_hz

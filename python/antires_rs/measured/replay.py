@@ -1,0 +1,94 @@
+"""Edits made by hand on one set, made again on another: after a change of band or of orders none is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .antiresonance_set import AntiresonanceSet
+from .edits import NAMED_WITHIN, SAME, Edit
+
+__all__ = ["Asked", "asked_of", "replayed"]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """An edit, and how many values had been identified where it was made.
+
+    Attributes
+    ----------
+    edit : Edit
+    near : int
+        Values within 1 % of it in the set before all edits. Where an added value has more of them later on,
+        the identification has found it itself.
+    """
+
+    edit: Edit
+    near: int
+
+    @classmethod
+    def on(cls, base: AntiresonanceSet, edit: Edit) -> Asked:
+        """An edit made on a set."""
+        return cls(edit, _near(base, edit))
+
+    def reworded(self, reason: str) -> Asked:
+        """The same with another reason."""
+        return replace(self, edit=replace(self.edit, reason=reason))
+
+
+def asked_of(zeros: AntiresonanceSet) -> tuple[Asked, ...]:
+    """What a set records of edits."""
+    return tuple(Asked.on(zeros.original(), edit) for edit in zeros.edits)
+
+
+def replayed(base: AntiresonanceSet, asked: Iterable[Asked]) -> tuple[AntiresonanceSet, Sequence[str | None]]:
+    """The set with all edits that it can take, and for each why it waits, None where it was made.
+
+    A value that was dropped may not be there in another band; one that was added may be identified now. Such
+    edits wait: the caller keeps them for the next set.
+
+    Examples
+    --------
+    >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
+    >>> from antires_rs.measured.replay import asked_of, replayed
+    >>> edited = AntiresonanceSet(0, {0: [8.7, 23.9]}).drop(0, 23.9).add(0, 12.2)
+    >>> narrow, waits = replayed(AntiresonanceSet(0, {0: [8.71]}), asked_of(edited))
+    >>> narrow[0].tolist(), waits
+    ([8.71, 12.2], ['no value there now', None])
+    """
+    made = base
+    waits: list[str | None] = []
+    for each in asked:
+        edit = each.edit
+        why = _why_not(base, made, each)
+        waits.append(why)
+        if why is None and edit.action == "drop":
+            made = made.drop(edit.dof, edit.freq_hz, reason=edit.reason)
+        elif why is None:
+            made = made.add(
+                edit.dof,
+                edit.freq_hz,
+                damping_ratio=edit.damping_ratio,
+                std_hz=edit.std_hz,
+                reason=edit.reason,
+            )
+    return made, waits
+
+
+def _why_not(base: AntiresonanceSet, made: AntiresonanceSet, asked: Asked) -> str | None:
+    edit = asked.edit
+    if edit.dof not in made:
+        return "this response is not there now"
+    off = np.abs(made[edit.dof] / edit.freq_hz - 1.0)
+    if edit.action == "drop":
+        return None if off.size and off.min() <= NAMED_WITHIN else "no value there now"
+    if _near(base, edit) > asked.near or (off.size and off.min() <= SAME):
+        return "identified there now"
+    return None
+
+
+def _near(base: AntiresonanceSet, edit: Edit) -> int:
+    values = base.get(edit.dof, np.empty(0))
+    return int(np.count_nonzero(np.abs(values / edit.freq_hz - 1.0) <= NAMED_WITHIN))

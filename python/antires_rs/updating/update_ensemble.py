@@ -1,0 +1,227 @@
+"""Many updating problems: seeds, drawn measurements, scenarios; by threads, processes or a cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import repeat
+from typing import Any
+
+import numpy as np
+
+from ..optimize.arguments import seed_of
+from ..optimize.island_ga import IslandGA
+from ..support.progress import waiting
+from ..support.validation import FloatArray, integer, part, reject
+from ..support.workers.door import Failed, in_order
+from .problem import UpdatingProblem
+from .results import UpdateResult
+from .search import update
+
+__all__ = ["UpdateEnsemble", "update_ensemble"]
+
+#: A problem, and the seed of its search.
+Task = tuple[UpdatingProblem | None, int]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class UpdateEnsemble:
+    """Results of many updatings, in the order of their problems. Read-only.
+
+    Attributes
+    ----------
+    results : tuple of UpdateResult or None
+        None where an updating failed.
+    seeds : tuple of int
+        ``ar.update(problem, rng=seeds[k])`` gives result k again, bit for bit.
+    failed : mapping of int to str
+        Why, by the number of the problem.
+    interrupted : bool
+        Whether Ctrl-C ended it; the results are those that were there.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(true.antiresonances([0, 1, 2], 0))))
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
+    >>> found = ar.update_ensemble(problem, count=3, rng=0)
+    >>> len(found), found.x.round(2).tolist()
+    (3, [[1.1, 0.96], [1.1, 0.96], [1.1, 0.96]])
+    """
+
+    results: tuple[UpdateResult | None, ...]
+    seeds: tuple[int, ...]
+    failed: dict[int, str]
+    interrupted: bool = False
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def __getitem__(self, k: int) -> UpdateResult | None:
+        return self.results[k]
+
+    def __iter__(self) -> Iterator[UpdateResult | None]:
+        return iter(self.results)
+
+    @property
+    def x(self) -> FloatArray:
+        """Parameters of every result, (n_problems, n_parameters); NaN where it failed.
+
+        Raises
+        ------
+        InvalidInputError
+            The problems have different numbers of parameters.
+        """
+        sizes = {result.x.size for result in self.results if result is not None}
+        if len(sizes) > 1:
+            reject(
+                "x",
+                f"problems of {', '.join(map(str, sorted(sizes)))} parameters",
+                "problems of one number of parameters",
+                "Take .x of each result.",
+            )
+        size = sizes.pop() if sizes else 0
+        return np.array([np.full(size, np.nan) if r is None else r.x for r in self.results]).reshape(-1, size)
+
+    @property
+    def fun(self) -> FloatArray:
+        """Objective of every result, (n_problems,); NaN where it failed."""
+        return np.array([np.nan if result is None else result.fun for result in self.results])
+
+    def __str__(self) -> str:
+        there = [result for result in self.results if result is not None]
+        lines = [f"{len(self.results)} updatings, {len(there)} with a result"]
+        if there and len({r.x.size for r in there}) == 1:
+            x = np.array([result.x for result in there])
+            width = max(map(len, there[0].problem.names))
+            lines.append(f"{'parameter':{width}s}       mean        std     lowest    highest")
+            for name, column in zip(there[0].problem.names, x.T, strict=True):
+                spread = column.std(ddof=1) if column.size > 1 else 0.0
+                told = (column.mean(), spread, column.min(), column.max())
+                lines.append(f"{name:{width}s} " + " ".join(f"{value:10.4g}" for value in told))
+        lines += [f"updating {k} failed: {why}" for k, why in self.failed.items()]
+        if self.interrupted:
+            lines.append("interrupted: these are the results that were there")
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+
+def update_ensemble(
+    problems: UpdatingProblem | Iterable[UpdatingProblem],
+    *,
+    count: int | None = None,
+    optimizer: IslandGA | None = None,
+    rng: int | np.random.Generator | None = None,
+    workers: Any = None,
+    progress: bool | None = None,
+) -> UpdateEnsemble:
+    """Update many problems: one from several seeds, drawn measurements, scenarios of what is unknown.
+
+    Parameters
+    ----------
+    problems : UpdatingProblem, or an iterable of them
+        A generator is read a few ahead only. One problem alone is updated ``count`` times, with other seeds.
+    count : int, optional
+        How many seeds one problem gets.
+    optimizer : IslandGA, optional
+        Settings of every search.
+    rng : int or numpy.random.Generator, optional
+        Seed of all: search k has the seed ``SeedSequence(seed, spawn_key=(k,))``.
+    workers : int, str or executor, optional
+        None: one after another, each by all processors. A number from 2 on, or ``"processes"``: processes of
+        this machine. ``"threads"``. An executor: ``concurrent.futures``, a Dask ``Client``, anything with
+        ``submit`` or ``map``. The bits are the same. A problem alone goes to each worker once.
+    progress : bool, optional
+        A line on standard error after a second; by default on a terminal and in a notebook.
+
+    Returns
+    -------
+    UpdateEnsemble
+        Also after Ctrl-C: what was there.
+
+    Raises
+    ------
+    InvalidInputError
+        Something that is not an UpdatingProblem; ``count`` beside several problems, or none beside one.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> exact, rng = true.antiresonances([0, 1, 2], 0), np.random.default_rng(0)
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> def drawn():  # measured values drawn anew tell how far parameters scatter
+    ...     for _ in range(4):
+    ...         noisy = [hz * (1 + 0.002 * rng.standard_normal(hz.size)) for hz in exact]
+    ...         yield ar.UpdatingProblem(nominal, springs, ar.AntiresonanceSet(0, dict(enumerate(noisy))))
+    >>> found = ar.update_ensemble(drawn(), rng=0)
+    >>> bool((found.x.std(axis=0) < 0.02).all())
+    True
+    """
+    alone = isinstance(problems, UpdatingProblem)
+    if alone == (count is None):
+        reject(
+            "count",
+            "none beside one problem" if alone else f"{count} beside several problems",
+            "how many seeds one problem gets; nothing beside several",
+            "Pass count=20." if alone else "Leave it out.",
+        )
+    if alone:
+        given: Iterable[Any] = repeat(None, integer("count", count, low=1))
+    elif isinstance(problems, Iterable):
+        given = problems
+    else:
+        reject("problems", problems, "an UpdatingProblem, or an iterable of them", "Make them first.")
+    seed = seed_of(rng)
+    kept: list[UpdatingProblem] = []
+    seeds: list[int] = []
+
+    def tasks() -> Iterator[Task]:
+        for k, problem in enumerate(given):
+            if not (alone or isinstance(problem, UpdatingProblem)):
+                reject(part("problems", k), problem, "an UpdatingProblem", "Make one of it first.")
+            kept.append(problems if problem is None else problem)  # type: ignore[arg-type]
+            seeds.append(
+                int(np.random.SeedSequence(seed, spawn_key=(k,)).generate_state(1, np.uint64)[0] >> 1)
+            )
+            yield problem, seeds[-1]
+
+    results: list[UpdateResult | None] = []
+    failed: dict[int, str] = {}
+    interrupted = False
+    shared = (problems if alone else None, optimizer, None if workers is None else 1)
+    with waiting("updating", progress):
+        answers = in_order(_updated, tasks(), workers, shared=shared, errors="return", what="problem")
+        try:
+            for k, answer in enumerate(answers):
+                if isinstance(answer, Failed):
+                    if isinstance(answer.error, KeyboardInterrupt):
+                        raise answer.error
+                    failed[k] = f"{type(answer.error).__name__}: {answer.error}"
+                    results.append(None)
+                    continue
+                results.append(UpdateResult(kept[k], *answer))
+                if answer[0].status == "interrupted":
+                    interrupted = True
+                    break
+        except KeyboardInterrupt:
+            if not results:
+                raise
+            interrupted = True
+        finally:
+            answers.close()  # type: ignore[attr-defined]
+    return UpdateEnsemble(tuple(results), tuple(seeds[: len(results)]), failed, interrupted)
+
+
+def _updated(shared: tuple[Any, ...], task: Task) -> tuple[Any, ...]:
+    """What makes a result of a problem: its search, seed and reduction. The problem itself stays at home."""
+    alone, optimizer, threads = shared
+    problem, seed = task
+    found = update(
+        alone if problem is None else problem, optimizer=optimizer, rng=seed, workers=threads, progress=False
+    )
+    return found.search, found.seed, found.reduction

@@ -1,0 +1,225 @@
+"""The page as a person uses it: real clicks in a real browser, and what the set is after each."""
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from tests.support.browser import Watched, browser
+from tests.support.four_masses import BAND
+
+pytest.importorskip("bokeh", reason="the page needs bokeh")
+
+from antires_rs.explore.page.commands import SetView
+from antires_rs.explore.page.running import Page
+from antires_rs.explore.page.session import Session
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    with browser() as started:
+        yield started
+
+
+@pytest.fixture
+def session(identified, record, tmp_path):
+    return Session(
+        identified, record, band_hz=BAND, options={"max_order": 30}, save_to=tmp_path / "zeros.json"
+    )
+
+
+@pytest.fixture
+def served(session):
+    page = Page(SetView(session, "four masses"), ends_with_page=False)
+    page.start()
+    yield page
+    page.stop()
+
+
+@pytest.fixture
+def shown(chromium, served):
+    """The page, drawn; at its end nothing was asked of anyone else, and nothing went wrong."""
+    page = chromium.new_page(viewport={"width": 1400, "height": 900})
+    watched = Watched(page)
+    page.goto(served.url)
+    drawn(page)
+    yield page
+    page.close(run_before_unload=False)
+    assert watched.elsewhere == []
+    assert watched.wrong == []
+
+
+def drawn(page):
+    page.wait_for_selector("#pictures[data-drawn]")
+
+
+def said(page, text):
+    page.wait_for_function("text => document.querySelector('#said').textContent.includes(text)", arg=text)
+
+
+def values(page):
+    """The table of the page: dof, and frequency as written."""
+    return page.evaluate(
+        "[...document.querySelectorAll('#values tbody tr[data-dof]')]"
+        ".map(row => [row.dataset.dof, row.querySelector('.hz').textContent])"
+    )
+
+
+def same(page, zeros):
+    """Whether the page shows the values of a set."""
+    written = values(page)
+    expected = [(str(dof), freq) for dof in zeros for freq in zeros[dof]]
+    assert [name for name, _ in written] == [name for name, _ in expected]
+    for (_, text), (_, freq) in zip(written, expected, strict=True):
+        assert float(text) == pytest.approx(freq, abs=0.51 * 10.0 ** -len(text.partition(".")[2]))
+    return True
+
+
+def click_on(page, name, x, y=None):
+    """A click in a figure, at a place in units of its axes; y by default in the middle."""
+    place = page.evaluate(
+        """([name, x, y]) => {
+          const plot = plots().find(one => one.model.name === name);
+          const box = plot.el.getBoundingClientRect(), frame = plot.frame.bbox;
+          const sy = y === null ? frame.top + frame.height / 2 : plot.frame.y_scale.compute(y);
+          return [box.x + plot.frame.x_scale.compute(x), box.y + sy];
+        }""",
+        [name, float(x), y],
+    )
+    page.wait_for_timeout(400)  # two clicks at once are one double click
+    page.mouse.click(*place)
+
+
+def test_pick_drop_undo_band_save_and_reload(shown, session, identified, tmp_path):
+    page, dof = shown, 1
+    assert same(page, identified)
+    page.select_option("#response", "1")
+    page.wait_for_selector("#pictures[data-drawn='1']")
+
+    first = float(identified[dof][0])
+    page.fill("#reason", "mains hum")
+    click_on(page, "stabilization", first)  # on its line: dropped
+    said(page, "dropped")
+    assert same(page, session.zeros)
+    assert session.zeros[dof].tolist() == identified[dof][1:].tolist()
+    click_on(page, "stabilization", first)  # again: brought back
+    said(page, "brought back")
+    assert session.zeros == identified
+    assert not session.zeros.edits
+    page.click("#undo")
+    said(page, "undone")
+    assert session.zeros.edits[0].reason == "mains hum"
+
+    diagram = identified.diagrams[dof]
+    order, pole = lone_pole(diagram, identified[dof])
+    click_on(page, "stabilization", pole, order)  # on a pole: added
+    said(page, "added")
+    assert session.zeros[dof][session.zeros.tables[dof].by_hand] == pytest.approx([pole])
+    assert same(page, session.zeros)
+
+    before = session.zeros
+    page.fill("#low", "2")
+    page.fill("#high", "8,5")
+    page.click("#identify")
+    said(page, "identified")
+    assert session.now.band_hz == (2.0, 8.5)
+    assert {edit.action for edit in before.edits} == {"drop", "add"}
+    assert len(session.now.asked) == 2  # no edit is lost
+    assert same(page, session.zeros)
+    page.click("#undo")
+    said(page, "undone")
+    assert session.zeros == before
+    page.click("#redo")
+    said(page, "done again")
+
+    page.click("#save")
+    said(page, "saved")
+    kept = ar.AntiresonanceSet.load(tmp_path / "zeros.json")
+    assert kept == session.zeros
+    assert kept.edits == session.zeros.edits
+    page.reload()
+    drawn(page)
+    assert same(page, kept)
+    assert page.input_value("#high") == "8.5"
+
+
+def lone_pole(diagram, taken):
+    """Order and frequency of a pole far from all values and other poles."""
+    from antires_rs.plotting.stabilization import pole_table
+
+    order, freq, _, _ = pole_table(diagram)
+    for at in np.argsort(order):
+        near = np.abs(freq - freq[at]) < 0.12
+        near &= np.abs(order - order[at]) < 3
+        if near.sum() == 1 and np.abs(taken - freq[at]).min() > 0.3 and 1.2 < freq[at] < 8.0:
+            return float(order[at]), float(freq[at])
+    raise AssertionError("no pole stands alone")
+
+
+def test_by_keyboard_and_by_the_table(shown, session, identified):
+    page = shown
+    page.fill("#value", "3,21")
+    page.press("#value", "Enter")
+    said(page, "added 3.21")
+    assert 3.21 in session.zeros[0]
+    page.locator("#edits input").fill("clear in the phase")
+    page.locator("#edits input").blur()
+    said(page, "reason kept")
+    assert session.zeros.edits[0].reason == "clear in the phase"
+    page.locator("#values td.drop button").nth(0).click()
+    said(page, "dropped")
+    assert len(session.zeros.edits) == 2
+    page.get_by_role("button", name="take back").nth(0).click()
+    said(page, "took back")
+    assert [edit.action for edit in session.zeros.edits] == ["drop"]
+    page.locator("h1").click()
+    page.keyboard.press("Control+z")
+    said(page, "undone")
+    page.keyboard.press("Control+y")
+    said(page, "done again")
+    page.fill("#value", "nonsense")
+    page.press("#value", "Enter")
+    said(page, "A frequency in Hz")
+
+
+def test_a_dip_of_the_curve_is_added(shown, session, identified):
+    page = shown
+    value = float(identified[0][-1])
+    page.locator("#values tr[data-dof='0'] td.drop button").nth(len(identified[0]) - 1).click()
+    said(page, "dropped")
+    page.get_by_role("button", name="take back").click()
+    said(page, "brought back")
+    click_on(page, "curve", value)
+    said(page, "dropped")
+    click_on(page, "coherence", 0.5 * (identified[0][0] + identified[0][1]))
+    said(page, "nothing there")
+    assert len(session.zeros[0]) == len(identified[0]) - 1
+
+
+def test_at_500_pixels_nothing_overlaps(chromium, served):
+    page = chromium.new_page(viewport={"width": 500, "height": 900})
+    page.goto(served.url)
+    drawn(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 500
+    page.close()
+
+
+def test_a_page_without_the_token_is_refused(chromium, served):
+    page = chromium.new_page()
+    answer = page.goto(served.url.partition("?")[0])
+    assert answer.status == 403
+    page.close()
+
+
+def test_the_server_ends_with_its_page(chromium, session, monkeypatch):
+    monkeypatch.setattr("antires_rs.explore.page.running.GRACE_S", 1.0)
+    page = Page(SetView(session, "four masses"), ends_with_page=True)
+    page.start()
+    shown = chromium.new_page()
+    shown.goto(page.url)
+    drawn(shown)
+    shown.reload()
+    drawn(shown)
+    assert page.running
+    shown.close(run_before_unload=False)
+    page._over.wait(10.0)
+    assert not page.running

@@ -1,0 +1,205 @@
+"""Excel and Parquet, and columns of text that count rows or hold instants."""
+
+import datetime
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+
+RNG = np.random.default_rng(6)
+N, FS = 200, 256.0
+TIME = np.arange(N) / FS
+A, B = RNG.standard_normal((2, N))
+H = RNG.standard_normal((2, N)) + 1j * RNG.standard_normal((2, N))
+
+
+def recorded(read, tolerance=1e-12):
+    assert read.fs_hz == FS
+    np.testing.assert_allclose(read.responses, [A, B], rtol=0, atol=tolerance)
+
+
+def workbook(path, *rows, title="Sheet"):
+    book = pytest.importorskip("openpyxl").Workbook()
+    book.active.title = title
+    for row in rows:
+        book.active.append(row)
+    book.create_sheet("notes").append(["nothing here"])
+    book.save(path)
+    return path
+
+
+def test_excel_of_a_record(tmp_path):
+    rows = [[t, a, b] for t, a, b in zip(TIME, A, B, strict=True)]
+    recorded(ar.read_excel(workbook(tmp_path / "a.xlsx", ["time [s]", "a", "b"], *rows)))
+    head = [["Test of the frame"], ["Time", "a", "b"], ["ms", "m/s2", "m/s2"]]
+    milliseconds = [[1e3 * t, a, b] for t, a, b in rows]
+    file = workbook(tmp_path / "b.xlsx", *head, *milliseconds, title="run 1")
+    recorded(ar.read_excel(file, sheet="run 1"))
+    assert ar.read_excel(file).dofs == ("a", "b")
+    for sheet, said in (("run 2", "no sheet 'run 2', but run 1, notes"), ("notes", "no row of numbers")):
+        with pytest.raises(ar.UnsuitableDataError, match=said):
+            ar.read_excel(file, sheet=sheet)
+
+
+def test_excel_of_responses(tmp_path):
+    freq = 0.5 * np.arange(N)
+    parts = [[f, *np.ravel([[h.real, h.imag] for h in column])] for f, column in zip(freq, H.T, strict=True)]
+    names = ["Frequency [Hz]", "re(a)", "im(a)", "re(b)", "im(b)"]
+    read = ar.read_excel(workbook(tmp_path / "a.xlsx", names, *map(list, parts)))
+    np.testing.assert_allclose(read.values, H)
+    texts = [
+        [f, *(f"{float(h.real)!r}{h.imag:+.17g}i" for h in column)]
+        for f, column in zip(freq, H.T, strict=True)
+    ]
+    read = ar.read_excel(workbook(tmp_path / "b.xlsx", ["Frequency [Hz]", "a", "b"], *texts))
+    np.testing.assert_allclose(read.values, H)
+
+
+@pytest.mark.parametrize("bad", [None, "n/a", "#DIV/0!"])
+def test_a_cell_that_is_no_number_is_named(tmp_path, bad):
+    rows = [[t, a, b] for t, a, b in zip(TIME, A, B, strict=True)]
+    rows[7][1] = bad
+    with pytest.raises(ar.UnsuitableDataError, match="column 2"):
+        ar.read_excel(workbook(tmp_path / "a.xlsx", ["time", "a", "b"], *rows))
+
+
+def test_instants_in_excel_are_the_time(tmp_path):
+    begun = datetime.datetime(2026, 5, 4, 23, 59, 59)
+    rows = [
+        [begun + datetime.timedelta(milliseconds=10 * i), a, b]
+        for i, (a, b) in enumerate(zip(A, B, strict=True))
+    ]
+    read = ar.read_excel(workbook(tmp_path / "a.xlsx", ["when", "a", "b"], *rows))
+    assert read.fs_hz == 100.0
+
+
+def test_parquet_of_pandas(tmp_path):
+    pd = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    file = tmp_path / "a.parquet"
+    table = pd.DataFrame({"time [s]": TIME, "a": A, "b": B})
+    table.to_parquet(file)
+    recorded(ar.read_parquet(file))
+    pd.DataFrame({"a": A, "b": B}).to_parquet(file)
+    recorded(ar.read_parquet(file, fs_hz=FS))
+    index = pd.to_datetime("2026-05-04") + pd.to_timedelta(TIME, unit="s")
+    for name in (None, "when"):
+        pd.DataFrame({"a": A, "b": B}, index=pd.DatetimeIndex(index, name=name)).to_parquet(file)
+        recorded(ar.read_parquet(file))
+    table.loc[3, "a"] = None
+    table.to_parquet(file)
+    with pytest.raises(ar.UnsuitableDataError, match=r"'a' has 1 empty cells"):
+        ar.read_parquet(file)
+    pd.DataFrame({"time": TIME, "a": ["x"] * N}).to_parquet(file)
+    with pytest.raises(ar.UnsuitableDataError, match=r"'a' has 'x', which is no number"):
+        ar.read_parquet(file)
+
+
+def test_units_of_a_field_of_parquet(tmp_path):
+    pa = pytest.importorskip("pyarrow")
+    import pyarrow.parquet as pq
+
+    fields = [pa.field("time", pa.float64()), pa.field("a", pa.float64(), metadata={"unit": "g"})]
+    pq.write_table(pa.table([TIME, A], schema=pa.schema(fields)), tmp_path / "a.parquet")
+    np.testing.assert_allclose(ar.read_parquet(tmp_path / "a.parquet").responses[0], 9.80665 * A)
+
+
+@pytest.mark.parametrize("kind", ["parquet", "xlsx"])
+def test_cut_tables_are_refused(tmp_path, kind):
+    if kind == "xlsx":
+        file, read = workbook(tmp_path / "a.xlsx", ["time", "a"], [0.0, 1.0], [1.0, 2.0]), ar.read_excel
+    else:
+        pa = pytest.importorskip("pyarrow")
+        import pyarrow.parquet as pq
+
+        file, read = tmp_path / "a.parquet", ar.read_parquet
+        pq.write_table(pa.table({"time": TIME, "a": A}), file)
+    whole = file.read_bytes()
+    for kept in (1, 100, len(whole) // 2, len(whole) - 1):
+        file.write_bytes(whole[:kept])
+        with pytest.raises(ar.UnsuitableDataError, match="cannot be read"):
+            read(file)
+
+
+# ---- columns of text --------------------------------------------------------------------------------------
+
+
+def text(path, head, rows, sign=","):
+    path.write_text("\n".join([*head, *(sign.join(map(str, row)) for row in rows)]) + "\n")
+    return path
+
+
+def test_a_column_that_counts_rows_is_left_out(tmp_path):
+    rows = [(i, t, a, b) for i, (t, a, b) in enumerate(zip(TIME, A, B, strict=True))]
+    recorded(ar.read_csv(text(tmp_path / "a.csv", [",time,a,b"], rows)))
+    bare = [(i, a, b) for i, _, a, b in rows]
+    file = text(tmp_path / "b.csv", ["index,a,b"], bare)
+    recorded(ar.read_csv(file, fs_hz=FS))
+    with pytest.raises(ar.UnsuitableDataError, match="'index', counts the rows.*fs_hz"):
+        ar.read_csv(file)
+    assert ar.read_csv(file, first="time").fs_hz == 1.0
+
+
+@pytest.mark.parametrize("form", ["{}", '"{}"', "{}Z", "{}+02:00"])
+@pytest.mark.parametrize(("between", "sign", "point"), [("T", ",", "."), (" ", ",", "."), (" ", ";", ",")])
+def test_instants_are_the_time(tmp_path, form, between, sign, point):
+    begun = np.datetime64("2026-05-04T23:59:59.5", "us")
+    rows = []
+    for i in range(N):
+        at = str(begun + np.timedelta64(3906250 * i, "ns").astype("timedelta64[us]")).replace("T", between)
+        values = (f"{A[i]!r}".replace(".", point), f"{B[i]!r}".replace(".", point))
+        rows.append((form.format(at), *values))
+    rows = [(each, a.split("(")[-1].rstrip(")"), b.split("(")[-1].rstrip(")")) for each, a, b in rows]
+    recorded(ar.read_csv(text(tmp_path / "a.csv", [sign.join(["when", "a", "b"])], rows, sign)))
+    if form == "{}" and between == "T":
+        recorded(ar.read_csv(text(tmp_path / "b.csv", [], rows, sign)))
+
+
+def test_an_instant_that_does_not_exist_or_is_missing_is_named(tmp_path):
+    rows = [(f"2026-05-04 12:00:{i:02d}", i) for i in range(9)]
+    assert ar.read_csv(text(tmp_path / "a.csv", ["when,a"], rows)).fs_hz == 1.0
+    for bad, said in (("2026-13-04 12:00:03", "2026-13-04"), ("", "row 4 has '' where others")):
+        broken = [*rows[:3], (bad, 3), *rows[4:]]
+        with pytest.raises(ar.UnsuitableDataError, match=said):
+            ar.read_csv(text(tmp_path / "a.csv", ["when,a"], broken))
+
+
+@pytest.mark.parametrize("form", ["{}{:+}j", "{}{:+}i", "{} + {}i", "({}{:+}j)"])
+def test_complex_columns_of_every_spelling(tmp_path, form):
+    values = np.abs(H.real) + 1j * np.abs(H.imag)
+    rows = [
+        (float(f), *(form.format(float(v.real), float(v.imag)) for v in column))
+        for f, column in zip(np.arange(1.0, N + 1), values.T, strict=True)
+    ]
+    read = ar.read_csv(text(tmp_path / "a.csv", ["freq,a,b"], rows))
+    np.testing.assert_allclose(read.values, values)
+
+
+@pytest.mark.parametrize("ending", ["", "77;2026-03-0"], ids=["whole", "cut in the last row"])
+@pytest.mark.parametrize("decimal", [".", ","], ids=["points", "commas"])
+@pytest.mark.parametrize("head", ["", "No.;Timestamp;tip [g];base [g]\n"], ids=["no names", "names"])
+def test_a_count_before_an_instant_is_left_out(tmp_path, head, decimal, ending):
+    file = tmp_path / "logger.csv"
+    numbers = np.random.default_rng(0).standard_normal((76, 2))
+    lines = [
+        f"{k + 1};2026-03-02T09:15:{10 + k / 256:09.6f};{a:.6e};{b:.6e}".replace(".", decimal)
+        for k, (a, b) in enumerate(numbers)
+    ]
+    file.write_text(head + "\n".join(lines) + "\n" + ending, encoding="utf-8")
+    if ending:
+        with pytest.raises(ar.UnsuitableDataError, match="row 77 is cut, 76 are whole"):
+            ar.read_csv(file)
+        return
+    record = ar.read_csv(file)
+    assert record.fs_hz == 256.0
+    assert record.dofs == (("tip", "base") if head else (0, 1))
+    np.testing.assert_allclose(record.responses.T, numbers * (9.80665 if head else 1.0), rtol=1e-5)
+
+
+def test_numbers_that_do_not_count_are_no_count(tmp_path):
+    file = tmp_path / "logger.csv"
+    rows = [f"{5 * k % 7};2026-03-02T09:15:{10 + k:02d};{k}.5;{k}.25" for k in range(40)]
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    with pytest.raises(ar.UnsuitableDataError, match="without a row of numbers"):
+        ar.read_csv(file)

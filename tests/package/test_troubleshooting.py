@@ -1,0 +1,92 @@
+"""Every warning leads to what is said of it, and nothing is said of what the package never says."""
+
+import ast
+import inspect
+import re
+import warnings
+from pathlib import Path
+
+import pytest
+
+import antires_rs as ar
+from antires_rs.cli import main
+from antires_rs.data_check import channels, check, records, resolution
+from antires_rs.measured import doubts
+from antires_rs.support.explained import entries
+
+SOURCES = Path(ar.__file__).parent
+#: Said in headlines and notes of results.
+OF_RESULTS = {"unexplained", "no_baseline", "one_of_several"}
+FINDINGS = {*check.TESTS, resolution.LENGTH, resolution.AVERAGES, records.SINGLE_HIT, records.MISSED_HIT}
+
+
+def warned():
+    """(file, line, name) of every call of warn in the package; a name that is no text is None."""
+    for file in sorted(SOURCES.rglob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "warn":
+                first = node.args[0]
+                yield (f"{file.name}:{node.lineno}", first.value if isinstance(first, ast.Constant) else None)
+
+
+def words_of_doubts():
+    tests = (*doubts._TESTS, *doubts._OF_WINDOWS)
+    said = {word for word, _ in tests} | set(doubts._HOW.values()) | {"added by hand", "not confirmed"}
+    return {word.replace(" ", "_") for word in said}
+
+
+def test_every_warning_has_an_entry():
+    found = list(warned())
+    assert len(found) > 40
+    assert [place for place, name in found if name is not None and name not in entries()] == []
+    # The data check names its findings.
+    assert [place.split(":")[0] for place, name in found if name is None] == ["identify.py"]
+
+
+def test_warnings_go_through_one_door():
+    direct = [
+        file.name
+        for file in SOURCES.rglob("*.py")
+        if "warnings.warn(" in file.read_text(encoding="utf-8") and file.name != "warned.py"
+    ]
+    assert direct == []
+
+
+def test_every_finding_and_doubt_has_an_entry():
+    assert {name for name in FINDINGS | words_of_doubts() if name not in entries()} == set()
+    assert set(re.findall(r"- ``(\w+)``", inspect.getdoc(check.check_data))) <= FINDINGS
+    assert channels.DEAD in FINDINGS
+
+
+def test_every_entry_belongs_to_something_and_says_what_to_do():
+    said = {name for _, name in warned()} | FINDINGS | words_of_doubts() | OF_RESULTS
+    assert set(entries()) - said == set()
+    for name, text in entries().items():
+        heads = re.findall(r"^\*\*(.+?):\*\* \S", text, re.MULTILINE)
+        assert heads == ["Seen", "Why", "What to do"], name
+
+
+def test_the_command_and_the_function_say_the_same(capsys):
+    assert main(["explain", "few orders", "one-force"]) == 0
+    assert capsys.readouterr().out == ar.explain("few_orders", "one_force") + "\n"
+    assert main(["explain"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == len(entries())
+    assert main(["explain", "one_forse"]) == 2
+    assert "perhaps one_force" in capsys.readouterr().err
+
+
+def test_an_unknown_name_is_refused():
+    with pytest.raises(ar.InvalidInputError, match="perhaps dropouts"):
+        ar.explain("dropout")
+
+
+def test_a_warning_stands_at_the_line_of_the_call_and_can_be_copied():
+    import pickle
+
+    with warnings.catch_warnings(record=True, action="always") as seen:
+        ar.MatrixModel([[1.0, 0.0], [0.0, 2.0]], [[1.0, 0.0], [0.0, 1.0]]).antiresonances(0, 1)
+    assert Path(seen[0].filename) == Path(__file__)
+    copied = pickle.loads(pickle.dumps(seen[0].message))
+    assert copied.about == ("not_connected",)
+    assert str(copied) == str(seen[0].message)
+    assert str(copied).endswith(" [antires explain not_connected]")

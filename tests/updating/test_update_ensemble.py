@@ -1,0 +1,111 @@
+"""Many updatings by any workers: the bits of single ones, in order, and what fails is told."""
+
+import os
+import signal
+import threading
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+
+SHORT = ar.IslandGA(max_evaluations=400)
+
+
+def problem(stiffness=550.0, measured=None):
+    """A chain on the ground with one storey that is unknown; ``measured`` in place of its own values."""
+    true = ar.MassSpringChain([2.0, 1.0, 1.5], [stiffness, 480.0], ground_first_n_per_m=300.0)
+    nominal = ar.MassSpringChain([2.0, 1.0, 1.5], [500.0, 500.0], ground_first_n_per_m=300.0)
+    values = dict(enumerate(true.antiresonances([0, 1, 2], 0))) if measured is None else measured
+    springs = ar.stiffness_factor([0, 1], bounds=(0.7, 1.3))
+    return ar.UpdatingProblem(nominal, springs, ar.AntiresonanceSet(0, values))
+
+
+def bits(found):
+    return found.x.tobytes(), found.fun.tobytes(), found.seeds
+
+
+@pytest.mark.parametrize("workers", ["threads", 2])
+def test_the_bits_do_not_depend_on_the_workers(workers):
+    several = [problem(k) for k in (520.0, 550.0, 580.0)]
+    alone = ar.update_ensemble(iter(several), optimizer=SHORT, rng=3)
+    assert bits(ar.update_ensemble(several, optimizer=SHORT, rng=3, workers=workers)) == bits(alone)
+    assert alone.failed == {}
+    assert not alone.interrupted
+
+
+def test_each_is_what_update_gives_with_its_seed():
+    several = [problem(k) for k in (520.0, 580.0)]
+    found = ar.update_ensemble(several, optimizer=SHORT, rng=7)
+    for k, one in enumerate(found):
+        again = ar.update(several[k], optimizer=SHORT, rng=found.seeds[k], workers=1)
+        assert one.x.tobytes() == again.x.tobytes()
+        assert one.problem is several[k]
+    assert len(set(found.seeds)) == len(found) == 2
+    np.testing.assert_allclose(found.x[:, 0], [1.04, 1.16], atol=0.01)
+
+
+def test_one_problem_from_several_seeds():
+    found = ar.update_ensemble(problem(), count=3, optimizer=SHORT, rng=0, workers="threads")
+    assert found.x.shape == (3, 2)
+    assert "3 updatings, 3 with a result" in str(found)
+    assert bits(found) == bits(ar.update_ensemble(problem(), count=3, optimizer=SHORT, rng=0))
+
+
+def test_what_fails_is_told_and_the_others_stand(monkeypatch):
+    from antires_rs.updating import update_ensemble as room
+
+    real = room.update
+
+    def brittle(given, **options):
+        if given is several[1]:
+            raise ar.NumericalError("the modes", "this one only")
+        return real(given, **options)
+
+    several = [problem(k) for k in (520.0, 550.0, 580.0)]
+    monkeypatch.setattr(room, "update", brittle)
+    found = ar.update_ensemble(several, optimizer=SHORT, rng=0)
+    assert found.failed == {1: "NumericalError: the modes failed: this one only"}
+    assert found[1] is None
+    assert np.isnan(found.x[1]).all()
+    assert np.isfinite(found.x[[0, 2]]).all()
+    assert "updating 1 failed" in str(found)
+
+
+def test_ctrl_c_keeps_what_is_there():
+    def stopped():
+        yield problem(520.0)
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+        for _ in range(10_000):
+            yield problem(550.0)
+
+    found = ar.update_ensemble(stopped(), optimizer=SHORT, rng=0)
+    assert found.interrupted
+    assert 1 <= len(found) < 10_000
+    assert found.x[0, 0] == pytest.approx(1.04, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("given", "options", "argument"),
+    [
+        (problem(), {}, "count"),
+        ([problem()], {"count": 3}, "count"),
+        (problem(), {"count": 0}, "count"),
+        ([problem(), "no problem"], {}, "problems[1]"),
+        (5, {}, "problems"),
+    ],
+    ids=["one problem", "several with a count", "none", "a text", "a number"],
+)
+def test_wrong_arguments_are_refused(given, options, argument):
+    with pytest.raises(ar.InvalidInputError) as caught:
+        ar.update_ensemble(given, optimizer=SHORT, rng=0, **options)
+    assert caught.value.argument == argument
+
+
+def test_parameters_of_different_problems_are_not_mixed():
+    other = ar.UpdatingProblem(
+        problem().model, ar.stiffness_factor([0], bounds=(0.7, 1.3)), problem().measured
+    )
+    found = ar.update_ensemble([problem(), other], optimizer=SHORT, rng=0)
+    with pytest.raises(ar.InvalidInputError, match="problems of 1, 2 parameters"):
+        _ = found.x
