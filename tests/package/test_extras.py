@@ -227,6 +227,14 @@ def test_the_command_line_says_what_to_install(bare, study, tmp_path, capsys):
     assert 'pip install "antires-rs[report]"' in capsys.readouterr().err
 
 
+def test_the_page_says_what_to_install(bare, study, tmp_path, capsys):
+    study["zeros"].save(tmp_path / "zeros.json")
+    assert cli.main(["look", str(tmp_path / "zeros.json")]) == 1
+    assert 'pip install "antires-rs[look]"' in capsys.readouterr().err
+    with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[look\]"'):
+        study["zeros"].look()
+
+
 @pytest.mark.skipif(not PROJECT.is_file(), reason="needs the source tree")
 def test_the_extras_bring_what_the_messages_promise():
     extras = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]["optional-dependencies"]
