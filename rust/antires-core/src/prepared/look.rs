@@ -1,76 +1,17 @@
 //! The values of a test, seen from one point of the severities.
 
+use super::expected::{Errors, Foreseen, covariance, foreseen, variances};
 use super::factor::{Entry, SIDE, factorize, gram, row, whiten_rows, whitened};
 use super::places::Places;
 use super::tables::Tables;
-use crate::linalg::wide::{NullaryFnOnce, dot, run};
+use super::values::Test;
 use crate::update::alignment::{self, associate};
 
-/// Change of a root that has just appeared.
-const NEW: f64 = 0.1;
-/// Standard deviation of a root that the model has lost and the structure may have, from its intact place.
-const LOST: f64 = 0.1;
-/// Roots so far outside of the band (ln f) are not looked at.
-const MARGIN: f64 = 0.3;
-/// Probabilities that a root is found which the other state showed, or did not; of a false value.
-const FOUND: f64 = 0.97;
-const FOUND_ONCE: f64 = 0.5;
-const FALSE: f64 = 0.01;
-/// Over so much of ln f from the edges of the band a root is ever more surely found; least width of the band.
-const EDGE: f64 = 0.06;
-const LEAST_BAND: f64 = 0.1;
 /// Error of a change in the association, share of it that all changes have in common, and by how much all
 /// errors are widened.
 const FIRST_KAPPA: f64 = 0.1;
 const COMMON: f64 = 0.5;
 const WIDER: [f64; 2] = [1.0, 3.0];
-
-/// An error of predictions (multiple of the change), a multiple of the standard deviations, and a probability.
-pub type Error = [f64; 3];
-
-/// Values of a test, ascending within each response of each set.
-#[derive(Clone, Copy, Debug)]
-pub struct Test<'a> {
-    /// Response of each.
-    pub response: &'a [i64],
-    /// ln f.
-    pub log_f: &'a [f64],
-    /// Relative standard deviations.
-    pub std: &'a [f64],
-    /// Number of the set, ascending.
-    pub set: &'a [i64],
-    /// The band, ln f.
-    pub low: f64,
-    /// Its upper end.
-    pub high: f64,
-    /// Standard deviation of what moves all values alike.
-    pub common: f64,
-    /// At most [`SIDE`].
-    pub errors: &'a [Error],
-}
-
-impl Test<'_> {
-    /// Whether all arrays have their lengths.
-    #[must_use]
-    pub fn consistent(&self) -> bool {
-        let m = self.response.len();
-        [self.log_f.len(), self.std.len(), self.set.len()] == [m; 3]
-            && !self.errors.is_empty()
-            && self.errors.len() <= SIDE
-    }
-
-    /// Price of a value without a root.
-    fn alone(&self) -> f64 {
-        -(FALSE / (self.high - self.low).max(LEAST_BAND)).ln()
-    }
-
-    /// Prices of a root that is missed, and of one that is found.
-    fn prices(&self, place: f64, seen: bool) -> (f64, f64) {
-        let found: f64 = if seen { FOUND } else { FOUND_ONCE };
-        let inside = ((place - self.low).min(self.high - place) / EDGE).clamp(0.0, 1.0);
-        (-inside * (1.0 - found).ln(), -inside * found.ln())
-    }
-}
 
 /// All that is linear from a point.
 #[derive(Clone, Debug, Default)]
@@ -93,153 +34,6 @@ pub struct Look {
     pub std: Vec<f64>,
     /// Of all together.
     pub chi_square: f64,
-}
-
-/// Roots as they are expected, those that count alone.
-struct Foreseen {
-    root: Vec<usize>,
-    response: Vec<i64>,
-    place: Vec<f64>,
-    gone: Vec<bool>,
-    change: Vec<f64>,
-    seen: Vec<bool>,
-    rows: Vec<f64>,
-    extra: Vec<f64>,
-}
-
-/// Whether errors of the model are those at the severities, or those without damage: four times quicker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Errors {
-    /// At the severities.
-    There,
-    /// Without damage.
-    Undamaged,
-}
-
-fn foreseen(t: &Tables<'_>, test: &Test<'_>, at: &Places, errors: Errors) -> Foreseen {
-    let mut shown: Vec<(usize, f64, bool)> = Vec::with_capacity(t.size());
-    for k in 0..t.size() {
-        let gone = t.seen[k] && !at.there[k];
-        let model = at.place[k] - at.beside[k];
-        let near = at.there[k] && model > test.low - MARGIN && model < test.high + MARGIN;
-        if gone {
-            shown.push((k, t.intact[k] + t.beside[k], true));
-        } else if near {
-            shown.push((k, at.place[k], false));
-        }
-    }
-    shown.sort_by(|a, b| {
-        (t.response[a.0], a.1)
-            .partial_cmp(&(t.response[b.0], b.1))
-            .unwrap_or(std::cmp::Ordering::Equal)
-    });
-    let mut rows = Vec::new();
-    if errors == Errors::There {
-        rows.resize(shown.len() * t.q, 0.0);
-        for (&(k, _, gone), out) in shown.iter().zip(rows.chunks_exact_mut(t.q.max(1))) {
-            if !gone {
-                at.row(t, k, |e, level, root| t.error_row(e, level, root), out);
-            }
-        }
-    }
-    let of = |f: &dyn Fn(usize, f64, bool) -> f64| -> Vec<f64> {
-        shown
-            .iter()
-            .map(|&(k, place, gone)| f(k, place, gone))
-            .collect()
-    };
-    Foreseen {
-        root: shown.iter().map(|one| one.0).collect(),
-        response: shown.iter().map(|one| t.response[one.0]).collect(),
-        place: shown.iter().map(|one| one.1).collect(),
-        gone: shown.iter().map(|one| one.2).collect(),
-        change: of(&|k, place, gone| match (gone, t.old[k]) {
-            (true, _) => 0.0,
-            (false, true) => place - at.beside[k] - t.intact[k],
-            (false, false) => NEW,
-        }),
-        seen: shown.iter().map(|one| t.seen[one.0] && !one.2).collect(),
-        extra: of(&|k, _, gone| match (gone, t.old[k]) {
-            (true, _) => LOST * LOST,
-            (false, true) => 0.0,
-            (false, false) => t.new_variance,
-        }),
-        rows,
-    }
-}
-
-struct Spread<'a> {
-    rows: &'a [f64],
-    q: usize,
-    which: &'a [usize],
-}
-
-impl NullaryFnOnce for Spread<'_> {
-    type Output = Vec<f64>;
-
-    /// Lower triangle of products of rows.
-    #[inline(always)]
-    fn call(self) -> Vec<f64> {
-        let own = |k: usize| &self.rows[self.which[k] * self.q..][..self.q];
-        let mut found = Vec::with_capacity(row(self.which.len()));
-        for i in 0..self.which.len() {
-            for j in 0..=i {
-                found.push(dot(own(i), own(j)));
-            }
-        }
-        found
-    }
-}
-
-/// Lower triangle of the covariance of some of the roots that are shown, without what is measured.
-fn covariance(t: &Tables<'_>, test: &Test<'_>, roots: &Foreseen, which: &[usize]) -> Vec<f64> {
-    let mut found = if roots.rows.is_empty() {
-        let mut found = Vec::with_capacity(row(which.len()));
-        for i in 0..which.len() {
-            for &b in &which[..=i] {
-                let pair = roots.root[which[i]] * t.size() + roots.root[b];
-                found.push(if roots.gone[which[i]] || roots.gone[b] {
-                    0.0
-                } else {
-                    t.spread[pair]
-                });
-            }
-        }
-        found
-    } else {
-        run(Spread {
-            rows: &roots.rows,
-            q: t.q,
-            which,
-        })
-    };
-    let alike = |k: usize| if roots.gone[k] { 0.0 } else { test.common };
-    for i in 0..which.len() {
-        for j in 0..=i {
-            found[row(i) + j] += alike(which[i]) * alike(which[j]);
-            if which[i] == which[j] {
-                found[row(i) + j] += roots.extra[which[i]];
-            }
-        }
-    }
-    found
-}
-
-struct Variances<'a> {
-    rows: &'a [f64],
-    q: usize,
-}
-
-impl NullaryFnOnce for Variances<'_> {
-    type Output = Vec<f64>;
-
-    #[inline(always)]
-    fn call(self) -> Vec<f64> {
-        self.rows
-            .chunks_exact(self.q)
-            .map(|own| dot(own, own))
-            .collect()
-    }
 }
 
 /// Root of each value, and what those without a partner cost.
@@ -424,16 +218,7 @@ pub fn look(
     errors: Errors,
 ) -> Look {
     let roots = foreseen(t, test, at, errors);
-    let own: Vec<f64> = if roots.rows.is_empty() {
-        let size = t.size();
-        let one = |(&k, &gone)| if gone { 0.0 } else { t.spread[k * size + k] };
-        roots.root.iter().zip(&roots.gone).map(one).collect()
-    } else {
-        run(Variances {
-            rows: &roots.rows,
-            q: t.q,
-        })
-    };
+    let own = variances(t, &roots);
     let sigma: Vec<f64> = (0..own.len())
         .map(|k| {
             let alike = if roots.gone[k] {

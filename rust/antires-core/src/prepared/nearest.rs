@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use super::evidence::FURTHEST;
-use super::look::Test;
 use super::places::{Places, mixed};
 use super::tables::Tables;
+use super::values::Test;
 use crate::linalg::wide::{NullaryFnOnce, run};
 
 /// Further from every root than this (ln f) a value counts as unexplained.

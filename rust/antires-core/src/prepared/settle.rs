@@ -1,9 +1,11 @@
 //! The most probable severities of sets of elements, and their evidence.
 
 use super::evidence::{Evidence, FURTHEST, evidence};
-use super::look::{Errors, Test, look};
+use super::expected::Errors;
+use super::look::look;
 use super::places::Places;
 use super::tables::Tables;
+use super::values::Test;
 
 /// Longest step of u.
 const LONGEST: f64 = 0.7;
