@@ -224,4 +224,4 @@ def test_the_answer_reads_as_that_of_the_full_run(prepared):
     assert quick.probability_of_damage == pytest.approx(full.probability_of_damage, abs=0.01)
     assert quick.probability_elsewhere == pytest.approx(full.probability_elsewhere, abs=0.02)
     assert quick.chi_square == pytest.approx(full.chi_square, rel=0.05)
-    assert "spring 3" in str(quick)
+    assert "spring 2" in str(quick)

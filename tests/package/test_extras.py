@@ -91,6 +91,9 @@ PICTURES = {
     "plot_identifiability": lambda s: plotting.plot_identifiability(before_a_test(s)),
     "plot_singular_values": lambda s: plotting.plot_singular_values(s["check"]),
     "plot_stabilization": lambda s: plotting.plot_stabilization(s["zeros"].diagrams[0]),
+    "plot_responses": lambda s: plotting.plot_responses(
+        ar.frf(s["record"], nperseg=512), s["case"].model, excitation=0
+    ),
     "plot_transmissibility": lambda s: plotting.plot_transmissibility(
         s["lines"], s["case"].model, dof=1, excitation=0
     ),
