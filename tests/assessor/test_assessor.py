@@ -185,7 +185,7 @@ def test_all_values_moved_alike_is_no_damage(prepared):
         ({"baseline": "intact"}, "baseline"),
         ({"baseline": [ar.AntiresonanceSet(0, {1: []})]}, "baseline"),
         ({"elements": []}, "elements"),
-        ({"elements": [99]}, "stiffness term 99"),
+        ({"elements": [99]}, r"elements\[0\]: got 99"),
         ({"prior": 0.5}, "prior"),
         ({"false_alarm_rate": 0.9}, "false_alarm_rate"),
         ({"std_common": -1.0}, "std_common"),
