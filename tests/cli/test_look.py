@@ -114,6 +114,7 @@ def test_a_result_is_looked_at(started, tmp_path):
     assert titles == ["Stiffness losses", "Hypotheses", "Antiresonances"]
     for table in state["tables"]:
         assert {len(row) for row in table["rows"]} == {len(table["head"])}
+    assert len(state["figures"]) >= 3
     for number in range(len(state["figures"])):
         assert asked(url, f"figure?shown={number}")["doc"]
     assert "a result is looked at" in asked(url, "do/drop", {"dof": 0})["error"]
