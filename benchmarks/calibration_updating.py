@@ -50,7 +50,7 @@ def calibration(method, count, draws, jobs, markdown):
 
 
 def from_record(seed):
-    """Coverage of ratios to spring 1, and of the parameters, from one identified record at 1 % noise."""
+    """Coverage of ratios to spring 0, and of the parameters, from one identified record at 1 % noise."""
     case = ar.cases.chain8(perturbation=0.1, rng=seed)
     record = case.experiment(noise=0.01, rng=seed, progress=False)
     zeros = ar.identify_antiresonances(record, excitation=0, band_hz=case.band_hz, progress=False)
@@ -66,7 +66,7 @@ def wrong(seed, kind):
     true, truth = case.true_model(), case.truth()
     stiff, mass = true.stiffness(), true.mass()
     rng = np.random.default_rng(seed)
-    if kind == "extra spring, 2 %":  # of spring 1, from mass 3 to mass 6
+    if kind == "extra spring, 2 %":  # of spring 0, from mass 2 to mass 5
         stiff += 0.02 * 56.7e3 * np.outer(ends := np.eye(8)[2] - np.eye(8)[5], ends)
     elif kind == "spring to ground, 1 %":
         stiff[3, 3] += 0.01 * 56.7e3
@@ -88,7 +88,7 @@ def coverage(problem, truth, seed):
     told = found.intervals(workers=1, progress=False)
     open_ends = np.array([words == "flat" for words in told.words])
     inside = ((told.low <= truth) & (truth <= told.high))[~open_ends]
-    seen = np.delete(np.arange(truth.size), [0, 8])  # mass 1 moves nothing; spring 1 is the scale
+    seen = np.delete(np.arange(truth.size), [0, 8])  # mass 0 moves nothing; spring 0 is the scale
     low, high = np.quantile(told.draws[:, seen] / told.draws[:, [8]], [0.05, 0.95], axis=0)
     ratio = truth[seen] / truth[8]
     return inside, (low <= ratio) & (ratio <= high), found.chi_square, told.model_error

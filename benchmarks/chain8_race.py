@@ -2,7 +2,7 @@
 
 Run:  python -m benchmarks.chain8_race [--seeds 10] [--limit 100000]     (with the dependency group "rivals")
 
-Spring 5 has lost 55 %; the targets are the exact antiresonances. A rival's clock stops at the first candidate
+Spring 4 has lost 55 %; the targets are the exact antiresonances. A rival's clock stops at the first candidate
 whose severities are all within 0.5 % of the truth, exact zeros included (severities below 1e-3 count as zero,
 or no continuous sampler would ever pay the right penalty). Ours runs on to its own stop: nobody tells it the
 truth. Rivals drive J computed in numpy for a whole generation at once, with stacked eigenvalue problems;
@@ -159,7 +159,7 @@ def main():
     case = ar.cases.chain8()
     zeros = case.truth(1)["freq_hz"]
     measured = ar.AntiresonanceSet(case.excitation, zeros)
-    print(f"chain8, spring 5 at 55 %, exact targets, {args.seeds} seeds, one core")
+    print(f"chain8, spring 4 at 55 %, exact targets, {args.seeds} seeds, one core")
     print(
         f"{'method':28} {'bar reached':>12} {'evaluations':>12} {'seconds':>9} {'slowest':>9} "
         f"{'over ours':>10}"

@@ -62,7 +62,7 @@ def identification_study(seeds):
 
 
 def damage_study(seeds, noise):
-    """Rows of (seed, J, severity of spring 5, largest severity of another spring, status)."""
+    """Rows of (seed, J, severity of spring 4, largest severity of another spring, status)."""
     case = ar.cases.chain8()
     rows = []
     for seed in seeds:
@@ -108,8 +108,8 @@ def main():
         )
 
     for noise in (0.0, 0.01):
-        print(f"\ndamage, spring 5 at 55 %, identified antiresonances, {100 * noise:.0f} % sensor noise")
-        print(" seed       J   spring 5     error  largest other  status         evaluations")
+        print(f"\ndamage, spring 4 at 55 %, identified antiresonances, {100 * noise:.0f} % sensor noise")
+        print(" seed       J   spring 4     error  largest other  status         evaluations")
         for seed, cost, beta, others, status, nfev in damage_study(many, noise):
             print(
                 f"{seed:5d}  {cost:6.3f}  {100 * beta:7.2f} %  {100 * (beta - 0.55):+6.2f} %"

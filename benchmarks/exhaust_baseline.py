@@ -1,4 +1,4 @@
-"""The cracked exhaust against its baseline, its model never updated and updated, with and without element 31.
+"""The cracked exhaust against its baseline, its model never updated and updated, with and without element 30.
 
 Records of ten minutes with 1 % noise of the tested structure, a finer frame with other properties than the
 model, whose frequencies are up to 39 % off; "updated" is that model after 21 of its parameters were

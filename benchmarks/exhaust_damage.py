@@ -1,8 +1,8 @@
 """Damage of the exhaust: three crack levels, 30 candidate elements, identified values up to 260 Hz.
 
 Per seed: the model is first updated on the record of the undamaged structure (all 16 accelerometers); then
-each level's record is identified and the losses of elements 18 to 47 are searched with the paper's penalties.
-The crack lies in element 31, behind the weld near its joint with element 30. Beside the antiresonances, from
+each level's record is identified and the losses of elements 17 to 46 are searched with the paper's penalties.
+The crack lies in element 30, behind the weld near its joint with element 29. Beside the antiresonances, from
 the same records, the paper's comparison: resonances and mode shapes (Eq. 18), with a baseline of its own.
 
     python -m benchmarks.exhaust_damage                       # seeds 20 to 24, three levels
@@ -40,7 +40,7 @@ class Run:
     @property
     def ranked(self):
         """(element, loss) of the damaged elements, the worst first, counted from 1."""
-        found = [(element + 1, loss) for element, loss in self.result.severity.items() if loss > 0]
+        found = [(element, loss) for element, loss in self.result.severity.items() if loss > 0]
         return sorted(found, key=lambda pair: -pair[1])
 
 
@@ -79,7 +79,7 @@ def assess(case, model, data, seed):
 
 def verdict(case, runs):
     """Text: what the runs of one method show together."""
-    cracked = case.cracked_element + 1
+    cracked = case.cracked_element
     near = (cracked - 1, cracked, cracked + 1)
     first = sum(one.ranked[0][0] in near if one.ranked else 0 for one in runs)
     exact = sum(one.ranked[0][0] == cracked if one.ranked else 0 for one in runs)
@@ -145,7 +145,7 @@ def main():
     args = parser.parse_args()
     case = ar.cases.exhaust()
     print(
-        f"crack in element {case.cracked_element + 1}: share of the perimeter, and stiffness loss of the "
+        f"crack in element {case.cracked_element}: share of the perimeter, and stiffness loss of the "
         "whole element that turns as much"
     )
     for level in args.levels:

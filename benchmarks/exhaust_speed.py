@@ -2,7 +2,7 @@
 
 Run:  python -m benchmarks.exhaust_speed
 The damage problem of the exhaust: 144 dofs, 16 responses, 30 elements, the exact antiresonances up to 260 Hz
-with element 31 at 75 % as measurement. Values are compared before times are. The rivals solve the same J:
+with element 30 at 75 % as measurement. Values are compared before times are. The rivals solve the same J:
 SciPy's QZ on each deleted pencil, and numpy's eigh once for all responses with the roots between the poles by
 scan and bisection, vectorised. Candidates are of the kind a search meets: a few damaged elements.
 """

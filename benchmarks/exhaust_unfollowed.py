@@ -82,14 +82,14 @@ def answer(options, seed):
             ar.assess_damage(case.model, measured(case, level, rng), baseline=sets[0], **options),
         )
         for way, found in zip(WAYS, ways, strict=True):
-            damages[way, level] = [(element + 1, found.severity[element]) for element in found.damaged]
+            damages[way, level] = [(element, found.severity[element]) for element in found.damaged]
         losses[level] = case.truth(level)["equivalent_loss"]
     return Answer(fit.table.largest_after_percent, np.abs(held_out).mean(), thickness, damages, losses)
 
 
 def row(name, answers):
     """One row of the table: medians over the seeds."""
-    cracked = ar.cases.exhaust().cracked_element + 1
+    cracked = ar.cases.exhaust().cracked_element
 
     def median(of):
         return f"{statistics.median(of(each) for each in answers):.2f}"
@@ -128,7 +128,7 @@ def picture(path, found):
         ]
         right.plot(percent, [statistics.median(v) for v in shown], line, label=f"level {level}, {way}")
         right.axhline(100.0 * curve[0][1][0].losses[level], ls=":", color=line[:2])
-    right.set(xlabel="Scatter of the wall (%)", ylabel="Loss of element 31 (%)", ylim=(0, 100))
+    right.set(xlabel="Scatter of the wall (%)", ylabel="Loss of element 30 (%)", ylim=(0, 100))
     for ax in (left, right):
         ax.legend()
     figure.savefig(path, dpi=120)

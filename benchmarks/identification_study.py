@@ -1,6 +1,6 @@
 """Identification of the eight-mass chain from noisy records: found, false and largest error, against bars.
 
-Force at mass 1, 512 Hz, Hann; the noise is a white fraction of each channel's own rms; truth is the 28
+Force at mass 0, 512 Hz, Hann; the noise is a white fraction of each channel's own rms; truth is the 28
 antiresonances of the undamped chain; found means within 1 %, one to one. Row 1: no noise and 1 %; rows 2,
 3 and 4: 2, 5 and 10 % noise, and a short record of a lightly damped chain. The bars are for the default
 route, which reads the responses only; the FRF route, which reads the force too, runs on the same records.

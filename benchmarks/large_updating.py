@@ -87,8 +87,8 @@ def main(given):
         told = result.reduction
         how = f"; {told.rounds} bases, {told.size} dofs, to {told.difference:.0e}"
         said(f"damage among 200 groups, {result.nfev} states", wall_s, cpu_s, how)
-        print("intact" if given.intact else f"damaged: element {hit + 1} by 40 %", result.headline, sep=". ")
-        print("losses found:", {e + 1: round(loss, 4) for e, loss in result.severity.items() if loss})
+        print("intact" if given.intact else f"damaged: element {hit} by 40 %", result.headline, sep=". ")
+        print("losses found:", {e: round(loss, 4) for e, loss in result.severity.items() if loss})
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Speed of one chain8 objective value, one core: the Rust core against the same J in numpy and SciPy.
 
 Run:  python -m benchmarks.objective_speed
-The three compute the same J of spring 5 at 55 % for the same random severities; values are compared
+The three compute the same J of spring 4 at 55 % for the same random severities; values are compared
 before times are. Figures are ratios of one run; absolute times depend on the machine.
 """
 

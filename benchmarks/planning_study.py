@@ -92,7 +92,7 @@ def exhaust_plans(n_random):
         + [f"{100 * one.detectable[CRACKED]:.1f}"]
         for name, one in sets.items()
     ]
-    print_table(["exhaust", "values", "nats", "median loss seen, %", "element 31, %"], rows, markdown=False)
+    print_table(["exhaust", "values", "nats", "median loss seen, %", "element 30, %"], rows, markdown=False)
     return case, sets
 
 
@@ -122,7 +122,7 @@ def detection(case, sets):
         )
     head = [
         "exhaust, 3 % model error",
-        "a90 of element 31, %",
+        "a90 of element 30, %",
         "median a90, %",
         "elements of 30 with a90 < 10 %",
     ]

@@ -3,7 +3,7 @@
 Impacts: tests of 20 impacts, one file each (16 s, 1 % damping, 1 % noise), against single impacts: found of
 28, false, and the scatter from test to test over that of one impact: 1 / sqrt(20) = 0.22 if all is well.
 
-Comparison: records of 256 s of the intact chain and of chains with 0.1 and 2 % less in spring 5 (1 % damping,
+Comparison: records of 256 s of the intact chain and of chains with 0.1 and 2 % less in spring 4 (1 % damping,
 1 % noise). False alarms of the test of all: each intact record against the next, in a circle. Detection: each
 intact record against a damaged one.
 
@@ -106,7 +106,7 @@ def comparisons(records, jobs):
             for c in compared
         )
         print(
-            f"spring {SPRING + 1} less {100 * loss:g} %: all 28 matched in {right} of {records}, different "
+            f"spring {SPRING} less {100 * loss:g} %: all 28 matched in {right} of {records}, different "
             f"at {100 * ALPHA:g} % false alarms in {sum(c.different for c in compared)}"
         )
     followed = ar.track(intact)

@@ -15,7 +15,7 @@ from antires_rs.cli import main as antires
 
 
 def write_test(file: Path) -> None:
-    """The test: eight accelerometers at nodes 1 to 8, in +Z, 1 % noise; spring 5 has lost 55 %."""
+    """The test: eight accelerometers at nodes 1 to 8, in +Z, 1 % noise; spring 4 has lost 55 %."""
     record = ar.cases.chain8().experiment(level=1, noise=0.01, rng=1)
     named = ar.Recording(record.responses, record.fs_hz, [f"{node}+Z" for node in range(1, 9)], record.force)
     ar.write_uff(file, named)

@@ -33,12 +33,12 @@ class Case(NamedTuple):
 
 
 CASES = (
-    Case("clear", "spring 5 has lost 40 %", {4: 0.40}),
+    Case("clear", "spring 4 has lost 40 %", {4: 0.40}),
     Case("none", "nothing", {}),
-    Case("two", "springs 2 and 5 have lost 30 and 20 %", {1: 0.30, 4: 0.20}),
-    Case("elsewhere", "spring 5 has lost 40 %, and is no candidate", {4: 0.40}, (0, 1, 2, 3, 5)),
+    Case("two", "springs 1 and 4 have lost 30 and 20 %", {1: 0.30, 4: 0.20}),
+    Case("elsewhere", "spring 4 has lost 40 %, and is no candidate", {4: 0.40}, (0, 1, 2, 3, 5)),
     Case("alike", "one of two parallel springs has lost 40 %", {1: 0.20}, tuple(range(12)), in_pairs=True),
-    Case("small", "spring 1 has lost 0.7 %, too little to tell", {0: 0.007}),
+    Case("small", "spring 0 has lost 0.7 %, too little to tell", {0: 0.007}),
 )
 
 

@@ -4,10 +4,10 @@ Data: the Southampton three-storey shear frame of the Digital Twin Operational P
 BSD-3-Clause), one column of FRFs for each floor that was shaken. The model is the nominal one of its
 authors: 5.201 kg a storey, 52.5 kN/m between storeys (four legs 25 x 3 mm). They may change by 40 %.
 
-What to expect. A chain of three lumped masses cannot fit these antiresonances below 1.1 %: that of H_12
-is the top mass alone on its spring, and so is one of H_22, while the real frame shows them at 14.5 and
+What to expect. A chain of three lumped masses cannot fit these antiresonances below 1.1 %: that of H_01
+is the top mass alone on its spring, and so is one of H_11, while the real frame shows them at 14.5 and
 15.0 Hz. The sum of absolute residuals would fit one of the two exactly; least squares distributes the
-error over both. H_13 has no antiresonance: force and response are at the two ends. Scaling all masses and
+error over both. H_02 has no antiresonance: force and response are at the two ends. Scaling all masses and
 springs together changes no antiresonance, so the first mass is kept at 5.201 kg to set the scale.
 
 H_ik = H_ki, so each pair is used once (response at or below the force): counted twice, a pair would

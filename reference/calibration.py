@@ -15,7 +15,7 @@ ERRORS = (2e-4, 1e-3)
 
 
 def chain8():
-    """The paper's chain, every mass and spring within 10 %: mass 1 and a common scale are not seen."""
+    """The paper's chain, every mass and spring within 10 %: mass 0 and a common scale are not seen."""
     case = ar.cases.chain8()
     parameters = ar.mass_factor(range(8), bounds=(0.9, 1.1)) + ar.stiffness_factor(
         range(7), bounds=(0.9, 1.1)
@@ -24,7 +24,7 @@ def chain8():
 
 
 def grounded():
-    """Five masses between two walls, masses known, springs within 30 %, force at mass 3."""
+    """Five masses between two walls, masses known, springs within 30 %, force at mass 2."""
     model = ar.MassSpringChain(
         [1.0, 1.5, 0.8, 1.2, 1.0], [4e4, 3e4, 5e4, 4e4], ground_first_n_per_m=3e4, ground_last_n_per_m=2e4
     )
@@ -32,7 +32,7 @@ def grounded():
 
 
 def two_forces():
-    """Six masses, some springs and some masses within 20 %, forces at masses 1 and 5."""
+    """Six masses, some springs and some masses within 20 %, forces at masses 0 and 4."""
     model = ar.MassSpringChain([2.0, 1.0, 1.0, 3.0, 1.0, 0.5], [2e4, 6e4, 3e4, 3e4, 8e4])
     parameters = ar.stiffness_factor([0, 1, 3, 4], bounds=(0.8, 1.2)) + ar.mass_factor(
         [1, 3, 5], bounds=(0.8, 1.2)

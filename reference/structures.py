@@ -193,7 +193,7 @@ def random_chain(seed, excitation=0):
 
 
 def random_chain_inner_force(seed):
-    """A random chain with the force at mass 4."""
+    """A random chain with the force at mass 3."""
     return random_chain(seed, excitation=3)
 
 

@@ -2,7 +2,7 @@
 Damage of the eight-mass chain
 ==============================
 
-The first case of the paper: eight masses in line, free at both ends, shaken at mass 1. Spring 5 has lost
+The first case of the paper: eight masses in line, free at both ends, shaken at mass 0. Spring 4 has lost
 55 % of its stiffness. Eight accelerometers are recorded; the force is not used. First the way of the paper,
 on a model without error; then with a baseline, on one that is wrong.
 """
@@ -16,7 +16,7 @@ case = ar.cases.chain8()
 record = case.experiment(level=1, noise=0.01, duration_s=128.0, rng=1)
 
 # %%
-# The record becomes antiresonances, response by response. ``H_11`` has seven, ``H_81`` none. Standard
+# The record becomes antiresonances, response by response. ``H_00`` has seven, ``H_70`` none. Standard
 # deviations come from the scatter of the segments.
 zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130))
 print(zeros)
@@ -45,7 +45,7 @@ before, now = (
     for level in (0, 1)
 )
 without = ar.assess_damage(off.model, now, rng=0)
-print({f"spring {e + 1}": round(without.severity[e], 3) for e in without.damaged})
+print({f"spring {e}": round(without.severity[e], 3) for e in without.damaged})
 
 # %%
 # Compared with a record of the intact structure the errors drop out. The answer is the most probable of all

@@ -19,7 +19,7 @@ result = ar.update(case.updating_problem(zeros), rng=0)
 print(result)
 
 # %%
-# What the data do not determine: mass 1, where the force acts, enters no antiresonance, and scaling all
+# What the data do not determine: mass 0, where the force acts, enters no antiresonance, and scaling all
 # masses and springs together changes none. So thirteen of the fifteen combinations are determined.
 for note in result.notes:
     print("-", note)
@@ -30,7 +30,7 @@ fig, ax = plt.subplots(figsize=(9, 4), layout="constrained")
 plotting.plot_differences(result.table, ax=ax)
 
 # %%
-# Beside the truth, once the common scale is removed: the parameters agree, except mass 1, which is not
+# Beside the truth, once the common scale is removed: the parameters agree, except mass 0, which is not
 # determined.
 truth = np.concatenate([case.truth()["mass_factor"], case.truth()["stiffness_factor"]])
 seen = np.arange(15) != 0
@@ -39,7 +39,7 @@ fig, ax = plt.subplots(figsize=(9, 3.6), layout="constrained")
 ax.plot(truth, "kD", mfc="none", ms=9, label="truth")
 ax.plot(np.flatnonzero(seen), scale * result.x[seen], "o", label="found, common scale taken out")
 ax.plot(0, scale * result.x[0], "x", ms=9, label="not seen by any antiresonance")
-ax.set_xticks(range(15), [f"m{i + 1}" for i in range(8)] + [f"k{i + 1}" for i in range(7)])
+ax.set_xticks(range(15), [f"m{i}" for i in range(8)] + [f"k{i}" for i in range(7)])
 ax.set_ylabel("Factor on the nominal value (-)")
 ax.legend()
 

@@ -15,7 +15,7 @@ good = case.experiment(noise=0.01, duration_s=100.0, rng=0)
 print(ar.check_data(good, excitation=0, band_hz=(3, 130)))
 
 # %%
-# The responses of a second, unrelated force at mass 7 are added: a machine running next door.
+# The responses of a second, unrelated force at mass 6 are added: a machine running next door.
 other = case.model.simulate(excitation=6, fs_hz=good.fs_hz, duration_s=100.0, damping_ratio=0.01, rng=1)
 both = ar.Recording(np.array(good.responses) + 0.3 * np.array(other.responses), good.fs_hz)
 checked = ar.check_data(both, excitation=0, band_hz=(3, 130))
@@ -35,6 +35,6 @@ for ax, check, name in zip(
     ax.set_title(name)
 
 # %%
-# The force was at mass 1, but the notes say mass 5.
+# The force was at mass 0, but the notes say mass 4.
 for finding in ar.check_data(good, excitation=4, band_hz=(3, 130)).findings:
     print(finding)

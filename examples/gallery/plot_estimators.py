@@ -19,7 +19,7 @@ estimates = {
 }
 
 # %%
-# Left the second antiresonance of the reference, mass 1; right the second of the response, mass 3.
+# Left the second antiresonance of the reference, mass 0; right the second of the response, mass 2.
 fig, axes = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
 for ax, dof in zip(axes, (0, 2), strict=True):
     zero = case.model.antiresonances(dof, 0)[1]

@@ -36,7 +36,7 @@ damage = ar.assess_damage(baseline.model, cracked, elements=case.candidates, opt
 print(damage.damaged, [round(damage.severity[element], 3) for element in damage.damaged])
 
 # %%
-# Element 31 (30, counted from zero) holds the crack. The diamond is the stiffness loss equivalent to the
+# Element 30 holds the crack. The diamond is the stiffness loss equivalent to the
 # crack. Towards the free ends only a complete break would be found: the short lines are high there, or
 # missing where no loss at all would be found.
 fig, (bars, picture) = plt.subplots(2, 1, figsize=(10, 8), layout="constrained")

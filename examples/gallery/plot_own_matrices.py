@@ -3,7 +3,7 @@ Your own matrices
 =================
 
 A model from any finite-element code: K, M, and one stiffness matrix for each part that may change. Here a
-clamped-free beam in twenty elements, assembled with numpy, whose element 7 has lost half its stiffness.
+clamped-free beam in twenty elements, assembled with numpy, whose element 6 has lost half its stiffness.
 """
 
 import matplotlib.pyplot as plt

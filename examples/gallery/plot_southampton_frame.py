@@ -4,7 +4,7 @@ A measured three-storey frame
 
 The shear frame of the Digital Twin Operational Platform in Southampton (Cristallo, BSD-3-Clause):
 accelerances of three floors, one column for each floor that was shaken. Two of its antiresonances contradict
-a chain of three masses: that of H_12 would be the top mass alone on its spring, and so would one of H_22,
+a chain of three masses: that of H_01 would be the top mass alone on its spring, and so would one of H_11,
 but they are measured at 14.5 and 15.0 Hz. So the fit ends near 1.4 %; least squares distributes the error.
 
 The data are not part of this repository: ``ANTIRES_DATA`` names the folder that holds them.
@@ -38,7 +38,7 @@ if folder.is_dir():
     for k, (ax, (response, zeros)) in enumerate(zip(axes, measured, strict=True)):
         for dof, style in enumerate(("-", "--", ":")):
             size = abs(response.values[dof])
-            (line,) = ax.semilogy(response.freq_hz, size, style, label=f"$H_{{{dof + 1}{k + 1}}}$")
+            (line,) = ax.semilogy(response.freq_hz, size, style, label=f"$H_{{{dof}{k}}}$")
             ax.plot(zeros[dof], np.interp(zeros[dof], response.freq_hz, size), "v", color=line.get_color())
         ax.set(xlim=(3, 35), ylabel="Accelerance (1/kg)")
         ax.legend(ncols=3)

@@ -17,10 +17,10 @@ freq = np.linspace(3.0, 125.0, 4000)
 h = case.model.frf([0, 3], 0, freq, damping_ratio=0.01)
 fig, (above, below) = plt.subplots(2, 1, sharex=True, figsize=(9, 6), layout="constrained")
 for row, dof, style in zip(h, (0, 3), ("-", "--"), strict=True):
-    above.semilogy(freq, abs(row), style, label=f"$H_{{{dof + 1}1}}$")
+    above.semilogy(freq, abs(row), style, label=f"$H_{{{dof}0}}$")
 above.set_ylabel("Accelerance (1/kg)")
 above.legend()
-below.semilogy(freq, abs(h[1] / h[0]), label="$T_{41} = H_{41} / H_{11}$")
+below.semilogy(freq, abs(h[1] / h[0]), label="$T_{30} = H_{30} / H_{00}$")
 for zero in case.model.antiresonances(0, 0):
     below.axvline(zero, color="0.7", lw=1, zorder=0)
 below.set(xlabel="Frequency (Hz)", ylabel="Transmissibility (-)")

@@ -26,7 +26,7 @@ damages = {
 fig, ax = plt.subplots(figsize=(9, 4), layout="constrained")
 plotting.plot_damages(damages, ax=ax, truth=case.truth(level=1)["severity"])
 for name, damage in damages.items():
-    print(f"{name:20s} spring {damage.damaged[0] + 1}: {100 * damage.severity[4]:.2f} % (true: 55 %)")
+    print(f"{name:20s} spring {damage.damaged[0]}: {100 * damage.severity[4]:.2f} % (true: 55 %)")
 
 # %%
 # The modes before and after, with the MAC of their shapes.

@@ -32,7 +32,7 @@ for ax, true in zip(axes, truth, strict=True):
             i = int(np.argmin(abs(values - true)))
             ax.errorbar(seed, values[i], yerr=1.645 * zeros.std_hz[5][i], fmt="o", color="C0", capsize=3)
     ax.axhline(true, color="k", lw=1)
-    ax.set(xlabel="Record", ylabel="Antiresonance of $H_{61}$ (Hz)", title="90 % intervals and the truth")
+    ax.set(xlabel="Record", ylabel="Antiresonance of $H_{50}$ (Hz)", title="90 % intervals and the truth")
 
 # %%
 # The updating can use them: with ``weights="std"`` uncertain antiresonances get less weight.

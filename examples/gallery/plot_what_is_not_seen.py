@@ -25,13 +25,13 @@ def visible(force, gamma):
 fig, axes = plt.subplots(1, 2, sharey=True, figsize=(10, 4), layout="constrained")
 for ax, force in zip(axes, (0, 3), strict=True):
     for gamma, mark in ((0.1, "o-"), (0.02, "s--")):
-        ax.plot(range(1, 8), visible(force, gamma), mark, label=rf"$\gamma_1 = \gamma_2 = {gamma}$")
-    ax.set(xlabel="Spring", title=f"force at mass {force + 1}", ylim=(0, None))
+        ax.plot(range(7), visible(force, gamma), mark, label=rf"$\gamma_1 = \gamma_2 = {gamma}$")
+    ax.set(xlabel="Spring", title=f"force at mass {force}", ylim=(0, None))
 axes[0].set_ylabel("Smallest visible loss (%)")
 axes[0].legend()
 
 # %%
-# What a result states about its parameters: here four, of which mass 1 enters no antiresonance, since the
+# What a result states about its parameters: here four, of which mass 0 enters no antiresonance, since the
 # force acts on it.
 measured = ar.AntiresonanceSet(0, dict(enumerate(chain.antiresonances(range(8), 0))))
 parameters = ar.mass_factor([0, 1], bounds=(0.9, 1.1)) + ar.stiffness_factor([0, 1], bounds=(0.9, 1.1))

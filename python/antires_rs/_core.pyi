@@ -153,6 +153,65 @@ class Objective:
         start: Sequence[float] | None = None,
     ) -> dict[str, Any]: ...
 
+@final
+class PreparedTables:
+    def __new__(
+        cls,
+        levels: _Floats,
+        response: NDArray[np.intp],
+        seen: NDArray[np.bool_],
+        old: NDArray[np.bool_],
+        intact: _Floats,
+        there: NDArray[np.bool_],
+        place: _Floats,
+        beside: _Floats,
+        by_own: _Floats,
+        slopes: NDArray[np.float32],
+        crossed: NDArray[np.float32],
+        errors: NDArray[np.float32],
+        spread: _Floats,
+        new_variance: float,
+    ) -> PreparedTables: ...
+
+@final
+class PreparedTest:
+    def __new__(
+        cls,
+        tables: PreparedTables,
+        response: Sequence[int],
+        log_f: Sequence[float],
+        std: Sequence[float],
+        set: Sequence[int],
+        band: tuple[float, float],
+        common: float,
+        errors: Sequence[tuple[float, float, float]],
+        outside: float,
+    ) -> PreparedTest: ...
+    def look(
+        self,
+        elements: Sequence[int],
+        u: Sequence[float],
+        place: Sequence[float] | None = None,
+        there: Sequence[bool] | None = None,
+        slopes: _Floats | None = None,
+    ) -> tuple[float, _Floats, _Floats, int, NDArray[np.intp], _Floats, _Floats, _Floats, float]: ...
+    def places(
+        self, elements: Sequence[int], u: Sequence[float]
+    ) -> tuple[_Floats, _Floats, NDArray[np.bool_]]: ...
+    def scan(
+        self, elements: Sequence[int], u: Sequence[float], further: Sequence[int]
+    ) -> tuple[_Floats, _Floats]: ...
+    def refine(
+        self, sets: Sequence[tuple[Sequence[int], Sequence[float]]], steps: int
+    ) -> list[tuple[list[float], float]]: ...
+    def settle(
+        self,
+        sets: Sequence[tuple[Sequence[int], Sequence[float]]],
+        looks: int,
+        rests: float,
+        errors_there: bool,
+    ) -> list[tuple[list[float], list[float], list[float], list[float], float, float]]: ...
+
 def align(cost: _Floats, alone_row: _Floats, alone_column: _Floats) -> NDArray[np.intp]: ...
 def associate(
     response: NDArray[np.intp],

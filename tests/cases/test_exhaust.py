@@ -36,8 +36,8 @@ def test_the_frame_has_the_size_of_the_papers(case):
     assert len(case.held_out) == 4
     assert len(case.updating_parameters()) == 21
     assert [case.model.element_label(e) for e in (case.candidates[0], case.candidates[-1])] == [
-        "element 18",
-        "element 47",
+        "element 17",
+        "element 46",
     ]
 
 

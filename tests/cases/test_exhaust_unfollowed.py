@@ -54,7 +54,7 @@ def test_the_wall_scatters_as_said_and_the_crack_follows_it():
 
 
 def test_a_joint_turns_as_so_much_more_pipe_would():
-    """Element 18 ends at the front muffler: its end's rotation under a moment, with its first node held."""
+    """Element 17 ends at the front muffler: its end's rotation under a moment, with its first node held."""
 
     def turned(model):
         stiffness = model.stiffness().toarray()

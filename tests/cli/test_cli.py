@@ -117,15 +117,15 @@ def test_demo_tells_the_story_and_writes_the_files(monkeypatch, tmp_path, capsys
     numbers = json.loads((out / "summary.json").read_text())
     assert numbers["updating"]["evaluations"] <= 20_000
     assert numbers["updating"]["largest_after_percent"] < 0.58  # the paper's bar
-    assert [name for name, beta in numbers["damage"]["severity"].items() if beta > 0] == ["spring 5"]
-    assert numbers["damage"]["severity"]["spring 5"] == pytest.approx(0.55, abs=0.02)
-    assert f"{100 * numbers['damage']['severity']['spring 5']:.1f}" in said
-    assert "Spring 5 has lost" in (out / "damage.html").read_text()
+    assert [name for name, beta in numbers["damage"]["severity"].items() if beta > 0] == ["spring 4"]
+    assert numbers["damage"]["severity"]["spring 4"] == pytest.approx(0.55, abs=0.02)
+    assert f"{100 * numbers['damage']['severity']['spring 4']:.1f}" in said
+    assert "Spring 4 has lost" in (out / "damage.html").read_text()
     changed = numbers["damage"]["against_baseline"]
-    assert [name for name, beta in changed["severity"].items() if beta > 0] == ["spring 5"]
-    assert changed["severity"]["spring 5"] == pytest.approx(0.55, abs=0.005)
-    assert changed["probability"]["spring 5"] > 0.99
-    assert changed["headline"].startswith("Damage: spring 5 has lost")
+    assert [name for name, beta in changed["severity"].items() if beta > 0] == ["spring 4"]
+    assert changed["severity"]["spring 4"] == pytest.approx(0.55, abs=0.005)
+    assert changed["probability"]["spring 4"] > 0.99
+    assert changed["headline"].startswith("Damage: spring 4 has lost")
     assert " ".join(changed["headline"].split()) in " ".join(said.split())
 
 
@@ -287,7 +287,7 @@ def test_report_of_a_result_and_of_its_folder(tmp_path, capsys):
     ar.assess_damage(case.model, case.exact(1), rng=0).save(tmp_path / "result.npz")
     assert cli.main(["report", str(tmp_path)]) == 0
     assert capsys.readouterr().out == f"Wrote {tmp_path / 'report.html'}\n"
-    assert "Spring 5 has lost 55.0 %" in (tmp_path / "report.html").read_text()
+    assert "Spring 4 has lost 55.0 %" in (tmp_path / "report.html").read_text()
     call = [
         "report",
         str(tmp_path / "result.npz"),

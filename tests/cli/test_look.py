@@ -12,6 +12,7 @@ import pytest
 import antires_rs as ar
 from antires_rs import cli
 from tests.support.four_masses import BAND, record
+from tests.support.job_files import DAMAGE, run, write_measured
 from tests.support.signalled import ANTIRES
 
 BAND_GIVEN = ["--band", *map(str, BAND)]
@@ -47,7 +48,10 @@ def started(tmp_path):
 
 def asked(url, path, body=None):
     base, _, token = url.partition("/?")
-    with urlopen(f"{base}/{path}?{token}", None if body is None else json.dumps(body).encode()) as answer:
+    sign = "&" if "?" in path else "?"
+    with urlopen(
+        f"{base}/{path}{sign}{token}", None if body is None else json.dumps(body).encode()
+    ) as answer:
         return json.load(answer)
 
 
@@ -97,6 +101,24 @@ def test_a_set_is_looked_at_and_saved_in_its_own_file(started, tmp_path):
     assert ar.AntiresonanceSet.load(file)[0].tolist() == [8.7]
     assert ended(process)[0] == 0
     assert not (tmp_path / "zeros_unsaved.json").exists()
+
+
+def test_a_result_is_looked_at(started, tmp_path):
+    write_measured(tmp_path)
+    run(tmp_path, DAMAGE)
+    process, url = started("job_results")
+    state = asked(url, "state")
+    assert (state["kind"], state["title"]) == ("result", "job_results")
+    assert state["answer"]
+    titles = [table["title"].partition(";")[0] for table in state["tables"]]
+    assert titles == ["Stiffness losses", "Hypotheses", "Antiresonances"]
+    for table in state["tables"]:
+        assert {len(row) for row in table["rows"]} == {len(table["head"])}
+    assert len(state["figures"]) >= 3
+    for number in range(len(state["figures"])):
+        assert asked(url, f"figure?shown={number}")["doc"]
+    assert "a result is looked at" in asked(url, "do/drop", {"dof": 0})["error"]
+    assert ended(process)[0] == 0
 
 
 def test_ctrl_c_during_the_identification_ends_it_at_once(started, measured):

@@ -101,7 +101,7 @@ def test_a_saved_assessor_tells_what_is_damaged(ten_files, tmp_path, capsys, mon
     command += ["--out", str(tmp_path / "out"), "--once", "--assessor"]
     assert main([*command, str(plan)]) == 0
     after = "".join(capsys.readouterr()).split("test_9.npz: ALARM")[1]
-    assert "spring 2 has lost" in after.splitlines()[1]
+    assert "spring 1 has lost" in after.splitlines()[1]
     assert main([*command, str(ten_files[0])]) == 1  # no assessor
 
 

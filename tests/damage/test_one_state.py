@@ -9,7 +9,7 @@ from tests.support.wrong_chains import NOMINAL, chain, measured, truth
 
 
 def label(element):
-    return f"spring {element + 1}"
+    return f"spring {element}"
 
 
 def test_an_intact_chain_beside_the_model_is_not_said_to_be_damaged_without_reserve(tmp_path):
@@ -41,7 +41,7 @@ def test_headline_and_severity_agree_whatever_the_hypotheses_say():
 def test_a_search_that_was_stopped():
     first, _ = headline_of_one_state({1: 0.2}, label, finished=False)
     assert first.startswith(
-        "The search was stopped: the best so far, if the model is exact, is that spring 2"
+        "The search was stopped: the best so far, if the model is exact, is that spring 1"
     )
     first, second = headline_of_one_state({}, label, finished=False)
     assert first == "The search was stopped: no damage so far."

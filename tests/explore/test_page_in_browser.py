@@ -38,7 +38,7 @@ def served(session):
 @pytest.fixture
 def shown(chromium, served):
     """The page, drawn; at its end nothing was asked of anyone else, and nothing went wrong."""
-    page = chromium.new_page(viewport={"width": 1400, "height": 900})
+    page = chromium.new_page(viewport={"width": 1400, "height": 1400})
     watched = Watched(page)
     page.goto(served.url)
     drawn(page)

@@ -113,7 +113,7 @@ def test_the_data_check_looks_at_every_record_and_at_the_average():
         "dead_channel"
     )
     assert finding.where == (5,)
-    assert "record 4 of 4" in finding.text
+    assert "record 3 of 4" in finding.text
 
 
 def test_records_that_do_not_belong_together_are_named():

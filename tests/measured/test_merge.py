@@ -59,16 +59,16 @@ def test_the_setup_that_disagrees_is_named():
     rng = np.random.default_rng(2)
     setups = [setup(0, (0, d), rng, shift=0.005 if d == 3 else 0.0) for d in (1, 2, 3, 4)]
     with pytest.warns(
-        AntiresWarning, match=r"Setup 3 disagrees .*at dof 0, \+0\..* % from the others"
+        AntiresWarning, match=r"Setup 2 disagrees .*at dof 0, \+0\..* % from the others"
     ) as seen:
         merged = ar.merge_setups(setups)
-    assert "Setup 1" not in str(seen[0].message)
+    assert "Setup 0" not in str(seen[0].message)
     # The errors hold what is left of it in the mean.
     assert np.all(np.abs(merged[0] / MODEL.antiresonances(0, 0) - 1.0) < 3 * merged.std_hz[0] / merged[0])
-    with pytest.raises(UnsuitableDataError, match="^sets: got setups that disagree: Setup 3"):
+    with pytest.raises(UnsuitableDataError, match="^sets: got setups that disagree: Setup 2"):
         ar.merge_setups(setups, check="raise")
     ar.merge_setups(setups, std_between=0.005)
-    with pytest.warns(AntiresWarning, match="Setups 1 and 2 disagree"):
+    with pytest.warns(AntiresWarning, match="Setups 0 and 1 disagree"):
         ar.merge_setups(setups[1:3])
 
 
@@ -122,18 +122,18 @@ def test_identified_setups_keep_their_scores():
 def test_the_same_set_twice_counts_once():
     rng = np.random.default_rng(5)
     one, other = setup(0, (0, 1, 2), rng), setup(0, (0, 3), rng)
-    with pytest.warns(AntiresWarning, match=r"setups 1 and 2 have \d+ values in common to the last bit"):
+    with pytest.warns(AntiresWarning, match=r"setups 0 and 1 have \d+ values in common to the last bit"):
         merged = ar.merge_setups([one, one])
     for dof in one:
         assert merged[dof].tolist() == one[dof].tolist()
         assert merged.std_hz[dof].tolist() == one.std_hz[dof].tolist()
-    with pytest.warns(AntiresWarning, match="setups 1 and 3 have"):
+    with pytest.warns(AntiresWarning, match="setups 0 and 2 have"):
         merged = ar.merge_setups([one, other, one])
     plain = ar.merge_setups([one, other])
     for dof in plain:
         assert merged[dof].tolist() == plain[dof].tolist()
         assert merged.std_hz[dof].tolist() == plain.std_hz[dof].tolist()
-    with pytest.raises(UnsuitableDataError, match=r"setups 1 and 2 .* Give each setup once"):
+    with pytest.raises(UnsuitableDataError, match=r"setups 0 and 1 .* Give each setup once"):
         ar.merge_setups([one, one], check="raise")
     assert ar.merge_setups([one, one], check="off") == ar.AntiresonanceSet.from_tables(0, one.tables)
 

@@ -16,7 +16,7 @@ def kinds(followed):
 
 
 def test_values_move_through_many_tests():
-    # Spring 5 softens by 60 % in steps of 2 %: some values move by a tenth, none is taken for another.
+    # Spring 4 softens by 60 % in steps of 2 %: some values move by a tenth, none is taken for another.
     tests, exact = [], []
     for loss in np.arange(0.0, 0.6, 0.02):
         springs = np.full(7, 56.7e3)

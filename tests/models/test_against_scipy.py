@@ -123,7 +123,7 @@ def test_antiresonances_are_reciprocal():
 
 
 def test_a_double_zero_of_a_mirrored_pair_is_found_twice():
-    """Mass 3 of 9 driven, mass 5 measured: the two ends beyond them are equal, so N = p(x)^2."""
+    """Mass 2 of 9 driven, mass 4 measured: the two ends beyond them are equal, so N = p(x)^2."""
     masses, springs = np.array([1.0, 1.3, 0.9, 1.1]), 1e4 * np.array([1.2, 0.8, 1.1, 0.9])
     chain = ar.MassSpringChain(np.r_[masses, 1.0, masses[::-1]], np.r_[springs, springs[::-1]])
     k_mat, m_mat = chain.stiffness()[:3, :3], chain.mass()[:3, :3]

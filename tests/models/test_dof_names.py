@@ -119,7 +119,7 @@ def test_frames_and_chains_have_names_too():
             frame.antiresonances(name, "1:v"), frame.antiresonances(tip, frame.dof(1, "v"))
         )
     chain = ar.MassSpringChain([1.0, 1.0], [500.0])
-    np.testing.assert_array_equal(chain.antiresonances("mass 2", "mass 1"), chain.antiresonances(1, 0))
+    np.testing.assert_array_equal(chain.antiresonances("mass 1", "mass 0"), chain.antiresonances(1, 0))
 
 
 @pytest.mark.parametrize(

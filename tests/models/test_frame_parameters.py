@@ -129,18 +129,18 @@ def test_all_kinds_mix_with_terms_and_names_carry_units():
     ]
     problem = ar.UpdatingProblem(MODEL, parameters, MEASURED, penalty=(0.1, 0.1))
     assert problem.names == [
-        "stiffness loss of element 2",
-        "stiffness loss of element 5",
-        "stiffness of ground spring 1 (node 0 v)",
-        "mass of element 3",
+        "stiffness loss of element 1",
+        "stiffness loss of element 4",
+        "stiffness of ground spring 0 (node 0 v)",
+        "mass of element 2",
         "Young's modulus of pipe (Pa)",
         "density of arm (kg/m3)",
         "thickness of pipe (m)",
         "outer diameter of bend (m)",
-        "mass 1 (node 3) (kg)",
-        "inertia of mass 1 (node 3) (kg m2)",
-        "stiffness of ground spring 1 (node 0 v), ground spring 2 (node 4 v) (N/m)",
-        "angle of element 3, element 4 about node 2 (deg)",
+        "mass 0 (node 3) (kg)",
+        "inertia of mass 0 (node 3) (kg m2)",
+        "stiffness of ground spring 0 (node 0 v), ground spring 1 (node 4 v) (N/m)",
+        "angle of element 2, element 3 about node 2 (deg)",
     ]
     x = problem.nominal
     x[:4], x[5], x[6], x[11] = [0.2, 0.1, 1.1, 0.9], 8000.0, 0.0012, 5.0

@@ -18,6 +18,8 @@ PIPE = ar.Tube(0.038, 0.0015, *STEEL)
 BAR = ar.Rectangle(0.03, 0.01, *STEEL)
 NODES = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.1), (1.0, 0.6), (1.4, 0.3)]
 ELEMENTS = [(0, 1), (1, 2), (2, 3), (2, 4)]
+#: What the legend says of the numbers in a picture.
+NUMBERED = ("number of an element", "number of a node")
 
 
 def frame(**options):
@@ -107,7 +109,7 @@ def test_sections_by_name_by_index_and_one_each():
     for other in (indexed, each):
         assert (other.stiffness() != named.stiffness()).nnz == 0
     assert named.section_label(1) == "bar"
-    assert each.section_label(1) == "section 2"
+    assert each.section_label(1) == "section 1"
 
 
 def test_general_sections_are_those_of_a_tube():
@@ -123,12 +125,12 @@ def test_general_sections_are_those_of_a_tube():
 def test_labels_count_from_one_and_name_springs_and_masses():
     model = frame(point_masses=[(2, 1.0)], ground_springs=[(0, "v", 1.0)], node_springs=[(0, 3, 10.0)])
     assert [model.element_label(i) for i in (0, 3, 4, 5)] == [
-        "element 1",
-        "element 4",
-        "ground spring 1 (node 0 v)",
-        "node spring 1",
+        "element 0",
+        "element 3",
+        "ground spring 0 (node 0 v)",
+        "node spring 0",
     ]
-    assert [model.mass_label(i) for i in (0, 4)] == ["element 1", "mass 1 (node 2)"]
+    assert [model.mass_label(i) for i in (0, 4)] == ["element 0", "mass 0 (node 2)"]
     assert model.default_elements == [0, 1, 2, 3]
     assert repr(model) == "FrameModel(plane, 5 nodes, 4 elements, 15 dofs)"
     assert repr(cantilever(2, 3)) == "FrameModel(space, 3 nodes, 2 elements, 12 dofs)"
@@ -220,9 +222,9 @@ def test_the_picture_has_every_element_numbered_and_what_it_carries():
     model = frame(point_masses=[(2, 1.0)], ground_springs=[(0, "v", 1e3)], fixed=[(3, "u")])
     options = {"sensors": [model.dof(1, "v"), model.dof(4, "u")], "excitation": model.dof(2, "theta")}
     ax = model.plot(ax=figure.Figure().subplots(), **options)
-    assert [t.get_text() for t in ax.texts if t.get_text()] == ["1", "2", "3", "4"]
+    assert [t.get_text() for t in ax.texts if t.get_text()] == [*"0123", *"01234"]  # elements, nodes
     names = {text.get_text() for text in ax.get_legend().get_texts()}
-    assert names == {"point mass", "spring to ground", "partly fixed", "accelerometer", "force"}
+    assert names == {"point mass", "spring to ground", "partly fixed", "accelerometer", "force", *NUMBERED}
     coloured = model.plot({2: 0.5, 1: 0.1}, ax=figure.Figure().subplots(), label="Stiffness loss")
     assert coloured.figure.axes[1].get_ylabel() == "Stiffness loss"
     shown = [c.get_array() for c in coloured.collections if c.get_array() is not None]
@@ -239,7 +241,7 @@ def test_the_picture_has_springs_between_nodes_and_tells_kinds_of_support_apart(
     )
     ax = model.plot(ax=figure.Figure().subplots())
     names = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert names == ["fixed", "partly fixed", "spring to ground", "node spring"]
+    assert names == ["fixed", "partly fixed", "spring to ground", "node spring", *NUMBERED]
     strokes = [line for line in ax.lines if len(line.get_xdata()) == 1 and line.get_xdata()[0] == NODES[4][0]]
     # Across u; the triangle of the spring is drawn after it and smaller.
     assert [line.get_marker() for line in strokes] == [(2, 2, 0.0), "v"]
@@ -301,7 +303,7 @@ def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():
     measured = ar.AntiresonanceSet(force, dict(zip(sensors, zeros, strict=True)))
     result = ar.assess_damage(model, measured, rng=0)
     text = result.summary()
-    assert re.search(r"element 3 +60\.00 % \u00b1 \S+ %\nall others \(3\): exactly 0\n", text)
+    assert re.search(r"element 2 +60\.00 % \u00b1 \S+ %\nall others \(3\): exactly 0\n", text)
     assert "\n3 u, 1 v " in text
     assert result.table.dof_names[force] == "1 v"
     figure = pytest.importorskip("matplotlib.figure", reason="pictures need matplotlib")

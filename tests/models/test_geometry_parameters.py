@@ -44,14 +44,14 @@ def test_lengths_and_positions_act_in_their_order():
         ar.position(0, (3.0, 4.0, 0.0), bounds_m=(-0.1, 0.1)),
     ]
     moved = frame().with_parameters(parameters, [45.0, 2.0, 0.05, 0.05])
-    # Elements 3 and 4 point up now; element 3 is twice as long.
+    # Elements 2 and 3 point up now; element 2 is twice as long.
     side = np.hypot(0.3, 0.3)
     nodes = [(0.03, 0.09), (0.4, 0.0), (0.8, 0.0), (0.8, 2 * side), (0.8, 3 * side), (0.8, -0.45)]
     np.testing.assert_allclose(moved.nodes_m, nodes, atol=1e-15)
     problem = ar.UpdatingProblem(frame(), parameters, ar.AntiresonanceSet(4, {4: [50.0]}))
     assert problem.nominal.tolist() == [0.0, 1.0, 0.0, 0.0]
     assert problem.names[1:] == [
-        "length of element 3 from node 2",
+        "length of element 2 from node 2",
         "position of node 0, node 5 along (0, 1, 0) (m)",
         "position of node 0 along (0.6, 0.8, 0) (m)",
     ]

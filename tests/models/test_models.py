@@ -31,12 +31,12 @@ def test_a_single_mass_is_a_chain():
 def test_labels_count_from_one():
     model = chain()
     labels = [model.element_label(i) for i in range(4)]
-    assert labels == ["spring 1", "spring 2", "first ground spring", "last ground spring"]
-    assert model.mass_label(0) == "mass 1"
+    assert labels == ["spring 0", "spring 1", "first ground spring", "last ground spring"]
+    assert model.mass_label(0) == "mass 0"
     assert model.default_elements == [0, 1]
     spring = scipy.sparse.csc_array(np.array([[1.0, -1.0], [-1.0, 1.0]]))
     matrix_model = ar.MatrixModel(spring, np.eye(2), stiffness_terms=[spring], mass_terms=[np.eye(2)])
-    assert matrix_model.element_label(0) == "element 1"
+    assert matrix_model.element_label(0) == "element 0"
     assert matrix_model.default_elements == [0]
     assert repr(matrix_model) == "MatrixModel(2 dofs, 1 stiffness terms, 1 mass terms)"
 
@@ -167,7 +167,7 @@ def test_an_updated_model_keeps_its_class_and_its_labels():
     problem = ar.cases.chain8().damage_problem()
     model = problem.model_at([0, 0, 0, 0, 0.55, 0, 0])
     assert isinstance(model, ar.MassSpringChain)
-    assert model.element_label(6) == "spring 7"
+    assert model.element_label(6) == "spring 6"
     assert model.stiffness()[4, 5] == pytest.approx(-0.45 * 56.7e3, rel=ROUNDING)
     assert problem.model.stiffness()[4, 5] == -56.7e3
 

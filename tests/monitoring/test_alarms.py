@@ -149,7 +149,7 @@ def test_what_is_wrong_is_said():
         ("conditions", {"baseline": 10, "conditions": {"t": [1.0]}}),
         (r"conditions\['t'\]\[2\]: got inf", {"baseline": 10, "conditions": {"t": [0, 1, np.inf] + [2] * 9}}),
         ("elementz: got an unknown option", {"baseline": 10, "model": chain(), "elementz": 1}),
-        ("stiffness term 99", {"baseline": 10, "model": chain(), "elements": [99]}),
+        (r"elements\[0\]: got 99", {"baseline": 10, "model": chain(), "elements": [99]}),
         ("gamma1", {"baseline": 10, "model": chain(), "gamma1": 0.1}),
         ("prior", {"baseline": 10, "model": chain(), "prior": 3}),
         ("std_common", {"baseline": 10, "model": chain(), "std_common": 3.0}),

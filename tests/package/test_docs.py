@@ -53,7 +53,7 @@ FOUND = {
     "start": lambda n: n["damage"].damaged == [4] and sum(map(len, n["zeros"].values())) == 28,
     "parameters": lambda n: n["damage"].damaged == [4] and n["both"].identifiability.rank == 14,
     "damage": lambda n: (
-        n["damage"].damaged == n["watched"].damaged == [4] and "spring 5" in n["damage"].headline
+        n["damage"].damaged == n["watched"].damaged == [4] and "spring 4" in n["damage"].headline
     ),
     "limits": lambda n: n["result"].identifiability.rank == 13 and 0.09 < n["damage"].detectable[0] < 0.11,
     "long_runs": lambda n: n["result"].status == "budget" and Path("run.html").is_file(),

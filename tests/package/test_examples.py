@@ -60,12 +60,12 @@ def test_six_damage_reports():
     example = load("six_damage_reports")
     first = {case.name: example.assessed(case) for case in example.CASES}
     said = {name: result.headline for name, result in first.items()}
-    assert said["clear"].startswith("Damage: spring 5 has lost 40.0 % of its stiffness. Probability above 99")
+    assert said["clear"].startswith("Damage: spring 4 has lost 40.0 % of its stiffness. Probability above 99")
     assert said["none"].startswith("No damage found: nothing has changed (probability above 99")
-    assert said["two"].startswith("Damage: spring 2 has lost 30.0 % of its stiffness and spring 5 20.0 %.")
+    assert said["two"].startswith("Damage: spring 1 has lost 30.0 % of its stiffness and spring 4 20.0 %.")
     assert said["elsewhere"].startswith("Something has changed that none of the candidates explains (probab")
-    assert "was no candidate: spring 5 has lost 40.0 %" in said["elsewhere"]
-    assert "element 3 or element 4. The values cannot tell which." in said["alike"]
+    assert "was no candidate: spring 4 has lost 40.0 %" in said["elsewhere"]
+    assert "element 2 or element 3. The values cannot tell which." in said["alike"]
     assert said["small"].startswith("It cannot be told whether there is damage")
     for element in (2, 3):
         assert 0.45 < first["alike"].probability[element] < 0.55
@@ -76,11 +76,11 @@ def test_from_file_to_report(tmp_path, capsys):
     """A newcomer's path: the damaged spring at the end, in a report that says what repeats it."""
     report = load("from_file_to_report").main(tmp_path / "study")
     text = report.read_text(encoding="utf-8")
-    assert "Spring 5 has lost 55." in text
+    assert "Spring 4 has lost 55." in text
     assert "antires damage damage.toml" in text
     assert "test.uff  " in text
     assert report.stat().st_size < 3_000_000
     out, err = capsys.readouterr()
-    assert "stiffness loss of spring 5" in out
+    assert "stiffness loss of spring 4" in out
     assert err == ""
     assert len(list((report.parent / "pictures").glob("*.png"))) == 13

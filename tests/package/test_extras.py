@@ -91,6 +91,9 @@ PICTURES = {
     "plot_identifiability": lambda s: plotting.plot_identifiability(before_a_test(s)),
     "plot_singular_values": lambda s: plotting.plot_singular_values(s["check"]),
     "plot_stabilization": lambda s: plotting.plot_stabilization(s["zeros"].diagrams[0]),
+    "plot_responses": lambda s: plotting.plot_responses(
+        ar.frf(s["record"], nperseg=512), s["case"].model, excitation=0
+    ),
     "plot_transmissibility": lambda s: plotting.plot_transmissibility(
         s["lines"], s["case"].model, dof=1, excitation=0
     ),
@@ -225,6 +228,14 @@ def test_the_command_line_says_what_to_install(bare, study, tmp_path, capsys):
     study["damage"].save(tmp_path / "result.npz")
     assert cli.main(["report", str(tmp_path)]) == 1
     assert 'pip install "antires-rs[report]"' in capsys.readouterr().err
+
+
+def test_the_page_says_what_to_install(bare, study, tmp_path, capsys):
+    study["zeros"].save(tmp_path / "zeros.json")
+    assert cli.main(["look", str(tmp_path / "zeros.json")]) == 1
+    assert 'pip install "antires-rs[look]"' in capsys.readouterr().err
+    with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[look\]"'):
+        study["zeros"].look()
 
 
 @pytest.mark.skipif(not PROJECT.is_file(), reason="needs the source tree")

@@ -89,7 +89,14 @@ def test_the_signal_side_does_not_load_the_core():
 
 def test_little_stands_beside_the_packages():
     files = [path.name for path in PACKAGE.iterdir() if path.is_file() and path.suffix != ".so"]
-    assert sorted(files) == ["__init__.py", "__init__.pyi", "_core.pyi", "exceptions.py", "py.typed"]
+    assert sorted(files) == [
+        "__init__.py",
+        "__init__.pyi",
+        "__main__.py",
+        "_core.pyi",
+        "exceptions.py",
+        "py.typed",
+    ]
 
 
 def test_every_package_says_what_it_knows():

@@ -17,7 +17,7 @@ def test_the_example_runs_as_printed(capsys):
     lines = [line for line in example.splitlines() if line.strip()]
     assert len(lines) <= 15
     exec(compile(example, "README.md", "exec"), {})
-    assert "spring 5" in capsys.readouterr().out
+    assert "spring 4" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("target", sorted(set(re.findall(r"\]\((?!https?://)([^)]+)\)", README))))

@@ -160,7 +160,7 @@ WRONG = {
     "damage of nothing": ("model", lambda: ar.assess_damage(EYE, SET)),
     "damage without terms": ("elements", lambda: ar.assess_damage(ar.MatrixModel(EYE, EYE), SET)),
     "damage of a ragged list": ("elements[0]", lambda: ar.assess_damage(MODEL, SET, elements=[[0], [1, 2]])),
-    "damage of an element outside": ("parameters[0]", lambda: ar.assess_damage(MODEL, SET, elements=[20])),
+    "damage of an element outside": ("elements[0]", lambda: ar.assess_damage(MODEL, SET, elements=[20])),
     "damage with a wrong gamma": ("gamma1", lambda: ar.assess_damage(MODEL, SET, gamma1=INF)),
     "plan of nothing": ("model", lambda: ar.plan_test(EYE, n_sensors=2)),
     "plan of an element outside": ("elements", lambda: ar.plan_test(MODEL, [20], n_sensors=2)),

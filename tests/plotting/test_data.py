@@ -36,6 +36,7 @@ def drawn(record, damage, diagram):
     known = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
     plan = ar.plan_test(chain(), n_sensors=2, excitations=0)
     curves = ar.detectability(chain(), excitation=0, std=5e-4, n_tests=1, rng=0)
+    h = ar.frf(record, nperseg=512)
     t, check = ar.transmissibility(record, 0, nperseg=512), check_data(record, band_hz=BAND)
     scattered = 1.0 + 1e-3 * np.random.default_rng(0).standard_normal(60)
     watched = ar.monitor([ar.AntiresonanceSet(0, {0: [8.7 * one]}) for one in scattered], baseline=50)
@@ -48,6 +49,7 @@ def drawn(record, damage, diagram):
             ["transmissibility"],
             lambda ax: plotting.plot_transmissibility(t, chain(), dof=2, excitation=0, ax=ax),
         ),
+        (["responses"], lambda ax: plotting.plot_responses(h, chain(), excitation=0, ax=ax)),
         (["bars"], lambda ax: plotting.plot_differences(damage.table, ax=ax)),
         (["bars"], lambda ax: plotting.plot_damage(damage, ax=ax, truth={1: 0.4})),
         (["bars"], lambda ax: plotting.plot_damages(two, ax=ax)),
@@ -170,7 +172,7 @@ def test_a_chain_shows_the_springs_it_has(ax, ground):
     plotting.plot_chain(model, {1: 0.3}, ax=ax, sensors=[0, 2], excitation=1)
     springs = plotting.data_of(ax)["springs"]
     assert springs["element"].tolist() == ([0, 1, 2, 3] if ground else [0, 1])
-    assert springs["name"][1] == "spring 2"
+    assert springs["name"][1] == "spring 1"
     assert np.isfinite(springs["value"]).tolist() == [False, True, False, False][: len(springs["value"])]
     names = [text.get_text() for text in ax.get_legend().get_texts()]
     assert set(names) == {"without a value", "accelerometer", "force"}

@@ -63,7 +63,7 @@ def test_what_cannot_be_told_apart_stands_beside_it(halves, ax):
     assert np.isfinite(bars["instead_percent"]).tolist() == [False, False, False, True, False, False]
     assert bars["instead_percent"][3] == pytest.approx(bars["loss_percent"][2], rel=1e-3)
     assert "what else it may be" in [text.get_text() for text in ax.get_legend().get_texts()]
-    assert "element 3 or element 4. The values cannot tell which." in halves.headline
+    assert "element 2 or element 3. The values cannot tell which." in halves.headline
 
 
 def test_no_bar_has_a_reason(ax):
@@ -80,13 +80,13 @@ def test_no_bar_has_a_reason(ax):
 def test_hypotheses_are_bars_of_their_probability(halves, ax):
     halves.hypotheses.plot(ax=ax)
     table = plotting.data_of(ax)["hypotheses"]
-    assert table["name"][:2].tolist() == ["element 3", "element 4"]
+    assert table["name"][:2].tolist() == ["element 2", "element 3"]
     assert sum(table["probability"]) == pytest.approx(1.0)
     assert table["name"][-1].endswith("others together")
     lengths = [bar.get_width() for bar in ax.patches]
     assert lengths == table["probability"].tolist()
     labels = [label.get_text() for label in ax.get_yticklabels()]
-    assert labels[0].startswith("element 3\n40.0 % (")
+    assert labels[0].startswith("element 2\n40.0 % (")
     with pytest.raises(ar.InvalidInputError, match="^most: got 0"):
         halves.hypotheses.plot(ax=ax, most=0)
 

@@ -155,7 +155,7 @@ def test_differences_are_the_tables_and_grouped_by_response(updated, ax):
     before, after = ax.containers
     np.testing.assert_allclose([bar.get_height() for bar in before], table.before_percent)
     np.testing.assert_allclose([bar.get_height() for bar in after], table.after_percent, atol=1e-12)
-    assert texts(ax) == ["mass 1", "2", "3"]  # mass 4 has none
+    assert texts(ax) == ["mass 0", "1", "2"]  # mass 3 has none
     assert f"{table.largest_before_percent:.2f} %" in labels(ax)[0]
     assert before[0].get_hatch()
     assert not after[0].get_hatch()  # told apart without colour
@@ -182,7 +182,7 @@ def test_damage_has_one_bar_an_element_and_prints_the_severity(damage, ax):
     np.testing.assert_allclose(heights, 100 * damage.x)
     assert heights == pytest.approx([0.0, 40.0, 0.0], abs=0.5)
     assert texts(ax) == [f"{100 * damage.x[1]:.1f} %"]
-    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["spring 1", "spring 2", "spring 3"]
+    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["spring 0", "spring 1", "spring 2"]
     assert labels(ax) == ["found", "truth", "smallest damage that would be seen"]
 
 

@@ -11,6 +11,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.report import figures, write_report
+from antires_rs.report.live import library
 from tests.support.four_masses import exact
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -106,7 +107,8 @@ def test_nothing_leaves_the_file(page):
     asked = [value for _, attrs in page.tags for name, value in attrs.items() if name in LOADING]
     assert len(asked) >= 3
     assert all(value.startswith(("data:image/png;base64,", "#")) or value == "data:," for value in asked)
-    assert not page.of("script", "iframe", "object", "embed", "base", "form", "audio", "video")
+    assert not any("src" in attrs for _, attrs in page.of("script"))
+    assert not page.of("iframe", "object", "embed", "base", "form", "audio", "video")
     assert [attrs["rel"] for _, attrs in page.of("link")] == ["icon"]
     assert not any("http-equiv" in attrs for _, attrs in page.of("meta"))
     for style in page.styles:
@@ -150,7 +152,9 @@ def loaded(file, folder):
     started = [event["params"] for event in events if "initiator" in event.get("params", {})]
     # The browser's own errands (its clock, its account) have no origin.
     asked = [params["url"] for params in started if params["initiator"] != "not an origin"]
-    return asked, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    return asked, [
+        line for line in done.stderr.splitlines() if "CONSOLE" in line and "setting log level" not in line
+    ]
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here to open a report in")
@@ -243,7 +247,7 @@ def test_a_parameter_with_a_unit_and_on_its_bound_is_told_as_such(reports):
 def drawn_of(diagram, count=1):
     chain = ar.MassSpringChain(np.ones(3), [500.0, 500.0])
     result = ar.assess_damage(chain, exact(chain), rng=0, workers=1)
-    return figures.drawings_of(result, diagrams=dict.fromkeys(range(count), diagram)).diagrams
+    return figures.drawings_of(result, diagrams=dict.fromkeys(range(count), diagram))
 
 
 @pytest.mark.usefixtures("quick_pictures")
@@ -251,12 +255,17 @@ def test_diagrams_beyond_the_size_are_left_out_and_counted(tmp_path, monkeypatch
     f = np.linspace(1.0, 20.0, 200)
     noise = 1e-3 * np.random.default_rng(0).standard_normal(200)
     one = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f) + noise, max_order=16)
-    size = len(drawn_of(one)[0].uri)
-    shown, left = figures.fitting(drawn_of(one, 5), room=int(2.5 * size))
+    drawn = drawn_of(one, 5)
+    size = len(drawn.diagrams[0].uri)
+    others = len(library()) + sum(len(each.uri) + len(each.live) for each in drawn.figures.values())
+    shown, left = figures.fitting(drawn, room=others + int(2.5 * size))
     assert (len(shown), left) == (2, 3)
+    assert [live != "" for _, live in shown] == [0 < len(drawn.diagrams[0].live) < 0.5 * size, False]
+    shown, left = figures.fitting(drawn, room=others + 5 * size + len(drawn.diagrams[0].live))
+    assert ([live != "" for _, live in shown][1:], left) == ([False] * 4, 0)
     chain = ar.MassSpringChain(np.ones(3), [500.0, 500.0])
     result = ar.assess_damage(chain, exact(chain), rng=0, workers=1)
-    monkeypatch.setattr(figures.fitting, "__defaults__", (int(2.5 * size),))
+    monkeypatch.setattr(figures.fitting, "__defaults__", (others + int(2.5 * size),))
     file = write_report(result, tmp_path / "r.html", diagrams=dict.fromkeys(range(5), one))
     assert "3 more diagrams are left out to keep this file below 3 MB" in file.read_text()
 
@@ -267,11 +276,12 @@ def test_with_all_the_room_for_diagrams_filled_it_stays_below_three_megabytes(tm
     one = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f) + noise, max_order=60)
     chain = ar.MassSpringChain(np.ones(3), [500.0, 500.0])
     result = ar.assess_damage(chain, exact(chain), rng=0, workers=1)
-    room = figures.MOST_BYTES
-    size = len(drawn_of(one)[0].uri)
-    file = write_report(result, tmp_path / "r.html", diagrams={0: one})
-    # What is not a diagram, the text of all the others counted in, leaves room to the limit.
-    assert file.stat().st_size - size + room < 2.9e6
+    drawn = figures.drawings_of(result, diagrams={0: one})
+    file = write_report(result, tmp_path / "r.html", drawn=drawn)
+    both = [*drawn.figures.values(), *drawn.diagrams.values()]
+    counted = len(library()) + sum(len(each.uri) + len(each.live) for each in both)
+    # What is not counted, the text of all the others, leaves room to the limit.
+    assert 0 < file.stat().st_size - counted < 2.9e6 - figures.MOST_BYTES
 
 
 @pytest.mark.parametrize("given", [[], ["record"], [{}, {}]])

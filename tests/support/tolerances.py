@@ -32,7 +32,7 @@ GENE_AGREEMENT = 1e-6
 COST = 1e-9
 #: Severity found on exact data (the optimizer's gene tolerance, over a bound range of 0.99).
 EXACT_SEVERITY = 1e-4
-#: Smallest visible severity of springs 1 and 2, "about" 10 and 5 %.
+#: Smallest visible severity of springs 0 and 1, "about" 10 and 5 %.
 DETECTABLE_PERCENT = 1.5
 #: Largest difference after updating on exact data with a budget of 30,000: 0.58 % is the paper's own.
 UPDATED_PERCENT = 0.58

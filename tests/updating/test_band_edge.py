@@ -7,7 +7,7 @@ import antires_rs as ar
 
 
 def leaving(measured, springs):
-    """J and its residuals while a spring grows, which takes the one antiresonance of mass 1 away."""
+    """J and its residuals while a spring grows, which takes the one antiresonance of mass 0 away."""
     chain = ar.MassSpringChain([1.0, 1.0], [400.0], ground_last_n_per_m=400.0)
     zeros = ar.AntiresonanceSet(0, {0: measured})
     problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0], bounds=(0.5, 10.0)), zeros)
@@ -16,7 +16,7 @@ def leaving(measured, springs):
 
 
 def hz(factor):
-    """The antiresonance of mass 1: mass 2 on both its springs."""
+    """The antiresonance of mass 0: mass 1 on both its springs."""
     return np.sqrt(400.0 * (1.0 + factor)) / (2 * np.pi)
 
 

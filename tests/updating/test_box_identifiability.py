@@ -19,17 +19,17 @@ def chain8():
 
 
 def test_what_no_antiresonance_sees_is_named_all_over_the_box(chain8):
-    """A force at mass 1: mass 1 and the common scale; known in closed form."""
+    """A force at mass 0: mass 0 and the common scale; known in closed form."""
     assert chain8.told == 13
     assert chain8.left[0] == pytest.approx(1.0, abs=1e-6)
-    assert set(chain8.words) == {"mass 1", "a common scale of the parameters; their ratios are"}
+    assert set(chain8.words) == {"mass 0", "a common scale of the parameters; their ratios are"}
     assert np.all(chain8.singular_values[:, 13:] < 1e-3)
     assert np.all(chain8.singular_values[:, 12] > 1.0)
 
 
 def test_what_helps_does(chain8):
-    """A force at mass 8 sees mass 1; the count that is promised is that of the test with both."""
-    (force,) = [words for words in chain8.suggestions if words.startswith("A force at mass 8")]
+    """A force at mass 7 sees mass 0; the count that is promised is that of the test with both."""
+    (force,) = [words for words in chain8.suggestions if words.startswith("A force at mass 7")]
     assert "14 of 15 combinations are told instead of 13" in force
     (fix,) = [words for words in chain8.suggestions if words.startswith("Fix")]
     assert "of 2 open combinations 1 stays open" in fix
@@ -71,7 +71,7 @@ def test_two_parameters_with_one_effect_are_told_together():
     assert "against" in words
     assert words.endswith("both together are")
     (one,) = [text for text in found.suggestions if text.startswith("One parameter for")]
-    assert "stiffness of spring 1 and stiffness of spring 2" in one
+    assert "stiffness of spring 0 and stiffness of spring 1" in one
 
 
 def test_the_expected_width_is_that_of_the_intervals():

@@ -27,7 +27,7 @@ def springs(true=(550.0, 480.0), error=2e-3, scatter=0.0, seed=0, bounds=(0.8, 1
 
 @pytest.fixture(scope="module")
 def free_chain():
-    """The chain of eight with every mass and spring: mass 1 unseen, the scale too."""
+    """The chain of eight with every mass and spring: mass 0 unseen, the scale too."""
     case = ar.cases.chain8(perturbation=0.08, rng=5)
     rng = np.random.default_rng(5)
     hz = {i: f * (1.0 + 5e-4 * rng.standard_normal(f.size)) for i, f in case.truth()["freq_hz"].items()}
@@ -109,7 +109,7 @@ def test_same_seed_same_bits(free_chain):
 def test_what_is_not_seen_gets_the_bounds_back(free_chain):
     case, result = free_chain
     found = result.intervals()
-    assert found["mass 1"] == (0.9, 1.1)
+    assert found["mass 0"] == (0.9, 1.1)
     assert found.words[0] == "flat"
     others = found.words[1:]
     assert all(words.startswith(("one-sided", "two-sided, through the bounds of others")) for words in others)
@@ -137,8 +137,8 @@ def test_one_sided_at_the_bound_and_a_profile_that_says_so():
     result = springs(error=2e-3, bounds=(0.8, 1.1))
     found = result.intervals()
     assert found.words[0] == "one-sided: its upper bound fits as well"
-    assert found["stiffness of spring 1"][1] == 1.1
-    held = result.profile("stiffness of spring 1")
+    assert found["stiffness of spring 0"][1] == 1.1
+    held = result.profile("stiffness of spring 0")
     assert held.kind == "one-sided"
     assert held.high == 1.1
     assert held.rise.min() == 0.0
@@ -148,7 +148,7 @@ def test_a_profile_ends_where_the_refitted_sum_of_squares_says():
     from scipy.optimize import brentq, minimize_scalar
 
     result = springs(error=2e-3)
-    held = result.profile("stiffness of spring 1", level=0.9)
+    held = result.profile("stiffness of spring 0", level=0.9)
     assert held.kind == "two-sided"
 
     def squares(a):
@@ -169,10 +169,10 @@ def test_a_profile_ends_where_the_refitted_sum_of_squares_says():
 
 def test_a_profile_of_what_is_unseen_is_flat_and_names_those_on_a_bound(free_chain):
     _, result = free_chain
-    assert result.profile("mass 1", points=5).kind == "flat"
-    held = result.profile("stiffness of spring 4", points=9)
+    assert result.profile("mass 0", points=5).kind == "flat"
+    held = result.profile("stiffness of spring 3", points=9)
     assert any(held.others_on_bound)
-    assert not any("mass 1" in names for names in held.others_on_bound)
+    assert not any("mass 0" in names for names in held.others_on_bound)
 
 
 def test_without_stated_errors_they_are_learned_and_said():
@@ -211,7 +211,7 @@ def test_intervals_as_a_table():
     found = springs().intervals()
     table = found.to_dataframe()
     assert isinstance(table, pd.DataFrame)
-    name = "stiffness of spring 2"
+    name = "stiffness of spring 1"
     assert (table.loc[name, "low"], table.loc[name, "high"]) == found[name]
 
 
@@ -226,11 +226,11 @@ def test_damage_that_was_decided_to_be_none_is_fixed():
 def test_wrong_names_and_numbers_are_refused():
     result = springs()
     for call in (
-        lambda: result.profile("spring 9"),
-        lambda: result.profile("stiffness of spring 1", points=2),
+        lambda: result.profile("spring 8"),
+        lambda: result.profile("stiffness of spring 0", points=2),
         lambda: result.intervals(level=1.5),
         lambda: result.intervals(draws=3),
-        lambda: result.intervals()["spring 9"],
+        lambda: result.intervals()["spring 8"],
     ):
         with pytest.raises(ar.InvalidInputError):
             call()

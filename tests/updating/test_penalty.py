@@ -17,7 +17,7 @@ def off(rng, size, percent=3.0):
 
 
 def chain(seed):
-    """The chain with every mass and spring off by up to 3 %, and spring 5 damaged."""
+    """The chain with every mass and spring off by up to 3 %, and spring 4 damaged."""
     rng = np.random.default_rng(seed)
     masses, springs = MASSES_KG * off(rng, 8), SPRINGS_N_PER_M * off(rng, 7)
     springs[4] *= 0.8

@@ -49,15 +49,15 @@ def test_the_updated_model_is_the_model_of_the_table(updated):
 
 
 def test_what_the_data_cannot_tell_is_said(updated):
-    """Mass 1 moves no antiresonance of a force at mass 1; K and M may be scaled together."""
+    """Mass 0 moves no antiresonance of a force at mass 0; K and M may be scaled together."""
     _, result = updated
     found = result.identifiability
     assert found.rank == 13
     assert found.unseen.shape == (2, 15)
     blind = [name for name, size in zip(found.names, found.sensitivity, strict=True) if size < 1e-6]
-    assert blind == ["mass 1"]
+    assert blind == ["mass 0"]
     notes = " ".join(result.notes)
-    assert "Not seen by any measured antiresonance: mass 1." in notes
+    assert "Not seen by any measured antiresonance: mass 0." in notes
     assert "13 of 15" in notes
     assert "ratios" in notes
     assert "note:" in result.summary()
@@ -82,7 +82,7 @@ def test_damage_is_found_where_it_is_and_nowhere_else(damage):
 
 
 def test_the_smallest_visible_damage_is_about_what_theory_says(damage):
-    """gamma1 = gamma2 = 0.1 on exact data: spring 1 from about 10 %, spring 2 from about 5 %."""
+    """gamma1 = gamma2 = 0.1 on exact data: spring 0 from about 10 %, spring 1 from about 5 %."""
     percent = {element: 100 * beta for element, beta in damage.detectable.items()}
     assert percent[0] == pytest.approx(10.0, abs=DETECTABLE_PERCENT)
     assert percent[1] == pytest.approx(5.0, abs=DETECTABLE_PERCENT)
@@ -214,7 +214,7 @@ def test_problems_and_results_are_read_only():
     damage.severity.clear()
     damage.detectable.clear()
     problem.nominal[:] = 7.0
-    assert problem.names == ["stiffness of spring 1", "stiffness of spring 2"]
+    assert problem.names == ["stiffness of spring 0", "stiffness of spring 1"]
     assert len(damage.severity) == len(damage.detectable) == 7
     assert problem.nominal.tolist() == [1.0, 1.0]
 

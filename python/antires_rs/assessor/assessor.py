@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..damage.candidates import checked_model, elements_of
 from ..damage.inference import STD_COMMON
 from ..damage.prior import DamagePrior
 from ..damage.question import Question
@@ -19,15 +20,13 @@ from ..models.structural_model import StructuralModel
 from ..optimize.arguments import seed_of, thread_count
 from ..support.pickling import ReadOnly
 from ..support.progress import patient
-from ..support.validation import finite_scalar, reject, shape_of
+from ..support.validation import finite_scalar, reject
 from ..updating.problem import UpdatingProblem
 from .answer import AssessedTest
 from .at_once import assess_at_once
 from .plan import Plan, plan_of
 
 __all__ = ["Assessor"]
-
-_NO_TERMS = "Give the MatrixModel its stiffness_terms."
 
 
 class Assessor(ReadOnly):
@@ -102,19 +101,13 @@ class Assessor(ReadOnly):
         workers: int | None = None,
         progress: bool | None = None,
     ) -> None:
-        if not isinstance(model, StructuralModel):
-            reject("model", model, "a MassSpringChain, FrameModel or MatrixModel", "Build the model first.")
+        checked_model(model)
         before = _sets("baseline", baseline)
         if not any(any(map(len, each.values())) for each in before):
             reject(
                 "baseline", "no antiresonance", "those of the intact structure", "Identify in a wider band."
             )
-        chosen = model.default_elements if elements is None else elements
-        chosen = [chosen] if shape_of(chosen) == () else list(chosen)
-        chosen = [int(e) if isinstance(e, np.integer) else e for e in chosen]
-        if not chosen:
-            given = "Name elements of the model." if model.default_elements else _NO_TERMS
-            reject("elements", "no candidate", "at least one stiffness term", given)
+        chosen = elements_of(model, elements)
         UpdatingProblem(model, stiffness_reduction(chosen), before)  # speaks up where they do not fit
         if prior is not None and not isinstance(prior, DamagePrior):
             reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")

@@ -9,7 +9,7 @@ from ..damage.view import Band
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.pickling import FrozenDict
 from .answer import AssessedTest
-from .checked import checked, doubts
+from .checked import CLOSE, checked, doubts
 from .new_values import values_of
 from .plan import Plan
 from .quick_search import QuickSearch
@@ -36,12 +36,20 @@ def assess_at_once(plan: Plan, sets: tuple[AntiresonanceSet, ...]) -> AssessedTe
         plan.pairs,
     )
     search.run()
-    known = max(search.fits, key=lambda s: search.weights[s])
-    strange += checked(search, plan, known)
+    strange_of = {}
+    while True:
+        known = max(search.fits, key=lambda s: search.weights[s])
+        near = [s for s in search.fits if search.weights[s] > search.weights[known] - CLOSE]
+        unknown = [s for s in sorted(near, key=lambda s: -search.weights[s])[:2] if s not in strange_of]
+        if not unknown:
+            break
+        for each in unknown:
+            strange_of[each] = checked(search, plan, each)
+    strange += strange_of[known]
     weights, total = weighed(search)
     declared = declared_by(search, plan, weights)
     if declared not in search.fits:
-        search.judge(declared)
+        search.judge([declared])
         weights, total = weighed(search)
     strange += doubts(search, known, weights, float(np.exp(weights[UNKNOWN] - total)))
     assessment = assessment_of(search, plan, weights, total, declared, notes, assumed)

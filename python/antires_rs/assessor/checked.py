@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from ..damage.evidence import HIGHEST, fitted
+from ..damage.evidence import HIGHEST
 from ..damage.hypotheses import UNKNOWN
 from ..damage.search import Elements
 from .plan import Plan
 from .quick_search import QuickSearch
 
-__all__ = ["checked", "doubts"]
+__all__ = ["CLOSE", "checked", "doubts"]
 
+#: Sets so near to the likeliest (log probability) are checked like it.
+CLOSE = 0.7
 #: Errors of the interpolation that are corrected, and those that are too large (standard deviations of the
 #: values).
 _CORRECTED, _TOO_LARGE = 0.05, 0.5
@@ -23,8 +23,8 @@ _MOVED = 2e-3
 _ROUNDS = 4
 #: What is so much likelier than all others (log probability) is the answer even with such errors.
 _SURE = 2.0
-#: Two hypotheses within this (log probability) may change places in a full run.
-_CLOSE = 0.1
+#: Two hypotheses within this (log probability) may change places in a full run, by the number of elements.
+_CLOSE = (0.1, 0.2, 0.5)
 #: The same of damage of several elements, where one is the answer.
 _SEVERAL = 0.05
 #: Probability of something else from which on the full run is to look for it.
@@ -48,23 +48,19 @@ def checked(search: QuickSearch, plan: Plan, best: Elements) -> list[str]:
     for _ in range(_ROUNDS):
         before = search.u[best]
         u = -np.log1p(-np.minimum(search.fits[best].beta, HIGHEST))
-        places = search.tables.places(best, u)
+        placed, beside, known = search.test.places(list(best), u.tolist())
         exact, by = plan.exact(search.beta(best, u), search.band, slopes=slopes)
         there = np.isfinite(exact)
-        other |= bool(np.any((there != places.there) & counted))
-        off = np.where(there & places.there & t.old, exact - (places.place - places.beside), 0.0)
+        other |= bool(np.any((there != known) & counted))
+        off = np.where(there & known & t.old, exact - (placed - beside), 0.0)
         worst = max(worst, float(np.abs(off[counted]).max(initial=0.0)) / usual)
         moved = float(np.abs(u - before).max())
         if worst <= _CORRECTED and moved <= _MOVED and not other:
             return []
-        there = np.where(t.old, there, places.there)
-        place = np.where(there & ~places.there, exact + search.tables.start.beside, places.place + off)
-        corrected = replace(places, place=place, there=there, slopes=by)
-        fit = fitted(search.view(best, u, corrected), best, reach=np.inf)
-        assert fit is not None
-        search.u[best] = u
-        search.keep(best, fit)
-        ahead = -np.log1p(-np.minimum(fit.beta, HIGHEST)) - u
+        there = np.where(t.old, there, known)
+        place = np.where(there & ~known, exact + t.beside[0, 0], placed + off)
+        search.keep(best, u, search.view(best, u, place.tolist(), there.tolist(), by))
+        ahead = -np.log1p(-np.minimum(search.fits[best].beta, HIGHEST)) - u
         if np.abs(ahead).max() <= _MOVED:
             break
         slopes = True  # those of the tables do not lead there
@@ -82,11 +78,11 @@ def checked(search: QuickSearch, plan: Plan, best: Elements) -> list[str]:
 def doubts(search: QuickSearch, best: Elements, weights: dict[Elements, float], unknown: float) -> list[str]:
     """Why a full run is wanted; ``unknown`` is the probability of something else."""
     reasons = []
-    fit, now = search.fits[best], search.now
+    fit, now = search.fit(best), search.now
     others = [w for s, w in weights.items() if s not in (best, UNKNOWN)]
     if search.cut:
         reasons.append("more hypotheses are likely than were judged")
-    elif others and weights[best] - max(others) < _CLOSE:
+    elif others and weights[best] - max(others) < _CLOSE[min(len(best), 2)]:
         reasons.append("two hypotheses are about equally probable")
     if unknown > _UNKNOWN:
         reasons.append("something else than damage of the elements may have changed")
@@ -97,9 +93,9 @@ def doubts(search: QuickSearch, best: Elements, weights: dict[Elements, float], 
         reasons.append(f"{lost} of {now.size} values have no antiresonance of the model")
     if fit.beta.max(initial=0.0) > _LARGE:
         reasons.append(f"a loss above {100 * _LARGE:.0f} %")
-    if len(best) > 1:
-        reasons.append("more than one damaged element, of which a full run judges more sets")
-    elif search.pair_hint > weights[best] or _of_several(search, weights) > _SEVERAL:
+    if len(best) > 2:
+        reasons.append("more than two damaged elements, of which a full run judges more sets")
+    elif len(best) < 2 and (search.pair_hint > weights[best] or _of_several(search, weights) > _SEVERAL):
         reasons.append("two damaged elements may explain the values better")
     low, high = search.band.low, search.band.high
     if np.any((now.log_f < low - _OUTSIDE) | (now.log_f > high + _OUTSIDE)):

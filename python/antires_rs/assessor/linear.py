@@ -13,7 +13,7 @@ from ..damage.evidence import FURTHEST, HIGHEST
 from ..damage.view import View
 from ..support.validation import FloatArray
 
-__all__ = ["pair_evidence", "single_evidence"]
+__all__ = ["further_gains", "pair_evidence", "single_evidence"]
 
 #: As in the evidence: precision of u where nothing sees it, change of u up to which roots are linear.
 _BLIND, _LINEAR = 1e-2, 0.12
@@ -31,6 +31,18 @@ def single_evidence(view: View) -> FloatArray:
     inside = log_between(-mean / std, (FURTHEST - mean) / std)
     volume = np.log(np.sqrt(2.0 * np.pi) * std / HIGHEST)
     return np.asarray(view.log_likelihood + 0.5 * gain * mean + volume + inside)
+
+
+def further_gains(view: View, elements: tuple[int, ...]) -> FloatArray:
+    """Rise of the log-likelihood by each element (n,) beside those of a view from their own severities."""
+    own = list(elements)
+    known = view.curvature[np.ix_(own, own)] + _BLIND * np.eye(len(own))
+    share = np.linalg.solve(known, np.column_stack([view.gain[own], view.curvature[own]]))
+    gain = view.gain - view.curvature[:, own] @ share[:, 0]
+    precision = np.diag(view.curvature) - np.sum(view.curvature[own] * share[:, 1:], axis=0)
+    found = 0.5 * np.clip(gain, 0.0, None) ** 2 / np.maximum(precision, _BLIND)
+    found[own] = 0.0
+    return np.asarray(found)
 
 
 def pair_evidence(view: View, pairs: NDArray[np.intp]) -> tuple[FloatArray, FloatArray, FloatArray]:

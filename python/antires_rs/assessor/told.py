@@ -59,7 +59,7 @@ def assessment_of(
     rows = _rows(search, plan, weights, total, declared)
     numbers, learned = plan.numbers, plan.learned
     own = tuple(numbers.index(e) for e in rows[0].elements) if not rows[0].unknown else ()
-    fit = search.fits.get(own, search.fits[()])
+    fit = search.fit(own if own in search.fits else ())
     matched = int(fit.view.matched.sum())
     shift = search.moved_alike if rows[0].unknown else 0.0
     found = Assessment(
@@ -93,8 +93,7 @@ def assessment_of(
 def _rows(
     search: QuickSearch, plan: Plan, weights: dict[Elements, float], total: float, declared: Elements
 ) -> list[Hypothesis]:
-    """The hypotheses that are listed, the most probable first; each with those that add an element without
-    loss."""
+    """The hypotheses that are listed, the most probable first."""
     least = total + np.log(_LISTED)
     clear = total + np.log(_CLEAR)
     listed = [
@@ -104,11 +103,9 @@ def _rows(
     ]
     listed = sorted(listed, key=lambda s: -weights[s])[:_MOST]
     listed += [s for s in ((), declared) if s not in listed]
-    idle = _idle(search, weights, listed)
     rows = []
     for elements in listed:
-        weight = np.logaddexp.reduce([weights[elements], *idle.get(elements, [])])
-        probability = min(float(np.exp(weight - total)), 1.0)
+        probability = min(float(np.exp(weights[elements] - total)), 1.0)
         if elements == UNKNOWN:
             rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))
             continue
@@ -126,17 +123,3 @@ def _rows(
             )
         )
     return sorted(rows, key=lambda one: (-one.probability, one.elements))
-
-
-def _idle(
-    search: QuickSearch, weights: dict[Elements, float], listed: list[Elements]
-) -> dict[Elements, list[float]]:
-    """Weights of sets that are not listed and have one element, whose most probable loss is 0, more than a
-    listed one; by that."""
-    found: dict[Elements, list[float]] = {}
-    for elements, u in search.u.items():
-        if len(elements) > 1 and elements not in listed and np.any(u <= 0.0):
-            rest = tuple(e for e, x in zip(elements, u, strict=True) if x > 0.0)
-            if rest in listed:
-                found.setdefault(rest, []).append(weights[elements])
-    return found

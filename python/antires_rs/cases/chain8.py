@@ -1,8 +1,9 @@
 """The eight-mass chain of Meruane, J. Sound Vib. 332 (2013) 807-820, section 4.
 
 Eight masses (559.3 g, then seven of 419.4 g) on seven springs of 56.7 kN/m, free at both ends, force at
-mass 1. The responses H_11 to H_81 have 7, 6, 5, 4, 3, 2, 1 and 0 antiresonances, 28 in all. (The paper
-counts eight springs; the eighth would be one to ground.) In the damaged state spring 5 has lost 55 %.
+mass 0. The responses H_00 to H_70 have 7, 6, 5, 4, 3, 2, 1 and 0 antiresonances, 28 in all. (The paper
+counts eight springs; the eighth would be one to ground.) In the damaged
+state spring 4, the fifth, has lost 55 %.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ class Chain8:
         self._mass_factors, self._spring_factors = factors[:8], factors[8:]
 
     def true_model(self, level: int = 0) -> MassSpringChain:
-        """The structure that is tested: ``level`` 0 undamaged, 1 with spring 5 at 55 % loss."""
+        """The structure that is tested: ``level`` 0 undamaged, 1 with spring 4 at 55 % loss (the fifth)."""
         return MassSpringChain(
             MASSES_KG * self._mass_factors, SPRINGS_N_PER_M * self._spring_factors * self._intact(level)
         )
@@ -86,7 +87,7 @@ class Chain8:
         rng: int | np.random.Generator | None = None,
         progress: bool | None = None,
     ) -> Recording:
-        """Record of a virtual test at 512 Hz: random force at mass 1, accelerations of all masses.
+        """Record of a virtual test at 512 Hz: random force at mass 0, accelerations of all masses.
 
         ``noise`` is white sensor noise as a fraction of each channel's own rms.
         """

@@ -37,6 +37,13 @@ def view_of(args: argparse.Namespace) -> View:
             session.opened(first)
         session.make_again(edits)
         return SetView(session, first.name)
+    if args.roving is not None and len(args.files) > 1:
+        reject(
+            "--roving",
+            f"it with {len(args.files)} files",
+            "one file, or a set",
+            "Join them by 'antires identify --roving ... --out zeros.json', and look at that.",
+        )
     given = measurement(args, kind, band_needed=False)
     with arguments(NAMES):
         session = Session(

@@ -29,11 +29,11 @@ def result_view(file: Path) -> ResultView:
     with arguments(NAMES):
         result = UpdateResult.load(file)
     drawn = drawings(result, evidence_in(RunFolder(file.parent), result))
-    figures = []
-    for one in (*drawn.figures.values(), *drawn.diagrams.values()):
-        make = getattr(one, "explore", None)
-        if make is not None:
-            figures.append(Drawn(make, one.caption))
+    figures = [
+        Drawn(one.explore, one.caption)
+        for one in (*drawn.figures.values(), *drawn.diagrams.values())
+        if one.explore is not None
+    ]
     return ResultView(file.parent.resolve().name, _answer(result), figures, _tables(result))
 
 

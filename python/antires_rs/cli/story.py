@@ -29,7 +29,7 @@ from ..updating.search import update
 __all__ = ["MAX_EVALUATIONS", "PERTURBATION", "Story", "tell"]
 
 PERTURBATION = 0.08
-#: Budget of the updating: a flat valley (common scale, mass 1) keeps it from ending by itself. Over eight
+#: Budget of the updating: a flat valley (common scale, mass 0) keeps it from ending by itself. Over eight
 #: seeds this one, half the default, left 0.05 to 0.42 % as the largest difference, in a second.
 MAX_EVALUATIONS = 100_000
 

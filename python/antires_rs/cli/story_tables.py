@@ -57,7 +57,7 @@ def text(story: Story) -> str:
     lines = [
         f"An eight-mass chain, masses and springs up to {100 * PERTURBATION:g} % off the model "
         f"(seed {story.seed})",
-        "dofs count from 0, masses and springs from 1: dof 0 is mass 1, and spring 5 joins dofs 4 and 5.",
+        "numbers count from 0: dof 0 is mass 0, spring 4 (the paper's fifth) joins masses 4 and 5.",
         "",
         "1. Undamaged: antiresonances from the responses alone",
         f"   {DURATION_S:g} s at {FS_HZ:g} Hz, eight accelerometers, {100 * story.noise:g} % sensor noise; "

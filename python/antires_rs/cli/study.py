@@ -37,9 +37,9 @@ def identify(args: argparse.Namespace) -> int:
     found = _of_job(args) if args.file.suffix == ".toml" else [_of_file(args)]
     for i, each in enumerate(found):
         if out is not None:
-            each.save(out.with_stem(f"{out.stem}_{i + 1}") if i else out)
+            each.save(out.with_stem(f"{out.stem}_{i}") if i else out)
         if args.pictures is not None:
-            _diagrams(each, args.pictures, f"{i + 1}_" if i else "")
+            _diagrams(each, args.pictures, f"{i}_" if i else "")
     if args.json:
         print_json([_numbers(each) for each in found] if len(found) > 1 else _numbers(found[0]))
         return 0

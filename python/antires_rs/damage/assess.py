@@ -16,10 +16,11 @@ from ..optimize.arguments import seed_of, thread_count
 from ..optimize.island_ga import IslandGA
 from ..optimize.outcome import History, OptimizeResult
 from ..support.progress import waiting
-from ..support.validation import finite_scalar, reject, shape_of
+from ..support.validation import finite_scalar, reject
 from ..updating.penalty import DamagePenalty
 from ..updating.problem import Measured, UpdatingProblem
 from ..updating.search import search
+from .candidates import checked_model, elements_of
 from .inference import STD_COMMON, Inferred, infer
 from .prior import DamagePrior
 from .question import Question
@@ -129,26 +130,8 @@ def assess_damage(
     >>> {element: round(beta, 2) for element, beta in result.severity.items()}
     {0: 0.0, 1: 0.4, 2: 0.0}
     """
-    if not isinstance(model, StructuralModel):
-        reject(
-            "model",
-            model,
-            "a MassSpringChain, FrameModel or MatrixModel",
-            "Build the model as one of these first.",
-        )
-    chosen = (
-        model.default_elements
-        if elements is None
-        else ([elements] if shape_of(elements) == () else list(elements))
-    )
-    chosen = [int(e) if isinstance(e, np.integer) else e for e in chosen]
-    if not chosen:
-        reject(
-            "elements",
-            "no candidate",
-            "at least one stiffness term",
-            "Give the MatrixModel its stiffness_terms.",
-        )
+    checked_model(model)
+    chosen = elements_of(model, elements)
     of_search = {
         "gamma1": gamma1, "gamma2": gamma2, "snap": snap, "weights": weights, "optimizer": optimizer,
         "callback": callback, "x0": x0, "checkpoint": checkpoint,

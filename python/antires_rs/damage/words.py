@@ -78,7 +78,7 @@ def _if_trusted(found: Assessment, label: Label) -> str:
 
 def _contradiction(found: Assessment) -> str:
     """Which of the intact tests cannot be of the same structure as the others."""
-    sets = [f"baseline set {nth + 1}" for nth in found.odd_baselines]
+    sets = [f"baseline set {nth}" for nth in found.odd_baselines]
     gap = figure(found.baseline_gap)
     if len(sets) == 1:
         return (

@@ -24,11 +24,11 @@ def grouped(each: Sequence[Said]) -> Said:
     >>> from antires_rs.data_check.repeats import grouped
     >>> seen = Finding("dead_channel", "fatal", (3,), 0.0, 0.1, "Channel 3 is constant.", "Leave it out.")
     >>> [one.text for one in grouped([[], [seen], [seen]])]
-    ['Channel 3 is constant. (In records 2 and 3 of 3.)']
+    ['Channel 3 is constant. (In records 1 and 2 of 3, counted from 0.)']
     """
     found: dict[tuple[object, ...], list[tuple[int, Finding]]] = {}
     untested: dict[str, NotTested] = {}
-    for number, said in enumerate(each, start=1):
+    for number, said in enumerate(each):
         for one in said:
             if isinstance(one, NotTested):
                 untested.setdefault(one.name, one)
@@ -56,5 +56,5 @@ def _listed(numbers: list[int], count: int) -> str:
     if len(numbers) == count:
         return f"In all {count} records."
     if len(numbers) == 1:
-        return f"In record {numbers[0]} of {count}."
-    return f"In records {', '.join(map(str, numbers[:-1]))} and {numbers[-1]} of {count}."
+        return f"In record {numbers[0]} of {count}, counted from 0."
+    return f"In records {', '.join(map(str, numbers[:-1]))} and {numbers[-1]} of {count}, counted from 0."

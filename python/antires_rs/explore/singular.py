@@ -50,8 +50,11 @@ def singular_values_figure(
     fig.yaxis.axis_label_text_font_size = "11px"
     if values is None:
         assert response is not None
-        norm = np.linalg.norm(response.values, axis=0)[:, None] ** 2
-        drawn = [_line(fig, response.freq_hz, norm, 0, "first, the only one for one force", "blue", "solid")]
+        shown = (response.freq_hz >= band_hz[0]) & (response.freq_hz <= band_hz[1])
+        norm = np.linalg.norm(response.values[:, shown], axis=0)[:, None] ** 2
+        drawn = [
+            _line(fig, response.freq_hz[shown], norm, 0, "first, the only one for one force", "blue", "solid")
+        ]
     else:
         freq = check.freq_hz
         for i in range(min(values.shape[1], OTHERS) - 1, 1, -1):

@@ -11,6 +11,11 @@ from typing import Any
 #: More columns or rows than these, and a sheet is no record of a test.
 MOST_CHANNELS, MOST_CELLS = 10_000, 100_000_000
 
+
+class Unfit(ValueError):
+    """A file that is whole and does not hold what is wanted; the parent says it as it is."""
+
+
 Answer = tuple[dict[str, Any], dict[str, str], list[Any]]
 
 
@@ -54,6 +59,8 @@ def tdms(path: str, request: dict[str, Any]) -> Answer:
             for channel in group.channels()
             if len(channel) and asked((f"{group.name}/{channel.name}", channel.name), request)
         ]
+        if not chosen and request["only"] is not None:
+            raise Unfit("the channels are " + called(c.name for g in file.groups() for c in g.channels()))
         room(sum(len(channel) for _, channel in chosen), request)
         for name, channel in chosen:
             values = np.asarray(channel[:])
@@ -119,7 +126,14 @@ def mseed(path: str, request: dict[str, Any]) -> Answer:
                     "until": str(trace.stats.endtime),
                 }
             )
+    if not made and request["only"] is not None:
+        raise Unfit("the traces are " + called(trace.id for trace in stream))
     return answer(made)
+
+
+def called(names: Any) -> str:
+    """Names in a sentence."""
+    return ", ".join(repr(name) for name in list(names)[:20]) or "none"
 
 
 def column(name: str, values: Any, unit: str = "") -> dict[str, Any]:
@@ -129,7 +143,7 @@ def column(name: str, values: Any, unit: str = "") -> dict[str, Any]:
     if values.dtype.kind in "Mm":
         whole = values.astype("datetime64[ns]" if values.dtype.kind == "M" else "timedelta64[ns]")
         if np.isnat(whole).any():
-            raise ValueError(f"the column {name!r} has instants that are missing")
+            raise Unfit(f"the column {name!r} has instants that are missing")
         return {
             "name": name,
             "values": (whole - whole[0]) / np.timedelta64(1, "s"),
@@ -140,7 +154,7 @@ def column(name: str, values: Any, unit: str = "") -> dict[str, Any]:
         values = np.array([number(name, each) for each in values])
         values = values if np.iscomplexobj(values) else values.astype(np.float64)
     if values.dtype.kind not in "biufc":
-        raise ValueError(f"the column {name!r} has {values.dtype}, no numbers")
+        raise Unfit(f"the column {name!r} has {values.dtype}, no numbers")
     return {"name": name, "values": values, "unit": unit}
 
 
@@ -151,9 +165,9 @@ def number(name: str, value: Any) -> Any:
         try:
             return complex(text) if "j" in text else float(text)
         except ValueError:
-            raise ValueError(f"the column {name!r} has {value[:40]!r}, which is no number") from None
+            raise Unfit(f"the column {name!r} has {value[:40]!r}, which is no number") from None
     if value is None:
-        raise ValueError(f"the column {name!r} has empty cells")
+        raise Unfit(f"the column {name!r} has empty cells")
     return complex(value) if isinstance(value, complex) else float(value)
 
 
@@ -165,13 +179,13 @@ def parquet(path: str, request: dict[str, Any]) -> Answer:
         names = [name for name in file.schema_arrow.names if asked((name,), request)]
         room(file.metadata.num_rows * len(names), request)
         if len(names) > MOST_CHANNELS:
-            raise ValueError(f"{len(names)} columns")
+            raise Unfit(f"{len(names)} columns")
         table = file.read(columns=names)
     made = []
     for each in table.schema:
         data = table.column(each.name)
         if data.null_count:
-            raise ValueError(f"the column {each.name!r} has {data.null_count} empty cells")
+            raise Unfit(f"the column {each.name!r} has {data.null_count} empty cells")
         said = {key.decode(): text.decode() for key, text in (each.metadata or {}).items()}
         unit = said.get("unit") or said.get("units") or ""
         made.append(column(each.name, data.to_numpy(), unit))
@@ -189,7 +203,7 @@ def excel(path: str, request: dict[str, Any]) -> Answer:
     names = book.sheetnames
     sheet = book[request.get("sheet") or names[0]] if (request.get("sheet") or names[0]) in names else None
     if sheet is None:
-        raise ValueError(f"no sheet {request['sheet']!r}, but {', '.join(names)}")
+        raise Unfit(f"the sheets are {called(names)}")
     head: list[list[str]] = []
     rows: list[list[Any]] = []
     cells = 0
@@ -207,10 +221,10 @@ def excel(path: str, request: dict[str, Any]) -> Answer:
             head.append(["" if v is None else str(v) for v in values])
             continue
         if rows and len(values) != len(rows[0]):
-            raise ValueError(f"row {len(rows) + 1} of numbers has {len(values)} columns, not {len(rows[0])}")
+            raise Unfit(f"row {len(rows) + 1} of numbers has {len(values)} columns, not {len(rows[0])}")
         rows.append(values)
     if not rows:
-        raise ValueError(f"the sheet {sheet.title!r} has no row of numbers")
+        raise Unfit(f"the sheet {sheet.title!r} has no row of numbers")
     made = []
     for i in range(len(rows[0])):
         each = [row[i] for row in rows]

@@ -128,6 +128,10 @@ def in_a_child(
                     wanted,
                     "Name the responses= to be read, or raise memory_limit_gb, if it is not damaged.",
                 )
+            if said and said[-1].startswith("Unfit: "):
+                unsuitable(
+                    file, f"in which {said[-1][7:400]}", wanted, "Correct the file, or the names you gave."
+                )
             reason = said[-1][:300] if said else f"the reader ended with code {done.returncode}"
             unsuitable(
                 file, f"which cannot be read ({reason})", wanted, "It was cut or damaged, or is no such file."

@@ -43,7 +43,7 @@ class Evidence:
     diagrams : tuple of mapping of dof to StabilizationDiagram
         One mapping for each [data].
     response : FrequencyResponse or None
-        Transmissibilities over the first response that has antiresonances.
+        Transmissibilities over the first response that has antiresonances; of measured FRFs themselves.
     """
 
     diagrams: tuple[Mapping[Any, StabilizationDiagram], ...] = ()
@@ -71,6 +71,7 @@ class Evidence:
                 "freq_hz": store.put(r.freq_hz),
                 "dofs": list(r.dofs),
                 "values": store.put(r.values.astype(np.complex64)),
+                "kind": r.kind,
                 "reference": r.reference,
             }
         write_store(path, data, store)
@@ -91,7 +92,9 @@ class Evidence:
             tables,
             None
             if r is None
-            else FrequencyResponse(r["freq_hz"], r["values"], r["dofs"], "transmissibility", r["reference"]),
+            else FrequencyResponse(
+                r["freq_hz"], r["values"], r["dofs"], r.get("kind", "transmissibility"), r["reference"]
+            ),
         )
 
 
@@ -187,7 +190,7 @@ def _response(job: Job, measured: list[Measured]) -> FrequencyResponse | None:
     """Transmissibilities over the first response that has antiresonances, where they can be had."""
     first = measured[0]
     if isinstance(first.signal, FrequencyResponse):
-        return first.signal if first.signal.kind == "transmissibility" else None
+        return _inside(first.signal, *job.data[0]["band_hz"])
     dof = next((dof for dof, values in first.found.items() if values.size), None)
     if not isinstance(first.signal, Recording) or dof is None or first.signal.n_channels < 2:
         return None
@@ -201,6 +204,12 @@ def _response(job: Job, measured: list[Measured]) -> FrequencyResponse | None:
         whole = transmissibility(first.signal, dof, nperseg=length, estimator="rank1")
     except UnsuitableDataError:  # a single impact has no averages
         return None
-    low, high = job.data[0]["band_hz"]
+    return _inside(whole, *job.data[0]["band_hz"])
+
+
+def _inside(whole: FrequencyResponse, low: float, high: float) -> FrequencyResponse:
+    """The band that was searched."""
     keep = (whole.freq_hz >= low) & (whole.freq_hz <= high)
-    return FrequencyResponse(whole.freq_hz[keep], whole.values[:, keep], whole.dofs, whole.kind, dof)
+    return FrequencyResponse(
+        whole.freq_hz[keep], whole.values[:, keep], whole.dofs, whole.kind, whole.reference
+    )

@@ -39,11 +39,11 @@ class RunFolder:
 
     def antiresonances(self, number: int) -> Path:
         """File of the identified set of one [data], numbered from 0."""
-        return self.folder / (f"antiresonances_{number + 1}.json" if number else "antiresonances.json")
+        return self.folder / (f"antiresonances_{number}.json" if number else "antiresonances.json")
 
     def baseline(self, number: int) -> Path:
         """File of a set of the intact structure, numbered from 0."""
-        return self.folder / (f"baseline_{number + 1}.json" if number else "baseline.json")
+        return self.folder / (f"baseline_{number}.json" if number else "baseline.json")
 
     def prepare(self) -> None:
         """Make the folder; remove what a process that was killed left half-written."""

@@ -59,7 +59,7 @@ def _label(place: Keys) -> str:
     name, rest = str(place[0]), list(place[1:])
     label = f" [{name}]"
     if rest and isinstance(rest[0], int) and name in SECTIONS and SECTIONS[name].several != "no":
-        label = f" [[{name}]] no. {rest[0] + 1}"
+        label = f" [[{name}]] {rest[0]}"
         rest = rest[1:]
     for i, part in enumerate(rest):
         label += f"[{part}]" if isinstance(part, int) else f"{'.' if i else ' '}{part}"

@@ -52,7 +52,7 @@ def summary_of(
         "generations": result.nit,
         "exchanges": result.migrations,
         **_values(result, at_once),
-        # As in Python: "dof" and "element" count from 0, names from 1.
+        # As in Python: "dof", "element" and the numbers in names count from 0.
         "counted_from": 0,
         "largest_before_percent": number(table.largest_before_percent),
         "largest_after_percent": number(table.largest_after_percent),

@@ -97,7 +97,7 @@ def unset_in(value: Any) -> list[str]:
     if isinstance(value, dict):
         return [name for name, dof in value.items() if dof == UNSET]
     if isinstance(value, list):
-        return [f"number {i + 1}" for i, dof in enumerate(value) if dof == UNSET]
+        return [f"number {i}" for i, dof in enumerate(value) if dof == UNSET]
     return [""] if value == UNSET else []
 
 

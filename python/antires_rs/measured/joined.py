@@ -63,18 +63,18 @@ def disagreements(
     tested = {i: one for i in range(count) if (one := _against_others(common, i, shift, between)) is not None}
     wrong = sorted((one for one in tested.values() if one.p < alpha / len(tested)), key=lambda one: one.p)
     if len(wrong) == 2 and len(tested) == 2:
-        names = " and ".join(str(i + 1) for i in tested)
+        names = " and ".join(str(i) for i in tested)
         text = f"Setups {names} disagree ({wrong[0].text})."
         return [replace(wrong[0], text=text)]
     if len(wrong) <= 1:
-        return [replace(one, text=f"Setup {one.setup + 1} disagrees ({one.text}).") for one in wrong]
+        return [replace(one, text=f"Setup {one.setup} disagrees ({one.text}).") for one in wrong]
     # The worst one spoils the means of the others: without it they are asked again.
     worst = wrong[0]
     rest = {
         dof: {i: table for i, table in tables.items() if i != worst.setup} for dof, tables in common.items()
     }
     rest = {dof: tables for dof, tables in rest.items() if len(tables) > 1}
-    named = replace(worst, text=f"Setup {worst.setup + 1} disagrees ({worst.text}).")
+    named = replace(worst, text=f"Setup {worst.setup} disagrees ({worst.text}).")
     return [named, *disagreements(rest, count, shift, between, alpha)]
 
 

@@ -147,7 +147,7 @@ def _counted_once(shared: dict[Any, dict[int, ResponseTable]]) -> dict[tuple[int
 
 def _warn_of_copies(copies: dict[tuple[int, int], int], check: str) -> None:
     """Say which setups are one measurement."""
-    text = "; ".join(f"setups {a + 1} and {b + 1} have {n} values in common" for (a, b), n in copies.items())
+    text = "; ".join(f"setups {a} and {b} have {n} values in common" for (a, b), n in copies.items())
     if check == "raise":
         raise UnsuitableDataError(
             "sets",

@@ -91,16 +91,16 @@ class MassSpringChain(StructuralModel):
         return recipe
 
     def element_label(self, element: int) -> str:
-        """``spring 1`` to ``spring n-1`` between the masses, then the two ground springs."""
+        """``spring 0`` to ``spring n-2`` between the masses, then the two ground springs."""
         between = self.n_dof - 1
         return (
-            f"spring {element + 1}"
+            f"spring {element}"
             if element < between
             else ("first ground spring" if element == between else "last ground spring")
         )
 
     def dof_label(self, dof: int) -> str:
-        """``mass 1`` for dof 0 and on, counted from 1 like the springs."""
+        """``mass 0`` for dof 0 and on, counted from 0 like the springs."""
         return self.mass_label(dof)
 
     @property

@@ -140,8 +140,8 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         return self._core.n_dof
 
     def element_label(self, element: int) -> str:
-        """Name of stiffness term ``element`` in tables and pictures, counted from 1 as users do."""
-        return f"element {element + 1}"
+        """Name of stiffness term ``element`` in tables and pictures, with its number as an argument."""
+        return f"element {element}"
 
     def dof_label(self, dof: int) -> str:
         """Name of a dof in tables and pictures: its zero-based number, where nothing else names it."""
@@ -168,8 +168,8 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         return [dof for dof in self._free_dofs if dof not in turning]
 
     def mass_label(self, term: int) -> str:
-        """Name of mass term ``term`` in tables, counted from 1 as users do."""
-        return f"mass {term + 1}"
+        """Name of mass term ``term`` in tables, with its number as an argument."""
+        return f"mass {term}"
 
     @property
     def default_elements(self) -> list[int]:

@@ -207,24 +207,24 @@ class FrameModel(StructuralModel):
         return self._recipe.section_index(name)
 
     def section_label(self, section: int) -> str:
-        """Name of a section in tables; those without a name are counted from 1."""
+        """Name of a section in tables; those without a name by their number."""
         name = self._recipe.section_names[section]
-        return name if isinstance(name, str) else f"section {section + 1}"
+        return name if isinstance(name, str) else f"section {section}"
 
     def element_label(self, element: int) -> str:
-        """``element 1`` and on for the beams, then the springs to ground, then those between nodes."""
+        """``element 0`` and on for the beams, then the springs to ground, then those between nodes."""
         ground = element - len(self._recipe.beams)
         if ground < 0:
-            return f"element {element + 1}"
+            return f"element {element}"
         springs = self.ground_springs
         if ground < len(springs):
-            return f"ground spring {ground + 1} (node {springs[ground].node} {springs[ground].direction})"
-        return f"node spring {ground - len(springs) + 1}"
+            return f"ground spring {ground} (node {springs[ground].node} {springs[ground].direction})"
+        return f"node spring {ground - len(springs)}"
 
     def mass_label(self, term: int) -> str:
-        """``element 1`` and on for the beams, then the point masses."""
+        """``element 0`` and on for the beams, then the point masses."""
         lump = term - len(self._recipe.beams)
-        return f"element {term + 1}" if lump < 0 else f"mass {lump + 1} (node {self.point_masses[lump].node})"
+        return f"element {term}" if lump < 0 else f"mass {lump} (node {self.point_masses[lump].node})"
 
     @property
     def default_elements(self) -> list[int]:

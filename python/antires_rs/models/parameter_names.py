@@ -16,7 +16,7 @@ FAR = 5.0
 
 
 class _Labelled(Protocol):
-    """What a model calls its parts, counted from 1 as users do."""
+    """What a model calls its parts: with their numbers as arguments, from 0."""
 
     @property
     def default_elements(self) -> list[int]: ...

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..assessor.assessor import Assessor
 from ..damage.assess import assess_damage
+from ..damage.candidates import elements_of
 from ..damage.prior import DamagePrior
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
@@ -165,11 +166,8 @@ def check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Map
         if name in _NOT_HERE and value is not None:
             reject(name, value, "nothing, since the watch has a baseline", "Leave it out.")
     wanted = options.get("elements")
-    elements = (
-        model.default_elements if wanted is None else [wanted] if np.ndim(wanted) == 0 else list(wanted)
-    )
-    if elements:
-        UpdatingProblem(model, stiffness_reduction(elements), [one])
+    if wanted is not None or model.default_elements:
+        UpdatingProblem(model, stiffness_reduction(elements_of(model, wanted)), [one])
     std = options.get("std_common")
     if std is not None:
         finite_scalar("std_common", std, low=0.0, high=0.1)

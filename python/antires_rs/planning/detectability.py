@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..damage.candidates import checked_model, elements_of
 from ..damage.evidence import HIGHEST
 from ..damage.limits import smallest_found
 from ..damage.prior import DamagePrior
@@ -21,7 +22,7 @@ from ..support.validation import FloatArray, choice, finite_scalar, integer, rea
 from .detection_curves import DetectionCurves
 from .pod import crossing, fit_logit, reached
 from .predicted import predicted
-from .question import Sees, band_of, checked_model, dofs_of, elements_of
+from .question import Sees, band_of, dofs_of
 from .simulated import Task, simulated
 from .value_errors import ExpectedErrors
 from .virtual_roots import objective

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..damage.candidates import checked_model
 from ..damage.limits import smallest_found
 from ..damage.prior import DamagePrior
 from ..models.structural_model import StructuralModel
@@ -16,7 +17,7 @@ from ..support.progress import step, waiting
 from ..support.validation import FloatArray, choice, integer, reject
 from .information import CRITERIA, Information, information
 from .placement import Placed, Round, exhaustive, greedy
-from .question import Sees, Unknowns, band_of, checked_model, dofs_of, unknowns_of
+from .question import Sees, Unknowns, band_of, dofs_of, unknowns_of
 from .sensor_plan import SensorPlan
 from .value_errors import ExpectedErrors
 from .virtual_roots import virtual_roots

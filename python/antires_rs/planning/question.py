@@ -9,14 +9,15 @@ from typing import Any, Literal
 import numpy as np
 
 from .. import _core
+from ..damage.candidates import elements_of
 from ..damage.evidence import HIGHEST
 from ..models.parameter import Parameter, parameter_tuple
 from ..models.parameter_names import parameter_name
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
-from ..support.validation import FloatArray, frequency_band, integer, reject, shape_of
+from ..support.validation import FloatArray, frequency_band, reject, shape_of
 
-__all__ = ["Sees", "Unknowns", "band_of", "checked_model", "dofs_of", "elements_of", "unknowns_of"]
+__all__ = ["Sees", "Unknowns", "band_of", "dofs_of", "unknowns_of"]
 
 Sees = Literal["transmissibility", "frf"]
 #: By default the band ends above so many elastic resonances, by this factor.
@@ -42,34 +43,6 @@ class Unknowns:
     #: Of severities, the elements.
     elements: tuple[int, ...] | None
     tests: int
-
-
-def checked_model(model: Any) -> StructuralModel:
-    """A model of ours."""
-    if not isinstance(model, StructuralModel):
-        reject(
-            "model",
-            model,
-            "a MassSpringChain, FrameModel or MatrixModel",
-            "Build the model as one of these first.",
-        )
-    return model
-
-
-def elements_of(model: StructuralModel, elements: Any) -> list[int]:
-    """Candidate elements, by default those of :func:`assess_damage`."""
-    if elements is None:
-        chosen = list(model.default_elements)
-    else:
-        chosen = [elements] if shape_of(elements) == () else list(elements)
-    if not chosen:
-        reject(
-            "elements",
-            "no element",
-            "at least one stiffness term",
-            "Give the MatrixModel its stiffness_terms.",
-        )
-    return [integer("elements", e, low=0, high=model._core.n_stiffness_terms - 1) for e in chosen]
 
 
 def unknowns_of(model: StructuralModel, elements: Any) -> Unknowns:

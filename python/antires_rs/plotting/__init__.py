@@ -21,6 +21,7 @@ from .hypotheses import plot_hypotheses
 from .identifiability import plot_identifiability
 from .monitor import plot_monitor
 from .plan import plot_plan
+from .responses import plot_responses
 from .spectra import plot_coherence, plot_singular_values
 from .stabilization import plot_stabilization
 from .tracks import plot_tracks
@@ -45,5 +46,6 @@ __all__ = [
     "plot_plan",
     "plot_stabilization",
     "plot_tracks",
+    "plot_responses",
     "plot_transmissibility",
 ]

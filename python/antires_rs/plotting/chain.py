@@ -14,7 +14,7 @@ from .values import coloured, value_by_element
 if TYPE_CHECKING:
     from ..models.chain import MassSpringChain
 
-__all__ = ["coil", "plot_chain"]
+__all__ = ["coil", "plot_chain", "spring_paths"]
 
 #: Share of a free end's stiffness that rounding may leave.
 ROUNDING = 1e-9
@@ -51,7 +51,7 @@ def plot_chain(
     Returns
     -------
     matplotlib.axes.Axes
-        Masses and springs with their numbers from 1, as tables have them.
+        Masses and springs with their numbers from 0, as tables have them.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def plot_chain(
     measured = [model._dof("sensors", dof) for dof in sensors]
     given = value_by_element(values, n + 1 if values is None or isinstance(values, Mapping) else n - 1)
     ax = new_axes(ax, (max(6.0, 0.5 * n + 1.5), 2.8))
-    springs = _springs(model)
+    springs = spring_paths(model)
     paths = list(springs.values())
     by_spring = np.full(n + 1, np.nan)
     if given is None:
@@ -92,7 +92,7 @@ def plot_chain(
     _arrows(ax, force, -0.5 * size - 9.0, COLOURS["black"], 15.0, "force")
     every = next(step for step in (1, 2, 5, 10, n) if fit_across(ax, [str(n)] * (n // step), 8.0))
     for element in list(springs)[::every]:
-        name = str(element + 1) if element < n - 1 else "ground"
+        name = str(element) if element < n - 1 else "ground"
         ax.annotate(
             name,
             (springs[element][:, 0].mean(), HEIGHT),
@@ -102,7 +102,7 @@ def plot_chain(
             textcoords="offset points",
             fontsize="small",
         )
-    ax.set_xticks(range(0, n, every), [str(i + 1) for i in range(0, n, every)])
+    ax.set_xticks(range(0, n, every), [str(i) for i in range(0, n, every)])
     reach = np.array([[0.0, n - 1.0], *([path[:, 0].min(), path[:, 0].max()] for path in paths)])
     ax.set_xlim(reach.min() - 0.6, reach.max() + 0.6)
     ax.set_ylim(-0.8, 0.8)
@@ -129,7 +129,7 @@ def coil(a: FloatArray, b: FloatArray, amplitude: float) -> FloatArray:
     return np.asarray(a + share[:, None] * (b - a) + off[:, None] * across)
 
 
-def _springs(model: MassSpringChain) -> dict[int, FloatArray]:
+def spring_paths(model: MassSpringChain) -> dict[int, FloatArray]:
     """The springs that there are, by element: those between masses, then those to ground."""
     n, stiffness = model.n_dof, model.stiffness()
     ends = {i: (i, i + 1) for i in range(n - 1)}

@@ -65,7 +65,7 @@ def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> A
             color=colours[island % len(colours)],
             ls=LINES[island % len(LINES)],
             lw=max(2.6 - 0.5 * island, 1.0),
-            label=f"island {island + 1}",
+            label=f"island {island}",
         )
     migrations = np.asarray(history.migrations, dtype=np.int64)
     at = np.asarray(history.nfev)[np.minimum(migrations, len(history.nfev) - 1)]
@@ -109,10 +109,7 @@ def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> A
     below(ax)
     offer(
         ax,
-        islands={
-            "evaluations": history.nfev,
-            **{f"island_{i + 1}": column for i, column in enumerate(cost.T)},
-        },
+        islands={"evaluations": history.nfev, **{f"island_{i}": column for i, column in enumerate(cost.T)}},
         migrations={"evaluations": at},
     )
     return ax

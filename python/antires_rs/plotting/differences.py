@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .canvas import COLOURS, below, new_axes, offer, text_width_pt, width_pt
+from .clipping import clip_bars, reach
 
 if TYPE_CHECKING:
     from ..support.validation import FloatArray
@@ -57,6 +58,7 @@ def plot_differences(
     -------
     matplotlib.axes.Axes
         Bars grouped by response and force, in the order of the table; a cross where the model has no partner.
+        Where few values stand apart the axis is made for the others, and theirs are written at its edge.
         Of modes, one group for those measured together, with the MAC before and after above each.
 
     Raises
@@ -126,10 +128,23 @@ def plot_differences(
         ax.set_xlim(middle - most / 2, middle + most / 2)
     ax.set_xlabel(across if labelled else across.replace(" (Hz)", "s, ascending"))
     ax.set_ylabel("Difference to the measurement (%)")
-    ax.margins(y=0.08)
+    _limits(ax, x, table)
     below(ax, drop_pt=56.0 if labelled else 32.0, first=leading)
     offer(ax, bars={name: getattr(table, name) for name in COLUMNS if hasattr(table, name)})
     return ax
+
+
+def _limits(ax: Any, x: FloatArray, table: FrequencyTable | ModalTable) -> None:
+    """An axis for the many; bars that go on beyond it have an arrow and their number."""
+    both = np.concatenate([table.before_percent, table.after_percent])
+    most = reach(both)
+    ax.margins(y=0.08)
+    if not np.isfinite(most):
+        return
+    low, high = np.nanmin(both), np.nanmax(both)
+    ax.set_ylim(max(1.08 * min(low, 0.0), -most), min(1.08 * max(high, 0.0), most))
+    clip_bars(ax, x - 0.2, table.before_percent, most, COLOURS["vermillion"])
+    clip_bars(ax, x + 0.2, table.after_percent, most, COLOURS["blue"])
 
 
 def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], str]:

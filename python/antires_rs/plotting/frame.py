@@ -10,7 +10,7 @@ import numpy as np
 from ..support.validation import FloatArray
 from .canvas import COLOURS, below, new_axes, offer
 from .chain import coil
-from .numbers import beside, points_per_unit
+from .numbers import around, beside, points_per_unit
 from .values import coloured, value_by_element
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ __all__ = ["plot_frame"]
 #: Isometric view of frames in space: x to the lower right, y to the upper right, z up.
 ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0], [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])
 #: Up to this many elements are numbered unless told otherwise.
-MOST_NUMBERS = 120
+MOST_NUMBERS, MOST_NODES = 120, 60
 #: Length of an arrow in points, and the room around the frame as a share of its extent.
 ARROW, MARGIN = 26.0, 0.08
 #: Colours of sections; vermillion and black are those of the arrows.
@@ -35,6 +35,8 @@ DASHES: tuple[Any, ...] = (
     (0, (1, 1)),
     (0, (6, 1, 1, 1, 1, 1)),
 )
+#: Ink of the numbers of nodes: paler than that of elements in grey too.
+NODES = "#7A3E9D"
 ROTATIONS = ("theta", "rx", "ry", "rz")
 
 
@@ -63,7 +65,8 @@ def plot_frame(
     excitation : int, optional
         Dof of the force; a longer arrow.
     numbers : bool, optional
-        Whether to number the elements, from 1 as tables do; by default up to 120 elements.
+        Whether to number elements and nodes, from 0 as tables do; those of nodes are slanted, in grey. By
+        default elements up to 120 and nodes up to 60.
     label : str
         Name of the values, with their unit.
 
@@ -113,7 +116,9 @@ def plot_frame(
         arrows.append(_arrow(ax, points, force, COLOURS["black"], 1.3, space))
         ax.plot([], [], ls="", marker=r"$\rightarrow$", ms=15, color=COLOURS["black"], label="force")
     if numbers or (numbers is None and len(ends) <= MOST_NUMBERS):
-        _numbered(ax, points, ends, arrows)
+        placed = _numbered(ax, points, ends, arrows)
+        if numbers or len(points) <= MOST_NODES:
+            _numbered_nodes(ax, points, ends, arrows, placed)
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(MARGIN)
     ax.set_xlabel("isometric view (m)" if space else "x (m)")
@@ -217,16 +222,45 @@ def _marked(ax: Any, points: FloatArray, nodes: list[int], marker: str, size: fl
         )
 
 
-def _numbered(ax: Any, points: FloatArray, ends: FloatArray, arrows: list[FloatArray]) -> None:
-    """Numbers from 1 beside the elements, out of the way of arrows."""
-    size = 7.5 if len(ends) <= 30 else 6.5
-    scale = points_per_unit(ax, points, MARGIN)
+def _lines_pt(arrows: list[FloatArray], scale: float) -> FloatArray:
+    """Arrows in points, (n, 2, 2)."""
     lines = np.array(arrows).reshape(-1, 2, 2)
     lines[:, 0] *= scale
     lines[:, 1] += lines[:, 0]
-    for i, (at, middle) in enumerate(zip(beside(scale * ends, lines), ends.mean(axis=1), strict=True)):
+    return lines
+
+
+def _numbered_nodes(
+    ax: Any, points: FloatArray, ends: FloatArray, arrows: list[FloatArray], taken: FloatArray
+) -> None:
+    """Numbers of the nodes near them, slanted, out of the way of all else."""
+    scale = points_per_unit(ax, points, MARGIN)
+    lines = np.concatenate([_lines_pt(arrows, scale), scale * ends, np.stack([taken, taken], axis=1)])
+    for i, (at, node) in enumerate(zip(around(scale * points, lines), points, strict=True)):
         ax.annotate(
-            str(i + 1),
+            str(i),
+            node,
+            xytext=tuple(at - scale * node),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=6.5 if len(points) <= 30 else 5.5,
+            fontstyle="italic",
+            color=NODES,
+            zorder=4,
+        )
+    ax.plot([], [], ls="", marker="$0$", ms=5, color="black", label="number of an element")
+    ax.plot([], [], ls="", marker="$\\it{0}$", ms=5, color=NODES, label="number of a node")
+
+
+def _numbered(ax: Any, points: FloatArray, ends: FloatArray, arrows: list[FloatArray]) -> FloatArray:
+    """Numbers from 0 beside the elements, out of the way of arrows; their places in points."""
+    size = 7.5 if len(ends) <= 30 else 6.5
+    scale = points_per_unit(ax, points, MARGIN)
+    places = beside(scale * ends, _lines_pt(arrows, scale))
+    for i, (at, middle) in enumerate(zip(places, ends.mean(axis=1), strict=True)):
+        ax.annotate(
+            str(i),
             middle,
             xytext=tuple(at - scale * middle),
             textcoords="offset points",
@@ -235,6 +269,7 @@ def _numbered(ax: Any, points: FloatArray, ends: FloatArray, arrows: list[FloatA
             fontsize=size,
             zorder=4,
         )
+    return places
 
 
 def _seen(direction: str, space: bool) -> FloatArray:

@@ -13,12 +13,12 @@ from .canvas import COLOURS, GREY, below, new_axes, offer
 if TYPE_CHECKING:
     from ..monitoring.watched import Watched
 
-__all__ = ["draw_monitor", "panels", "plot_monitor", "size_in"]
+__all__ = ["HIGHEST", "LABELS", "LOWEST", "draw_monitor", "panels", "plot_monitor", "size_in"]
 
 PANELS = ("charts", "T2", "EWMA", "events", "condition")
 #: Tests above the limit by more than this are drawn at the top.
-_HIGHEST, _LOWEST = 100.0, 0.05
-_LABELS = {"T2": "Single tests", "EWMA": "Mean of tests", "events": "Lost and new"}
+HIGHEST, LOWEST = 100.0, 0.05
+LABELS = {"T2": "Single tests", "EWMA": "Mean of tests", "events": "Lost and new"}
 
 
 def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> Any:
@@ -113,7 +113,7 @@ def _one(ax: Any, watched: Watched, name: str, *, last: bool) -> None:
 
 def _chart(ax: Any, watched: Watched, name: str, x: NDArray[Any]) -> None:
     chart = watched.charts[name]
-    ratio = np.where(np.isnan(chart.statistic), np.nan, np.clip(chart.ratio, _LOWEST, _HIGHEST))
+    ratio = np.where(np.isnan(chart.statistic), np.nan, np.clip(chart.ratio, LOWEST, HIGHEST))
     above = chart.ratio > 1.0
     if name == "EWMA":
         ax.plot(x, ratio, color=COLOURS["blue"], lw=1.2, zorder=2)
@@ -134,13 +134,13 @@ def _chart(ax: Any, watched: Watched, name: str, x: NDArray[Any]) -> None:
     )
     ax.axhline(1.0, color=COLOURS["black"], lw=1.1, ls="--", zorder=1, label="limit")
     ax.set_yscale("log")
-    ax.set_ylim(_LOWEST, max(3.0, 1.3 * float(np.nanmax(ratio, initial=1.0))))
+    ax.set_ylim(LOWEST, max(3.0, 1.3 * float(np.nanmax(ratio, initial=1.0))))
     for tests, mark, what in ((watched.faults, "^", "sensor at fault"), (watched.failed, "|", "failed")):
         at = np.array(sorted(tests), dtype=int)
         if at.size and name == "T2":
             ax.plot(
                 x[at],
-                np.full(at.size, _LOWEST * 1.15),
+                np.full(at.size, LOWEST * 1.15),
                 ls="",
                 marker=mark,
                 ms=5,
@@ -149,7 +149,7 @@ def _chart(ax: Any, watched: Watched, name: str, x: NDArray[Any]) -> None:
                 clip_on=False,
                 label=what,
             )
-    ax.set_ylabel(f"{_LABELS[name]} / limit")
+    ax.set_ylabel(f"{LABELS[name]} / limit")
     offer(ax, **{name: {"test": np.arange(x.size), "statistic": chart.statistic, "limit": chart.limit}})
 
 

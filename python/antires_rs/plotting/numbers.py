@@ -8,7 +8,7 @@ import numpy as np
 
 from ..support.validation import FloatArray
 
-__all__ = ["beside", "points_per_unit"]
+__all__ = ["around", "beside", "points_per_unit"]
 
 #: Distances from the element that are tried, the room that a number needs to be clear of things, in points.
 AWAY, ROOM = (7.0, 11.0, 15.0), 7.0
@@ -54,6 +54,29 @@ def beside(ends: FloatArray, lines: FloatArray) -> FloatArray:
         # The first that is clear of all, or else the one that is clearest.
         best = options[int(np.argmax(np.minimum(clear, ROOM)))]
         placed = np.vstack([placed, best])
+    return placed
+
+
+def around(points: FloatArray, lines: FloatArray) -> FloatArray:
+    """Places of the numbers of points (n, 2), clear of ``lines`` and of each other, all in points.
+
+    Below to the right is taken unless something is in its way.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> (place,) = around(np.zeros((1, 2)), np.array([[[0.0, 0.0], [50.0, 0.0]]]))
+    >>> float(np.abs(place).max()) < 15.0 and bool(place[1] < 0.0)
+    True
+    """
+    angles = np.radians([-45.0, 135.0, 45.0, -135.0, -90.0, 90.0, 180.0, 0.0])
+    ways = np.column_stack([np.cos(angles), np.sin(angles)])
+    placed = np.empty((0, 2))
+    for point in points:
+        options = np.concatenate([point + away * ways for away in (8.0, 11.0, 15.0)])
+        others = np.concatenate([lines, np.stack([placed, placed], axis=1)])
+        clear = _distances(options, others).min(axis=1) if len(others) else np.full(len(options), np.inf)
+        placed = np.vstack([placed, options[int(np.argmax(np.minimum(clear, 0.8 * ROOM)))]])
     return placed
 
 

@@ -154,7 +154,7 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
         # Rank deficient by construction: rounding, which would only stretch the axis.
         seen = np.where(values[:, i] > 1e-12 * values.max(), level[:, i], np.nan)
         ax.plot(check.freq_hz, seen, lw=0.5, color="#C4C4C4", label="the others" if i == 2 else None)
-    table = {"freq_hz": check.freq_hz, **{f"level_{i + 1}_db": level[:, i] for i in range(level.shape[1])}}
+    table = {"freq_hz": check.freq_hz, **{f"level_{i}_db": level[:, i] for i in range(level.shape[1])}}
     if check.second_expected is not None:
         expected = 10.0 * np.log10(np.maximum(check.second_expected, 1e-14 * values.max()))
         table["expected_2_db"] = expected

@@ -15,7 +15,7 @@ from .canvas import COLOURS, band_shown, below, new_axes, offer
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-__all__ = ["plot_transmissibility"]
+__all__ = ["named", "plot_transmissibility", "summed_db"]
 
 
 def plot_transmissibility(
@@ -115,15 +115,29 @@ def plot_transmissibility(
             ax.plot(shown.freq_hz, level, ls=dashes, lw=1.2, color=COLOURS[colour], label=name)
     ax.set_xlim(low, high)
     ax.set_xlabel("Frequency (Hz)")
-    what = "Sum of T" if dof is None else f"|T| of {_named(before, dof)}"
-    ax.set_ylabel(f"{what} over {_named(before, measured.reference)} (dB re 1)")
+    what = "Sum of T" if dof is None else f"|T| of {named(before, dof)}"
+    ax.set_ylabel(f"{what} over {named(before, measured.reference)} (dB re 1)")
     ax.grid(alpha=0.25)
     below(ax)
     offer(ax, transmissibility=table)
     return ax
 
 
-def _named(model: StructuralModel, dof: Any) -> str:
+def summed_db(
+    measured: FrequencyResponse, models: Sequence[StructuralModel], excitation: int
+) -> tuple[FloatArray, list[FloatArray]]:
+    """Lines above 0 Hz, and the summed transmissibility of the measurement and of each model in dB."""
+    keep = measured.freq_hz > 0.0
+    freq = measured.freq_hz[keep]
+    shown = FrequencyResponse(
+        freq, measured.values[:, keep], measured.dofs, "transmissibility", measured.reference
+    )
+    return freq, [
+        _decibel(one, None) for one in (shown, *(_of_model(m, shown, excitation, 0.01) for m in models))
+    ]
+
+
+def named(model: StructuralModel, dof: Any) -> str:
     """A dof as the tables name it."""
     return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
 

@@ -28,6 +28,7 @@ from ..support.validation import reject
 from ..updating.results import UpdateResult
 from .facts import Facts, dof_name, of_model, of_search, of_set, of_signal
 from .figures import Drawings, drawings_of, fitting, largest, states
+from .live import library, script
 from .rows import damage_rows, frequency_rows, hypothesis_rows, parameter_rows
 
 if TYPE_CHECKING:
@@ -97,7 +98,9 @@ def write_report(
 
     Notes
     -----
-    The file asks nothing of any network and needs no script. Where all stabilization diagrams together would
+    The file asks nothing of any network. Where bokeh is installed (``pip install "antires-rs[look]"``), its
+    figures can be zoomed, hovered and their lines switched off; printed, without scripts, or without bokeh
+    pictures stand there. Where all stabilization diagrams together would
     make it larger, the last are left out, and it says how many.
 
     Examples
@@ -144,7 +147,7 @@ def write_report(
         )
     measured = _measured(result, measurement)
     drawn = drawings_of(result, response, truth, diagrams) if drawn is None else drawn
-    shown, left_out = fitting(drawn.diagrams)
+    shown, left_out = fitting(drawn)
     if warnings is None:
         warnings = [
             said
@@ -175,6 +178,8 @@ def write_report(
         measured=measured,
         diagrams=shown,
         left_out=left_out,
+        library=library(),
+        script=script(),
         warnings=list(warnings),
         model=of_model(problem.model),
         run=of_search(result) | _lines(origin or {}) | _versions(),

@@ -240,7 +240,7 @@ def of_model(model: StructuralModel) -> Facts:
         ]
         held = sorted({node for node, _ in model.fixed})
         facts["Fixed nodes"] = [_names(held) if held else "none"]
-    facts["Numbers"] = ["of dofs and nodes from 0, of masses, springs and elements from 1"]
+    facts["Numbers"] = ["all from 0, as in Python and in job files"]
     return facts
 
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property, partial
+from dataclasses import dataclass, replace
+from functools import cache, cached_property, partial
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..damage.result import DamageResult
+from ..damage.supersets import without_idle
+from ..explore.result import result_figures
+from ..explore.stabilization import stabilization_figure
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
@@ -22,10 +25,13 @@ from ..plotting import (
     plot_differences,
     plot_frame,
     plot_hypotheses,
+    plot_responses,
     plot_transmissibility,
 )
 from ..plotting.canvas import picture
+from ..plotting.responses import MOST_RESPONSES
 from .facts import dof_name, named_diagrams
+from .live import library, packed
 
 if TYPE_CHECKING:
     from ..order_sweep.diagram import StabilizationDiagram
@@ -36,8 +42,8 @@ __all__ = ["Drawings", "Figure", "drawings_of", "fitting", "largest", "states"]
 
 #: Colours kept: lines and their soft edges need no more, and a third of the bytes is left.
 COLOURS_KEPT = 128
-#: Diagrams beyond so many bytes are left out, so that a report stays below 3 MB.
-MOST_BYTES = 2_200_000
+#: Pictures and figures together, so that a report stays below 3 MB: diagrams beyond are left out.
+MOST_BYTES = 2_750_000
 
 Draw = Callable[..., Any]
 
@@ -50,6 +56,12 @@ class Figure:
     size_in: tuple[float, float]
     caption: str
     alt: str
+    explore: Callable[[], Any] | None = None
+
+    @cached_property
+    def live(self) -> str:
+        """As a figure to be explored, packed; empty where there is none, or nothing that makes it."""
+        return packed(self.explore) if self.explore is not None else ""
 
     @cached_property
     def png(self) -> bytes:
@@ -79,21 +91,36 @@ def drawings_of(
     """Pictures of a result; ``diagrams`` are by default those that its measured sets carry."""
     modal = result.problem.objective == "modal"
     shown = _carried(result) if diagrams is None else diagrams
+    live = cache(partial(result_figures, result, response, truth))
+    figures = _figures(result, response, truth)
     return Drawings(
-        _figures(result, response, truth),
+        {name: replace(one, explore=partial(_one_of, live, name)) for name, one in figures.items()},
         {name: _diagram(name, diagram, modal) for name, diagram in shown.items()},
     )
 
 
-def fitting(figures: Mapping[Any, Figure], room: int = MOST_BYTES) -> tuple[list[Figure], int]:
-    """As many pictures as there is room for in a page, and how many were left out."""
+def _one_of(live: Callable[[], dict[str, Any]], name: str) -> Any:
+    return live().get(name)
+
+
+def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure, str]], int]:
+    """Diagrams for which a page has room, each with its packed figure, and how many were left out.
+
+    What is no diagram comes first; pictures of all come before figures to be explored.
+    """
+    room -= len(library()) + sum(len(one.uri) + len(one.live) for one in drawn.figures.values())
     kept: list[Figure] = []
-    for one in figures.values():
+    for one in drawn.diagrams.values():
         room -= len(one.uri)
         if room < 0:
             break
         kept.append(one)
-    return kept, len(figures) - len(kept)
+    shown = []
+    for one in kept:
+        fits = room > 0 and len(one.live) <= room
+        room -= len(one.live) if fits else 0
+        shown.append((one, one.live if fits else ""))
+    return shown, len(drawn.diagrams) - len(kept)
 
 
 def _carried(result: UpdateResult) -> dict[Any, StabilizationDiagram]:
@@ -127,23 +154,7 @@ def _figures(
         f"{names[1]}",
     )
     if response is not None:
-        over = dof_name(problem.model, response.reference)
-        figures["response"] = Figure(
-            lambda ax: plot_transmissibility(
-                response,
-                problem.model,
-                result.model,
-                dof=None,
-                excitation=problem.measured[0].excitation,
-                ax=ax,
-                names=names,
-            ),
-            (9.0, 4.4),
-            f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
-            "height in the models follows from an assumed damping of 1 %.",
-            f"Curves by frequency of the transmissibilities over {over}: measured, and of the model "
-            f"{names[0]} and {names[1]}",
-        )
+        figures["response"] = _response(result, response, names)
     history = result.history
     if history.cost.size:  # nothing is searched against a baseline
         figures["convergence"] = Figure(
@@ -154,6 +165,35 @@ def _figures(
             f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}",
         )
     return figures
+
+
+def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
+    """Measured curves beside those of the models."""
+    model, force = result.problem.model, result.problem.measured[0].excitation
+    if response.kind == "frf":
+        dofs = [dof for dof in response.dofs if dof in result.problem.measured[0]] or list(response.dofs)
+        shown = dofs[:MOST_RESPONSES]
+        some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
+        return Figure(
+            lambda ax: plot_responses(
+                response, model, result.model, excitation=force, dofs=shown, ax=ax, names=names
+            ),
+            (9.0, 2.0 + 1.2 * len(shown)),
+            f"FRFs of the responses; the dips are their antiresonances. {some}The depth of the dips in the "
+            "models follows from an assumed damping of 1 %.",
+            f"Curves by frequency of {len(shown)} FRFs: measured, and of the model {names[0]} and {names[1]}",
+        )
+    over = dof_name(model, response.reference)
+    return Figure(
+        lambda ax: plot_transmissibility(
+            response, model, result.model, dof=None, excitation=force, ax=ax, names=names
+        ),
+        (9.0, 4.4),
+        f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
+        "height in the models follows from an assumed damping of 1 %.",
+        f"Curves by frequency of the transmissibilities over {over}: measured, and of the model "
+        f"{names[0]} and {names[1]}",
+    )
 
 
 def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str, Figure]:
@@ -171,12 +211,12 @@ def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str
         )
     }
     if judged:
-        hypotheses = result.hypotheses
+        hypotheses = without_idle(result.assessment).hypotheses
         rows = min(len(hypotheses), 9)
         figures["hypotheses"] = Figure(
             partial(plot_hypotheses, hypotheses),
             (8.0, 1.3 + 0.5 * rows),
-            "Probabilities of all explanations that were judged, with losses and their 90 % intervals.",
+            "Probabilities of what may explain the measurement, with losses and their 90 % intervals.",
             "Bar chart of the table above",
         )
     return figures
@@ -192,6 +232,7 @@ def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
         f"{'the resonances' if modal else 'its antiresonances'}.",
         f"Stabilization diagram of {of}, {diagram.band_hz[0]:g} to {diagram.band_hz[1]:g} Hz: "
         + (f"accepted at {found} Hz" if found else "no antiresonance accepted"),
+        partial(stabilization_figure, diagram, dof=name),
     )
 
 
@@ -223,7 +264,7 @@ def _model_picture(result: UpdateResult) -> tuple[Draw, tuple[float, float], str
         return (
             partial(_drawn, plot_frame, model, beams, at),
             (9.0, height),
-            caption,
+            f"{caption} Numbers upright are of elements, slanted ones of nodes.",
             f"Drawing of a frame of {len(model.elements)} elements",
         )
     return None

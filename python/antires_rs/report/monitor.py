@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._core import __version__
+from ..explore.watched import watched_figure
 from ..monitoring.printed import alarm_lines, fault_lines, rate_lines
 from ..plotting.canvas import picture
 from ..plotting.monitor import draw_monitor, panels, size_in
 from ..support.files import write_atomically
+from .live import library, packed, script
 
 if TYPE_CHECKING:
     from ..monitoring.watched import Watched
@@ -62,7 +64,7 @@ def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None
 <p class="lead">{escape(state)}. Baseline: {watched.baseline.size} tests,
 {watched.dof.size} antiresonances.</p>
 <figure><img alt="Charts of all tests over their limits, and the first condition"
-src="data:image/png;base64,{image}">
+src="data:image/png;base64,{image}">{_live(watched)}
 <figcaption>Each chart over its limit: crosses above 1 are alarms. The baseline is shaded; its tests are
 judged by the others.</figcaption></figure>
 <h2>Alarms</h2>
@@ -71,9 +73,27 @@ judged by the others.</figcaption></figure>
 <h2>Rate and conditions</h2>
 <ul class="notes">{"".join(f"<li>{escape(line)}</li>" for line in notes)}</ul>
 <p class="lead">antires_rs {escape(__version__)}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC</p>
-</body></html>
+{_script()}</body></html>
 """
     write_atomically(path, page.encode())
+
+
+def _live(watched: Watched) -> str:
+    """The charts to be explored, where they can be made."""
+    block = packed(lambda: watched_figure(watched))
+    if not block:
+        return ""
+    return (
+        '<div class="live" id="figure-charts"></div>'
+        f'<script type="text/plain" class="packed">{block}</script>'
+    )
+
+
+def _script() -> str:
+    """What draws them."""
+    if not library():
+        return ""
+    return f'<script type="text/plain" id="library">{library()}</script><script>{script()}</script>'
 
 
 def _style() -> str:

@@ -61,7 +61,7 @@ class AntiresonanceTargets:
         self.hz = np.concatenate([np.empty(0), *(part[2] for part in self.parts)])
         self.dofs = np.repeat([part[0] for part in self.parts], counts)
         self.excitations = np.repeat([part[1] for part in self.parts], counts)
-        #: What the tables call the dofs: "mass 4", "3 v"; none where they are numbers only.
+        #: What the tables call the dofs: "mass 3", "node 3 v"; none where they are numbers only.
         labels = {dof: model.dof_label(dof) for part in self.parts for dof in part[:2]}
         self.names = {
             dof: label.removeprefix("node ") for dof, label in labels.items() if label != f"dof {dof}"

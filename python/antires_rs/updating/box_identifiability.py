@@ -158,7 +158,7 @@ def identifiability(
     >>> unknowns = ar.mass_factor([0, 1], bounds=(0.8, 1.2)) + ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
     >>> before = ar.identifiability(ar.UpdatingProblem(chain, unknowns, virtual))
     >>> before.told, before.words[0]
-    (3, 'mass 1')
+    (3, 'mass 0')
     """
     if not isinstance(problem, UpdatingProblem):
         reject(

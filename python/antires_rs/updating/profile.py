@@ -60,7 +60,7 @@ class ProfileLikelihood(Value):
     >>> measured = ar.AntiresonanceSet(0, hz, std_hz={dof: 1e-3 * f for dof, f in hz.items()})
     >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
     >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
-    >>> held = ar.update(problem, rng=0).profile("stiffness of spring 1")
+    >>> held = ar.update(problem, rng=0).profile("stiffness of spring 0")
     >>> held.kind, bool(held.low < 1.1 < held.high)
     ('two-sided', True)
     """

@@ -81,8 +81,7 @@ class FrequencyTable(_Differences, Value):
     measured_hz, before_hz, after_hz : ndarray, (m,)
         Frequencies; NaN where the model has no partner.
     dof_names : dict of int to str
-        Names of the dofs, for models that have some ("mass 4", "3 v"); the printed table then shows these.
-        Arrays and files count from 0, springs and masses in print from 1.
+        Names of the dofs, for models that have some ("mass 3", "node 3 v"), shown in print.
 
     Examples
     --------
@@ -105,7 +104,7 @@ class FrequencyTable(_Differences, Value):
             ", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair)
             for pair in zip(self.dof.tolist(), self.excitation.tolist(), strict=True)
         ]
-        pair = "(i, k)" if self.dof_names else "from 0"  # what has no name is counted from 0, as in arrays
+        pair = "(i, k)"
         width = max(7, *map(len, pairs)) if pairs else 7
         lines = [
             f"{'H_ik':>{width}}   measured      before             after",

@@ -90,7 +90,7 @@ class WithIntervals(ReadOnly):
         >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
         >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
         >>> found = ar.update(problem, rng=0).intervals("ensemble", draws=200)
-        >>> low, high = found["stiffness of spring 1"]
+        >>> low, high = found["stiffness of spring 0"]
         >>> low < 1.1 < high, found.words
         (True, ('two-sided', 'two-sided'))
         """

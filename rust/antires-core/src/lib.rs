@@ -63,6 +63,7 @@
 //! | [`rng`] | random streams that are the same on every machine | – |
 //! | [`optimize`] | the island genetic algorithm and its polish, for any f(x) | `error`, `rng` |
 //! | [`update`] | J, where the models meet the optimizer | `error`, `fem`, `modal`, `antiresonances`, `optimize` |
+//! | [`prepared`] | damage of a test, from tables of antiresonances over severities | `linalg`, `update` |
 //!
 //! `tests/suite/architecture.rs` holds the sources to this table, and forbids circles between files.
 //!
@@ -82,6 +83,7 @@ pub mod fem;
 pub mod linalg;
 pub mod modal;
 pub mod optimize;
+pub mod prepared;
 pub mod rational;
 pub mod rng;
 pub mod update;

@@ -18,6 +18,7 @@ mod objective;
 mod optimizer;
 mod options;
 mod parameters;
+mod prepared;
 mod rational;
 mod states;
 
@@ -27,6 +28,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Model>()?;
     module.add_class::<frame::Frame>()?;
     module.add_class::<objective::Objective>()?;
+    module.add_class::<prepared::PreparedTables>()?;
+    module.add_class::<prepared::PreparedTest>()?;
     module.add_function(wrap_pyfunction!(alignment::align, module)?)?;
     module.add_function(wrap_pyfunction!(alignment::associate, module)?)?;
     module.add_function(wrap_pyfunction!(alignment::follow, module)?)?;

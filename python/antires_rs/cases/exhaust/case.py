@@ -30,7 +30,7 @@ FS_HZ, DURATION_S, FORCE_HZ = 1024.0, 600.0, (1.0, 512.0)
 UPDATING_BAND_HZ, DAMAGE_BAND_HZ = (8.0, 180.0), (8.0, 260.0)
 #: Positions in the list of accelerometers that stay out of the updating fit.
 HELD_OUT = (2, 7, 10, 14)
-#: Candidates of the damage study: elements 18 to 47 to the user.
+#: Candidates of the damage study: 17 to 46, which the paper counts as 18 to 47.
 CANDIDATES = range(17, 47)
 
 
@@ -50,9 +50,9 @@ class Exhaust:
     updating_band_hz, damage_band_hz : (float, float)
         Bands of the two identifications.
     candidates : list of int
-        Elements of the damage study, zero-based: 18 to 47 to the user.
+        Elements of the damage study, 17 to 46, which the paper counts as 18 to 47.
     cracked_element : int
-        Zero-based: element 31 to the user, behind the weld at its joint with element 30.
+        30, which the paper counts as 31, behind the weld at its joint with the element before it.
     sections, masses, bends : list of str
         Names, in the order of the updating parameters.
     unfollowed : Unfollowed

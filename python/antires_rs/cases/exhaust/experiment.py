@@ -22,7 +22,7 @@ from .unfollowed import Unfollowed
 
 #: Beams of the tested structure for each of the model.
 PIECES = 4
-#: The crack: zero-based element of the model (31 to the user). The pipe sits in the flange's socket, from
+#: The crack: element of the model (the paper counts it as 31). The pipe sits in the flange's socket, from
 #: node 30 on; the weld runs around its end, and the crack around the pipe behind the weld.
 CRACKED_ELEMENT, SOCKET_M, BEHIND_WELD_M = 30, 0.02, 0.02
 #: Share of the perimeter at levels 1 to 3.
@@ -93,7 +93,7 @@ def compliance(level: int, errors: Unfollowed = USUAL) -> float:
 
 
 def equivalent_loss(level: int, errors: Unfollowed = USUAL) -> float:
-    """Stiffness loss of the whole element 31 with the same rotation under a moment as with the crack."""
+    """Stiffness loss of the whole cracked element with the same rotation under a moment as with the crack."""
     first, second, _ = geometry.beams()[CRACKED_ELEMENT]
     nodes = true_nodes()
     wall = float(walls_m(errors)[CRACKED_ELEMENT])

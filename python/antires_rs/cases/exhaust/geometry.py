@@ -20,15 +20,15 @@ DIAMETER_M = 0.038
 #: Runs of pipe: section, corner nodes are where the previous run ends, (x, y) of its end in m, beams.
 #: The last two runs are the second tail pipe, which leaves the rear muffler at node 34.
 RUNS: tuple[tuple[str, tuple[float, float], int], ...] = (
-    ("front", (0.46, 0.12), 8),  # elements 1-8: inlet flange, catalyst
-    ("link", (0.70, 0.30), 5),  # 9-13: to the side, past the gearbox
-    ("middle", (1.22, 0.30), 9),  # 14-22: front muffler
-    ("axle", (1.34, 0.45), 3),  # 23-25: up ...
-    ("axle", (1.66, 0.45), 5),  # 26-30: ... and over the axle; flange and weld at its end
-    ("rear", (1.96, 0.18), 4),  # 31-34: into the rear muffler
-    ("tail", (2.30, 0.18), 5),  # 35-39: first tail pipe
-    ("tail", (2.05, 0.05), 3),  # 40-42: second tail pipe, from node 34
-    ("tail", (2.30, 0.00), 5),  # 43-47
+    ("front", (0.46, 0.12), 8),  # elements 0 to 7: inlet flange, catalyst
+    ("link", (0.70, 0.30), 5),  # 8 to 12: to the side, past the gearbox
+    ("middle", (1.22, 0.30), 9),  # 13 to 21: front muffler
+    ("axle", (1.34, 0.45), 3),  # 22 to 24: up ...
+    ("axle", (1.66, 0.45), 5),  # 25 to 29: ... and over the axle; flange and weld at its end
+    ("rear", (1.96, 0.18), 4),  # 30 to 33: into the rear muffler
+    ("tail", (2.30, 0.18), 5),  # 34 to 38: first tail pipe
+    ("tail", (2.05, 0.05), 3),  # 39 to 41: second tail pipe, from node 34
+    ("tail", (2.30, 0.00), 5),  # 42 to 46
 )
 START_M = (0.0, 0.12)
 BRANCH_RUN, BRANCH_NODE = 7, 34

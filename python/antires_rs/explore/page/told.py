@@ -62,7 +62,7 @@ def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
                     "std_hz": None if np.isnan(std) else std,
                     "damping_percent": None if np.isnan(damping) else 100.0 * damping,
                     "grade": "by hand" if table.by_hand[i] else str(grades[i]),
-                    "doubts": ", ".join(words[i]),
+                    "doubts": "" if table.by_hand[i] else ", ".join(words[i]),
                 }
             )
     return rows

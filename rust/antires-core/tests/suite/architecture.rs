@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 /// What each module may use.
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 10] = [
     ("error", &[]),
     ("rng", &[]),
     ("linalg", &["error"]),
@@ -21,6 +21,7 @@ const ARROWS: [(&str, &[&str]); 9] = [
         "update",
         &["error", "fem", "modal", "antiresonances", "optimize"],
     ),
+    ("prepared", &["linalg", "update"]),
 ];
 
 type Module = Vec<String>;

@@ -85,6 +85,7 @@ function write() {
   if (state.title) $("title").textContent = state.title;
   for (const one of document.querySelectorAll(".of-set")) one.hidden = state.kind !== "set";
   for (const one of document.querySelectorAll(".of-result")) one.hidden = state.kind !== "result";
+  document.querySelector("main").classList.toggle("result", state.kind === "result");
   const warned = state.warnings || [];
   $("warnings").hidden = !warned.length;
   $("warnings").replaceChildren(...warned.map((text) => element("li", {}, text)));
@@ -272,8 +273,10 @@ async function show(dof) {
   shown = (dof + state.dofs.length) % state.dofs.length;
   const kept = range();
   try {
-    state = { ...(await ask("state")) };
+    state = await ask("state");
     write();
+    const row = document.querySelector("#values tr.shown");
+    if (row) $("values").parentElement.scrollTop = row.offsetTop - 40; // of the table alone, not of the window
     await draw(kept === null);
   } catch (error) {
     say(error.message, true);

@@ -1,0 +1,49 @@
+"""Figures to be explored inside a page: packed, unpacked by the browser when they come into sight.
+
+Each is a block of base64 of gzip, and so is the library that draws them, so that a page of many figures
+stays small, holds no address, and nothing in it can be taken for markup. Where the library is not
+installed, scripts are switched off or the page is printed, the pictures stand there instead.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+from base64 import b64encode
+from collections.abc import Callable
+from functools import cache
+from importlib.resources import files
+from importlib.util import find_spec
+from typing import Any
+
+from ..explore.canvas import item, script_files
+
+__all__ = ["library", "packed", "script", "there"]
+
+
+def there() -> bool:
+    """Whether figures can be made."""
+    return find_spec("bokeh") is not None
+
+
+def packed(figure: Callable[[], Any]) -> str:
+    """A figure as it stands in a page; empty where there is none, or nothing that makes it."""
+    made = figure() if there() else None
+    return "" if made is None else _packed(json.dumps(item(made), separators=(",", ":")))
+
+
+@cache
+def library() -> str:
+    """What draws the figures; empty where it is not installed."""
+    return _packed("\n".join(file.read_text(encoding="utf-8") for file in script_files())) if there() else ""
+
+
+@cache
+def script() -> str:
+    """What unpacks the figures."""
+    return files(__package__).joinpath("live.js").read_text(encoding="utf-8")
+
+
+def _packed(text: str) -> str:
+    # Without a time the same figure is the same bytes.
+    return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")

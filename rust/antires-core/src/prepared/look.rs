@@ -1,0 +1,248 @@
+//! The values of a test, seen from one point of the severities.
+
+use super::expected::{Errors, Foreseen, covariance, foreseen, variances};
+use super::factor::{Entry, SIDE, factorize, gram, row, whiten_rows, whitened};
+use super::places::Places;
+use super::tables::Tables;
+use super::values::Test;
+use crate::update::alignment::{self, associate};
+
+/// Error of a change in the association, share of it that all changes have in common, and by how much all
+/// errors are widened.
+const FIRST_KAPPA: f64 = 0.1;
+const COMMON: f64 = 0.5;
+const WIDER: [f64; 2] = [1.0, 3.0];
+
+/// All that is linear from a point.
+#[derive(Clone, Debug, Default)]
+pub struct Look {
+    /// Of the values.
+    pub log_likelihood: f64,
+    /// Gradient by the severities that were asked for.
+    pub gain: Vec<f64>,
+    /// Gauss-Newton Hessian by them, row-major.
+    pub curvature: Vec<f64>,
+    /// The most probable of the errors.
+    pub error: usize,
+    /// Root of each value in the order of response and place, −1 without one.
+    pub partner: Vec<i64>,
+    /// How far that root lies beside the model's.
+    pub beside: Vec<f64>,
+    /// Of values that have a root, ln f.
+    pub residual: Vec<f64>,
+    /// Their standard deviations, with that error.
+    pub std: Vec<f64>,
+    /// Of all together.
+    pub chi_square: f64,
+}
+
+/// Root of each value, and what those without a partner cost.
+fn associated(test: &Test<'_>, roots: &Foreseen, sigma: &[f64], wider: f64) -> (Vec<i64>, f64) {
+    let prices: Vec<_> = roots
+        .place
+        .iter()
+        .zip(&roots.seen)
+        .map(|(&p, &s)| test.prices(p, s))
+        .collect();
+    let alone_root: Vec<f64> = prices
+        .iter()
+        .map(|(missed, present)| missed - present)
+        .collect();
+    let sigma: Vec<f64> = sigma.iter().map(|s| wider * s).collect();
+    let std: Vec<f64> = test.std.iter().map(|s| wider * s).collect();
+    let of_roots = alignment::Places {
+        response: &roots.response,
+        log_f: &roots.place,
+    };
+    let alone = test.alone();
+    let mut partner = Vec::with_capacity(std.len());
+    let (mut first, mut sets) = (0, 0);
+    while first < std.len() {
+        let end = first + test.set[first..].partition_point(|&s| s == test.set[first]);
+        let values = alignment::Places {
+            response: &test.response[first..end],
+            log_f: &test.log_f[first..end],
+        };
+        partner.extend(associate(
+            values,
+            &std[first..end],
+            of_roots,
+            &sigma,
+            alone,
+            &alone_root,
+        ));
+        (first, sets) = (end, sets + 1);
+    }
+    let lost = partner.iter().filter(|&&k| k < 0).count() as f64 * alone;
+    let missed: f64 = prices.iter().map(|(missed, _)| missed).sum();
+    let taken: f64 = partner
+        .iter()
+        .filter_map(|&k| alone_root.get(usize::try_from(k).ok()?))
+        .sum();
+    (partner, lost + f64::from(sets) * missed - taken)
+}
+
+/// Slopes of roots by the severities of `columns`, where `room` is 1 − β of each; row-major.
+fn slopes_of(
+    t: &Tables<'_>,
+    at: &Places,
+    roots: &Foreseen,
+    root: &[usize],
+    (columns, room): (&[usize], &[f64]),
+) -> Vec<f64> {
+    let width = columns.len();
+    let mut slopes = vec![0.0; root.len() * width];
+    if width == t.n {
+        for (&k, out) in root.iter().zip(slopes.chunks_exact_mut(width)) {
+            match (&at.slopes, roots.gone[k]) {
+                (_, true) => {}
+                (Some(all), _) => out.copy_from_slice(&all[roots.root[k] * t.n..][..t.n]),
+                (None, _) => at.row(t, roots.root[k], |e, l, r| t.slope_row(e, l, r), out),
+            }
+        }
+    } else {
+        for (i, &k) in root.iter().enumerate() {
+            for (c, &by) in columns.iter().enumerate() {
+                slopes[i * width + c] = if roots.gone[k] {
+                    0.0
+                } else {
+                    at.slope(t, roots.root[k], by)
+                };
+            }
+        }
+    }
+    for out in slopes.chunks_exact_mut(width.max(1)) {
+        for (x, r) in out.iter_mut().zip(room) {
+            *x /= r;
+        }
+    }
+    slopes
+}
+
+/// Slopes by `columns` at severities where `room` is 1 − β of each.
+fn judged(
+    t: &Tables<'_>,
+    test: &Test<'_>,
+    at: &Places,
+    roots: &Foreseen,
+    (partner, price): (Vec<i64>, f64),
+    (columns, room): (&[usize], &[f64]),
+) -> Look {
+    let has: Vec<usize> = (0..partner.len()).filter(|&i| partner[i] >= 0).collect();
+    let root: Vec<usize> = has.iter().map(|&i| partner[i] as usize).collect();
+    let m = has.len();
+    let residual: Vec<f64> = has
+        .iter()
+        .zip(&root)
+        .map(|(&i, &k)| test.log_f[i] - roots.place[k])
+        .collect();
+    let mean = root.iter().map(|&k| roots.change[k].powi(2)).sum::<f64>() / m.max(1) as f64;
+    let size: Vec<f64> = root
+        .iter()
+        .map(|&k| (roots.change[k].powi(2) + COMMON * mean).sqrt())
+        .collect();
+    let model = covariance(t, test, roots, &root);
+    let error = |l: usize| test.errors[l.min(test.errors.len() - 1)];
+    let squares: [(f64, f64); SIDE] =
+        std::array::from_fn(|l| (error(l)[0].powi(2), error(l)[1].powi(2)));
+    let mut a: Vec<Entry> = Vec::with_capacity(model.len());
+    for i in 0..m {
+        for j in 0..=i {
+            let c = model[row(i) + j];
+            let own = if root[i] == root[j] {
+                size[i] * size[j]
+            } else {
+                0.0
+            };
+            let noise = if i == j {
+                test.std[has[i]].powi(2)
+            } else {
+                0.0
+            };
+            a.push(std::array::from_fn(|l| {
+                c + squares[l].1 * noise + squares[l].0 * own
+            }));
+        }
+    }
+    let diagonal: Vec<Entry> = (0..m).map(|i| a[row(i) + i]).collect();
+    factorize(&mut a, m);
+    let white = whitened(&a, &residual);
+    let mut logs = [f64::NEG_INFINITY; SIDE];
+    let mut chi = [0.0; SIDE];
+    for l in 0..test.errors.len() {
+        chi[l] = white.iter().map(|w| w[l] * w[l]).sum();
+        let log_diagonal: f64 = (0..m).map(|i| a[row(i) + i][l].ln()).sum();
+        logs[l] = error(l)[2].ln() - 0.5 * chi[l] - log_diagonal;
+    }
+    let best = (0..test.errors.len()).fold(0, |b, l| if logs[l] > logs[b] { l } else { b });
+    let sum: f64 = logs.iter().map(|x| (x - logs[best]).exp()).sum();
+    let width = columns.len();
+    let mut slopes = slopes_of(t, at, roots, &root, (columns, room));
+    whiten_rows(&a, best, &mut slopes, width);
+    let mut gain = vec![0.0; width];
+    for (own, w) in slopes.chunks_exact(width.max(1)).zip(&white) {
+        for (g, s) in gain.iter_mut().zip(own) {
+            *g += s * w[best];
+        }
+    }
+    let mut beside = vec![0.0; partner.len()];
+    for (&i, &k) in has.iter().zip(&root) {
+        beside[i] = if roots.gone[k] {
+            0.0
+        } else {
+            at.beside[roots.root[k]]
+        };
+    }
+    Look {
+        log_likelihood: logs[best] + sum.ln()
+            - 0.5 * m as f64 * (2.0 * std::f64::consts::PI).ln()
+            - price,
+        gain,
+        curvature: gram(&slopes, width),
+        error: best,
+        partner,
+        beside,
+        residual,
+        std: diagonal.iter().map(|d| d[best].sqrt()).collect(),
+        chi_square: chi[best],
+    }
+}
+
+/// The more probable of two ways to associate values and roots, with slopes by the severities of `columns`.
+#[must_use]
+pub fn look(
+    t: &Tables<'_>,
+    test: &Test<'_>,
+    at: &Places,
+    columns: &[usize],
+    errors: Errors,
+) -> Look {
+    let roots = foreseen(t, test, at, errors);
+    let own = variances(t, &roots);
+    let sigma: Vec<f64> = (0..own.len())
+        .map(|k| {
+            let alike = if roots.gone[k] {
+                0.0
+            } else {
+                test.common * test.common
+            };
+            (own[k] + alike + roots.extra[k] + (FIRST_KAPPA * roots.change[k]).powi(2)).sqrt()
+        })
+        .collect();
+    let room: Vec<f64> = columns
+        .iter()
+        .map(|c| {
+            at.elements
+                .iter()
+                .position(|e| e == c)
+                .map_or(1.0, |nth| (-at.u[nth]).exp())
+        })
+        .collect();
+    let [narrow, wide] = WIDER.map(|wider| associated(test, &roots, &sigma, wider));
+    let one = (narrow.0 != wide.0).then(|| judged(t, test, at, &roots, wide, (columns, &room)));
+    let other = judged(t, test, at, &roots, narrow, (columns, &room));
+    match one {
+        Some(one) if one.log_likelihood > other.log_likelihood => one,
+        _ => other,
+    }
+}

@@ -1,0 +1,379 @@
+//! Damage from tables: the arrays of a plan and of a test, handed to the core.
+
+use antires_core::prepared::expected::Errors;
+use antires_core::prepared::look::{Look, look};
+use antires_core::prepared::nearest::{refined, scanned, variances};
+use antires_core::prepared::places::Places;
+use antires_core::prepared::settle::settled;
+use antires_core::prepared::tables::Tables;
+use antires_core::prepared::values::{Error, Test};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1,
+    PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArray4,
+};
+use pyo3::prelude::*;
+
+use crate::doorway::{InternalError, guarded};
+
+/// Tables of roots (r,) at levels (l,) of each element (n,), shared by all tests.
+#[pyclass(frozen, module = "antires_rs._core")]
+pub struct PreparedTables {
+    levels: Py<PyArray1<f64>>,
+    response: Py<PyArray1<i64>>,
+    seen: Py<PyArray1<bool>>,
+    old: Py<PyArray1<bool>>,
+    intact: Py<PyArray1<f64>>,
+    there: Py<PyArray3<bool>>,
+    place: Py<PyArray3<f64>>,
+    beside: Py<PyArray3<f64>>,
+    by_own: Py<PyArray3<f64>>,
+    slopes: Py<PyArray4<f32>>,
+    crossed: Py<PyArray4<f32>>,
+    errors: Py<PyArray4<f32>>,
+    spread: Py<PyArray2<f64>>,
+    new_variance: f64,
+}
+
+/// The arrays while they are read.
+struct Borrowed<'py> {
+    levels: PyReadonlyArray1<'py, f64>,
+    response: PyReadonlyArray1<'py, i64>,
+    seen: PyReadonlyArray1<'py, bool>,
+    old: PyReadonlyArray1<'py, bool>,
+    intact: PyReadonlyArray1<'py, f64>,
+    there: PyReadonlyArray3<'py, bool>,
+    place: PyReadonlyArray3<'py, f64>,
+    beside: PyReadonlyArray3<'py, f64>,
+    by_own: PyReadonlyArray3<'py, f64>,
+    slopes: PyReadonlyArray4<'py, f32>,
+    crossed: PyReadonlyArray4<'py, f32>,
+    errors: PyReadonlyArray4<'py, f32>,
+    spread: PyReadonlyArray2<'py, f64>,
+    new_variance: f64,
+}
+
+impl Borrowed<'_> {
+    fn tables(&self) -> PyResult<Tables<'_>> {
+        let shape = self.slopes.as_array().shape().to_vec();
+        Ok(Tables {
+            levels: self.levels.as_slice()?,
+            n: shape[0],
+            q: self.errors.as_array().shape()[3],
+            response: self.response.as_slice()?,
+            seen: self.seen.as_slice()?,
+            old: self.old.as_slice()?,
+            intact: self.intact.as_slice()?,
+            there: self.there.as_slice()?,
+            place: self.place.as_slice()?,
+            beside: self.beside.as_slice()?,
+            by_own: self.by_own.as_slice()?,
+            slopes: self.slopes.as_slice()?,
+            crossed: self.crossed.as_slice()?,
+            errors: self.errors.as_slice()?,
+            spread: self.spread.as_slice()?,
+            new_variance: self.new_variance,
+        })
+    }
+}
+
+impl PreparedTables {
+    fn borrowed<'py>(&self, py: Python<'py>) -> Borrowed<'py> {
+        Borrowed {
+            levels: self.levels.bind(py).readonly(),
+            response: self.response.bind(py).readonly(),
+            seen: self.seen.bind(py).readonly(),
+            old: self.old.bind(py).readonly(),
+            intact: self.intact.bind(py).readonly(),
+            there: self.there.bind(py).readonly(),
+            place: self.place.bind(py).readonly(),
+            beside: self.beside.bind(py).readonly(),
+            by_own: self.by_own.bind(py).readonly(),
+            slopes: self.slopes.bind(py).readonly(),
+            crossed: self.crossed.bind(py).readonly(),
+            errors: self.errors.bind(py).readonly(),
+            spread: self.spread.bind(py).readonly(),
+            new_variance: self.new_variance,
+        }
+    }
+}
+
+#[pymethods]
+impl PreparedTables {
+    #[new]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python<'_>,
+        levels: Py<PyArray1<f64>>,
+        response: Py<PyArray1<i64>>,
+        seen: Py<PyArray1<bool>>,
+        old: Py<PyArray1<bool>>,
+        intact: Py<PyArray1<f64>>,
+        there: Py<PyArray3<bool>>,
+        place: Py<PyArray3<f64>>,
+        beside: Py<PyArray3<f64>>,
+        by_own: Py<PyArray3<f64>>,
+        slopes: Py<PyArray4<f32>>,
+        crossed: Py<PyArray4<f32>>,
+        errors: Py<PyArray4<f32>>,
+        spread: Py<PyArray2<f64>>,
+        new_variance: f64,
+    ) -> PyResult<Self> {
+        let made = Self {
+            levels,
+            response,
+            seen,
+            old,
+            intact,
+            there,
+            place,
+            beside,
+            by_own,
+            slopes,
+            crossed,
+            errors,
+            spread,
+            new_variance,
+        };
+        if made.borrowed(py).tables()?.consistent() {
+            Ok(made)
+        } else {
+            Err(InternalError::new_err("tables of different shapes"))
+        }
+    }
+}
+
+/// Values of one test against tables.
+#[pyclass(frozen, module = "antires_rs._core")]
+pub struct PreparedTest {
+    tables: Py<PreparedTables>,
+    response: Vec<i64>,
+    log_f: Vec<f64>,
+    std: Vec<f64>,
+    set: Vec<i64>,
+    band: (f64, f64),
+    common: f64,
+    errors: Vec<Error>,
+    outside: f64,
+    variance: Vec<f64>,
+}
+
+/// Log-likelihood, gain (k,), curvature (k, k), number of the error, partner, beside, residual, std, chi-square.
+type PyLook<'py> = (
+    f64,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    usize,
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    f64,
+);
+
+/// Severities of the last look; from there the most probable ones, the mean without bounds and its covariance,
+/// log evidence; log-likelihood.
+type PySettled = (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>, f64, f64);
+
+impl PreparedTest {
+    fn test(&self) -> Test<'_> {
+        Test {
+            response: &self.response,
+            log_f: &self.log_f,
+            std: &self.std,
+            set: &self.set,
+            low: self.band.0,
+            high: self.band.1,
+            common: self.common,
+            errors: &self.errors,
+        }
+    }
+}
+
+fn known(t: &Tables<'_>, elements: &[usize], u: &[f64]) -> PyResult<()> {
+    if elements.len() == u.len() && elements.iter().all(|&e| e < t.n) {
+        Ok(())
+    } else {
+        Err(InternalError::new_err("elements outside the tables"))
+    }
+}
+
+#[pymethods]
+impl PreparedTest {
+    #[new]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python<'_>,
+        tables: Py<PreparedTables>,
+        response: Vec<i64>,
+        log_f: Vec<f64>,
+        std: Vec<f64>,
+        set: Vec<i64>,
+        band: (f64, f64),
+        common: f64,
+        errors: Vec<Error>,
+        outside: f64,
+    ) -> PyResult<Self> {
+        let mut made = Self {
+            tables,
+            response,
+            log_f,
+            std,
+            set,
+            band,
+            common,
+            errors,
+            outside,
+            variance: Vec::new(),
+        };
+        if !made.test().consistent() {
+            return Err(InternalError::new_err("values of different lengths"));
+        }
+        let borrowed = made.tables.get().borrowed(py);
+        let variance = variances(&borrowed.tables()?, &made.test());
+        drop(borrowed);
+        made.variance = variance;
+        Ok(made)
+    }
+
+    /// The values as seen from severities of some elements, with slopes by all; `place`, `there` and `slopes`
+    /// in place of what the tables hold.
+    #[pyo3(signature = (elements, u, place=None, there=None, slopes=None))]
+    fn look<'py>(
+        &self,
+        py: Python<'py>,
+        elements: Vec<usize>,
+        u: Vec<f64>,
+        place: Option<Vec<f64>>,
+        there: Option<Vec<bool>>,
+        slopes: Option<PyReadonlyArray2<'py, f64>>,
+    ) -> PyResult<PyLook<'py>> {
+        let borrowed = self.tables.get().borrowed(py);
+        let t = borrowed.tables()?;
+        known(&t, &elements, &u)?;
+        let mut at = Places::new(&t, &elements, &u);
+        if let (Some(place), Some(there)) = (place, there) {
+            (at.place, at.there) = (place, there);
+        }
+        at.slopes = slopes.map(|s| s.as_array().iter().copied().collect());
+        let slopes_fit = at.slopes.as_ref().is_none_or(|s| s.len() == t.size() * t.n);
+        if [at.place.len(), at.there.len()] != [t.size(); 2] || !slopes_fit {
+            return Err(InternalError::new_err("places of different lengths"));
+        }
+        let all: Vec<usize> = (0..t.n).collect();
+        let test = self.test();
+        let found: Look = guarded(py, || Ok(look(&t, &test, &at, &all, Errors::There)))?;
+        Ok((
+            found.log_likelihood,
+            found.gain.into_pyarray(py),
+            found.curvature.into_pyarray(py).reshape([t.n, t.n])?,
+            found.error,
+            found.partner.into_pyarray(py),
+            found.beside.into_pyarray(py),
+            found.residual.into_pyarray(py),
+            found.std.into_pyarray(py),
+            found.chi_square,
+        ))
+    }
+
+    /// Places (r,) of the roots at severities of some elements, how far beside the model's, and which are there.
+    #[allow(clippy::type_complexity)]
+    fn places<'py>(
+        &self,
+        py: Python<'py>,
+        elements: Vec<usize>,
+        u: Vec<f64>,
+    ) -> PyResult<(
+        Bound<'py, PyArray1<f64>>,
+        Bound<'py, PyArray1<f64>>,
+        Bound<'py, PyArray1<bool>>,
+    )> {
+        let borrowed = self.tables.get().borrowed(py);
+        let t = borrowed.tables()?;
+        known(&t, &elements, &u)?;
+        let at = Places::new(&t, &elements, &u);
+        Ok((
+            at.place.into_pyarray(py),
+            at.beside.into_pyarray(py),
+            at.there.into_pyarray(py),
+        ))
+    }
+
+    /// Distances and misfits (further, levels) that sets with one element more leave.
+    #[allow(clippy::type_complexity)]
+    fn scan<'py>(
+        &self,
+        py: Python<'py>,
+        elements: Vec<usize>,
+        u: Vec<f64>,
+        further: Vec<usize>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let borrowed = self.tables.get().borrowed(py);
+        let t = borrowed.tables()?;
+        known(&t, &elements, &u)?;
+        known(&t, &further, &vec![0.0; further.len()])?;
+        let test = self.test();
+        let left = guarded(py, || {
+            let at = Places::new(&t, &elements, &u);
+            Ok(scanned(&t, &test, &at, &further, &self.variance))
+        })?;
+        let shape = [further.len(), t.levels.len()];
+        Ok((
+            left.distance.into_pyarray(py).reshape(shape)?,
+            left.misfit.into_pyarray(py).reshape(shape)?,
+        ))
+    }
+
+    /// Severities of sets after a few steps by the nearest roots, and what they leave.
+    fn refine(
+        &self,
+        py: Python<'_>,
+        sets: Vec<(Vec<usize>, Vec<f64>)>,
+        steps: usize,
+    ) -> PyResult<Vec<(Vec<f64>, f64)>> {
+        let borrowed = self.tables.get().borrowed(py);
+        let t = borrowed.tables()?;
+        sets.iter().try_for_each(|(e, u)| known(&t, e, u))?;
+        let test = self.test();
+        guarded(py, || {
+            let of = |(e, u): &(Vec<usize>, Vec<f64>)| {
+                refined(&t, &test, e, u, (steps, self.outside), &self.variance)
+            };
+            Ok(sets.iter().map(of).collect())
+        })
+    }
+
+    /// Sets at their most probable severities, by the likelihood; with the errors that the model has there, or
+    /// those without damage.
+    fn settle(
+        &self,
+        py: Python<'_>,
+        sets: Vec<(Vec<usize>, Vec<f64>)>,
+        looks: usize,
+        rests: f64,
+        errors_there: bool,
+    ) -> PyResult<Vec<PySettled>> {
+        let borrowed = self.tables.get().borrowed(py);
+        let t = borrowed.tables()?;
+        sets.iter().try_for_each(|(e, u)| known(&t, e, u))?;
+        let test = self.test();
+        let errors = if errors_there {
+            Errors::There
+        } else {
+            Errors::Undamaged
+        };
+        guarded(py, || {
+            let of = |(e, u): &(Vec<usize>, Vec<f64>)| {
+                let found = settled(&t, &test, e, u, (looks, rests), errors);
+                (
+                    found.u,
+                    found.seen.u,
+                    found.seen.mean,
+                    found.seen.covariance,
+                    found.seen.log,
+                    found.log_likelihood,
+                )
+            };
+            Ok(sets.iter().map(of).collect())
+        })
+    }
+}

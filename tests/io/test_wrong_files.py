@@ -1,0 +1,329 @@
+"""Mistakes with files: each ends in an error of ours or in a warning, in the words that were looked at.
+
+With those of jobs (tests/jobs) and of the command line (tests/cli) they are more than 200.
+"""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs import cli
+from tests.support.snapshots import compare
+
+for _package in ("pyuff", "h5py", "pandas", "pyarrow", "openpyxl", "nptdms"):
+    pytest.importorskip(_package)
+
+RNG = np.random.default_rng(9)
+A, B = RNG.standard_normal((2, 64))
+H = RNG.standard_normal((2, 32)) + 1j * RNG.standard_normal((2, 32))
+T, F = np.arange(64) / 128.0, np.arange(1.0, 33.0)
+
+
+def npz(read=ar.read_npz, /, more=None, **arrays):
+    """A call that writes these arrays and reads them."""
+
+    def call(folder):
+        np.savez(folder / "a.npz", **arrays)
+        return read(folder / "a.npz", **(more or {}))
+
+    return call
+
+
+def text(*lines, **options):
+    def call(folder):
+        (folder / "a.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        return ar.read_csv(folder / "a.csv", **options)
+
+    return call
+
+
+def rows(head, *columns, sign=",", **options):
+    return text(head, *(sign.join(map(str, row)) for row in zip(*columns, strict=True)), **options)
+
+
+def hdf5(fill, **options):
+    def call(folder):
+        import h5py
+
+        with h5py.File(folder / "a.h5", "w") as file:
+            fill(file)
+        return ar.read_hdf5(folder / "a.h5", **options)
+
+    return call
+
+
+def mat(held, **options):
+    def call(folder):
+        from scipy.io import savemat
+
+        savemat(folder / "a.mat", held)
+        return ar.read_mat(folder / "a.mat", **options)
+
+    return call
+
+
+def uff(signal, change=bytes, write=None, **options):
+    def call(folder):
+        file = ar.write_uff(folder / "a.uff", signal, **{"binary": False, **(write or {})})
+        file.write_bytes(change(file.read_bytes()))
+        return ar.read_uff(file, **options)
+
+    return call
+
+
+def raw(name, data, read, **options):
+    def call(folder):
+        (folder / name).write_bytes(data)
+        return read(folder / name, **options)
+
+    return call
+
+
+def tdms(properties, *values, **options):
+    def call(folder):
+        from nptdms import ChannelObject, TdmsWriter
+
+        with TdmsWriter(folder / "a.tdms") as file:
+            for i, (own, each) in enumerate(zip(properties, values, strict=True)):
+                file.write_segment([ChannelObject("run", f"c{i}", each, properties=own)])
+        return ar.read_tdms(folder / "a.tdms", **options)
+
+    return call
+
+
+def sheet(*lines, **options):
+    def call(folder):
+        from openpyxl import Workbook
+
+        book = Workbook()
+        for line in lines:
+            book.active.append(line)
+        book.save(folder / "a.xlsx")
+        return ar.read_excel(folder / "a.xlsx", **options)
+
+    return call
+
+
+def parquet(held, **options):
+    def call(folder):
+        import pandas as pd
+
+        pd.DataFrame(held).to_parquet(folder / "a.parquet")
+        return ar.read_parquet(folder / "a.parquet", **options)
+
+    return call
+
+
+def foreign(name):
+    """A file of a format that is not read, on the command line."""
+
+    def call(folder):
+        (folder / name).write_bytes(b"something")
+        with pytest.MonkeyPatch.context() as patch:
+            said = []
+            patch.setattr("sys.stderr.write", said.append)
+            code = cli.main(["identify", str(folder / name), "--band", "1", "9", "--excitation", "0"])
+        assert code == 2
+        return "".join(said).strip()
+
+    return call
+
+
+def lvm(*lines, **options):
+    head = ["LabVIEW Measurement", "Separator\tTab", "X_Columns\tNo", "***End_of_Header***", ""]
+    return raw("a.lvm", "\n".join([*head, *lines, ""]).encode(), ar.read_lvm, **options)
+
+
+FRFS = ar.FrequencyResponse(F, H, dofs=["1+X", "2+X"])
+RECORD = ar.Recording([A, B], 128.0, dofs=["1+X", "2+X"])
+SEGMENT = [
+    "Channels\t1",
+    "Samples\t3",
+    "Y_Unit_Label\tg",
+    "Delta_X\t0.01",
+    "***End_of_Header***",
+    "X_Value\ta\tComment",
+]
+REAL = np.abs(H) + 0j
+UNEVEN = np.concatenate([np.arange(2000) / 128.0, 2000 / 128.0 + np.arange(2000) / 127.3])
+GAP = np.delete(np.arange(65) / 128.0, 30)
+SET = {"wf_increment": 1 / 128, "unit_string": "g"}
+
+MISTAKES = {
+    **{
+        f"a {name.partition('.')[2]} file": foreign(name)
+        for name in (
+            *(
+                "a.dxd",
+                "a.d7d",
+                "a.ldsf",
+                "a.mf4",
+                "a.sie",
+                "a.rsp",
+                "a.tim",
+                "a.dat",
+                "a.edf",
+                "a.sdt",
+                "a.tdm",
+            ),
+            *(
+                "a.svd",
+                "a.pti",
+                "a.xls",
+                "a.pkl",
+                "a.mp3",
+                "a.sac",
+                "a.tdms_index",
+                "a.bin",
+                "a.blk",
+                "a.doc",
+            ),
+        )
+    },
+    "npz: no rate": npz(a=A),
+    "npz: two times": npz(run1_time=T, time=T, t=T, a=A),
+    "npz: time and frequency": npz(time=T, freq=F, a=A),
+    "npz: real responses": npz(freq=F, H=np.abs(H)),
+    "npz: responses without imaginary part": npz(freq=F, H=REAL),
+    "npz: a time with a gap": npz(time=GAP, a=A),
+    "npz: a time that drifts": npz(time=UNEVEN, a=RNG.standard_normal(4000)),
+    "npz: a time that descends": npz(time=T[::-1], a=A),
+    "npz: a time in ms": npz(time=1e3 * T, fs=128.0, a=A),
+    "npz: a time of another length": npz(time=T[:50], a=A),
+    "npz: two axes": npz(more={"df_hz": 0.5, "freq_hz": F}, H=H),
+    "npz: an axis of another length": npz(more={"freq_hz": F[:-1]}, H=H),
+    "npz: no such response": npz(more={"responses": "acc*"}, fs=128.0, a=A),
+    "npz: no such force": npz(more={"force": "hammer"}, fs=128.0, a=A),
+    "npz: an unknown unit": npz(more={"unit": "furlong"}, fs=128.0, a=A),
+    "npz: a rate of zero": npz(more={"fs_hz": 0.0}, a=A),
+    "npz: a rate as text": npz(more={"fs_hz": "fast"}, a=A),
+    "npz: NaN in a record": npz(fs=128.0, a=np.where(T > 0.2, np.nan, A)),
+    "npz: values of 1e160": npz(fs=128.0, a=1e160 * A),
+    "npz: three axes": npz(fs=128.0, a=np.zeros((2, 3, 64)), b=A),
+    "npz: a channel that was cut": npz(fs=128.0, a=A, b=B[:50]),
+    "npz: objects": npz(a=np.array([1, "a"], dtype=object)),
+    "npz: texts alone": npz(a=np.array(["x", "y"])),
+    "npz: too many dofs": npz(more={"dofs": [0, 1, 2]}, fs=128.0, a=A, b=B),
+    "npz: a dof twice": npz(more={"dofs": [1, 1]}, fs=128.0, a=A, b=B),
+    "npy: cut in the header": raw("a.npy", b"\x93NUMPY\x01\x00", ar.read_npz),
+    "csv: real columns over frequency": rows("freq,a", F, np.abs(H[0])),
+    "csv: complex without imaginary part": rows("freq,a", F, [f"{x!r}+0j" for x in REAL[0].real.tolist()]),
+    "csv: complex columns over time": rows(
+        "time,a", T[:32], [f"{x.real!r}{x.imag:+}j" for x in H[0].tolist()]
+    ),
+    "csv: magnitude without its unit": rows("freq,Magnitude,Phase [deg]", F, np.abs(H[0]), F),
+    "csv: phase without its unit": rows("freq,Magnitude [dB],Phase", F, np.abs(H[0]), F),
+    "csv: an odd number of parts": rows("freq,a,b,c", F, F, F, F, pairs="real_imag"),
+    "csv: an index and no rate": rows("index,a", range(64), A),
+    "csv: a first column without name": rows("x,a", T, A),
+    "csv: an instant that does not exist": rows(
+        "when,a", [f"2026-02-30 12:00:{i:02d}" for i in range(9)], A[:9]
+    ),
+    "csv: an instant that is missing": text(
+        "when,a", "2026-05-04 12:00:00,1", "n/a,2", "2026-05-04 12:00:02,3", "x,4"
+    ),
+    "csv: a row that is short": text("time,a", "0,1", "1", "2,3"),
+    "csv: a word among numbers": text("time,a", "0,1", "1,dead", "2,3"),
+    "csv: names that do not fit": text("time,a,b", "0,1", "1,2"),
+    "csv: no numbers": text("time,a", "x,y"),
+    "csv: one row": text("time,a", "0,1"),
+    "csv: a rate beside another time": rows("time,a", T, A, fs_hz=100.0),
+    "csv: an unknown unit of a column": rows("time,a [furlong]", T, A),
+    "csv: m and m/s2 together": rows("time,a [m],b [m/s2]", T, A, B),
+    "csv: two forces": rows("time,a [N],b [N],c [g]", T, A, B, A),
+    "csv: NaN": text("time,a", "0,1", "1,nan", "2,3"),
+    "csv: a NUL byte": raw("a.csv", b"time,a\n0,1\n\x00,2\n", ar.read_csv),
+    "hdf5: rates that disagree": hdf5(
+        lambda f: [
+            f.create_dataset(n, data=A).attrs.__setitem__("fs", r) for n, r in (("a", 128.0), ("b", 64.0))
+        ]
+    ),
+    "hdf5: a rate that no name tells": hdf5(
+        lambda f: f.create_dataset("a", data=A).attrs.__setitem__("abtastung", 9.0)
+    ),
+    "hdf5: another rate than given": hdf5(
+        lambda f: f.create_dataset("a", data=A).attrs.__setitem__("fs", 128.0), fs_hz=100.0
+    ),
+    "hdf5: no file of HDF5": raw("a.h5", b"something else", ar.read_npz),
+    "mat: nothing to read": mat({"name": "plate"}),
+    "mat: an unknown unit in a field": mat({"run": {"acc": A, "fs": 128.0, "unit": "furlong"}}),
+    "mat: an increment of zero": mat({"S": {"x_values": {"increment": 0.0}, "y_values": {"values": A}}}),
+    "mat: cut in its head": raw("a.mat", b"MATLAB 7.3 MAT-file", ar.read_mat),
+    "uff: no dataset": raw("a.uff", b"nothing here\n", ar.read_uff),
+    "uff: a cut set": uff(RECORD, lambda data: data[:-200]),
+    "uff: FRFs without reference to choose": uff(FRFS, reference="7+Z"),
+    "uff: a sensor that did not stay": uff(FRFS, write={"excitation": "1+X"}, roving="9+Z"),
+    "uff: a kind that is not there": uff(RECORD, kind="frf"),
+    "uff: a run that is not there": uff(RECORD, run=2),
+    "uff: a point without dof": uff(RECORD, dofs={(1, "+X"): 0}),
+    "uff: a force that is not there": uff(RECORD, force="9+Z"),
+    "tdms: two rates": tdms([SET, {**SET, "wf_increment": 0.1}], A, B[:9]),
+    "tdms: no rate": tdms([{"unit_string": "g"}], A),
+    "tdms: no unit": tdms([{"wf_increment": 0.1}], A),
+    "tdms: another rate than given": tdms([SET], A, fs_hz=100.0),
+    "tdms: no such channel": tdms([SET], A, responses="tip"),
+    "tdms: another file": raw("a.tdms", b"RIFF", ar.read_tdms),
+    "wav: another file": raw("a.wav", b"TDSm" + bytes(40), ar.read_wav),
+    "wav: no samples": raw("a.wav", b"RIFF" + bytes(4) + b"WAVE", ar.read_wav),
+    "lvm: no header": raw("a.lvm", b"0\t1\n1\t2\n", ar.read_lvm),
+    "lvm: a header without end": raw("a.lvm", b"LabVIEW Measurement\n", ar.read_lvm),
+    "lvm: fewer samples than stated": lvm(*SEGMENT, "\t1", "\t2"),
+    "lvm: more samples than stated": lvm(*SEGMENT, "\t1", "\t2", "\t3", "\t4"),
+    "lvm: a word among numbers": lvm(*SEGMENT, "\t1", "\tx", "\t3"),
+    "lvm: a gap between segments": lvm(*SEGMENT, "\t1", "\t2", "\t3", "", *SEGMENT, "\t1", "\t2", "\t3"),
+    "excel: an empty cell": sheet(["time", "a"], [0.0, 1.0], [1.0, 2.0, 3.0], [2.0, 3.0]),
+    "excel: no sheet of that name": sheet(["time", "a"], [0.0, 1.0], sheet="run 2"),
+    "excel: a first column without name": sheet(["x", "a"], [0.0, 1.0], [0.5, 2.0]),
+    "parquet: texts": parquet({"time": T, "a": ["x"] * 64}),
+    "parquet: empty cells": parquet({"time": T, "a": [None, *A[1:]]}),
+    "parquet: no time": parquet({"a": A, "b": B}),
+    "a folder in place of a file": lambda folder: ar.read_npz(folder),
+    "an empty file": raw("a.npz", b"", ar.read_npz),
+    "a number in place of a name": lambda folder: ar.read_csv(7),
+    "results into the root": lambda folder: ar.write_npz("/", RECORD),
+    "into a folder that is not there": lambda folder: ar.write_npz(folder / "no" / "a.npz", RECORD),
+    "a matrix with a NUL byte": raw(
+        "k.mtx",
+        b"%%MatrixMarket matrix array real general\n1 1\n\x00\n",
+        lambda path: ar.read_matrices(path, np.eye(1)),
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def messages(tmp_path_factory):
+    said = {}
+    for number, (case, call) in enumerate(MISTAKES.items()):
+        folder = tmp_path_factory.mktemp(f"m{number}_", numbered=False)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                told = call(folder)
+                told = told if isinstance(told, str) else ""
+                kind = "exit 2"
+            except ar.AntiresError as exc:
+                told, kind = str(exc), type(exc).__name__
+        if not told:
+            told = " | ".join(str(each.message) for each in caught)
+            kind = "warning"
+            assert all(issubclass(each.category, ar.AntiresWarning) for each in caught), case
+        said[case] = kind, told.replace(str(folder), "FOLDER")
+    return said
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_each_mistake_is_told(messages, case):
+    kind, told = messages[case]
+    assert told, case
+    assert "Traceback" not in told
+    assert kind == "warning" or ("got" in told and "wanted" in told), told
+
+
+def test_the_messages_are_those_that_were_looked_at(messages):
+    compare(
+        Path(__file__).with_name("wrong_files.txt"),
+        {case: f"{kind}  {told}" for case, (kind, told) in messages.items()},
+    )
