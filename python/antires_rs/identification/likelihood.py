@@ -69,9 +69,9 @@ def likeliest(
 ) -> Likeliest:
     """Iterate weights and order until they stand, or so many times.
 
-    ``covariance`` gives the covariances of a slice of the lines, (n_lines, n, n). ``cap`` bounds the signal-to-noise power a line may count with; ``independent`` is the number of
-    independent lines over the number of lines. ``start`` is the order of an earlier fit and the squared norm
-    of its numerators at the lines.
+    ``covariance`` gives the covariances of a slice of the lines, (n_lines, n, n). ``cap`` bounds the
+    signal-to-noise power a line may count with; ``independent`` is the number of independent lines over the
+    number of lines. ``start`` is the order of an earlier fit and the squared norm of its numerators there.
     """
     n = covariance(slice(0, 1)).shape[1]
     largest = np.empty(freq_hz.size)

@@ -50,8 +50,8 @@ ITERATIONS = 4
 class NumeratorFit:
     """The quadratic form of the weighted direction misfit, factored once for all orders up to ``max_order``.
 
-    Parameters are the lines' frequencies (n_freq,), what gives covariances of a slice of them, (n_lines, n, n),
-    their largest eigenvalues,
+    Parameters are the lines' frequencies (n_freq,), a function that gives the covariances of a slice of them,
+    (n_lines, n, n), their largest eigenvalues,
     and the weights of the iteration, all checked by the caller.
     """
 
