@@ -8,8 +8,7 @@ from typing import Any
 
 from ..explore.canvas import require_bokeh
 from ..explore.page.opened import opened
-from ..support.validation import reject
-from .terminal import existing
+from .terminal import existing, new_file
 
 __all__ = ["look"]
 
@@ -26,9 +25,7 @@ def look(args: argparse.Namespace) -> int:
             existing("FILE", file, "Name a measurement, antiresonances or a result.")
 
     out = args.out
-    if out is not None and (out.suffix != ".json" or not out.parent.is_dir()):
-        wanted = "a file that ends in .json, in a folder that exists"
-        reject("--out", repr(str(out)), wanted, "Choose another name.")
+    new_file("--out", out, ".json")
     if args.edits is not None:
         existing("--edits", args.edits, "Name a set that was saved.")
 

@@ -16,6 +16,8 @@ from ..support.warned import warn
 from ..support.wording import LeftOut, Part
 from .terminal import arguments, existing, say
 
+#: So many channels are named in a message.
+_NAMED = 12
 __all__ = ["CHOICES", "NAMES", "READING", "Measurement", "edited", "files_of", "kind_of", "measurement"]
 
 #: Options by the arguments of the functions behind it.
@@ -102,10 +104,8 @@ def measurement(args: argparse.Namespace, kind: str, *, band_needed: bool = True
             args.excitation = force_of(args.file)
         if args.excitation is not None:
             say(f"the force is at {args.excitation}, as the file states")
-    wanted = {"band": "--band LOW HIGH, in Hz", "excitation": "--excitation DOF, where the force acts"}
-    for name, what in wanted.items():
-        if getattr(args, name) is None and (name != "band" or band_needed):
-            reject(f"--{name}", "nothing", what, f"See 'antires {args.command} --help'.")
+    if args.band is None and band_needed:
+        reject("--band", "nothing", "--band LOW HIGH, in Hz", f"See 'antires {args.command} --help'.")
     from ..jobs.reading import read_signal
     from ..signals.repeats import one_source
 
@@ -123,6 +123,13 @@ def measurement(args: argparse.Namespace, kind: str, *, band_needed: bool = True
             say(f"reading {file.name}")
             signals.append(read_signal(file, kind, options, _as_option))
         signal = one_source(signals)
+        if args.excitation is None:
+            reject(
+                "--excitation",
+                "nothing",
+                "--excitation DOF, where the force acts",
+                f"The file has the channels {_some(signal.dofs)}.",
+            )
         # A channel that is left out still names the place of the force, which need not be recorded.
         named = options.get("dofs", {}).get(args.excitation, False)
         force = args.excitation if named is False else named
@@ -160,9 +167,17 @@ def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
     hint = nearest(str(force), map(str, dofs))
     warn(
         "force_not_measured",
-        f"--excitation: {force!r} is none of the channels {', '.join(map(repr, dofs))}, so that "
+        f"--excitation: {force!r} is none of the channels {_some(dofs)}, so that "
         f"the place of the force cannot be tested.{' ' * bool(hint)}{hint}",
     )
+
+
+def _some(dofs: tuple[Any, ...]) -> str:
+    """The channels by name; of many the first and the last."""
+    names = [repr(dof) for dof in dofs]
+    if len(names) > _NAMED:
+        names = [*names[: _NAMED - 1], "...", names[-1]]
+    return ", ".join(names)
 
 
 def _as_option(part: Part) -> str:

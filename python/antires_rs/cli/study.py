@@ -9,7 +9,7 @@ from typing import Any
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import reject
 from .measurement import CHOICES, NAMES, READING, edited, files_of, kind_of, measurement
-from .terminal import arguments, existing, print_json, say
+from .terminal import arguments, existing, new_file, print_json, say
 
 __all__ = ["demo", "identify", "report"]
 
@@ -27,13 +27,7 @@ def identify(args: argparse.Namespace) -> int:
     """Antiresonances of a file, or of the [data] of a job."""
     files_of(args)
     out: Path | None = args.out
-    if out is not None and (out.suffix != ".json" or not out.parent.is_dir()):
-        reject(
-            "--out",
-            repr(str(out)),
-            "a file that ends in .json, in a folder that exists",
-            "Choose another name.",
-        )
+    new_file("--out", out, ".json")
     found = _of_job(args) if args.file.suffix == ".toml" else [_of_file(args)]
     for i, each in enumerate(found):
         if out is not None:
@@ -131,13 +125,7 @@ def report(args: argparse.Namespace) -> int:
     file: Path = args.result / "result.npz" if args.result.is_dir() else args.result
     existing("RESULT", file, "'antires update' and 'antires damage' write result.npz into their folder.")
     out: Path = args.out or file.with_name("report.html")
-    if out.suffix not in (".html", ".htm") or not out.parent.is_dir():
-        reject(
-            "--out",
-            repr(str(out)),
-            "a file that ends in .html, in a folder that exists",
-            "Choose another name.",
-        )
+    new_file("--out", out, ".html", ".htm")
     with arguments({"path": "RESULT"}):
         result = UpdateResult.load(file)
     say("writing the report")

@@ -12,7 +12,7 @@ from typing import Any
 from ..exceptions import Argument, InvalidInputError
 from ..support.validation import reject
 
-__all__ = ["arguments", "existing", "print_json", "say"]
+__all__ = ["arguments", "existing", "new_file", "print_json", "say"]
 
 
 def say(text: str) -> None:
@@ -25,6 +25,17 @@ def say(text: str) -> None:
 def print_json(data: Any) -> None:
     """Numbers for machines, on standard output."""
     print(json.dumps(data, indent=1, allow_nan=False))
+
+
+def new_file(option: str, file: Path | None, *endings: str) -> None:
+    """Refuse a file that could not be written, before anything is computed for it."""
+    if file is None:
+        return
+    if file.suffix not in endings:
+        reject(option, repr(str(file)), f"a file that ends in {endings[0]}", "Choose another name.")
+    if not file.parent.is_dir():
+        wanted = "a file in a folder that exists"
+        reject(option, repr(str(file)), wanted, f"Make {str(file.parent)!r} first.")
 
 
 def existing(argument: str, path: Path, remedy: str) -> Path:

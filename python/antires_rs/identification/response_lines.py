@@ -50,7 +50,7 @@ def lines_of_recording(
 ) -> Callable[[int], Lines]:
     """Response vectors of a record; the argument is the row that will be divided by."""
     spectra = averages.spectra
-    _require_lines(spectra.freq_hz.size, band_hz)
+    _require_lines(spectra.freq_hz.size, band_hz, 0.5 * rec.fs_hz)
     auto = np.einsum("fii->i", spectra.matrix).real
     if not auto.all():
         dead = int(np.flatnonzero(auto == 0.0)[0])
@@ -121,7 +121,7 @@ def _segments(spectra: CrossSpectra, scale: FloatArray, use_force: bool) -> Segm
 def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, use_force: bool) -> Lines:
     """Response vectors of measured FRFs or transmissibilities."""
     inside = lines_in(resp.freq_hz, band_hz)
-    _require_lines(inside.stop - inside.start, band_hz)
+    _require_lines(inside.stop - inside.start, band_hz, float(resp.freq_hz[-1]))
     freq, values = resp.freq_hz[inside], resp.values[:, inside]
     power = np.mean(np.abs(values) ** 2, axis=1)
     if not power.all():
@@ -154,11 +154,11 @@ def _middling(frfs: ComplexArray) -> float:
     return float(np.median(np.linalg.norm(frfs, axis=0)))
 
 
-def _require_lines(count: int, band_hz: tuple[float, float]) -> None:
+def _require_lines(count: int, band_hz: tuple[float, float], highest_hz: float) -> None:
     if count < LEAST_LINES:
         reject(
             "band_hz",
             f"({band_hz[0]:g}, {band_hz[1]:g}) Hz with {count} lines in it",
             f"a band with at least {LEAST_LINES} frequency lines",
-            "Widen the band, or use longer segments.",
+            f"Widen the band, in Hz: the data reach to {highest_hz:g} Hz. Or use longer segments.",
         )

@@ -100,7 +100,7 @@ def plot_stabilization(
     ax.set_xlim(*diagram.band_hz)
     mark_values(ax, diagram, dropped, added)
     # In the legend of the front axis, though drawn on the other.
-    ax.plot([], [], color=CURVE, lw=1.0, label="summed curves (right axis)")
+    ax.plot([], [], color=CURVE, lw=1.0, label="summed curves, which peak at the poles (right axis)")
     ax.set_ylim(int(diagram.orders[0]) - 1, int(diagram.orders[-1]) + 1)
     ax.set_xlabel("Frequency (Hz)")
     ax.set_ylabel("Model order (-)")
