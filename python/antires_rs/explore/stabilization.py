@@ -137,5 +137,5 @@ def _curve_behind(fig: Any, diagram: StabilizationDiagram) -> None:
         y_range_name="curve",
         color=CURVE,
         line_width=1.2,
-        legend_label="summed curves, which peak at the poles (right axis)",
+        legend_label="summed curves, peaks at poles",
     )
