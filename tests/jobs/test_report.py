@@ -59,7 +59,7 @@ def test_a_report_drawn_again_is_the_same(ran, capsys):
     for heading in headings:
         mine, other = (section(html, re.escape(heading)) for html in (first, second))
         if "before and after" in heading:  # curves are kept in half the digits
-            mine, other = (re.sub(r"data:image/png;base64,[^\"]*", "", text) for text in (mine, other))
+            mine, other = (re.sub(r"[A-Za-z0-9+/=]{400,}", "", text) for text in (mine, other))
         assert mine == other, heading
     assert second.count("Stabilization diagram of dof") == first.count("Stabilization diagram of dof") == 4
     assert "Transmissibilities over dof 0" in second

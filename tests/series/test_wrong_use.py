@@ -68,7 +68,7 @@ def test_patterns_anywhere(records, quick, monkeypatch, pattern, names):
     [
         ({"foo": 1}, "reading: got 'foo', which read_npz does not take"),
         ({"delimiter": ";"}, "'delimiter', which read_npz does not take"),  # of another reader
-        ({"format": "wav"}, r"reading\['format'\]: got 'wav'"),
+        ({"format": "flac"}, r"reading\['format'\]: got 'flac'"),
         (3, "reading: got 3; wanted options"),
     ],
 )

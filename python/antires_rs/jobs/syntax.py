@@ -17,8 +17,8 @@ _DEEPEST = 40
 _PART = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')"""
 #: A key begins a line, or stands in braces: no bracket is where one may begin, which keeps the search linear.
 _DOTTED = re.compile(rf"(?:^|[{{,])[ \t\[]*(?:{_PART}[ \t]*\.[ \t]*){{{_DEEPEST}}}", re.MULTILINE)
-#: Where tomllib says what it came to; at the end of the document it says no line.
-_AT_LINE = re.compile(r"at line (\d+)")
+#: Lines that a statement may take.
+_LONGEST = 200
 #: Brackets; and what may hold some that do not count: texts and comments.
 _BRACKETS = re.compile(r"""[\[\]{}]|"[^"\n]*"|'[^'\n]*'|#[^\n]*""")
 
@@ -41,8 +41,7 @@ def parsed(name: str, text: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as exc:  # of TOML, or of Python for numbers of thousands of digits
         lines = text.split("\n")
-        at = _AT_LINE.search(str(exc))
-        number = min(_sound(lines, int(at[1]) if at else len(lines)) + 1, len(lines))
+        number = min(_sound(lines) + 1, len(lines))
         line = lines[number - 1].strip()
         remedy = (
             _again(lines[: number - 1], line) or "Text stands in quotes, lists in [ ], and each key once."
@@ -81,20 +80,33 @@ def _deep(text: str) -> int | None:
     return None
 
 
-def _sound(lines: list[str], last: int) -> int:
+def _sound(lines: list[str]) -> int:
     """Number of lines before the statement that is no TOML.
 
-    An error stays where it is when lines behind it are cut off, so that the longest beginning without one
-    ends just before it. What is on the line ``last`` is part of it: a file that is no job at all may have
-    thousands of lines behind. (tomllib gives the line as a number only from Python 3.14 on.)
+    Beginnings without an error end before it, or within no statement of several lines. They are sought in
+    steps that grow and, past the error, shrink, so that a file that is no job at all costs little however
+    long it is. (tomllib gives the line as a number only from Python 3.14 on.)
     """
-    for n in range(min(last, len(lines)) - 1, 0, -1):
+    sound, step = 0, 1
+    while True:
+        found = _next_sound(lines, sound + step)
+        if found is not None:
+            sound, step = found, 2 * step
+        elif step == 1:
+            return sound
+        else:
+            step //= 2
+
+
+def _next_sound(lines: list[str], start: int) -> int | None:
+    """The first beginning without an error of ``start`` lines or up to a statement more."""
+    for n in range(start, min(start + _LONGEST, len(lines))):
         try:
             tomllib.loads("\n".join(lines[:n]))
         except (ValueError, RecursionError):
             continue
         return n
-    return 0
+    return None
 
 
 def _again(before: list[str], line: str) -> str:
