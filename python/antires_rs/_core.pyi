@@ -23,6 +23,8 @@ __all__ = [
     "Frame",
     "Model",
     "Objective",
+    "PreparedTables",
+    "PreparedTest",
     "__version__",
     "align",
     "associate",
