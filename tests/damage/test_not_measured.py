@@ -6,7 +6,7 @@ import pytest
 import antires_rs as ar
 from antires_rs.damage.measured_states import Values
 from antires_rs.damage.view import Band, Foreseen, associated
-from tests.support.wrong_chains import NOMINAL, N, chain, measured, truth
+from tests.support.wrong_chains import NOMINAL, chain, measured, truth
 
 
 def roots(response, place):
