@@ -176,7 +176,9 @@ def _measurement(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--preset", **one_of("paper", "strict", "sensitive"), help="options of the identification"
     )
-    command.add_argument("--max-order", type=number(int, 2), metavar="N", help="highest order (default: 60)")
+    command.add_argument(
+        "--max-order", type=number(int, 2), metavar="N", help="highest order (default: as the data want)"
+    )
     command.add_argument(
         "--cross-check",
         "--second-opinion",
