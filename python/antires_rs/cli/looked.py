@@ -8,8 +8,8 @@ from pathlib import Path
 from ..explore.page.commands import SetView
 from ..explore.page.session import Session
 from ..explore.page.view import View
-from ..measured.antiresonance_set import AntiresonanceSet
-from ..measured.replay import Asked, asked_of
+from ..measured.replay import Asked
+from ..measured.replay_file import asked_in
 from ..support.validation import reject
 from .looked_result import result_file, result_view
 from .measurement import NAMES, files_of, kind_of, measurement
@@ -31,10 +31,9 @@ def view_of(args: argparse.Namespace) -> View:
     edits = _edits(args)
     if kind == "antiresonances":
         with arguments(NAMES):
-            zeros = AntiresonanceSet.load(first)
+            zeros, asked = asked_in(first)
         session = Session(zeros, save_to=args.out)
-        if args.out is None:
-            session.opened(first)
+        session.opened(asked, first if args.out is None else None)
         session.make_again(edits)
         return SetView(session, first.name)
     if args.roving is not None and len(args.files) > 1:
@@ -90,4 +89,4 @@ def _edits(args: argparse.Namespace) -> tuple[Asked, ...]:
     if args.edits is None:
         return ()
     with arguments({"path": "--edits"}):
-        return asked_of(AntiresonanceSet.load(args.edits))
+        return asked_in(args.edits)[1]
