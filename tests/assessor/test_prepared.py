@@ -13,12 +13,24 @@ from antires_rs.damage.view import Band
 from tests.support.wrong_chains import NOMINAL, chain, measured, truth
 
 
-@pytest.fixture(scope="module")
-def both():
+def without(sets, dofs):
+    """The sets without some responses."""
+    return [
+        ar.AntiresonanceSet(
+            one.excitation,
+            {dof: one[dof] for dof in one if dof not in dofs},
+            std_hz={dof: one.std_hz[dof] for dof in one if dof not in dofs},
+        )
+        for one in sets
+    ]
+
+
+@pytest.fixture(scope="module", params=[(), (1, 3)], ids=["all measured", "two responses lacking"])
+def both(request):
     """A search in the tables, and the likelihood of a full run for the same test."""
     rng, factors = truth(401)
     before = measured(chain(factors), rng)
-    now = measured(chain(factors, (0, 0.4, 0, 0.2, 0)), rng)
+    now = without(measured(chain(factors, (0, 0.4, 0, 0.2, 0)), rng), request.param)
     plan = ar.Assessor(NOMINAL, baseline=before, workers=1)._plan
     asked = plan.question
     question = Question(

@@ -31,13 +31,21 @@ def given(structure, mistake, seed=3):
     return MISTAKES[mistake](structure, *structure.states(seed, 0.03))
 
 
+#: With a baseline no value of which is near a root of the model there is nothing to assess.
+REFUSED = "got one that does not explain the measurement"
+#: Mistakes after which that is so.
+NOTHING_NEAR = {
+    "springs in N/um, modulus in MPa",
+    "masses in tonnes",
+    "springs in N/mm, masses in tonnes",
+    "frequencies in kHz",
+    "lengths in mm",
+    "K and M swapped",
+}
+
+
 def headline(model, now, **options):
-    try:
-        return ar.assess_damage(model, now, workers=1, **options).headline
-    except ar.exceptions.InvalidInputError as error:
-        return f"{error.argument} {error}".replace("got one that does", "The model does").replace(
-            "model: ", ""
-        )
+    return ar.assess_damage(model, now, workers=1, **options).headline
 
 
 @pytest.mark.parametrize("mistake", [each for each in MISTAKES if each not in ONLY_FRAMES])
@@ -52,8 +60,14 @@ def test_one_state_of_a_chain(mistake):
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_two_states_of_a_frame(mistake):
     model, before, now = given(FRAME, mistake)
-    said = headline(model, now, baseline=before)
-    assert SAID in said
+    if mistake in NOTHING_NEAR:
+        with pytest.raises(ar.exceptions.InvalidInputError, match=REFUSED) as raised:
+            headline(model, now, baseline=before)
+        assert raised.value.argument == "model"
+        said = str(raised.value)
+    else:
+        said = headline(model, now, baseline=before)
+        assert said.startswith(SAID)
     assert "No damage found" not in said
     assert NAMED.get(mistake, "") in said
 

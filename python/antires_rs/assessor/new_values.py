@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 
 from ..damage.measured_states import ASSUMED_STD, LEAST_STD, Responses, Values
 from ..damage.question import Question
+from ..damage.same_data import note_of_same_data, same_data
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import FloatArray, reject
 from ..updating.complex_zeros import looked_up_to, real_zeros, sorted_out, usual_damping, zero_series
@@ -57,6 +58,11 @@ def expected_of(question: Question, responses: Responses) -> dict[Any, Expected]
     return found
 
 
+def _columns(one: AntiresonanceSet) -> dict[Hashable, tuple[FloatArray, FloatArray]]:
+    """Values and their standard deviations by response."""
+    return {(label, one.excitation): (table.freq_hz, table.std_hz) for label, table in one.tables.items()}
+
+
 def values_of(
     sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatter: float
 ) -> tuple[Values, list[str], list[str], bool]:
@@ -66,7 +72,10 @@ def values_of(
     notes: list[str] = []
     strange: list[str] = []
     assumed = False
+    twice = same_data([_columns(one) for one in sets])
+    notes += note_of_same_data("zeros", twice)
     for nth, one in enumerate(sets):
+        first = _columns(sets[twice[nth]]) if nth in twice else {}
         plan = expected.get(one.excitation)
         if plan is None:
             known = ", ".join(map(repr, expected))
@@ -80,6 +89,8 @@ def values_of(
             strange.append("it was identified from other responses than the baseline")
         usual = usual_damping(one)
         for label, table in one.tables.items():
+            if (label, one.excitation) in first and first[label, one.excitation][0].size:
+                continue
             number = plan.number.get(label)
             if number is None:
                 if len(table):

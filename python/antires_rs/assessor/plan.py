@@ -148,7 +148,6 @@ def plan_of(
         if false_alarm_rate is None
         else log_odds_threshold(slopes, question.prior, false_alarm_rate, rng)
     )
-    tests = prepared.responses.tests
     learned = Learned(
         factors=np.exp(error.theta),
         tau=error.tau,
@@ -163,7 +162,7 @@ def plan_of(
         n_intact_matched=int((error.partner >= 0).sum()),
         n_intact_roots=roots_beside(prepared.intact, error.intact),
         hint=question.hint(),
-        n_baselines=max(map(tests.count, tests), default=0),
+        n_baselines=prepared.n_baselines,
         scatter=max(prepared.scatter, 1.0),
         notes=tuple(dict.fromkeys(prepared.responses.left_out)),
         odd_baselines=odd.tests if odd else (),

@@ -11,7 +11,6 @@ from ..explore.page.view import View
 from ..measured.replay import Asked
 from ..measured.replay_file import asked_in
 from ..support.validation import reject
-from .looked_result import result_file, result_view
 from .measurement import NAMES, files_of, kind_of, measurement
 from .terminal import arguments, say
 
@@ -23,6 +22,8 @@ def view_of(args: argparse.Namespace) -> View:
     first: Path = args.files[0]
     result = result_file(first)
     if result is not None:
+        from .looked_result import result_view  # a measurement does not wait for these imports
+
         return result_view(result)
     files_of(args)
     if first.suffix == ".toml":
@@ -56,6 +57,12 @@ def view_of(args: argparse.Namespace) -> View:
         )
     session.make_again(edits)
     return SetView(session, first.name)
+
+
+def result_file(path: Path) -> Path | None:
+    """The result that a path names: a folder of a run, or its result.npz; None for what is none."""
+    inside = path / "result.npz" if path.is_dir() else path
+    return inside if inside.name == "result.npz" and inside.is_file() else None
 
 
 def _of_job(args: argparse.Namespace) -> Session:

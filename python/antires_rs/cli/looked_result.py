@@ -15,13 +15,7 @@ from ..updating.results import UpdateResult
 from .measurement import NAMES
 from .terminal import arguments
 
-__all__ = ["result_file", "result_view"]
-
-
-def result_file(path: Path) -> Path | None:
-    """The result that a path names: a folder of a run, or its result.npz; None for what is none."""
-    inside = path / "result.npz" if path.is_dir() else path
-    return inside if inside.name == "result.npz" and inside.is_file() else None
+__all__ = ["result_view"]
 
 
 def result_view(file: Path) -> ResultView:

@@ -97,7 +97,7 @@ def infer(
         assumed_std=responses.assumed,
         n_intact=intact.size,
         n_intact_matched=int((error.partner >= 0).sum()),
-        n_baselines=max(map(responses.tests.count, responses.tests), default=0),
+        n_baselines=prepared.n_baselines,
         scatter=prepared.scatter,
         notes=(*responses.left_out, *note_of_shift(shift), *_of_screening(search)),
         odd_baselines=odd.tests if odd else (),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Hashable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from .measured_states import ASSUMED_STD, LEAST_STD
 from .mode_roots import ModeRoots, ModeSource
 from .mode_values import ModeValues
 from .roots import Roots
+from .same_data import note_of_same_data, same_data
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -120,24 +121,34 @@ def measured_modes(
     if highest <= 0.0:
         reject("measured", "no mode", "at least one", "Identify in a wider band.")
     unstated = any(each.std_shapes is None for each in both)
+    twice = [same_data([_columns(each) for each in sets]) for sets in (baseline, measured)]
     responses = ModeResponses(
         groups,
         tuple(measured),
-        tuple(np.flatnonzero(each.freq_hz > 0.0) for each in measured),
+        tuple(
+            np.flatnonzero(each.freq_hz > 0.0) if nth not in twice[1] else np.empty(0, dtype=np.intp)
+            for nth, each in enumerate(measured)
+        ),
         highest,
         (
-            "Components of shapes without standard deviation count as known to "
-            f"{100 * ASSUMED_SHAPE_STD:g} % of the shape's length.",
-        )
-        if unstated
-        else (),
+            *(
+                [
+                    "Components of shapes without standard deviation count as known to "
+                    f"{100 * ASSUMED_SHAPE_STD:g} % of the shape's length."
+                ]
+                if unstated
+                else []
+            ),
+            *note_of_same_data("baseline", twice[0]),
+            *note_of_same_data("measured", twice[1]),
+        ),
         any(each.std_hz is None for each in both),
         tuple(groups[dofs] for dofs in before),
     )
     return (
         responses,
-        _values("baseline", baseline, listed[0], groups),
-        _values("measured", measured, listed[1], groups),
+        _values("baseline", baseline, listed[0], groups, twice[0]),
+        _values("measured", measured, listed[1], groups, twice[1]),
     )
 
 
@@ -145,9 +156,20 @@ def _dofs(model: StructuralModel, each: ModalSet) -> Dofs:
     return tuple(model_dof(model, "measured dof", dof) for dof in each.dofs)
 
 
-def _values(name: str, sets: Sequence[ModalSet], dofs: list[Dofs], groups: dict[Dofs, int]) -> ModeValues:
+def _columns(each: ModalSet) -> dict[Hashable, tuple[FloatArray, FloatArray]]:
+    """Frequencies and shapes, with the standard deviations of the frequencies, by the sensors."""
+    std = np.full(each.freq_hz.size, np.nan) if each.std_hz is None else each.std_hz
+    shapes = each.to_real().shapes
+    return {each.dofs: (np.concatenate([each.freq_hz, shapes.ravel()]), std)}
+
+
+def _values(
+    name: str, sets: Sequence[ModalSet], dofs: list[Dofs], groups: dict[Dofs, int], twice: Container[int]
+) -> ModeValues:
     rows = []
     for nth, each in enumerate(sets):
+        if nth in twice:
+            continue
         order = np.argsort(dofs[nth])
         shapes = each.to_real().shapes[:, order]
         for mode in np.flatnonzero(each.freq_hz > 0.0):

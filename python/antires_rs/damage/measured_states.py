@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ from ..updating.model_dofs import antiresonance_objective
 from .association import ALONE, associate
 from .common_responses import not_in_both
 from .roots import Roots
+from .same_data import note_of_same_data, same_data
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -60,6 +61,18 @@ class Values:
     def tests(self) -> NDArray[np.intp]:
         """Numbers of the tests that have values."""
         return np.unique(self.test)
+
+    @cached_property
+    def _times_measured(self) -> FloatArray:
+        """By response: in how many tests it has values."""
+        pairs = np.unique(np.stack([self.response, self.test]), axis=1)
+        return np.bincount(pairs[0]).astype(np.float64)
+
+    def times_measured(self, response: NDArray[np.intp]) -> FloatArray:
+        """In how many tests each of some responses has values; what has none was not measured."""
+        times = np.zeros(max(int(response.max(initial=-1)) + 1, self._times_measured.size))
+        times[: self._times_measured.size] = self._times_measured
+        return times[response]
 
     def noisier(self, times: float) -> Values:
         """The same with larger standard deviations."""
@@ -186,6 +199,7 @@ def measured_states(
                 freq.append([])
             freq[numbers[dof, force]].append(values)
     together = {force: nth for nth, force in enumerate(sight)}
+    twice = [same_data([_columns(target) for target in targets]) for targets in (before, after)]
     parts: list[Part] = [
         (dof, force, np.concatenate(freq[nth]), _common(sight[force]), together[force])
         for (dof, force), nth in numbers.items()
@@ -204,12 +218,20 @@ def measured_states(
         (
             *(note for target in (*before, *after) for note in target.left_out),
             *not_in_both(model, before, after),
+            *note_of_same_data("baseline", twice[0]),
+            *note_of_same_data("measured", twice[1]),
         ),
         any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds),
         tuple(measured),
         tuple(target.forces[0] for target in before),
     )
-    return responses, _values(before, numbers), _values(after, numbers)
+    return responses, _values(before, numbers, twice[0]), _values(after, numbers, twice[1])
+
+
+def _columns(target: AntiresonanceTargets) -> dict[Hashable, tuple[FloatArray, FloatArray]]:
+    """Values and their standard deviations by response."""
+    parts = zip(target.parts, target.stds, strict=True)
+    return {(dof, force): (freq, std) for (dof, force, freq, _, _), std in parts}
 
 
 def _common(sees: set[str | None]) -> str | None:
@@ -233,12 +255,18 @@ def _same_forces(
             )
 
 
-def _values(targets: list[AntiresonanceTargets], numbers: dict[tuple[int, int], int]) -> Values:
+def _values(
+    targets: list[AntiresonanceTargets], numbers: dict[tuple[int, int], int], twice: dict[int, int]
+) -> Values:
+    """All values; of sets ``twice`` (later to earlier) those of the earlier one only."""
     rows: list[tuple[int, int, float, float]] = []
     for nth, target in enumerate(targets):
+        known = _columns(targets[twice[nth]]) if nth in twice else {}
         for (dof, force, freq, _, _), std, single in zip(
             target.parts, target.stds, target.single, strict=True
         ):
+            if (dof, force) in known and known[dof, force][0].size:
+                continue
             least = ASSUMED_STD if single else LEAST_STD
             relative = np.where(np.isfinite(std), std / freq, ASSUMED_STD)
             rows += [

@@ -45,6 +45,10 @@ class ModeValues(Values):
         at = self.start
         return Values(self.response[at], self.log_f[at], self.std[at], self.test[at])
 
+    def times_measured(self, response: NDArray[np.intp]) -> FloatArray:
+        """A mode moves the sensors of every test."""
+        return np.full(response.size, float(self.tests.size))
+
     def own(self, mode: int) -> slice:
         """The values of a mode."""
         start = int(self.start[mode])

@@ -47,6 +47,12 @@ class Prepared:
     scatter: float
     odd: Contradiction | None
 
+    @property
+    def n_baselines(self) -> int:
+        """Tests of the intact structure that have values, the most with one force."""
+        own = [self.responses.tests[nth] for nth in self.intact.tests.tolist()]
+        return max(map(own.count, own), default=0)
+
 
 @dataclass(frozen=True)
 class Question:

@@ -145,7 +145,7 @@ def associated(
         roots.roots, roots.place, sigma, band.alone, missed - present, wider
     )
     taken = partner[partner >= 0]
-    price = lost + now.tests.size * missed.sum() - (missed - present)[taken].sum()
+    price = lost + now.times_measured(roots.response) @ missed - (missed - present)[taken].sum()
     return partner, place, float(price)
 
 

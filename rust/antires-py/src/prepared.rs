@@ -6,7 +6,7 @@ use antires_core::prepared::nearest::{refined, scanned, variances};
 use antires_core::prepared::places::Places;
 use antires_core::prepared::settle::settled;
 use antires_core::prepared::tables::Tables;
-use antires_core::prepared::values::{Error, Test};
+use antires_core::prepared::values::{Error, Test, times_measured};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1,
     PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArray4,
@@ -150,6 +150,7 @@ pub struct PreparedTest {
     log_f: Vec<f64>,
     std: Vec<f64>,
     set: Vec<i64>,
+    times: Vec<f64>,
     band: (f64, f64),
     common: f64,
     errors: Vec<Error>,
@@ -181,6 +182,7 @@ impl PreparedTest {
             log_f: &self.log_f,
             std: &self.std,
             set: &self.set,
+            times: &self.times,
             low: self.band.0,
             high: self.band.1,
             common: self.common,
@@ -215,6 +217,7 @@ impl PreparedTest {
     ) -> PyResult<Self> {
         let mut made = Self {
             tables,
+            times: times_measured(&response, &set),
             response,
             log_f,
             std,

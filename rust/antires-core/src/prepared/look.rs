@@ -56,7 +56,7 @@ fn associated(test: &Test<'_>, roots: &Foreseen, sigma: &[f64], wider: f64) -> (
     };
     let alone = test.alone();
     let mut partner = Vec::with_capacity(std.len());
-    let (mut first, mut sets) = (0, 0);
+    let mut first = 0;
     while first < std.len() {
         let end = first + test.set[first..].partition_point(|&s| s == test.set[first]);
         let values = alignment::Places {
@@ -71,15 +71,20 @@ fn associated(test: &Test<'_>, roots: &Foreseen, sigma: &[f64], wider: f64) -> (
             alone,
             &alone_root,
         ));
-        (first, sets) = (end, sets + 1);
+        first = end;
     }
     let lost = partner.iter().filter(|&&k| k < 0).count() as f64 * alone;
-    let missed: f64 = prices.iter().map(|(missed, _)| missed).sum();
+    // A root of a response that a set has not measured is not missed there.
+    let missed: f64 = prices
+        .iter()
+        .zip(&roots.response)
+        .map(|((missed, _), &response)| test.measured(response) * missed)
+        .sum();
     let taken: f64 = partner
         .iter()
         .filter_map(|&k| alone_root.get(usize::try_from(k).ok()?))
         .sum();
-    (partner, lost + f64::from(sets) * missed - taken)
+    (partner, lost + missed - taken)
 }
 
 /// Slopes of roots by the severities of `columns`, where `room` is 1 − β of each; row-major.
