@@ -7,7 +7,6 @@ from collections.abc import Callable
 from threading import Lock
 from typing import Any
 
-from ...signals.frequency_response import FrequencyResponse
 from ...support.validation import reject
 from ..canvas import item
 from ..evidence import evidence_figure
@@ -55,8 +54,7 @@ class SetView:
 
     def _figure(self, shown: int) -> dict[str, Any]:
         session, dof = self.session, self._at(shown)
-        source = session.source
-        response = source if isinstance(source, FrequencyResponse) else None
+        response = None if session.source is None else session.source.response
         return item(
             evidence_figure(
                 session.zeros, dof, session.curve(dof), response, session.now.band_hz, every_kind=True

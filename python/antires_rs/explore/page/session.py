@@ -11,19 +11,18 @@ from threading import RLock
 from typing import Any
 
 from ...exceptions import AntiresWarning
-from ...identification.identify import identify_antiresonances
 from ...measured.antiresonance_set import AntiresonanceSet
 from ...measured.edits import NAMED_WITHIN
 from ...measured.replay import Asked, asked_of
 from ...measured.replay_file import to_json
-from ...signals.averaging import Averages, Averaging, average
-from ...signals.band import band_of
+from ...signals.frequency_response import FrequencyResponse
 from ...signals.recording import Recording
-from ...support.validation import integer, reject
-from ..curve import Curve, curve_of
+from ...support.validation import frequency_band, integer, reject
+from ..curve import Curve
 from .kept import SessionFile
 from .picks import Click, picked
-from .sight import Sight, Source, reached, whole_band
+from .sight import Sight
+from .sources import Source, source_of
 
 __all__ = ["Session"]
 
@@ -35,7 +34,7 @@ class Session:
     ----------
     zeros : AntiresonanceSet or None
         None: :meth:`identify` makes it, and until then there are curves without values.
-    source : Recording or FrequencyResponse, optional
+    source : Recording, FrequencyResponse or Source, optional
         What it was identified from: curves are shown, and band and orders may be changed.
     excitation : int or str, optional
         Of a source without a set.
@@ -48,7 +47,7 @@ class Session:
     def __init__(
         self,
         zeros: AntiresonanceSet | None,
-        source: Source | None = None,
+        source: Recording | FrequencyResponse | Source | None = None,
         *,
         excitation: Any = None,
         band_hz: Sequence[float] | None = None,
@@ -56,16 +55,17 @@ class Session:
         options: Mapping[str, Any] | None = None,
         save_to: str | os.PathLike[str] | None = None,
     ) -> None:
-        self.source, self.options = source, dict(options or {})
+        self.source, self.options = source_of(source), dict(options or {})
         self.identified = zeros is not None
         if zeros is None:
-            assert source is not None
-            zeros = AntiresonanceSet(excitation, {dof: [] for dof in source.dofs}, channels=source.dofs)
-        if source is not None:
+            assert self.source is not None
+            dofs = self.source.dofs
+            zeros = AntiresonanceSet(excitation, {dof: [] for dof in dofs}, channels=dofs)
+        if self.source is not None:
             diagram = next(iter(zeros.diagrams.values()), None)
             if band_hz is None:
-                band_hz = whole_band(source) if diagram is None else diagram.band_hz
-            band_hz = band_of(source, band_hz)
+                band_hz = self.source.whole_band if diagram is None else diagram.band_hz
+            band_hz = _inside(self.source, band_hz)
         asked = asked_of(zeros)
         self._now = Sight(
             zeros,
@@ -78,7 +78,6 @@ class Session:
         self._future: list[Sight] = []
         self._saved: tuple[AntiresonanceSet | None, tuple[Asked, ...]] = (None, asked)
         self.file = SessionFile(None if save_to is None else Path(save_to))
-        self._averages: dict[tuple[float, float], Averages] = {}
         self._lock = RLock()
         #: Grows with every change, of what is saved too.
         self.turn = 0
@@ -150,7 +149,7 @@ class Session:
         with self._lock:
             added = self.zeros.add(dof, freq_hz, damping_ratio=damping_ratio, std_hz=std_hz, reason=reason)
             if self.source is not None:
-                reached(self.source, freq_hz)
+                _reached(self.source, freq_hz)
             band = self._now.band_hz
             outside = band is not None and not band[0] <= freq_hz <= band[1]
             seen = f", outside of the band of {band[0]:g} to {band[1]:g} Hz" if band and outside else ""
@@ -197,15 +196,13 @@ class Session:
         if self.source is None:
             reject("source", "a set alone", "the measurement too", "Open the measurement to identify again.")
         band = self._now.band_hz if band_hz is None else band_hz
-        band = band_of(self.source, band)
+        band = _inside(self.source, band)
         if max_order is not None:
             max_order = integer("max_order", max_order, low=2)
         options = {**self.options, **({} if max_order is None else {"max_order": max_order})}
         with warnings.catch_warnings(record=True) as heard:
             warnings.simplefilter("always", AntiresWarning)
-            made = identify_antiresonances(
-                self.source, excitation=self.zeros.excitation, band_hz=band, progress=False, **options
-            )
+            made = self.source.identify(self.zeros.excitation, band, options)
         with self._lock:
             said = tuple(line for each in heard for line in str(each.message).splitlines())
             seen = replace(self._now, band_hz=(band[0], band[1]), max_order=max_order, warned=said)
@@ -269,17 +266,7 @@ class Session:
     def curve(self, dof: Any) -> Curve | None:
         """What was measured at a response, on the lines of the band."""
         source, band = self.source, self._now.band_hz
-        if source is None or band is None:
-            return None
-        averages = None
-        if isinstance(source, Recording):
-            if band not in self._averages:
-                names = ("nperseg", "noverlap", "window", "method")
-                chosen = {name: self.options[name] for name in names if name in self.options}
-                with_force = source.force is not None
-                self._averages = {band: average(source, band, Averaging(**chosen), include_force=with_force)}
-            averages = self._averages[band]
-        return curve_of(source, averages, dof)
+        return None if source is None or band is None else source.curve(dof, band, self.options)
 
     def _edits(self, number: int) -> tuple[Asked, ...]:
         asked = self._now.asked
@@ -312,3 +299,17 @@ class Session:
             target.append(self._now)
             self._show(source.pop())
             return said
+
+
+def _inside(source: Source, band_hz: Any) -> tuple[float, float]:
+    """A band inside what the source covers."""
+    low, high = source.covered_hz
+    return frequency_band("band_hz", band_hz, low_hz=low, high_hz=high)
+
+
+def _reached(source: Source, freq_hz: float) -> None:
+    """Refuse a frequency of which the measurement cannot tell."""
+    low, high = source.covered_hz
+    if not low <= freq_hz <= high:
+        wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
+        reject("freq_hz", f"{freq_hz:g} Hz", wanted, "Correct it.")

@@ -1,4 +1,4 @@
-"""What is on the desk at one moment, and how far the measurement behind it reaches."""
+"""What is on the desk at one moment."""
 
 from __future__ import annotations
 
@@ -7,14 +7,8 @@ from dataclasses import dataclass, replace
 
 from ...measured.antiresonance_set import AntiresonanceSet
 from ...measured.replay import Asked, replayed
-from ...signals.band import covered_hz
-from ...signals.frequency_response import FrequencyResponse
-from ...signals.recording import Recording
-from ...support.validation import reject
 
-__all__ = ["Sight", "Source", "reached", "whole_band"]
-
-Source = Recording | FrequencyResponse
+__all__ = ["Sight"]
 
 
 @dataclass(frozen=True)
@@ -48,23 +42,3 @@ class Sight:
         """The same edits, or others, on a set without any."""
         zeros, waits = replayed(base, asked)
         return replace(self, zeros=zeros, asked=tuple(asked), waits=tuple(waits))
-
-
-def whole_band(source: Source) -> tuple[float, float]:
-    """A band to begin with: all lines of curves; of records up to 80 % of the highest frequency."""
-    if isinstance(source, FrequencyResponse):
-        positive = source.freq_hz[source.freq_hz > 0.0]
-        return float(positive[0]), float(source.freq_hz[-1])
-    return 0.005 * source.fs_hz, 0.4 * source.fs_hz
-
-
-def reached(source: Source, freq_hz: float) -> None:
-    """Refuse a frequency of which the measurement cannot tell."""
-    low, high = covered_hz(source)
-    if not low <= freq_hz <= high:
-        reject(
-            "freq_hz",
-            f"{freq_hz:g} Hz",
-            f"a frequency from {low:g} to {high:g} Hz, as the data reach",
-            "Correct it.",
-        )
