@@ -7,11 +7,12 @@ import sys
 import time
 from urllib.request import urlopen
 
+import numpy as np
 import pytest
 
 import antires_rs as ar
 from antires_rs import cli
-from tests.support.four_masses import BAND, record
+from tests.support.four_masses import BAND, chain, exact, record
 from tests.support.job_files import DAMAGE, run, write_measured
 from tests.support.signalled import ANTIRES
 
@@ -221,3 +222,58 @@ def test_edits_that_cannot_be_made_are_told(measured, capsys, given, said):
         code, err = exc.code, capsys.readouterr().err
     assert code == 2
     assert said in err
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["zeros.json", "--band", "5", "100"], "--band: got it beside antiresonances"),
+        (["job.toml", "--max-order", "10"], "--max-order: got it beside a job"),
+        (["job_results", "--band", "5", "100"], "--band: got it beside a result"),
+        (["job_results", "--out", "a.json"], "--out: got it beside a result"),
+        (["job_results", "zeros.json"], "FILE: got 2 of them"),
+    ],
+)
+def test_options_that_would_do_nothing_are_refused(tmp_path, monkeypatch, capsys, given, said):
+    pytest.importorskip("bokeh", reason="the page needs bokeh")
+    (tmp_path / "job_results").mkdir()
+    (tmp_path / "job_results" / "result.npz").write_bytes(b"")
+    (tmp_path / "job.toml").write_text(DAMAGE)
+    ar.AntiresonanceSet(0, {0: [8.7]}).save(tmp_path / "zeros.json")
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["look", *given, "--no-browser"]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_identify_refuses_options_beside_a_set(tmp_path, capsys):
+    ar.AntiresonanceSet(0, {0: [8.7]}).save(tmp_path / "zeros.json")
+    assert cli.main(["identify", str(tmp_path / "zeros.json"), "--band", "5", "100"]) == 2
+    assert "--band: got it beside antiresonances" in capsys.readouterr().err
+
+
+def test_a_result_under_another_name_is_looked_at(tmp_path):
+    from antires_rs.cli.looked import result_file
+
+    write_measured(tmp_path)
+    run(tmp_path, DAMAGE)
+    there = tmp_path / "job_results"
+    other = (there / "result.npz").rename(there / "softened.npz")
+    assert result_file(other) == other
+    assert result_file(ar.write_npz(tmp_path / "record.npz", record())) is None
+    (tmp_path / "bad.npz").write_bytes(b"PK no archive")
+    assert result_file(tmp_path / "bad.npz") is None
+
+
+def test_a_single_channel_takes_the_route_over_the_force(tmp_path, capsys):
+    freq = np.arange(0.5, 10.0, 0.01)
+    values = chain().frf([0], 0, freq, damping_ratio=0.01)
+    noise = np.random.default_rng(0).standard_normal((2, *values.shape)) * 1e-4 * np.abs(values).max()
+    file = ar.write_npz(
+        tmp_path / "one.npz", ar.FrequencyResponse(freq, values + noise[0] + 1j * noise[1], dofs=["tip"])
+    )
+    given = ["identify", str(file), "--excitation", "tip", *BAND_GIVEN, "--out", str(tmp_path / "a.json")]
+    assert cli.main(given) != 0
+    assert "take the route 'frf'" in capsys.readouterr().err
+    assert cli.main([*given, "--route", "frf"]) == 0
+    found = ar.AntiresonanceSet.load(tmp_path / "a.json")["tip"]
+    assert found == pytest.approx(exact(chain(), [0])[0], rel=2e-3)

@@ -74,6 +74,44 @@ def test_the_command_line_takes_both(files, tmp_path):
     assert json.loads((tmp_path / "one.json").read_text())
 
 
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_the_page_shows_what_identify_finds(files, tmp_path):
+    pytest.importorskip("bokeh", reason="the page needs bokeh")
+    from antires_rs.cli.looked import view_of
+    from antires_rs.cli.parser import parser
+
+    for given in (files[:1], files[1]):
+        found = identified(tmp_path / "found.json", *given, "--roving", "3+Y")
+        call = [
+            "look",
+            *map(str, given),
+            "--roving",
+            "3+Y",
+            "--band",
+            *BAND,
+            "--out",
+            str(tmp_path / "z.json"),
+        ]
+        view = view_of(parser().parse_args(call))
+        assert not view.state(0)["identified"]
+        assert view.state(0)["dofs"] == list(found)
+        view.do("identify", {})
+        session = view.session
+        assert session.zeros == found
+        assert list(session.zeros.diagrams) == [dof for dof in found if dof in session.zeros.diagrams] != []
+        for number, dof in enumerate(session.zeros):
+            assert view.figure(number)["doc"]
+            curve = session.curve(dof)
+            for value in session.zeros[dof]:  # a dip of that curve
+                near = np.abs(curve.freq_hz / value - 1.0) < 0.02
+                assert curve.size[near].min() < 0.2 * np.median(curve.size)
+        band = (20.0, 300.0)
+        view.do("identify", {"low_hz": band[0], "high_hz": band[1]})
+        assert session.now.band_hz == band
+        assert all(band[0] <= f <= band[1] for each in session.zeros.values() for f in each)
+    assert view.title == "hit_1.uff and 4 more"
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [

@@ -203,6 +203,108 @@ def test_at_500_pixels_nothing_overlaps(chromium, served):
     page.close()
 
 
+def test_with_long_names_nothing_is_wider_than_the_window(chromium, record):
+    names = [f"Fahrzeug vorne links Querlenker Achse {i:02d} Beschleunigung +Z [m/s^2]" for i in range(4)]
+    named = ar.Recording(record.responses, record.fs_hz, dofs=names)
+    zeros = ar.identify_antiresonances(named, excitation=names[0], band_hz=BAND, max_order=30)
+    served = Page(SetView(Session(zeros, named), "long"), ends_with_page=False)
+    served.start()
+    for width in (1400, 500):
+        page = chromium.new_page(viewport={"width": width, "height": 900})
+        page.goto(served.url)
+        drawn(page)
+        page.wait_for_timeout(500)  # for the figures to take their place
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        inner = "(s => s.scrollWidth - s.clientWidth)(document.querySelector('#values').parentElement)"
+        assert page.evaluate(inner) == 0
+        page.close()
+    served.stop()
+
+
+def test_a_reason_is_that_of_one_edit(shown, session):
+    page = shown
+    page.fill("#reason", "clear in the phase")
+    click_on(page, "coherence", 0.5 * sum(session.zeros[0][:2]))  # hits nothing: the reason stays
+    said(page, "nothing there")
+    assert page.input_value("#reason") == "clear in the phase"
+    for freq in ("3.21", "4.32"):
+        page.fill("#value", freq)
+        page.press("#value", "Enter")
+        said(page, f"added {freq}")
+        assert page.input_value("#reason") == ""
+    assert [edit.reason for edit in session.zeros.edits] == ["clear in the phase", ""]
+
+
+def test_what_is_being_typed_stays(shown, session):
+    page = shown
+    for freq in ("3.21", "4.32"):
+        page.fill("#value", freq)
+        page.press("#value", "Enter")
+        said(page, f"added {freq}")
+    reasons = page.locator("#edits input")
+    reasons.nth(0).fill("first")
+    reasons.nth(1).click()  # the first is told meanwhile
+    said(page, "reason kept")
+    page.keyboard.type("second")
+    page.fill("#low", "2")
+    page.fill("#high", "8.5")
+    page.click("#save")
+    said(page, "saved")
+    assert [edit.reason for edit in session.zeros.edits] == ["first", "second"]
+    assert ar.AntiresonanceSet.load(session.file.path).edits == session.zeros.edits
+    assert (page.input_value("#low"), page.input_value("#high")) == ("2", "8.5")
+
+
+def test_a_double_click_drops_one_value(shown, session, identified):
+    page = shown
+    box = page.locator("#values td.drop button").nth(0).bounding_box()
+    place = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.click(*place)
+    said(page, "dropped")
+    page.mouse.down(click_count=2)  # the next value stands there now
+    page.mouse.up(click_count=2)
+    page.wait_for_timeout(300)
+    assert [edit.freq_hz for edit in session.zeros.edits] == [identified[0][0]]
+
+
+def test_another_response_is_shown_while_an_answer_is_on_its_way(shown, session):
+    page = shown
+    page.route("**/do/identify*", lambda route: (page.wait_for_timeout(1500), route.continue_()))
+    same = page.evaluate(
+        "({ low_hz: state.band_hz[0], high_hz: state.band_hz[1], max_order: state.max_order })"
+    )
+    page.evaluate("body => { window.acted = act('identify', body); }", same)
+    page.evaluate("show(2)")
+    page.wait_for_selector("#pictures[data-drawn='2']")
+    page.evaluate("acted")
+    said(page, "identified")
+    assert (page.input_value("#response"), page.evaluate("state.dof")) == ("2", 2)
+    marks = page.evaluate(
+        "[...figures.roots[0].model.references()].find(one => one.name === 'accepted').data.freq"
+    )
+    assert np.asarray(list(marks.values() if isinstance(marks, dict) else marks)) == pytest.approx(
+        session.zeros[2].tolist(), rel=1e-5
+    )
+
+
+def test_a_file_that_is_there_is_replaced_after_a_question(shown, session, identified):
+    page = shown
+    identified.save(session.file.path)
+    asked = []
+    page.once("dialog", lambda box: (asked.append(box.message), box.dismiss()))
+    page.fill("#value", "3.21")
+    page.press("#value", "Enter")
+    said(page, "added")
+    page.click("#save")
+    said(page, "is there already")
+    assert "Replace it?" in asked[0]
+    assert ar.AntiresonanceSet.load(session.file.path) == identified
+    page.once("dialog", lambda box: box.accept())
+    page.click("#save")
+    said(page, "saved")
+    assert ar.AntiresonanceSet.load(session.file.path) == session.zeros
+
+
 def test_a_page_without_the_token_is_refused(chromium, served):
     page = chromium.new_page()
     answer = page.goto(served.url.partition("?")[0])

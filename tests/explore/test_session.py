@@ -1,14 +1,19 @@
 """A set on the desk: edits, undo, another band, and what a click means."""
 
+import errno
+import shutil
+
 import numpy as np
 import pytest
 
 import antires_rs as ar
 from antires_rs.measured.replay import asked_of, replayed
+from antires_rs.measured.replay_file import asked_in
 from tests.support.four_masses import BAND
 
 pytest.importorskip("bokeh", reason="the page needs bokeh")
 
+from antires_rs.explore.page.kept import FileTaken, SessionFile
 from antires_rs.explore.page.picks import Click, picked
 from antires_rs.explore.page.session import Session
 
@@ -167,3 +172,113 @@ def test_what_fits_saw_and_did_not_accept_can_be_added(record):
         zeros, dof, clicked("stabilization", table.freq_hz[0], float(diagram.orders[-1]) + 0.2, 1e-6)
     )
     assert (pick.action, pick.freq_hz, pick.std_hz) == ("add", table.freq_hz[0], table.std_hz[0])
+
+
+def test_of_two_values_close_together_the_one_that_was_meant_is_brought_back():
+    session = Session(ar.AntiresonanceSet(0, {0: [50.0, 100.0, 100.5]}))
+    session.drop(0, 100.0)
+    session.drop(0, 100.5)
+    assert "100.50" in session.restore(0, 100.5)
+    assert session.zeros[0].tolist() == [50.0, 100.5]
+
+
+def test_a_dropped_value_that_is_not_found_again_leaves_its_neighbour():
+    both = ar.AntiresonanceSet(0, {0: [100.0, 100.5]})
+    alone = ar.AntiresonanceSet(0, {0: [100.5]})
+    made, waits = replayed(alone, asked_of(both.drop(0, 100.0)))
+    assert (made[0].tolist(), waits) == ([100.5], ["no value there now"])
+    made, waits = replayed(alone, asked_of(both.drop(0, 100.0).drop(0, 100.5)))
+    assert (made[0].tolist(), waits) == ([], ["no value there now", None])
+
+
+def test_edits_that_wait_are_in_the_file(session, identified, tmp_path):
+    value = float(identified[0][-1])
+    session.file = SessionFile(tmp_path / "zeros.json")
+    session.drop(0, value, "hum")
+    session.identify((1.0, 0.9 * value))
+    assert session.now.waits == ("no value there now",)
+    assert session.unsaved
+    assert "1 still waits" in session.save()
+    assert not session.unsaved
+    zeros, asked = asked_in(tmp_path / "zeros.json")
+    assert zeros == session.zeros == ar.AntiresonanceSet.load(tmp_path / "zeros.json")
+    assert asked == session.now.asked
+    again = Session(identified)
+    again.make_again(asked)
+    assert [edit.reason for edit in again.zeros.edits] == ["hum"]
+    opened = Session(zeros)
+    opened.opened(asked, tmp_path / "zeros.json")
+    assert not opened.unsaved
+    assert opened.now.waits == ("no value there now",)
+    text = (tmp_path / "zeros.json").read_text()
+    (tmp_path / "zeros.json").write_text(text.replace('"near"', '"far"'))
+    with pytest.raises(ar.InvalidInputError, match="damaged"):
+        asked_in(tmp_path / "zeros.json")
+
+
+def test_another_band_after_saving_is_not_saved(session, tmp_path):
+    session.file = SessionFile(tmp_path / "zeros.json")
+    assert not session.unsaved
+    session.save()
+    session.identify((1.0, 6.0))
+    assert session.unsaved
+    assert not session.now.warned
+    session.undo()
+    assert not session.unsaved
+
+
+def test_a_file_that_another_page_wrote_is_not_replaced_unasked(identified, tmp_path):
+    file = tmp_path / "zeros.json"
+    identified.save(file)
+    pages = [Session(identified), Session(identified)]
+    for page in pages:
+        page.opened((), file)
+    pages[0].add(0, 3.21)
+    pages[0].save()
+    pages[1].add(0, 4.32)
+    with pytest.raises(FileTaken, match="changed meanwhile"):
+        pages[1].save()
+    assert ar.AntiresonanceSet.load(file) == pages[0].zeros
+    pages[1].save(replace_file=True)
+    pages[1].add(0, 4.5)
+    pages[1].save()
+    assert ar.AntiresonanceSet.load(file) == pages[1].zeros
+
+
+def test_what_was_not_saved_replaces_nothing_and_finds_a_place(identified, tmp_path, monkeypatch):
+    folder = tmp_path / "there"
+    folder.mkdir()
+    session = Session(identified, save_to=folder / "zeros.json")
+    assert session.keep_unsaved() is None
+    session.add(0, 3.21)
+    kept = [session.keep_unsaved() for _ in range(3)]
+    assert [path.name for path in kept] == [f"zeros_unsaved{end}.json" for end in ("", "_2", "_3")]
+    shutil.rmtree(folder)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    assert session.keep_unsaved() == tmp_path / "zeros_unsaved.json"
+    assert ar.AntiresonanceSet.load(tmp_path / "zeros_unsaved.json") == session.zeros
+    with pytest.raises(ar.InvalidInputError, match="a folder that exists"):
+        session.save()
+
+
+def test_a_disk_that_refuses_is_told(identified, tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    session = Session(identified, save_to=tmp_path / "zeros.json")
+    session.add(0, 3.21)
+    monkeypatch.setattr("antires_rs.explore.page.kept.write_atomically", full)
+    with pytest.raises(ar.InvalidInputError, match="cannot be written .No space left"):
+        session.save()
+    assert session.unsaved
+    with pytest.raises(ar.InvalidInputError, match="in neither of which"):
+        session.keep_unsaved()
+
+
+def test_an_added_value_outside_of_the_band_is_told(session, record):
+    assert "outside" not in session.add(0, 3.21)
+    above = 0.5 * (BAND[1] + 0.5 * record.fs_hz)
+    assert f"outside of the band of {BAND[0]:g} to {BAND[1]:g} Hz" in session.add(0, above)
+    with pytest.raises(ar.InvalidInputError, match="as the data reach"):
+        session.add(0, record.fs_hz)
+    assert len(session.zeros.edits) == 2

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from ..explore.page.commands import SetView
 from ..explore.page.session import Session
 from ..explore.page.view import View
-from ..measured.antiresonance_set import AntiresonanceSet
-from ..measured.replay import Asked, asked_of
+from ..measured.replay import Asked
+from ..measured.replay_file import asked_in
 from ..support.validation import reject
-from .measurement import NAMES, files_of, kind_of, measurement
+from .measurement import NAMES, files_of, kind_of, measurement, refuse_beside
 from .terminal import arguments, say
 
 __all__ = ["view_of"]
@@ -24,46 +25,79 @@ def view_of(args: argparse.Namespace) -> View:
     if result is not None:
         from .looked_result import result_view  # a measurement does not wait for these imports
 
+        if len(args.files) > 1:
+            reject(
+                "FILE",
+                f"{len(args.files)} of them, with a result",
+                "a result alone",
+                "Look at one at a time.",
+            )
+        refuse_beside(args, "a result", "Leave it out: nothing is identified there.", "out", "edits")
         return result_view(result)
     files_of(args)
     if first.suffix == ".toml":
+        refuse_beside(args, "a job", "Put it under [data] or [identification] of the job.")
         return SetView(_of_job(args), first.name)
     kind = kind_of(args)
     edits = _edits(args)
     if kind == "antiresonances":
+        refuse_beside(args, "antiresonances that are identified already", "Name the measurement to identify.")
         with arguments(NAMES):
-            zeros = AntiresonanceSet.load(first)
+            zeros, asked = asked_in(first)
         session = Session(zeros, save_to=args.out)
-        if args.out is None:
-            session.opened(first)
+        session.opened(asked, first if args.out is None else None)
         session.make_again(edits)
         return SetView(session, first.name)
+    session = _of_files(args, kind)
+    session.make_again(edits)
+    return SetView(
+        session, first.name if len(args.files) == 1 else f"{first.name} and {len(args.files) - 1} more"
+    )
+
+
+def _of_files(args: argparse.Namespace, kind: str) -> Session:
+    """Measurements, to be identified as ``antires identify`` does."""
+    source: Any
     if args.roving is not None and len(args.files) > 1:
-        reject(
-            "--roving",
-            f"it with {len(args.files)} files",
-            "one file, or a set",
-            "Join them by 'antires identify --roving ... --out zeros.json', and look at that.",
-        )
-    given = measurement(args, kind, band_needed=False)
+        from ..explore.page.roving import RovingHammer
+        from .setups import hits_of
+
+        hits, options = hits_of(args, kind, band_needed=False)
+        source, force = RovingHammer(hits, args.roving), args.roving
+    else:
+        given = measurement(args, kind, band_needed=False)
+        source, force, options = given.signal, given.force, given.options
     with arguments(NAMES):
-        session = Session(
+        return Session(
             None,
-            given.signal,
-            excitation=given.force,
+            source,
+            excitation=force,
             band_hz=args.band,
             max_order=args.max_order,
-            options={name: value for name, value in given.options.items() if name != "max_order"},
-            save_to=args.out or f"{first.stem}_antiresonances.json",
+            options={name: value for name, value in options.items() if name != "max_order"},
+            save_to=args.out or f"{args.files[0].stem}_antiresonances.json",
         )
-    session.make_again(edits)
-    return SetView(session, first.name)
 
 
 def result_file(path: Path) -> Path | None:
-    """The result that a path names: a folder of a run, or its result.npz; None for what is none."""
+    """The result that a path names: a folder of a run, or its file; None for what is none."""
     inside = path / "result.npz" if path.is_dir() else path
-    return inside if inside.name == "result.npz" and inside.is_file() else None
+    if not inside.is_file() or inside.suffix != ".npz":
+        return None
+    return inside if inside.name == "result.npz" or _says_result(inside) else None
+
+
+def _says_result(file: Path) -> bool:
+    """Whether a file under another name begins as a result does."""
+    from zipfile import BadZipFile, ZipFile
+
+    from ..io.npz import TEXT
+
+    try:
+        with ZipFile(file) as archive, archive.open(f"{TEXT}.npy") as text:
+            return b'"antires_rs.result"' in text.read(300)
+    except (OSError, BadZipFile, KeyError, ValueError, NotImplementedError, RuntimeError):
+        return False
 
 
 def _of_job(args: argparse.Namespace) -> Session:
@@ -97,4 +131,4 @@ def _edits(args: argparse.Namespace) -> tuple[Asked, ...]:
     if args.edits is None:
         return ()
     with arguments({"path": "--edits"}):
-        return asked_of(AntiresonanceSet.load(args.edits))
+        return asked_in(args.edits)[1]

@@ -34,14 +34,6 @@ def identify(commands: Any, command: Command) -> None:
         help=f"a measurement ({_KINDS}), several of one test, or a job (.toml)",
     )
     _measurement(found)
-    found.add_argument(
-        "--hit",
-        action="append",
-        type=dof,
-        metavar="DOF",
-        help="with --roving: where the force of each file acted, once for each in their order (default: as "
-        "universal files state)",
-    )
     for option, what in (("drop", "leave a value out"), ("add", "add a value")):
         found.add_argument(
             f"--{option}",
@@ -165,6 +157,14 @@ def _measurement(command: argparse.ArgumentParser) -> None:
         help="the sensor that stayed while the hammer roved: of a universal file with all hits, or "
         "of several files, a hit each, which are identified one by one and joined",
     )
+    command.add_argument(
+        "--hit",
+        action="append",
+        type=dof,
+        metavar="DOF",
+        help="with --roving: where the force of each file acted, once for each in their order (default: as "
+        "universal files state)",
+    )
     command.add_argument("--sheet", metavar="NAME", help="sheet of an Excel workbook (default: the first)")
     command.add_argument(
         "--full-scale",
@@ -175,6 +175,11 @@ def _measurement(command: argparse.ArgumentParser) -> None:
     command.add_argument("--pattern", metavar="GLOB", help="which files of a folder (default: *)")
     command.add_argument(
         "--preset", **one_of("paper", "strict", "sensitive"), help="options of the identification"
+    )
+    command.add_argument(
+        "--route",
+        **one_of("transmissibility", "frf"),
+        help="from the responses alone, or over the force (for a single channel; default: transmissibility)",
     )
     command.add_argument(
         "--max-order", type=number(int, 2), metavar="N", help="highest order (default: as the data want)"

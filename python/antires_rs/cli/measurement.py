@@ -18,7 +18,17 @@ from .terminal import arguments, existing, say
 
 #: So many channels are named in a message.
 _NAMED = 12
-__all__ = ["CHOICES", "NAMES", "READING", "Measurement", "edited", "files_of", "kind_of", "measurement"]
+__all__ = [
+    "CHOICES",
+    "NAMES",
+    "READING",
+    "Measurement",
+    "edited",
+    "files_of",
+    "kind_of",
+    "measurement",
+    "refuse_beside",
+]
 
 #: Options by the arguments of the functions behind it.
 NAMES = {
@@ -40,13 +50,16 @@ NAMES = {
     "pattern": "--pattern",
     "cross_check": "--cross-check",
     "max_order": "--max-order",
-    **{name: f"--{name}" for name in ("excitation", "unit", "force", "kind", "first", "reference", "preset")},
+    **{
+        name: f"--{name}"
+        for name in ("excitation", "unit", "force", "kind", "first", "reference", "preset", "route")
+    },
 }
 READING = (
     *("kind", "reference", "force", "fs_hz", "unit", "first", "df_hz", "pairs", "of_run", "pattern"),
     *("responses", "sheet", "full_scale", "roving"),
 )
-CHOICES = ("preset", "max_order", "cross_check")
+CHOICES = ("preset", "max_order", "cross_check", "route")
 
 
 @dataclass(frozen=True)
@@ -75,6 +88,16 @@ def files_of(args: argparse.Namespace) -> None:
     args.file = args.files[0]
     if len(args.files) > 1:
         _of_one_kind(args.files)
+
+
+def refuse_beside(args: argparse.Namespace, what: str, remedy: str, *more: str) -> None:
+    """Refuse options of reading and identifying a measurement, and ``more``, beside something else."""
+    for name in ("band", "excitation", "format", "dofs", "hit", *READING, *CHOICES, *more):
+        if getattr(args, name, None) is not None:
+            option = {"dofs": "--dof", "fs_hz": "--fs", "df_hz": "--df", "of_run": "--run"}.get(
+                name, "--" + name.replace("_", "-")
+            )
+            reject(option, f"it beside {what}", "it with a measurement alone", remedy)
 
 
 def kind_of(args: argparse.Namespace) -> str:

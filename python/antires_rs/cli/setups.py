@@ -1,39 +1,37 @@
-"""``antires identify --roving`` with several files: each is a hit at another place, joined to one set."""
+"""``--roving`` with several files: each is a hit at another place, joined to one set."""
 
 from __future__ import annotations
 
 import argparse
 from typing import Any
 
+from ..identification.roving import Hit, identify_roving
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.validation import reject
 from .measurement import NAMES, measurement
 from .terminal import arguments, say
 
-__all__ = ["of_setups"]
+__all__ = ["hits_of", "of_setups"]
 
 
-def of_setups(args: argparse.Namespace, kind: str) -> AntiresonanceSet:
-    """Identify every file by itself, and join them by reciprocity at the sensor that stayed."""
-    from ..identification.identify import identify_antiresonances
-    from ..measured.merge import merge_setups
-
-    hits: list[Any] = args.hit or [None] * len(args.files)
-    if len(hits) != len(args.files):
+def hits_of(args: argparse.Namespace, kind: str, *, band_needed: bool = True) -> tuple[list[Hit], Any]:
+    """What was measured at each hit, read, and the options of the identification."""
+    places: list[Any] = args.hit or [None] * len(args.files)
+    if len(places) != len(args.files):
         reject(
             "--hit",
-            f"{len(hits)} places",
+            f"{len(places)} places",
             f"{len(args.files)}, one for each file in their order",
             "Name the place of the force of every file.",
         )
     if args.excitation is not None:
         reject("--excitation", "it beside --roving", "--hit for each file", "Leave it out: the force moved.")
     sensor, files = args.roving, args.files
-    sets = []
-    for file, hit in zip(files, hits, strict=True):
+    hits, options = [], {}
+    for file, place in zip(files, places, strict=True):
         one = argparse.Namespace(**{**vars(args), "file": file, "files": [file], "roving": None})
-        one.excitation = hit
-        given = measurement(one, kind)
+        one.excitation = place
+        given = measurement(one, kind, band_needed=band_needed)
         if sensor not in given.signal.dofs and given.force != sensor:
             reject(
                 "--roving",
@@ -41,12 +39,13 @@ def of_setups(args: argparse.Namespace, kind: str) -> AntiresonanceSet:
                 "a sensor that is in every file",
                 "Name the one that stayed.",
             )
-        say(f"identifying the antiresonances of {file.name}, force at {given.force}")
-        with arguments(NAMES):
-            sets.append(
-                identify_antiresonances(
-                    given.signal, excitation=given.force, band_hz=args.band, **given.options
-                )
-            )
-    with arguments({"sets": "FILE", "excitation": "--roving"}):
-        return merge_setups(sets, excitation=sensor)
+        hits.append(Hit(file.name, given.signal, given.force))
+        options = given.options
+    return hits, options
+
+
+def of_setups(args: argparse.Namespace, kind: str) -> AntiresonanceSet:
+    """Identify every file by itself, and join them by reciprocity at the sensor that stayed."""
+    hits, options = hits_of(args, kind)
+    with arguments({**NAMES, "sets": "FILE"}):
+        return identify_roving(hits, args.roving, args.band, say=say, **options)

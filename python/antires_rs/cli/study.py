@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..support.validation import reject
-from .measurement import CHOICES, NAMES, READING, edited, files_of, kind_of, measurement
+from .measurement import NAMES, edited, files_of, kind_of, measurement, refuse_beside
 from .terminal import arguments, existing, new_file, print_json, say
 
 __all__ = ["demo", "identify", "report"]
@@ -49,17 +48,8 @@ def _of_job(args: argparse.Namespace) -> list[AntiresonanceSet]:
     from ..jobs.measured import measured_of
     from ..jobs.model import model_of
 
-    for name in ("band", "excitation", "format", "dofs", *READING, *CHOICES, "drop", "add", "hit"):
-        if getattr(args, name) is not None:
-            option = {"dofs": "--dof", "fs_hz": "--fs", "df_hz": "--df", "of_run": "--run"}.get(
-                name, "--" + name.replace("_", "-")
-            )
-            reject(
-                option,
-                "it beside a job",
-                "it with a measurement alone",
-                "Put it under [data] or [identification] of the job.",
-            )
+    remedy = "Put it under [data] or [identification] of the job."
+    refuse_beside(args, "a job", remedy, "drop", "add")
     job = read_job(args.file)
     return [each.found for each in measured_of(job, model_of(job), say)]
 
@@ -67,6 +57,7 @@ def _of_job(args: argparse.Namespace) -> list[AntiresonanceSet]:
 def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
     kind = kind_of(args)
     if kind == "antiresonances":
+        refuse_beside(args, "antiresonances that are identified already", "Leave it out.")
         with arguments(NAMES):
             return edited(AntiresonanceSet.load(args.file), args)
     if args.roving is not None and len(args.files) > 1:

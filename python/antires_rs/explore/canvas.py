@@ -50,6 +50,10 @@ DASHES: tuple[Any, ...] = ("solid", "dashed", "dashdot", "dotted", [12, 4], [2, 
 #: Ink of text and axes, grid lines.
 INK, GRID = "#222222", "#E3E3E3"
 FONT = "system-ui, 'Segoe UI', 'Liberation Sans', Arial, sans-serif"
+#: Along an upright axis.
+PX_A_LETTER = 6
+#: Of a text above a figure.
+MOST_LETTERS = 40
 #: Room left of and right of the plotted area in pixels, the same for figures that stand on each other.
 LEFT_PX, RIGHT_PX = 64, 58
 
@@ -82,7 +86,8 @@ def paper(
     Parameters
     ----------
     x, y : str
-        Labels of the axes, with their units in parentheses.
+        Labels of the axes, with their units in parentheses. One too long for the height stands over the
+        figure, its unit alone beside the axis.
     height : int
         In pixels.
     x_range, y_range : (low, high), sequence of str or a range of another figure, optional
@@ -130,7 +135,17 @@ def paper(
         axis.axis_label_text_color = axis.major_label_text_color = INK
         axis.minor_tick_line_color = None
     fig.grid.grid_line_color = GRID
+    if len(y) > height // PX_A_LETTER:
+        said, _, unit = y.rpartition(" (")
+        fig.title.text, fig.title.text_font_style = _shortened(said or y), "normal"
+        fig.title.text_font, fig.title.text_font_size, fig.title.text_color = FONT, "12px", INK
+        fig.yaxis.axis_label = f"({unit}" if said else ""
     return fig
+
+
+def _shortened(text: str) -> str:
+    """A text without its middle, where it would push the tools out of a narrow window."""
+    return text if len(text) <= MOST_LETTERS else f"{text[: MOST_LETTERS - 16]}…{text[-15:]}"
 
 
 def columns(**values: Any) -> Any:

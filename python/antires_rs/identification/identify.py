@@ -312,15 +312,15 @@ def _can_answer(source: Recording | FrequencyResponse, use_force: bool) -> None:
         raise UnsuitableDataError(
             "source",
             "a single channel",
-            "two or more for route='transmissibility', whose poles are the antiresonances",
-            "Add a channel, or measure the force and use route='frf'.",
+            "two or more for the route 'transmissibility', whose poles are the antiresonances",
+            "Add a channel, or measure the force and take the route 'frf'.",
         )
     if use_force and isinstance(source, Recording) and source.force is None:
         raise UnsuitableDataError(
             "route",
             "'frf' for a Recording without force",
             "a measured force",
-            "Use route='transmissibility': it needs none.",
+            "Take the route 'transmissibility': it needs none.",
         )
 
 

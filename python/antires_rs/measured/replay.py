@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..support.validation import FloatArray
 from .antiresonance_set import AntiresonanceSet
 from .edits import NAMED_WITHIN, SAME, Edit
 
@@ -23,15 +24,21 @@ class Asked:
     near : int
         Values within 1 % of it in the set before all edits. Where an added value has more of them later on,
         the identification has found it itself.
+    within : float
+        How far from it, relative, a value may be that is taken for it later on: 1 %, and less than half way
+        to its neighbour, so that a dropped value that is not found again does not take the neighbour along.
     """
 
     edit: Edit
     near: int
+    within: float = NAMED_WITHIN
 
     @classmethod
     def on(cls, base: AntiresonanceSet, edit: Edit) -> Asked:
         """An edit made on a set."""
-        return cls(edit, _near(base, edit))
+        off = _off(base, edit)
+        others = off[off > SAME]
+        return cls(edit, _near(base, edit), min(NAMED_WITHIN, 0.5 * float(others.min(initial=np.inf))))
 
     def reworded(self, reason: str) -> Asked:
         """The same with another reason."""
@@ -81,14 +88,18 @@ def _why_not(base: AntiresonanceSet, made: AntiresonanceSet, asked: Asked) -> st
     edit = asked.edit
     if edit.dof not in made:
         return "this response is not there now"
-    off = np.abs(made[edit.dof] / edit.freq_hz - 1.0)
+    off = _off(made, edit)
     if edit.action == "drop":
-        return None if off.size and off.min() <= NAMED_WITHIN else "no value there now"
+        return None if off.size and off.min() <= asked.within else "no value there now"
     if _near(base, edit) > asked.near or (off.size and off.min() <= SAME):
         return "identified there now"
     return None
 
 
 def _near(base: AntiresonanceSet, edit: Edit) -> int:
-    values = base.get(edit.dof, np.empty(0))
-    return int(np.count_nonzero(np.abs(values / edit.freq_hz - 1.0) <= NAMED_WITHIN))
+    return int(np.count_nonzero(_off(base, edit) <= NAMED_WITHIN))
+
+
+def _off(zeros: AntiresonanceSet, edit: Edit) -> FloatArray:
+    """How far the values of its dof are from that of an edit, relative."""
+    return np.abs(np.asarray(zeros.get(edit.dof, ()), dtype=np.float64) / edit.freq_hz - 1.0)

@@ -72,7 +72,7 @@ def from_json(text: str, path: str) -> dict[str, Any]:
     if not isinstance(data.get("version"), int) or data["version"] > VERSION:
         reject("path", f"{path!r} of version {data.get('version')!r}", wanted, "Update antires_rs.")
     try:
-        edits = tuple(_edit(row) for row in data.get("edits", ()))
+        edits = tuple(edit_of(row) for row in data.get("edits", ()))
         return {
             "excitation": data["excitation"],
             "sees": data.get("sees"),
@@ -133,7 +133,8 @@ def _read(rows: Any) -> dict[str, dict[Any, Any]]:
     return out
 
 
-def _edit(row: dict[str, Any]) -> Edit:
+def edit_of(row: dict[str, Any]) -> Edit:
+    """An edit as a file has it; ValueError or TypeError for what is none."""
     edit = Edit(**row)
     known = isinstance(row.get("scores", {}), dict) and isinstance(edit.reason, str)
     if edit.action not in ACTIONS or not known:

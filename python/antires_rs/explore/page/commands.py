@@ -7,12 +7,12 @@ from collections.abc import Callable
 from threading import Lock
 from typing import Any
 
-from ...signals.frequency_response import FrequencyResponse
 from ...support.validation import reject
 from ..canvas import item
 from ..evidence import evidence_figure
 from .picks import Click
-from .session import Session, Sight
+from .session import Session
+from .sight import Sight
 from .told import told
 from .view import Arguments
 
@@ -54,8 +54,7 @@ class SetView:
 
     def _figure(self, shown: int) -> dict[str, Any]:
         session, dof = self.session, self._at(shown)
-        source = session.source
-        response = source if isinstance(source, FrequencyResponse) else None
+        response = None if session.source is None else session.source.response
         return item(
             evidence_figure(
                 session.zeros, dof, session.curve(dof), response, session.now.band_hz, every_kind=True
@@ -75,9 +74,9 @@ class SetView:
         return self._commands[command](arguments) or ""
 
     def file(self) -> tuple[str, str]:
-        """The set as :meth:`~antires_rs.AntiresonanceSet.save` writes it."""
-        path = self.session.path
-        return "antiresonances.json" if path is None else path.name, self.session.zeros.to_json()
+        """What :meth:`~antires_rs.explore.page.session.Session.save` writes."""
+        path = self.session.file.path
+        return "antiresonances.json" if path is None else path.name, self.session.text
 
     def _click(self, a: Arguments) -> str:
         names = ("x", "y", "x_per_px", "y_per_px")

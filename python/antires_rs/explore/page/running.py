@@ -105,12 +105,7 @@ class Page:
     def keep_unsaved(self) -> Path | None:
         """Write edits that were not saved beside where they belong, so that closing loses nothing."""
         session = getattr(self._view, "session", None)
-        target = None if session is None or not session.unsaved else session.path
-        if session is None or target is None:
-            return None
-        beside: Path = target.with_name(f"{target.stem}_unsaved.json")
-        session.zeros.save(beside)
-        return beside
+        return None if session is None else session.keep_unsaved()
 
     def _run(self) -> None:
         try:

@@ -5,56 +5,26 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from threading import RLock
 from typing import Any
 
 from ...exceptions import AntiresWarning
-from ...identification.identify import identify_antiresonances
 from ...measured.antiresonance_set import AntiresonanceSet
-from ...measured.replay import Asked, asked_of, replayed
-from ...signals.averaging import Averages, Averaging, average
-from ...signals.band import band_of
+from ...measured.edits import NAMED_WITHIN
+from ...measured.replay import Asked, asked_of
+from ...measured.replay_file import to_json
 from ...signals.frequency_response import FrequencyResponse
 from ...signals.recording import Recording
-from ...support.validation import integer, reject
-from ..curve import Curve, curve_of
+from ...support.validation import frequency_band, integer, reject
+from ..curve import Curve
+from .kept import SessionFile
 from .picks import Click, picked
+from .sight import Sight
+from .sources import Source, source_of
 
-__all__ = ["Session", "Sight"]
-
-Source = Recording | FrequencyResponse
-
-
-@dataclass(frozen=True)
-class Sight:
-    """What is on the desk at one moment; undo goes back to an earlier one.
-
-    Attributes
-    ----------
-    zeros : AntiresonanceSet
-        With the edits that it can take.
-    asked : tuple of Asked
-        All edits, in order.
-    waits : tuple of str or None
-        For each edit why it waits, None where it was made.
-    band_hz : (low, high) or None
-        None where there is nothing to identify from.
-    max_order : int or None
-        None for the default.
-    """
-
-    zeros: AntiresonanceSet
-    asked: tuple[Asked, ...] = ()
-    waits: tuple[str | None, ...] = ()
-    band_hz: tuple[float, float] | None = None
-    max_order: int | None = None
-
-    def on(self, base: AntiresonanceSet, asked: Sequence[Asked]) -> Sight:
-        """The same edits, or others, on a set without any."""
-        zeros, waits = replayed(base, asked)
-        return replace(self, zeros=zeros, asked=tuple(asked), waits=tuple(waits))
+__all__ = ["Session"]
 
 
 class Session:
@@ -64,7 +34,7 @@ class Session:
     ----------
     zeros : AntiresonanceSet or None
         None: :meth:`identify` makes it, and until then there are curves without values.
-    source : Recording or FrequencyResponse, optional
+    source : Recording, FrequencyResponse or Source, optional
         What it was identified from: curves are shown, and band and orders may be changed.
     excitation : int or str, optional
         Of a source without a set.
@@ -77,7 +47,7 @@ class Session:
     def __init__(
         self,
         zeros: AntiresonanceSet | None,
-        source: Source | None = None,
+        source: Recording | FrequencyResponse | Source | None = None,
         *,
         excitation: Any = None,
         band_hz: Sequence[float] | None = None,
@@ -85,16 +55,17 @@ class Session:
         options: Mapping[str, Any] | None = None,
         save_to: str | os.PathLike[str] | None = None,
     ) -> None:
-        self.source, self.options = source, dict(options or {})
+        self.source, self.options = source_of(source), dict(options or {})
         self.identified = zeros is not None
         if zeros is None:
-            assert source is not None
-            zeros = AntiresonanceSet(excitation, {dof: [] for dof in source.dofs}, channels=source.dofs)
-        if source is not None:
+            assert self.source is not None
+            dofs = self.source.dofs
+            zeros = AntiresonanceSet(excitation, {dof: [] for dof in dofs}, channels=dofs)
+        if self.source is not None:
             diagram = next(iter(zeros.diagrams.values()), None)
             if band_hz is None:
-                band_hz = whole_band(source) if diagram is None else diagram.band_hz
-            band_hz = band_of(source, band_hz)
+                band_hz = self.source.whole_band if diagram is None else diagram.band_hz
+            band_hz = _inside(self.source, band_hz)
         asked = asked_of(zeros)
         self._now = Sight(
             zeros,
@@ -105,12 +76,11 @@ class Session:
         )
         self._past: list[Sight] = []
         self._future: list[Sight] = []
-        self._saved = zeros.edits
-        self.path = None if save_to is None else Path(save_to)
-        self._written = False
-        self.warned: tuple[str, ...] = ()
-        self._averages: dict[tuple[float, float], Averages] = {}
+        self._saved: tuple[AntiresonanceSet | None, tuple[Asked, ...]] = (None, asked)
+        self.file = SessionFile(None if save_to is None else Path(save_to))
         self._lock = RLock()
+        #: Grows with every change, of what is saved too.
+        self.turn = 0
 
     @property
     def now(self) -> Sight:
@@ -134,8 +104,17 @@ class Session:
 
     @property
     def unsaved(self) -> bool:
-        """Whether there are edits that the file does not have."""
-        return self.zeros.edits != self._saved
+        """Whether there are edits that the file does not have, or values that are others than those saved."""
+        zeros, asked = self._saved
+        other = zeros is not None and self.zeros != zeros
+        return self.identified and (other or self._now.asked != asked)
+
+    @property
+    def text(self) -> str:
+        """What the file is to hold: the set, and the edits that wait."""
+        now = self._now
+        waiting = [each for each, why in zip(now.asked, now.waits, strict=True) if why is not None]
+        return to_json(now.zeros, waiting)
 
     def click(self, dof: Any, click: Click, reason: str = "") -> str | None:
         """Do what a click means; what was done, in words, None where it hit nothing."""
@@ -166,19 +145,27 @@ class Session:
         damping_ratio: float | None = None,
         std_hz: float | None = None,
     ) -> str:
-        """Add a value."""
+        """Add a value; one outside the band is told, one that the measurement cannot reach is refused."""
         with self._lock:
-            return self._edited(
-                self.zeros.add(dof, freq_hz, damping_ratio=damping_ratio, std_hz=std_hz, reason=reason)
-            )
+            added = self.zeros.add(dof, freq_hz, damping_ratio=damping_ratio, std_hz=std_hz, reason=reason)
+            if self.source is not None:
+                _reached(self.source, freq_hz)
+            band = self._now.band_hz
+            outside = band is not None and not band[0] <= freq_hz <= band[1]
+            seen = f", outside of the band of {band[0]:g} to {band[1]:g} Hz" if band and outside else ""
+            return f"{self._edited(added)}{seen}"
 
     def restore(self, dof: Any, freq_hz: float) -> str:
         """Bring back a value that was dropped, as it was."""
         with self._lock:
-            for i, each in enumerate(self._now.asked):
-                same = each.edit.dof == dof and abs(each.edit.freq_hz / freq_hz - 1.0) < 1e-2
-                if same and each.edit.action == "drop" and self._now.waits[i] is None:
-                    return self.take_back(i)
+            off = {
+                i: abs(each.edit.freq_hz / freq_hz - 1.0)
+                for i, each in enumerate(self._now.asked)
+                if (each.edit.dof, each.edit.action, self._now.waits[i]) == (dof, "drop", None)
+            }
+            nearest = min(off, key=off.__getitem__, default=None)
+            if nearest is not None and off[nearest] < NAMED_WITHIN:
+                return self.take_back(nearest)
             reject("freq_hz", f"{freq_hz:g} Hz at dof {dof!r}", "a value that was dropped", "Name another.")
 
     def take_back(self, number: int) -> str:
@@ -209,23 +196,22 @@ class Session:
         if self.source is None:
             reject("source", "a set alone", "the measurement too", "Open the measurement to identify again.")
         band = self._now.band_hz if band_hz is None else band_hz
-        band = band_of(self.source, band)
+        band = _inside(self.source, band)
         if max_order is not None:
             max_order = integer("max_order", max_order, low=2)
         options = {**self.options, **({} if max_order is None else {"max_order": max_order})}
         with warnings.catch_warnings(record=True) as heard:
             warnings.simplefilter("always", AntiresWarning)
-            made = identify_antiresonances(
-                self.source, excitation=self.zeros.excitation, band_hz=band, progress=False, **options
-            )
+            made = self.source.identify(self.zeros.excitation, band, options)
         with self._lock:
-            self.warned = tuple(line for each in heard for line in str(each.message).splitlines())
-            seen = replace(self._now, band_hz=(band[0], band[1]), max_order=max_order)
+            said = tuple(line for each in heard for line in str(each.message).splitlines())
+            seen = replace(self._now, band_hz=(band[0], band[1]), max_order=max_order, warned=said)
             seen = seen.on(made, self._now.asked)
             if self.identified:
                 self._step(seen)
             else:  # the first one is where undo ends
-                self._now, self.identified = seen, True
+                self.identified = True
+                self._show(seen)
             count = sum(len(each) for each in made.values())
             return f"identified {count} values in {band[0]:g} to {band[1]:g} Hz"
 
@@ -238,26 +224,36 @@ class Session:
         return self._moved(self._future, self._past, "done again")
 
     def save(self, *, replace_file: bool = False) -> str:
-        """Write the set where it belongs.
+        """Write the set, and the edits that wait, where it belongs.
 
         Raises
         ------
+        FileTaken
+            A file of that name is there that this session has not written, and ``replace_file`` is False.
         InvalidInputError
-            A file of that name is there that this session has not written, and ``replace_file`` is False;
-            there is no name; or the folder does not exist.
+            There is no name, or the file cannot be written.
         """
         with self._lock:
-            if self.path is None:
-                reject("path", None, "a file to write", "Download the set instead.")
-            if self.path.exists() and not self._written and not replace_file:
-                reject("path", str(self.path), "a file that is not there yet", "Replace it, or download.")
-            self.zeros.save(self.path)
-            self._saved, self._written = self.zeros.edits, True
-            return f"saved {self.path.name}"
+            name = self.file.write(self.text, replace_file=replace_file)
+            self._saved = (self.zeros, self._now.asked)
+            self.turn += 1
+            waiting = sum(why is not None for why in self._now.waits)
+            kept = f"; of its edits {waiting} still wait{'s' * (waiting == 1)}" if waiting else ""
+            return f"saved {name}{kept}"
 
-    def opened(self, path: Path) -> None:
-        """Say that the set came from this file, to which it may be written back."""
-        self.path, self._written = path, True
+    def keep_unsaved(self) -> Path | None:
+        """Write what was not saved beside the file; where it is, None if there was nothing or no file."""
+        with self._lock:
+            return self.file.write_beside(self.text) if self.unsaved else None
+
+    def opened(self, asked: Sequence[Asked], path: Path | None = None) -> None:
+        """Say that the set came from a file with these edits: ``path``, where it may be written back."""
+        self._now = self._now.on(self.zeros.original(), asked)
+        self._saved = (None, self._now.asked)
+        if path is not None:
+            self._saved = (self.zeros, self._now.asked)
+            self.file = SessionFile(path)
+            self.file.opened()
 
     def make_again(self, edits: Sequence[Asked]) -> None:
         """Make the edits of another set, as far as this one can take them; the others wait."""
@@ -270,17 +266,7 @@ class Session:
     def curve(self, dof: Any) -> Curve | None:
         """What was measured at a response, on the lines of the band."""
         source, band = self.source, self._now.band_hz
-        if source is None or band is None:
-            return None
-        averages = None
-        if isinstance(source, Recording):
-            if band not in self._averages:
-                names = ("nperseg", "noverlap", "window", "method")
-                chosen = {name: self.options[name] for name in names if name in self.options}
-                with_force = source.force is not None
-                self._averages = {band: average(source, band, Averaging(**chosen), include_force=with_force)}
-            averages = self._averages[band]
-        return curve_of(source, averages, dof)
+        return None if source is None or band is None else source.curve(dof, band, self.options)
 
     def _edits(self, number: int) -> tuple[Asked, ...]:
         asked = self._now.asked
@@ -300,20 +286,30 @@ class Session:
     def _step(self, sight: Sight) -> None:
         self._past.append(self._now)
         self._future.clear()
+        self._show(sight)
+
+    def _show(self, sight: Sight) -> None:
         self._now = sight
+        self.turn += 1
 
     def _moved(self, source: list[Sight], target: list[Sight], said: str) -> str:
         with self._lock:
             if not source:
                 return f"nothing to be {said}"
             target.append(self._now)
-            self._now = source.pop()
+            self._show(source.pop())
             return said
 
 
-def whole_band(source: Source) -> tuple[float, float]:
-    """A band to begin with: all lines of curves; of records up to 80 % of the highest frequency."""
-    if isinstance(source, FrequencyResponse):
-        positive = source.freq_hz[source.freq_hz > 0.0]
-        return float(positive[0]), float(source.freq_hz[-1])
-    return 0.005 * source.fs_hz, 0.4 * source.fs_hz
+def _inside(source: Source, band_hz: Any) -> tuple[float, float]:
+    """A band inside what the source covers."""
+    low, high = source.covered_hz
+    return frequency_band("band_hz", band_hz, low_hz=low, high_hz=high)
+
+
+def _reached(source: Source, freq_hz: float) -> None:
+    """Refuse a frequency of which the measurement cannot tell."""
+    low, high = source.covered_hz
+    if not low <= freq_hz <= high:
+        wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
+        reject("freq_hz", f"{freq_hz:g} Hz", wanted, "Correct it.")

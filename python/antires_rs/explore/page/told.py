@@ -16,11 +16,13 @@ __all__ = ["told"]
 
 def told(session: Session, dof: Any) -> dict[str, Any]:
     """Table, edits and what may be done, and the marks of the response that is shown."""
+    turn = session.turn  # before what it is of: never newer than that
     now = session.now
     zeros, band = now.zeros, now.band_hz
     shown = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band
     return {
         "kind": "set",
+        "turn": turn,
         "excitation": str(zeros.excitation),
         "dofs": [str(each) for each in zeros],
         "dof": list(zeros).index(dof),
@@ -41,9 +43,8 @@ def told(session: Session, dof: Any) -> dict[str, Any]:
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
         "unsaved": session.unsaved,
-        "file": None if session.path is None else str(session.path),
-        "warnings": list(session.warned) or _warnings(zeros),
-        "left_out": sum(len(table) for table in zeros.left_out.values()),
+        "file": None if session.file.path is None else str(session.file.path),
+        "warnings": list(now.warned) or _warnings(zeros),
     }
 
 

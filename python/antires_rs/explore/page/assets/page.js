@@ -7,6 +7,7 @@ let state = null;
 let shown = 0;
 let figures = null; // what Bokeh embedded
 let busy = 0;
+let written = null; // band and orders that stand in their fields
 // Both are on their way at once: what draws, and what is drawn.
 const bokeh = new Promise((done) => {
   if (window.Bokeh) done();
@@ -32,8 +33,22 @@ async function ask(path, body) {
   }
   if (!answer.ok) throw new Error(await answer.text());
   const data = await answer.json();
-  if (data.error) throw new Error(data.error);
+  if (data.error) throw Object.assign(new Error(data.error), { taken: data.taken });
   return data;
+}
+
+// What is typed and clicked goes to the server in this order: "Save" after a reason saves the reason.
+let line = Promise.resolve();
+function inTurn(work) {
+  const done = line.then(work, work);
+  line = done;
+  return done;
+}
+
+// The state that an answer tells, unless a newer one is shown already; of the response that is shown now.
+async function take(told) {
+  if (state && told.turn < state.turn) return;
+  state = told.kind === "set" && told.dof !== shown ? await ask("state") : told;
 }
 
 async function act(command, body = {}, waiting = "") {
@@ -43,19 +58,23 @@ async function act(command, body = {}, waiting = "") {
   $("identify").disabled = true;
   try {
     const before = state;
-    const told = await ask("do/" + command, body);
-    state = told;
+    // Others need not wait for an identification.
+    const told = await (command === "identify" ? ask("do/identify", body) : inTurn(() => ask("do/" + command, body)));
+    await take(told);
     say(told.said);
+    if (before && state.edits.length > before.edits.length && body.reason && $("reason").value === body.reason) {
+      $("reason").value = ""; // it was that of this edit
+    }
     write();
     // Another diagram stands behind the values: the figures are made anew, else only their marks move.
-    const same = before && before.identified === told.identified && String(before.band_hz) === String(told.band_hz) &&
-      before.max_order === told.max_order;
+    const same = before && before.identified === state.identified && String(before.band_hz) === String(state.band_hz) &&
+      before.max_order === state.max_order;
     if (same) mark();
     else await draw(false);
-    return true;
+    return { done: true };
   } catch (error) {
     say(error.message, true);
-    return false;
+    return { taken: error.taken };
   } finally {
     busy -= 1;
     $("said").classList.remove("busy");
@@ -99,11 +118,16 @@ function writeSet() {
   }
   $("response").value = shown;
   for (const one of document.querySelectorAll(".needs-source")) one.hidden = !state.can_identify;
-  if (state.band_hz && document.activeElement !== $("low") && document.activeElement !== $("high")) {
-    $("low").value = +state.band_hz[0].toPrecision(6);
-    $("high").value = +state.band_hz[1].toPrecision(6);
+  // What is being typed there stays until the band is another one.
+  const options = String([state.band_hz, state.max_order]);
+  if (options !== written) {
+    written = options;
+    if (state.band_hz) {
+      $("low").value = +state.band_hz[0].toPrecision(6);
+      $("high").value = +state.band_hz[1].toPrecision(6);
+    }
+    $("order").value = state.max_order ?? "";
   }
-  if (document.activeElement !== $("order")) $("order").value = state.max_order ?? "";
   $("identify").textContent = state.identified ? "Identify again" : "Identify";
   $("undo").disabled = !state.can_undo;
   $("redo").disabled = !state.can_redo;
@@ -119,21 +143,26 @@ function writeSet() {
 
 function writeValues() {
   const rows = [], digits = decimals(state.rows);
+  // Long names have a line of their own above their values.
+  const wide = state.dofs.some((name) => name.length > 9);
+  $("values").classList.toggle("wide", wide);
   state.dofs.forEach((name, dof) => {
     const own = state.rows.filter((row) => row.dof === dof);
     const lines = own.length ? own : [null];
     lines.forEach((row, i) => {
-      const go = element("button", { type: "button", onclick: () => show(dof), "aria-label": "Show dof " + name }, name);
-      const kind = [i ? "" : "first", dof === shown ? "shown" : ""].join(" ");
+      const go = element("button", { type: "button", onclick: () => show(dof), "aria-label": "Show dof " + name, title: name }, name);
+      if (wide && !i) rows.push(element("tr", { class: dof === shown ? "first shown" : "first" }, element("td", { class: "dof", colspan: 6 }, go)));
+      const kind = [i || wide ? "" : "first", dof === shown ? "shown" : ""].join(" ");
+      const named = wide ? [] : [element("td", { class: "dof" }, ...(i ? [] : [go]))];
       if (!row) {
-        rows.push(element("tr", { class: kind }, element("td", { class: "dof" }, go), element("td", { class: "number" }, "–"), element("td", { colspan: 5 })));
+        rows.push(element("tr", { class: kind }, ...named, element("td", { class: "number" }, "–"), element("td", { colspan: 5 })));
         return;
       }
       const hz = row.freq_hz.toFixed(digits);
       const drop = element("button", { type: "button", "aria-label": `Drop ${hz} Hz at dof ${name}`, title: "Drop this value",
-        onclick: () => act("drop", { dof, freq_hz: row.freq_hz, reason: $("reason").value }) }, "×");
+        onclick: (event) => once(event, "drop", { dof, freq_hz: row.freq_hz, reason: $("reason").value }) }, "×");
       rows.push(element("tr", { class: kind, "data-dof": name },
-        element("td", { class: "dof" }, ...(i ? [] : [go])),
+        ...named,
         element("td", { class: "number hz" }, hz),
         element("td", { class: "number" }, row.std_hz === null ? "" : (+row.std_hz.toPrecision(2)).toFixed(digits)),
         element("td", { class: "number" }, row.damping_percent === null ? "" : row.damping_percent.toFixed(2)),
@@ -145,16 +174,41 @@ function writeValues() {
   $("values").tBodies[0].replaceChildren(...rows);
 }
 
+// Written anew only where they are others: a reason that is being typed, and the focus, stay.
 function writeEdits() {
   $("none").hidden = state.edits.length > 0;
-  $("edits").replaceChildren(...state.edits.map((edit, number) => {
-    const why = element("input", { value: edit.reason, maxlength: 1000, placeholder: "reason", "aria-label": "Reason: " + edit.text,
-      onchange: (event) => act("reword", { number, reason: event.target.value }) });
-    const back = element("button", { type: "button", "aria-label": "Take back: " + edit.text, onclick: () => act("take_back", { number }) }, "take back");
-    const line = element("div", { class: "line" }, element("span", {}, edit.text), why, back);
-    if (edit.waits) line.append(element("span", { class: "waits" }, `waits: ${edit.waits}; made again where it can be`));
-    return element("li", {}, line);
-  }));
+  const list = $("edits"), there = [...list.children].map((one) => one.dataset.edit);
+  const wanted = state.edits.map((edit) => JSON.stringify([edit.text, edit.waits]));
+  if (String(there) !== String(wanted)) {
+    const typing = list.contains(document.activeElement) ? document.activeElement : null;
+    const kept = typing && { at: typing.closest("li").dataset.edit, name: typing.tagName, value: typing.value, start: typing.selectionStart };
+    list.replaceChildren(...state.edits.map((edit, number) => anEdit(edit, number, wanted[number])));
+    const again = kept && [...list.children].find((one) => one.dataset.edit === kept.at)?.querySelector(kept.name);
+    again?.focus();
+    if (again && kept.name === "INPUT") {
+      again.value = kept.value;
+      again.setSelectionRange(kept.start, kept.start);
+    }
+  }
+  [...list.children].forEach((one, number) => {
+    const why = one.querySelector("input"), reason = state.edits[number].reason;
+    if (why !== document.activeElement && why.dataset.said !== reason) why.value = reason;
+    why.dataset.said = reason;
+  });
+}
+
+function anEdit(edit, number, key) {
+  const why = element("input", { value: edit.reason, maxlength: 1000, placeholder: "reason", "aria-label": "Reason: " + edit.text,
+    "data-said": edit.reason, onchange: (event) => act("reword", { number, reason: event.target.value }) });
+  const back = element("button", { type: "button", "aria-label": "Take back: " + edit.text, onclick: (event) => once(event, "take_back", { number }) }, "take back");
+  const line = element("div", { class: "line" }, element("span", {}, edit.text), why, back);
+  if (edit.waits) line.append(element("span", { class: "waits" }, `waits: ${edit.waits}; made again where it can be`));
+  return element("li", { "data-edit": key }, line);
+}
+
+// The second click of a double click would hit what has moved into the place of the first.
+function once(event, command, body) {
+  if (event.detail < 2) act(command, body);
 }
 
 function writeResult() {
@@ -290,10 +344,8 @@ function number(text) {
 }
 
 async function save() {
-  const done = await act("save");
-  if (!done && $("said").textContent.includes("not there yet") && confirm(`${state.file} is there already. Replace it?`)) {
-    await act("save", { replace: true });
-  }
+  const { taken } = await act("save");
+  if (taken && confirm(`${$("said").textContent}\n\nReplace it?`)) await act("save", { replace: true });
 }
 
 function identify() {
@@ -319,7 +371,7 @@ function wire() {
     event.preventDefault();
     const value = number($("value").value);
     if (value === null) return say("A frequency in Hz.", true);
-    if (await act("add", { dof: shown, freq_hz: value, reason: $("reason").value })) $("value").value = "";
+    if ((await act("add", { dof: shown, freq_hz: value, reason: $("reason").value })).done) $("value").value = "";
   });
   document.addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || state?.kind !== "set" || event.target.matches("input")) return;
