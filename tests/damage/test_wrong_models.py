@@ -138,3 +138,10 @@ def test_no_hint_where_nothing_is_constant():
     model, _, now = given(CHAIN, "dofs reversed")
     measured = {(dof, each.excitation): each[dof] for each in now for dof in each if len(each[dof])}
     assert unit_hint(model, measured) == ""
+
+
+def test_no_hint_at_a_ratio_near_one():
+    freq = CHAIN.build().modes().freq_hz
+    assert "times those of the model" in unit_hint(CHAIN.build(), {None: 1.25 * freq})
+    for ratio in (0.93, 1.0, 1.08):
+        assert unit_hint(CHAIN.build(), {None: ratio * freq}) == ""
