@@ -145,3 +145,55 @@ def test_no_hint_at_a_ratio_near_one():
     assert "times those of the model" in unit_hint(CHAIN.build(), {None: 1.25 * freq})
     for ratio in (0.93, 1.0, 1.08):
         assert unit_hint(CHAIN.build(), {None: ratio * freq}) == ""
+
+
+@pytest.mark.parametrize(("factor", "named"), [(1e-3, "kHz"), (6.283185307, "rad/s"), (2.0, "sampling rate")])
+@pytest.mark.parametrize("structure", JUDGED_ON, ids=lambda each: each.name)
+def test_a_mistake_with_the_values_of_now_alone(structure, factor, named):
+    before, now = structure.states(4, 0.03)
+    wrong = [
+        ar.AntiresonanceSet(
+            each.excitation,
+            {dof: factor * each[dof] for dof in each},
+            std_hz={dof: factor * each.std_hz[dof] for dof in each},
+        )
+        for each in now
+    ]
+    model = structure.build()
+    full = headline(model, wrong, baseline=before)
+    for said in (full, ar.Assessor(model, baseline=before, workers=1).assess(wrong).headline):
+        assert said.startswith(SAID)
+        assert "of now are about" in said
+        assert named in said
+        assert "If the model can be trusted at all" in said
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_support_that_the_model_does_not_have(seed):
+    """An L-shaped frame clamped at both ends, its model at one."""
+    nodes = [(0.0, 0.5 * k) for k in range(5)] + [(0.4 * k, 2.0) for k in range(1, 5)]
+    places = [(0.0, 0.0), *nodes[1:]]
+    lines = [(k, k + 1) for k in range(8)]
+
+    def build(fixed, factor=1.0):
+        sections = [ar.Tube(0.06, 0.004, 2.1e11 * f, 7850.0) for f in np.broadcast_to(factor, 8)]
+        return ar.FrameModel(np.array(places), lines, sections, fixed=fixed)
+
+    rng = np.random.default_rng(seed)
+    truth = build([0, 8], 1.0 + 0.03 * rng.uniform(-1.0, 1.0, 8))
+    before, now = (
+        ar.AntiresonanceSet(
+            7,
+            {
+                d: f * (1.0 + 3e-4 * rng.standard_normal(f.size))
+                for d, f in zip(
+                    (1, 3, 6, 7, 9, 10, 13, 16, 18),
+                    truth.antiresonances([1, 3, 6, 7, 9, 10, 13, 16, 18], 7, f_max_hz=500.0),
+                    strict=True,
+                )
+            },
+        )
+        for _ in range(2)
+    )
+    assert headline(build([0]), now, baseline=before).startswith(SAID)
+    assert SAID not in headline(build([0, 8]), now, baseline=before)

@@ -52,7 +52,7 @@ def assess_at_once(plan: Plan, sets: tuple[AntiresonanceSet, ...]) -> AssessedTe
         search.judge([declared])
         weights, total = weighed(search)
     strange += doubts(search, known, weights, float(np.exp(weights[UNKNOWN] - total)))
-    assessment = assessment_of(search, plan, weights, total, declared, notes, assumed)
+    assessment = assessment_of(search, plan, weights, total, declared, notes, assumed, sets)
     elements = question.elements
     of = {each.elements: each for each in assessment.hypotheses}.get(assessment.declared)
     severity = dict.fromkeys(elements, 0.0)

@@ -12,6 +12,7 @@ from ..damage.hypotheses import UNKNOWN, Hypotheses, Hypothesis
 from ..damage.inference import note_of_shift
 from ..damage.posterior import together
 from ..damage.search import Elements
+from ..measured.antiresonance_set import AntiresonanceSet
 from .plan import Plan
 from .quick_search import QuickSearch
 
@@ -54,6 +55,7 @@ def assessment_of(
     declared: Elements,
     notes: list[str],
     assumed: bool,
+    sets: tuple[AntiresonanceSet, ...],
 ) -> Assessment:
     """Hypotheses with their probabilities, and how well the best explains the values."""
     rows = _rows(search, plan, weights, total, declared)
@@ -87,7 +89,9 @@ def assessment_of(
         usual_gap=learned.usual_gap,
         moved_alike=shift,
     )
-    return found if found.model_fits else replace(found, hint=learned.hint)
+    if not found.model_fits:
+        return replace(found, hint=learned.hint)
+    return replace(found, hint=plan.question.hint_between(sets)) if 2 * matched < found.n_values else found
 
 
 def _rows(

@@ -7,15 +7,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..support.values import Value
-from ..updating.explained import LEAST_SHARE, mostly_paired
+from ..updating.explained import few_alone, mostly_paired
 from .hypotheses import Hypotheses, Hypothesis
 
 __all__ = ["Assessment"]
 
 #: Below this probability of so large a chi-square, the best explanation does not explain.
 _HARDLY = 1e-3
-#: A model that needs factors which scatter more is of another structure.
-_FAR_OFF = 0.45
+#: A model that needs factors which scatter more is of another structure: that of the exhaust, never updated,
+#: 0.22; chains and frames with every term up to 20 % off 0.16; a wrong support or dof 0.3 and more.
+_FAR_OFF = 0.3
 #: Nor is one that misses frequencies by so much whatever its factors: the frame of the exhaust, never updated
 #: and up to 39 % off, 0.04; models with a wrong dof, force or unit 0.08 to 0.15.
 _MISSED = 0.06
@@ -72,7 +73,8 @@ class Assessment(Value):
     n_intact_roots : int
         Roots of the model between the lowest and the highest value of each response; 0 where not counted.
     hint : str
-        A mistake of units that would account for a model that does not explain the intact structure.
+        A mistake of units that would account for a model that does not explain the intact structure, or for
+        two states that have nothing in common.
     """
 
     hypotheses: Hypotheses
@@ -122,10 +124,21 @@ class Assessment(Value):
     @property
     def model_fits(self) -> bool:
         """Whether the model, its factors adjusted, explains the intact structure."""
-        matched = self.n_intact_matched >= LEAST_SHARE * self.n_intact
+        matched = few_alone(self.n_intact_matched, self.n_intact)
         paired = mostly_paired(self.n_intact_matched, self.n_intact, self.n_intact_roots or self.n_intact)
-        near = self.factor_std <= _FAR_OFF and self.root_std <= _MISSED
-        return not self.baseline or bool(matched and paired and near)
+        return not self.baseline or bool(matched and paired and self.near)
+
+    @property
+    def near(self) -> bool:
+        """Whether the model's own errors are such as a model of the structure may have."""
+        return self.factor_std <= _FAR_OFF and self.root_std <= _MISSED
+
+    @property
+    def states_fit(self) -> bool:
+        """Whether both states can be of one structure: half of the values of now have a partner in the model,
+        or something has changed that no element explains and no mistake of units either."""
+        few = self.n_values > 1 and 2 * self.n_matched < self.n_values
+        return not (self.baseline and few) or bool(self.best.unknown and not self.hint)
 
     @property
     def explained(self) -> bool:

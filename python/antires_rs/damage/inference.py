@@ -109,6 +109,8 @@ def infer(
     )
     if not assessment.model_fits:
         assessment = replace(assessment, hint=question.hint())
+    elif baseline and 2 * matched < now.size:
+        assessment = replace(assessment, hint=question.hint_between(question.measured))
     if baseline and not shift and not assessment.explained:  # a change of unknown kind explains nothing
         up, moved = mostly_risen(intact.plain, now.plain)
         assessment = replace(assessment, n_risen=up, n_moved=moved)

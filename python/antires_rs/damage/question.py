@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.parameter import Parameter
 from ..models.parameters import stiffness_reduction
 from ..support.progress import step
-from ..support.validation import reject
+from ..support.validation import FloatArray, reject
 from ..updating.explained import hint_of
 from ..updating.targets import targets_of
+from ..updating.unit_hint import Lists, hint_between_states
 from .contradiction import Contradiction, contradiction
 from .factors import factors_of
 from .likelihood import Likelihood
@@ -128,3 +132,20 @@ class Question:
     def hint(self) -> str:
         """A mistake that would account for a model that does not explain the intact structure, if any."""
         return hint_of(self.model, targets_of(self.model, self.baseline or self.measured, None))
+
+    def hint_between(self, measured: Sequence[Any]) -> str:
+        """A mistake that would account for values of now that have nothing in common with the intact ones."""
+        return hint_between_states(_lists(self.baseline), _lists(measured))
+
+
+def _lists(sets: Sequence[Any]) -> Lists:
+    """Frequencies by dof and force; those of modes together."""
+    found: dict[Any, list[FloatArray]] = {}
+    for each in sets:
+        if isinstance(each, ModalSet):
+            found.setdefault(None, []).append(each.freq_hz[each.freq_hz > 0.0])
+        else:
+            for dof, freq in each.items():
+                found.setdefault((dof, each.excitation), []).append(freq)
+    # Repeated tests of one response are as good as one.
+    return {key: np.sort(max(parts, key=len)) for key, parts in found.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from ..support.validation import FloatArray, reject
 from ..updating.explained import Explained, explained
 from ..updating.identifiability import smallest_visible
 from ..updating.results import UpdateResult
+from .common_loss import common_loss, many
 from .inference import infer
 from .one_state import all_lost, headline_of_one_state
 from .percent import figure
@@ -77,17 +79,14 @@ class DamageResult(UpdateResult):
         """Hypotheses and what they rest on; without a baseline with an assumed error of the model."""
         if self._assessment is not None:
             return self._assessment
-        question = Question(
-            self.problem.model,
-            (),
-            tuple(self.problem.measured),
-            tuple(self.elements),
-            DamagePrior(),
-            0.0,
-            ASSUMED_MODEL_ERROR,
-        )
         rng = np.random.default_rng(self.seed)
-        return infer(question, false_alarm_rate=None, rng=rng, threads=thread_count(None)).assessment
+        return infer(self._alone, false_alarm_rate=None, rng=rng, threads=thread_count(None)).assessment
+
+    @cached_property
+    def _alone(self) -> Question:
+        """What is asked of one state."""
+        model, measured, elements = self.problem.model, tuple(self.problem.measured), tuple(self.elements)
+        return Question(model, (), measured, elements, DamagePrior(), 0.0, ASSUMED_MODEL_ERROR)
 
     @property
     def has_baseline(self) -> bool:
@@ -154,8 +153,10 @@ class DamageResult(UpdateResult):
         """What the model with the damage found explains, without a baseline."""
         if self._assessment is not None or self.search.status == "interrupted":
             return None
-        losses = {e: self.severity[e] for e in self.damaged}
-        return explained(self.problem, self.x, doubted=all_lost(losses, len(self.elements)))
+        losses, n = {e: self.severity[e] for e in self.damaged}, len(self.elements)
+        common = common_loss(self._alone, losses, thread_count(None)) if many(len(losses), n) else 0.0
+        found = explained(self.problem, self.x, doubted=bool(common) or all_lost(losses, n))
+        return replace(found, common_loss=common)
 
     @property
     def elements(self) -> list[int]:

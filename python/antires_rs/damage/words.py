@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..updating.explained import few_alone
 from .answers import answer
 from .assessment import Assessment
 from .percent import figure
@@ -10,14 +11,14 @@ from .supersets import without_idle
 
 __all__ = ["headline"]
 
-#: Errors that a model of the structure may have.
-_FAR = 0.1
-
 
 def headline(found: Assessment, label: Label) -> list[str]:
     """The first lines of a report: is there damage, where, how sure, how much, and what else it may be."""
     doubts = [_contradiction(found)] if found.odd_baselines else []
-    doubts += [] if found.model_fits else [_no_model(found)]
+    if not found.model_fits:
+        doubts.append(_no_model(found))
+    elif not found.states_fit:
+        doubts.append(_no_partners(found))
     found, many = without_idle(found), len(found.hypotheses)
     if found.interrupted:
         return [*_stopped(found, many, label), *doubts]
@@ -27,16 +28,26 @@ def headline(found: Assessment, label: Label) -> list[str]:
 def _no_model(found: Assessment) -> str:
     """The model cannot be that of the structure: why, and what to look at."""
     why = f"{found.n_intact_matched} of {found.n_intact} values of the intact structure have a partner in it"
-    if 2 * found.n_intact_matched > found.n_intact:
+    if few_alone(found.n_intact_matched, found.n_intact):
         why = (
             f"its stiffnesses and masses would have to be off by {figure(found.factor_std)}, and its "
             f"frequencies by {figure(found.root_std)} beyond that"
         )
-        if found.factor_std < _FAR and found.root_std < _FAR:
+        if found.near:
             why = f"it has {found.n_intact_roots} roots where {found.n_intact} values were measured"
     hint = f"{found.hint} " if found.hint else ""
     return (
         f"The model does not explain the measurement: {why}. {hint}Check its units, dofs, force and supports."
+    )
+
+
+def _no_partners(found: Assessment) -> str:
+    """The values of now have nothing to do with those of the intact structure."""
+    hint = f"{found.hint} " if found.hint else ""
+    have = "has" if found.n_matched == 1 else "have"
+    return (
+        f"The model does not explain the measurement: {found.n_matched} of {found.n_values} values of now "
+        f"{have} a partner in it, damaged or not. {hint}Check units, dofs, force and band of both tests."
     )
 
 

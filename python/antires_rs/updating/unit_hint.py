@@ -7,7 +7,7 @@ matrices turn each root into its inverse.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,9 +16,10 @@ from ..support.validation import FloatArray
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-__all__ = ["Lists", "unit_hint"]
+__all__ = ["Lists", "hint_between_states", "unit_hint"]
 
-Lists = dict[tuple[int, int] | None, FloatArray]
+#: Values by response.
+Lists = dict[tuple[Any, Any] | None, FloatArray]
 
 #: Measured over model, and which mistakes make it so.
 _RATIOS: tuple[tuple[float, str], ...] = (
@@ -50,6 +51,17 @@ _RATIOS: tuple[tuple[float, str], ...] = (
     (2.0, "is the sampling rate given twice the true one?"),
     (0.5, "is the sampling rate given half the true one?"),
 )
+#: Now over intact, and which mistakes with one of two tests make it so.
+_BETWEEN: tuple[tuple[float, str], ...] = (
+    (1e-3, "are they in kHz in place of Hz?"),
+    (1e3, "are those of the intact structure in kHz in place of Hz?"),
+    (math.tau, "are they in rad/s in place of Hz?"),
+    (1.0 / math.tau, "are those of the intact structure in rad/s in place of Hz?"),
+    (60.0, "are they in revolutions per minute in place of Hz?"),
+    (1.0 / 60.0, "are those of the intact structure in revolutions per minute in place of Hz?"),
+    (2.0, "is their sampling rate given twice the true one?"),
+    (0.5, "is their sampling rate given half the true one?"),
+)
 #: Under a ratio values and roots agree so well, in ln f, and so many more of both have a partner.
 _NEAR, _SHARE, _BETTER = 0.06, 0.7, 1.3
 #: Nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for.
@@ -80,6 +92,18 @@ def unit_hint(model: StructuralModel, measured: Lists) -> str:
     ratio, why = guesses[best]
     what = f"All measured values are about {_said(ratio)} times those of the model: "
     return what + (why or "is a stiffness, a mass or a length wrong throughout?")
+
+
+def hint_between_states(intact: Lists, now: Lists) -> str:
+    """A sentence, or '' where no ratio of the table makes the values of two tests agree."""
+    before, after = ({key: np.log(freq) for key, freq in each.items() if freq.size} for each in (intact, now))
+    before = {key: before.get(key, np.empty(0)) for key in after}
+    shares = [_share(after, before, math.log(ratio)) for ratio, _ in _BETWEEN]
+    best = int(np.argmax(shares))
+    if shares[best] < max(_SHARE, _BETTER * _share(after, before, 0.0)):
+        return ""
+    ratio, why = _BETWEEN[best]
+    return f"The values of now are about {_said(ratio)} times those of the intact structure: {why}"
 
 
 def _said(ratio: float) -> str:
