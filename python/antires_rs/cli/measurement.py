@@ -210,8 +210,8 @@ def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
 
 def _meant(force: Any, dofs: tuple[Any, ...]) -> Any:
     """The channel that a name probably stands for: the only one with that number, else the most like it."""
-    for count in (lambda numbers: numbers[-1:], lambda numbers: numbers[:1]):  # chassis2[0], 0:+Z
-        same = [dof for dof in dofs if str(force) in count(re.findall(r"\d+", str(dof)))]
+    for part in (slice(-1, None), slice(1)):  # chassis2[0], 0:+Z
+        same = [dof for dof in dofs if str(force) in re.findall(r"\d+", str(dof))[part]]
         if len(same) == 1:
             return same[0]
     near = get_close_matches(str(force), names := [str(dof) for dof in dofs], 1, 0.7)
