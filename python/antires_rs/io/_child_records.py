@@ -253,7 +253,7 @@ def excel(path: str, request: dict[str, Any]) -> Answer:
 
 def of_day(at: Any) -> int:
     """Microseconds of a clock since midnight."""
-    return ((at.hour * 60 + at.minute) * 60 + at.second) * 1_000_000 + int(at.microsecond)
+    return int(((at.hour * 60 + at.minute) * 60 + at.second) * 1_000_000 + at.microsecond)
 
 
 def complex_row(values: list[Any]) -> bool:
