@@ -247,10 +247,27 @@ def test_a_force_that_is_no_channel_is_mentioned(tmp_path, monkeypatch, capsys):
     assert cli.main([*call, "Flor 1"]) == 0
     assert (
         "--excitation: 'Flor 1' is none of the channels 'Floor 1', 'Floor 2', 'Floor 3', so that the "
-        "place of the force cannot be tested. Did you mean 'Floor 1'?"
+        "place of the force cannot be tested. Did you mean 'Floor 1'? Then write --excitation 'Floor 1'."
     ) in capsys.readouterr().err
     assert cli.main([*call, "Floor 1"]) == 0
     assert "none of the channels" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("force", "names", "meant"),
+    [
+        (0, [f"MEscope1[{i}]" for i in range(3)], "MEscope1[0]"),
+        (1, [f"MEscope1[{i}]" for i in range(3)], "MEscope1[1]"),
+        ("12", ["12:+Z", "13:+Z"], "12:+Z"),
+        ("Flor 1", ["Floor 1", "Floor 2"], "Floor 1"),
+        (7, ["Floor 1", "Floor 2"], None),
+        (1, ["acc_1 x", "acc_1 y"], None),
+    ],
+)
+def test_the_channel_that_a_place_probably_means(force, names, meant):
+    from antires_rs.cli.measurement import _meant
+
+    assert _meant(force, tuple(names)) == meant
 
 
 def test_what_the_system_refuses_is_named_as_the_user_did(tmp_path, monkeypatch, capsys):

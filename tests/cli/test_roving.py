@@ -58,7 +58,7 @@ def identified(out, *args):
 
 
 @pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
-def test_the_command_line_takes_both(files, tmp_path):
+def test_the_command_line_takes_both(files, tmp_path, capsys):
     truth = {p: frame().antiresonances(at(p), at("3+Y")) for p in HITS}
     for name, given in (("one", files[:1]), ("many", files[1])):
         found = identified(tmp_path / f"{name}.json", *given, "--roving", "3+Y")
@@ -72,6 +72,7 @@ def test_the_command_line_takes_both(files, tmp_path):
                 assert np.abs(there / value - 1.0).min() < 2e-3, (name, place, value, there)
         assert seen >= 5
     assert json.loads((tmp_path / "one.json").read_text())
+    assert "none of the channels" not in capsys.readouterr().err  # a hammer that roves hits other places
 
 
 @pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")

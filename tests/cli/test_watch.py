@@ -167,3 +167,15 @@ def test_a_file_that_grows_is_left_alone(tmp_path):
 def test_the_folder_must_be_there(tmp_path, capsys):
     assert main(["watch", str(tmp_path / "none"), "--excitation", "0", "--band", "5", "110"]) == 2
     assert "FOLDER" in capsys.readouterr().err
+
+
+def test_an_assessor_that_is_not_there_is_told(tmp_path, capsys):
+    call = ["watch", str(tmp_path), "--excitation", "0", "--band", "5", "110", "--baseline", "9", "--once"]
+    call += ["--out", str(tmp_path / "out"), "--assessor"]
+    assert main([*call, str(tmp_path / "none.npz")]) == 2
+    assert "--assessor: got" in (said := capsys.readouterr().err)
+    assert "does not exist" in said
+    (tmp_path / "other.npz").write_bytes(b"no assessor")
+    assert main([*call, str(tmp_path / "other.npz")]) != 0
+    assert "--assessor: got" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -140,6 +140,13 @@ def test_no_hint_where_nothing_is_constant():
     assert unit_hint(model, measured) == ""
 
 
+def test_no_hint_at_a_ratio_near_one():
+    freq = CHAIN.build().modes().freq_hz
+    assert "times those of the model" in unit_hint(CHAIN.build(), {None: 1.25 * freq})
+    for ratio in (0.93, 1.0, 1.08):
+        assert unit_hint(CHAIN.build(), {None: ratio * freq}) == ""
+
+
 @pytest.mark.parametrize(("factor", "named"), [(1e-3, "kHz"), (6.283185307, "rad/s"), (2.0, "sampling rate")])
 @pytest.mark.parametrize("structure", JUDGED_ON, ids=lambda each: each.name)
 def test_a_mistake_with_the_values_of_now_alone(structure, factor, named):

@@ -1,6 +1,8 @@
 """The server of the page without a browser: who is answered, and what commands do."""
 
 import json
+import socket
+import threading
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
 
@@ -120,6 +122,8 @@ WRONG = [
     ("add", {"dof": 0, "freq_hz": 3.0, "reason": 5}, "a text"),
     ("add", {"dof": 0, "freq_hz": 3.0, "reason": "x" * 1001}, "at most 1,000"),
     ("take_back", {"number": 0}, "an edit"),
+    ("add", {"dof": 0, "freq_hz": 10**400}, "a finite number"),
+    ("drop", {"dof": 10**400, "freq_hz": 3.0}, "a whole number"),
     ("identify", {"low_hz": 5.0, "high_hz": 2.0}, "low < high"),
     ("identify", {"low_hz": 5.0, "high_hz": 2000.0}, "low < high"),
     ("identify", {"low_hz": 1.0, "high_hz": 9.0, "max_order": 1}, "at least 2"),
@@ -137,6 +141,8 @@ def test_what_cannot_be_done_is_told_and_changes_nothing(page, session, command,
 def test_malformed_requests_are_refused(page):
     assert asked(page, "do/drop", b"{")[0] == 400
     assert asked(page, "do/drop", b"[]")[0] == 400
+    assert asked(page, "do/drop", b"[" * 50_000)[0] == 400
+    assert asked(page, f"state?shown={'9' * 5000}")[0] == 400
     assert asked(page, "state?shown=x")[0] == 400
     assert asked(page, "nothing")[0] == 404
     assert asked(page, "do/../state", {})[0] in (404, 405)
@@ -160,3 +166,23 @@ def test_stopping_ends_the_server(session):
     served.stop()
     with pytest.raises(OSError, match="refused"):
         asked(served, "state")
+
+
+def test_nothing_is_left_of_a_page_that_ended(session):
+    """Neither threads nor sockets, however it ended; ending twice is ending once."""
+    before = {thread.ident for thread in threading.enumerate()}
+    for _ in range(5):
+        served = Page(SetView(session, "four masses"), ends_with_page=False)
+        served.start()
+        told(served, "state")
+        told(served, "figure")
+        served.stop()
+        served.stop()
+        served.show(SetView(session, "too late"))
+        port = int(served.url.partition("/?")[0].rpartition(":")[2])
+        with pytest.raises(OSError, match="refused"):
+            socket.create_connection((ADDRESS, port), 1.0)
+    for thread in threading.enumerate():
+        if thread.ident not in before:
+            thread.join(10.0)  # of a figure that was being drawn
+            assert not thread.is_alive()

@@ -101,7 +101,7 @@ def test_the_command_repeats_the_run(ran, monkeypatch, capsys):
 
 def test_diagrams_come_back_as_they_were(tmp_path):
     record = ar.cases.chain8().experiment(1, noise=0.01, duration_s=32.0, rng=1)
-    found = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), dofs=[0, 7], max_order=16)
+    found = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), dofs=[0, 7], max_order=20)
     curves = ar.transmissibility(record, 0, nperseg=512)
     beside = {
         "left_out": ResponseTable([9.5], scores={"why": ["in too few fits"]}),

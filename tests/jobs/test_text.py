@@ -13,6 +13,7 @@ from antires_rs.jobs import read_job, template
 from antires_rs.jobs.formats import FORMATS, format_of
 from antires_rs.jobs.keys import SECTIONS
 from antires_rs.jobs.lines import lines_of
+from antires_rs.jobs.syntax import parsed
 
 
 def places(value, path=()):
@@ -157,3 +158,20 @@ def test_a_path_with_backslashes_is_told_how_to_be_written(tmp_path):
     job.write_text('[data]\nfile = "C:\\Users\\test.uff"\n')
     with pytest.raises(ar.InvalidInputError, match="A path is written with / or in single quotes"):
         read_job(job)
+
+
+def test_dots_and_brackets_in_texts_and_comments_are_no_nesting():
+    deep = ".".join(["a"] * 60)
+    text = f'note = """\n{deep} = 1\n{"[" * 60}\n"""\nb = "x] \\" [["\n# {deep}, {deep}.\n'
+    text += f"c = '''\n{deep}.\n'''\n"
+    assert list(parsed("job.toml", text)) == ["note", "b", "c"]
+    for nested in (f"{deep} = 1", "x = " + "[" * 60, '"a".' * 50 + "b = 1", f"t = {{ {deep} = 1 }}"):
+        with pytest.raises(ar.InvalidInputError, match="line 10: got .* more than 40 deep"):
+            parsed("job.toml", f"{text}{nested}\n")
+
+
+@pytest.mark.parametrize("part", ['"\\\\', "'", '"""\\\\', "'''a", '"\\\\\n'])
+def test_texts_without_an_end_are_refused(part):
+    # Of this length only a search that is linear comes to its end.
+    with pytest.raises(ar.InvalidInputError, match="no TOML"):
+        parsed("job.toml", part * 100_000)

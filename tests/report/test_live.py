@@ -11,6 +11,7 @@ import pytest
 import antires_rs as ar
 from antires_rs.explore.differences import differences_figure
 from antires_rs.report import live, write_report
+from tests.support.browser import browser
 from tests.support.four_masses import exact
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
@@ -94,3 +95,45 @@ def test_the_watch_is_explored_too(tmp_path):
     (block,) = re.findall(r'class="packed">([^<]*)</script>', html)
     assert "Statistic / limit" in unpacked(block)
     assert "<img" in html
+
+
+def test_a_browser_runs_and_loads_nothing_else(judged, tmp_path):
+    """Whatever got into the page: only its own two scripts run, and nothing is asked of anyone."""
+    pytest.importorskip("bokeh")
+    html = write_report(judged, tmp_path / "r.html").read_text(encoding="utf-8")
+    spoiled = "<script>document.title = 'spoiled'</script><img src='http://elsewhere.example/a.png'>"
+    (tmp_path / "r.html").write_text(html.replace("<main>", f"<main>{spoiled}"), encoding="utf-8")
+    assert spoiled in (tmp_path / "r.html").read_text(encoding="utf-8")
+    with browser() as chromium:
+        page = chromium.new_page()
+        asked, refused = [], []
+        page.on("request", lambda one: asked.append(one.url))
+        page.on("requestfailed", lambda one: refused.append((one.url, one.failure)))
+        page.goto((tmp_path / "r.html").as_uri())
+        page.wait_for_selector("figure.drawn")
+        assert page.title() != "spoiled"
+        assert [url for url in asked if url.startswith("http")] == ["http://elsewhere.example/a.png"]
+        assert refused == [("http://elsewhere.example/a.png", "csp")]  # by the page, not by the network
+        page.close()
+
+
+def test_dollars_in_names_are_no_formulas(tmp_path):
+    """What is a formula to the library of the pictures is a name here, whole or not."""
+    tube = ar.Tube(0.02, 0.004, 2.1e11, 7850.0)
+    names = ["$$x^2$$", "from $5 to $6", "$\\frac{1}$"]
+    model = ar.FrameModel(
+        [(0.2 * i, 0.0) for i in range(4)],
+        [(i, i + 1, name) for i, name in enumerate(names)],
+        dict.fromkeys(names, tube),
+        fixed=[0],
+    )
+    result = ar.update(
+        ar.UpdatingProblem(
+            model,
+            ar.youngs_modulus(names, bounds=(0.8, 1.2), relative=True),
+            ar.AntiresonanceSet(7, {4: model.antiresonances(4, 7)[:2]}),
+        ),
+        optimizer=ar.IslandGA(max_evaluations=200),
+        rng=0,
+    )
+    assert "from $5 to $6" in write_report(result, tmp_path / "r.html").read_text(encoding="utf-8")

@@ -110,7 +110,9 @@ def test_nothing_leaves_the_file(page):
     assert not any("src" in attrs for _, attrs in page.of("script"))
     assert not page.of("iframe", "object", "embed", "base", "form", "audio", "video")
     assert [attrs["rel"] for _, attrs in page.of("link")] == ["icon"]
-    assert not any("http-equiv" in attrs for _, attrs in page.of("meta"))
+    (rule,) = [attrs for _, attrs in page.of("meta") if "http-equiv" in attrs]
+    assert rule["http-equiv"] == "Content-Security-Policy"
+    assert rule["content"].startswith("default-src 'none';")
     for style in page.styles:
         assert not re.search(r"url\(|@import|@font-face|image-set\(|https?:|//", style)
 

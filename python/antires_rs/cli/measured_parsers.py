@@ -181,7 +181,9 @@ def _measurement(command: argparse.ArgumentParser) -> None:
         **one_of("transmissibility", "frf"),
         help="from the responses alone, or over the force (for a single channel; default: transmissibility)",
     )
-    command.add_argument("--max-order", type=number(int, 2), metavar="N", help="highest order (default: 60)")
+    command.add_argument(
+        "--max-order", type=number(int, 2), metavar="N", help="highest order (default: as the data want)"
+    )
     command.add_argument(
         "--cross-check",
         "--second-opinion",

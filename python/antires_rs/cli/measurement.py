@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import re
+import shlex
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -113,8 +116,10 @@ def kind_of(args: argparse.Namespace) -> str:
     return kind
 
 
-def measurement(args: argparse.Namespace, kind: str, *, band_needed: bool = True) -> Measurement:
-    """Read it; the force may be stated by the file itself."""
+def measurement(
+    args: argparse.Namespace, kind: str, *, band_needed: bool = True, hammer_roved: bool = False
+) -> Measurement:
+    """Read it; the force may be stated by the file itself, and need not be measured where it moved."""
     if args.excitation is None and args.roving is not None:
         from ..io.uff_names import as_point, label_of
 
@@ -127,9 +132,8 @@ def measurement(args: argparse.Namespace, kind: str, *, band_needed: bool = True
             args.excitation = force_of(args.file)
         if args.excitation is not None:
             say(f"the force is at {args.excitation}, as the file states")
-    if args.band is None and band_needed:
-        reject("--band", "nothing", "--band LOW HIGH, in Hz", f"See 'antires {args.command} --help'.")
     from ..jobs.reading import read_signal
+    from ..signals.band import covered_hz
     from ..signals.repeats import one_source
 
     options = {
@@ -153,10 +157,18 @@ def measurement(args: argparse.Namespace, kind: str, *, band_needed: bool = True
                 "--excitation DOF, where the force acts",
                 f"The file has the channels {_some(signal.dofs)}.",
             )
+        if args.band is None and band_needed:
+            low, high = covered_hz(signal)
+            reject(
+                "--band",
+                "nothing",
+                "--band LOW HIGH, in Hz, where the curves are clean",
+                f"The data reach from {low:.4g} to {high:.4g} Hz; 'antires look' shows them without it.",
+            )
         # A channel that is left out still names the place of the force, which need not be recorded.
         named = options.get("dofs", {}).get(args.excitation, False)
         force = args.excitation if named is False else named
-        if force not in signal.dofs and args.excitation not in options.get("dofs", {}):
+        if not (hammer_roved or force in signal.dofs or args.excitation in options.get("dofs", {})):
             _warn_unmeasured(force, signal.dofs)
     return Measurement(signal, force, chosen)
 
@@ -185,14 +197,25 @@ def _of_one_kind(files: list[Path]) -> None:
 
 def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
     """The antiresonances do not depend on the name, so that a slip of the pen would pass in silence."""
-    from ..jobs.job import nearest
-
-    hint = nearest(str(force), map(str, dofs))
+    meant = _meant(force, dofs)
+    hint = "If it acts at one of them, write that name."
+    if meant is not None:
+        hint = f"Did you mean {meant!r}? Then write --excitation {shlex.quote(str(meant))}."
     warn(
         "force_not_measured",
         f"--excitation: {force!r} is none of the channels {_some(dofs)}, so that "
-        f"the place of the force cannot be tested.{' ' * bool(hint)}{hint}",
+        f"the place of the force cannot be tested. {hint}",
     )
+
+
+def _meant(force: Any, dofs: tuple[Any, ...]) -> Any:
+    """The channel that a name probably stands for: the only one with that number, else the most like it."""
+    for part in (slice(-1, None), slice(1)):  # chassis2[0], 0:+Z
+        same = [dof for dof in dofs if str(force) in re.findall(r"\d+", str(dof))[part]]
+        if len(same) == 1:
+            return same[0]
+    near = get_close_matches(str(force), names := [str(dof) for dof in dofs], 1, 0.7)
+    return dofs[names.index(near[0])] if near else None
 
 
 def _some(dofs: tuple[Any, ...]) -> str:

@@ -31,7 +31,7 @@ def hits_of(args: argparse.Namespace, kind: str, *, band_needed: bool = True) ->
     for file, place in zip(files, places, strict=True):
         one = argparse.Namespace(**{**vars(args), "file": file, "files": [file], "roving": None})
         one.excitation = place
-        given = measurement(one, kind, band_needed=band_needed)
+        given = measurement(one, kind, band_needed=band_needed, hammer_roved=True)
         if sensor not in given.signal.dofs and given.force != sensor:
             reject(
                 "--roving",

@@ -16,6 +16,7 @@ from ..series.series import Series
 from ..series.store import LastingStore
 from ..support.validation import reject
 from .arrivals import Arrivals
+from .terminal import arguments, existing
 from .told import Told
 
 __all__ = ["watch"]
@@ -27,7 +28,11 @@ def watch(args: argparse.Namespace) -> int:
         reject("FOLDER", repr(str(args.folder)), "a folder that exists", "Make it first.")
     if args.conditions is not None and not args.conditions.is_file():
         reject("--conditions", repr(str(args.conditions)), "a file that exists", "Correct its name.")
-    assessor = None if args.assessor is None else Assessor.load(args.assessor)
+    assessor = None
+    if args.assessor is not None:
+        existing("--assessor", args.assessor, "Name the file that Assessor.save wrote.")
+        with arguments({"path": "--assessor"}):
+            assessor = Assessor.load(args.assessor)
     args.out.mkdir(parents=True, exist_ok=True)
     beside = (args.out,) if args.conditions is None else (args.out, args.conditions)
     arrivals = Arrivals(args.folder, beside)

@@ -120,7 +120,8 @@ def identify_antiresonances(
         A named set of the options formulation, max_order, freq_tol to min_dominance and persistent, see
         :mod:`~antires_rs.order_sweep.presets`. What is given beside it wins.
     max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
-        As for :func:`~antires_rs.stabilization`, or as the preset says. With few lines in the band the
+        As for :func:`~antires_rs.stabilization`, or as the preset says. Without ``max_order`` the fit of all
+        numerators goes 36 orders beyond the likeliest, up to 200. With few lines in the band the
         highest order is lowered to two thirds of their number. Fits over windows know ``freq_tol``,
         ``max_damping`` and orders up to 16; the others belong to the sweep over orders.
     persistent : bool, optional

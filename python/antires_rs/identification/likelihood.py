@@ -36,6 +36,9 @@ KNEE = 2.0
 BELOW, ABOVE = 4, 16
 # The last fit has so many orders above the likeliest: what is there stays over them, what is noise does not.
 HIGHER = 36
+# The first look goes up to this order, and twice as far while the likeliest is above this share of it: with
+# orders too low for the modes, the criterion has local minima anywhere.
+FIRST_LOOK, HIGH = 60, 0.6
 # So many lines tell the weights and the order as well as all of them.
 ENOUGH_LINES = 1200
 # A line at which all numerators nearly vanish must not get all the weight there is.
@@ -69,6 +72,7 @@ def likeliest(
 ) -> Likeliest:
     """Iterate weights and order until they stand, or so many times.
 
+    ``max_order`` is the highest order of all: whatever the likeliest is, none above it is fitted.
     ``covariance`` gives the covariances of a slice of the lines, (n_lines, n, n). ``cap`` bounds the
     signal-to-noise power a line may count with; ``independent`` is the number of independent lines over the
     number of lines. ``start`` is the order of an earlier fit and the squared norm of its numerators there.
@@ -83,15 +87,16 @@ def likeliest(
     some = slice(step // 2, None, step)
     data = 2.0 * (n - 1) * len(freq_hz[some]) * min(1.0, independent * step)
     seen = covariance(some)
-    orders = np.arange(LEAST_ORDER, max_order + 1, 2)
+    orders = np.arange(LEAST_ORDER, min(max_order, FIRST_LOOK) + 1, 2)
     size = np.ones(freq_hz.size)
+    looking = start is None
     if start is not None:
         orders = np.arange(max(start[0] - BELOW, LEAST_ORDER), min(start[0] + ABOVE, max_order) + 1)
         size = np.maximum(start[1], LEAST_SIZE * start[1].max())
     best: tuple[float, int, FloatArray] = (np.inf, 0, size)
     last = (-1, -1)
     before = np.inf
-    for _ in range(iterations):
+    while iterations > 0:
         weights = (capped / size)[some]
         fit = NumeratorFit(freq_hz[some], seen.__getitem__, largest[some], weights, int(orders[-1]))
         solutions = fit.likeliest(*orders.tolist())
@@ -102,12 +107,18 @@ def likeliest(
         pick = int(np.argmin(criterion))
         if criterion[pick] < best[0]:
             best = (float(criterion[pick]), int(orders[pick]), size)
+        if looking and orders[pick] > HIGH * orders[-1] and orders[-1] + 1 < max_order:
+            orders = np.arange(LEAST_ORDER, min(2 * int(orders[-1]), max_order) + 1, 2)
+            continue
+        looking, iterations = False, iterations - 1
         # The knee first, since spurious factors distort the weights; when it stands, the order itself.
         first = int(np.argmax(q <= KNEE * q.min()))
         stands = (int(orders[first]), int(orders[pick])) == last
-        source = pick if stands else first
+        # Many modes: higher orders have not been looked at yet.
+        top = pick == orders.size - 1 and FIRST_LOOK <= orders[-1] < max_order
+        source = pick if stands or top else first
         last = (int(orders[first]), int(orders[pick]))
-        if stands and abs(criterion[pick] - before) <= SETTLED * data:
+        if stands and not top and abs(criterion[pick] - before) <= SETTLED * data:
             break
         before = float(criterion[pick])
         middle = int(orders[source])

@@ -132,6 +132,8 @@ class NumeratorFit:
 
     def likeliest(self, *orders: int) -> list[FloatArray]:
         """Coefficients (order + 1, n) of least misfit for their norm, of every order."""
+        if not orders:
+            return []
         sizes = self.n * (np.array(orders) + 1)
         # One column an order: where a column is zero at the end, the whole factor is the leading block's.
         beyond = np.arange(sizes.max())[:, None] >= sizes

@@ -72,6 +72,12 @@ class IdentificationOptions:
         """Lowest and highest order."""
         return self.min_order, self.max_order
 
+    @property
+    def most(self) -> int:
+        """No order above it is fitted: the highest order where one was named, else what is allowed at all."""
+        free = "max_order" not in self.given and self.max_order == DEFAULTS["max_order"]
+        return HIGHEST_ORDER if free else self.max_order
+
     def checked(self) -> IdentificationOptions:
         """The same options, or an error that names the bad one."""
         choice("route", self.route, ROUTES)

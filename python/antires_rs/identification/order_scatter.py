@@ -13,7 +13,7 @@ import numpy as np
 from ..support.validation import ComplexArray, FloatArray
 from .likelihood import Likeliest
 
-__all__ = ["next_orders", "order_scatter"]
+__all__ = ["ABOVE", "next_orders", "order_scatter"]
 
 #: Orders above the likeliest that are compared with it.
 ABOVE = (1, 2, 3, 4)

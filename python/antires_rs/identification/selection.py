@@ -47,11 +47,12 @@ from ..order_sweep.table import ResponseTable
 from ..order_sweep.windows import Window
 from ..support.progress import step
 from ..support.validation import ComplexArray, FloatArray
+from ..support.warned import warn
 from .likelihood import Likeliest, likeliest
 from .lines import SNR_CAP, Lines
 from .numerators import NumeratorSweep
 from .options import IdentificationOptions
-from .order_scatter import next_orders, order_scatter
+from .order_scatter import ABOVE, next_orders, order_scatter
 from .uncertainty import Influence
 
 
@@ -60,8 +61,10 @@ def select(
 ) -> list[StabilizationDiagram]:
     """One diagram for each of the first ``n_responses`` rows of ``lines``."""
     rule, keep_common = replace(options.rule, both_sides=True), options.keep_common
-    orders = rule.orders(options.orders, lines.freq_hz.size)
+    orders = rule.orders((options.min_order, options.most), lines.freq_hz.size)
     best = likeliest(lines.freq_hz, lines.covariance, SNR_CAP, lines.independent, orders[-1])
+    if len(next_orders(best)) < len(ABOVE):
+        _warn_highest(best, window.report_hz, named=best.fit.max_order == options.max_order)
     orders = range(orders[0], best.fit.max_order + 1)
     influence = Influence(best.fit, best.coefficients, best.misfit, lines.by_test())
     # The force, if it is there, has the poles for zeros: only where there is no second response may it say
@@ -105,6 +108,17 @@ def select(
         accepted = scored(zeros.take(keep), lines.freq_hz, background, quotients, fitted)
         diagrams.append(replace(one, accepted=accepted))
     return diagrams
+
+
+def _warn_highest(best: Likeliest, band_hz: tuple[float, float], *, named: bool) -> None:
+    """There are hardly any orders above the likeliest, which may be beyond them."""
+    remedy = "Leave max_order out, or raise it" if named else "Narrow the band, or record longer"
+    warn(
+        "highest_order",
+        f"identify_antiresonances: from {band_hz[0]:.4g} to {band_hz[1]:.4g} Hz the likeliest order, "
+        f"{best.order}, is hardly below the highest that is fitted, {best.fit.max_order}; antiresonances may "
+        f"be missing or wrong. {remedy}.",
+    )
 
 
 def _candidates(

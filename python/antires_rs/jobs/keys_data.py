@@ -169,8 +169,8 @@ IDENTIFICATION = Section(
         Key(
             "max_order",
             "whole",
-            "Highest order of the stabilization diagram; of fits over windows 16 at most.",
-            "60",
+            "Highest order of the stabilization diagram; by default as the data want. Of fits over windows "
+            "16 at most.",
         ),
         Key(
             "freq_tol",

@@ -19,8 +19,13 @@ _PART = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')"""
 _DOTTED = re.compile(rf"(?:^|[{{,])[ \t\[]*(?:{_PART}[ \t]*\.[ \t]*){{{_DEEPEST}}}", re.MULTILINE)
 #: Lines that a statement may take.
 _LONGEST = 200
-#: Brackets; and what may hold some that do not count: texts and comments.
-_BRACKETS = re.compile(r"""[\[\]{}]|"[^"\n]*"|'[^'\n]*'|#[^\n]*""")
+_BRACKET = re.compile(r"[\[\]{}]")
+#: What may hold dots and brackets that do not count: texts of several lines, texts, comments. One without its
+#: end goes to that of the line, or of the file, which keeps the search linear.
+_SAID = re.compile(
+    r""""{3}(?:\\.|[^\\])*?(?:"{3}|\Z)|'{3}.*?(?:'{3}|\Z)|"(?:\\[^\n]|[^"\\\n])*"?|'[^'\n]*'?|\#[^\n]*""",
+    re.DOTALL,
+)
 
 
 def parsed(name: str, text: str) -> dict[str, Any]:
@@ -58,7 +63,8 @@ def parsed(name: str, text: str) -> dict[str, Any]:
 
 def _plain(name: str, text: str) -> None:
     """Refuse nesting that no job has, before it is parsed: time and depth grow with it without bound."""
-    for found, what in ((_DOTTED.search(text), "a key of many parts"), (_deep(text), "brackets in brackets")):
+    bare = _SAID.sub(_blank, text)
+    for found, what in ((_DOTTED.search(bare), "a key of many parts"), (_deep(bare), "brackets in brackets")):
         if found is not None:
             at = found if isinstance(found, int) else found.start()
             raise InvalidInputError(
@@ -69,10 +75,18 @@ def _plain(name: str, text: str) -> None:
             )
 
 
+def _blank(said: re.Match[str]) -> str:
+    """As many letters on as many lines, so that places stay; quotes too: a text may be a part of a key."""
+    text = said[0]
+    if text[0] == "#" or "\n" in text:
+        return "".join(c if c == "\n" else " " for c in text)
+    return f"{text[0]}{'x' * (len(text) - 2)}{text[-1]}"
+
+
 def _deep(text: str) -> int | None:
-    """Where brackets outside of texts are deeper than allowed; None if nowhere."""
+    """Where brackets are deeper than allowed; None if nowhere."""
     depth = 0
-    for found in _BRACKETS.finditer(text):
+    for found in _BRACKET.finditer(text):
         sign = found[0]
         depth = depth + 1 if sign in ("[", "{") else max(depth - 1, 0) if sign in ("]", "}") else depth
         if depth > _DEEPEST:

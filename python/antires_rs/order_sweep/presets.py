@@ -15,6 +15,9 @@ min_share       0.5            0.5             0.8          0.3
 min_depth_db    3.0            3.0             6.0          2.0
 ==============  =============  ==============  ===========  ===========
 
+The highest order of the fit of all numerators ("auto" of averaged records) is no number unless one is given:
+36 above the likeliest, which the data tell, up to 200.
+
 "paper" is the identification of V. Meruane, J. Sound Vib. 332 (2013) 807-820: the absolute value of Eq. 10,
 here its square, fitted by rational functions of f^2 (:mod:`~antires_rs.identification.formulations`), and
 values that are stable within 1 % and 5 % in more than 10 consecutive orders, with no other test; the kinks of

@@ -80,10 +80,20 @@ def picture(
 
     figure = Figure(figsize=size_in, layout="constrained")
     draw(figure.subplots(rows, 1))
+    _names_as_they_are(figure)
     file = BytesIO()
     # Without the version of matplotlib in the file the same picture has the same bytes.
     figure.savefig(file, format="png", dpi=dpi, metadata={"Software": None})
     return file.getvalue()
+
+
+def _names_as_they_are(figure: Any) -> None:
+    """Names of channels and sections are no formulas, whatever dollars they have; those of axes stay."""
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):
+        if "$" in text.get_text() and "\\mathdefault" not in text.get_text():
+            text.set_parse_math(False)
 
 
 _offered: WeakKeyDictionary[Any, dict[str, Table]] = WeakKeyDictionary()
@@ -160,7 +170,9 @@ def text_width_pt(text: str, size_pt: float = 8.33) -> float:
     from matplotlib.textpath import TextPath
 
     return max(
-        float(TextPath((0.0, 0.0), line, size=size_pt).get_extents().width) if line.strip() else 0.0
+        float(TextPath((0.0, 0.0), line.replace("$", r"\$"), size=size_pt).get_extents().width)
+        if line.strip()
+        else 0.0
         for line in text.split("\n")
     )
 

@@ -28,7 +28,7 @@ from ..support.validation import reject
 from ..updating.results import UpdateResult
 from .facts import Facts, dof_name, of_model, of_search, of_set, of_signal
 from .figures import Drawings, drawings_of, fitting, largest, states
-from .live import library, script
+from .live import library, policy, script
 from .rows import damage_rows, frequency_rows, hypothesis_rows, parameter_rows
 
 if TYPE_CHECKING:
@@ -180,6 +180,7 @@ def write_report(
         left_out=left_out,
         library=library(),
         script=script(),
+        policy=policy(),
         warnings=list(warnings),
         model=of_model(problem.model),
         run=of_search(result) | _lines(origin or {}) | _versions(),

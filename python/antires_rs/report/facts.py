@@ -120,6 +120,8 @@ def of_identification(
         formulation = f"auto, here {chosen}"
     if chosen == "windows":
         max_order = min(max_order, HIGHEST_ORDER)
+    elif found.diagrams:
+        max_order = int(max(one.orders[-1] for one in found.diagrams.values()))
     for name in OF_SWEEP if chosen == "windows" else OF_WINDOWS:
         del rule[name]
     thresholds = [f"{name} {value}" for name, value in rule.items()]

@@ -19,7 +19,7 @@ from typing import Any
 
 from ..explore.canvas import item, script_files
 
-__all__ = ["library", "packed", "script", "there"]
+__all__ = ["library", "packed", "policy", "script", "there"]
 
 #: Where the data of a figure name one of its parts.
 _NAMES = ("id", "root_id")
@@ -65,7 +65,23 @@ def _text(figure: Any) -> str:
 @cache
 def library() -> str:
     """What draws the figures; empty where it is not installed."""
-    return _packed("\n".join(file.read_text(encoding="utf-8") for file in script_files())) if there() else ""
+    return _packed(_drawer()) if there() else ""
+
+
+def policy() -> str:
+    """What a browser lets the page do: run these two scripts, and load nothing."""
+    own = "'none'"
+    if there():
+        digests = [sha256(text.encode("utf-8")).digest() for text in (script(), _drawer())]
+        own = " ".join(f"'sha256-{b64encode(each).decode('ascii')}'" for each in digests)
+    return (
+        f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; "
+        "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'"
+    )
+
+
+def _drawer() -> str:
+    return "\n".join(file.read_text(encoding="utf-8") for file in script_files())
 
 
 @cache

@@ -17,7 +17,7 @@ from ..monitoring.printed import alarm_lines, fault_lines, rate_lines
 from ..plotting.canvas import picture
 from ..plotting.monitor import draw_monitor, panels, size_in
 from ..support.files import write_atomically
-from .live import library, packed, script
+from .live import library, packed, policy, script
 
 if TYPE_CHECKING:
     from ..monitoring.watched import Watched
@@ -56,6 +56,7 @@ def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None
         notes.append(f"failed, not judged: {len(watched.failed)} tests")
     page = f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy()}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Watch: {alarms} of {count} tests alarm</title><link rel="icon" href="data:,">
 <style>{_style()}</style></head><body>

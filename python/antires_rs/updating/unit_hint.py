@@ -64,6 +64,8 @@ _BETWEEN: tuple[tuple[float, str], ...] = (
 )
 #: Under a ratio values and roots agree so well, in ln f, and so many more of both have a partner.
 _NEAR, _SHARE, _BETTER = 0.06, 0.7, 1.3
+#: Nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for.
+_ORDINARY = 0.1
 #: Larger models take too long to be asked for all their roots.
 _MOST_DOFS = 600
 
@@ -77,8 +79,9 @@ def unit_hint(model: StructuralModel, measured: Lists) -> str:
     plain = _share(values, roots, 0.0)
     first = [values[key][0] - roots[key][0] for key in values if values[key].size and roots[key].size]
     guesses = [(ratio, why) for ratio, why in _RATIOS]
-    if first:
-        guesses.append((float(np.exp(np.median(first))), ""))
+    free = float(np.median(first)) if first else 0.0
+    if abs(free) >= _ORDINARY:
+        guesses.append((math.exp(free), ""))
     shares = [_share(values, roots, math.log(ratio)) for ratio, _ in guesses]
     best = int(np.argmax(shares))
     turned = {key: np.sort(-each - 2.0 * math.log(math.tau)) for key, each in roots.items()}

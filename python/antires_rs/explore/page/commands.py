@@ -18,6 +18,9 @@ from .view import Arguments
 
 __all__ = ["SetView"]
 
+#: No number of a response, an edit or an order is larger.
+MOST = 1_000_000
+
 
 class SetView:
     """The page of a set."""
@@ -101,15 +104,18 @@ class SetView:
 
 def _number(a: Arguments, name: str) -> float:
     value = a.get(name)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        reject(name, value, "a finite number", "Type a number.")
-    return float(value)
+    try:
+        if not isinstance(value, bool) and isinstance(value, int | float) and math.isfinite(value):
+            return float(value)
+    except OverflowError:  # a whole number beyond all floats
+        value = "a number of hundreds of digits"
+    reject(name, value, "a finite number", "Type a number.")
 
 
 def _whole(a: Arguments, name: str) -> int:
     value = a.get(name)
-    if isinstance(value, bool) or not isinstance(value, int):
-        reject(name, value, "a whole number", "Type a whole number.")
+    if isinstance(value, bool) or not isinstance(value, int) or abs(value) > MOST:
+        reject(name, value, f"a whole number of at most {MOST:,}", "Type a smaller one.")
     return value
 
 

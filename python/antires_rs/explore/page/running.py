@@ -53,8 +53,7 @@ class Page:
         """What is served, where it was not there when the page was opened: browsers are slow to begin too."""
         self._view = view
         self._warm()
-        if self._loop is not None and self._there is not None and self.running:
-            self._loop.call_soon_threadsafe(self._there.set)
+        self._tell(self._there)
 
     def _warm(self) -> None:
         """Make the first figure, with what has to be imported for it, while the browser begins."""
@@ -97,10 +96,14 @@ class Page:
 
     def stop(self) -> None:
         """End the server; pages that are open say so."""
-        loop, stopping = self._loop, self._stopping
-        if loop is not None and stopping is not None and self.running:
-            loop.call_soon_threadsafe(stopping.set)
+        self._tell(self._stopping)
         self._over.wait(2.0)
+
+    def _tell(self, event: asyncio.Event | None) -> None:
+        """Set an event in the thread of the server, unless that has ended."""
+        if self._loop is not None and event is not None:
+            with suppress(RuntimeError):  # it has
+                self._loop.call_soon_threadsafe(event.set)
 
     def keep_unsaved(self) -> Path | None:
         """Write edits that were not saved beside where they belong, so that closing loses nothing."""

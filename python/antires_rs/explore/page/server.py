@@ -126,7 +126,7 @@ def _guarded(guard: Guard) -> Any:
 
         def shown(self) -> int:
             text = self.get_query_argument("shown", "0")
-            if not text.isascii() or not text.isdecimal():
+            if not text.isascii() or not text.isdecimal() or len(text) > 9:
                 raise HTTPError(400, log_message="shown is a number")
             return int(text)
 
@@ -194,7 +194,7 @@ def _commands(base: Any, viewed: Viewed) -> Any:
             shown, view = self.shown(), await viewed()
             try:
                 sent = json.loads(self.request.body or b"{}")
-            except ValueError:
+            except (ValueError, RecursionError):
                 sent = None
             if not isinstance(sent, dict):
                 raise HTTPError(400, log_message="that is no JSON object")
