@@ -74,7 +74,7 @@ def test_another_program_reads_and_writes_our_universal_files(tmp_path, binary):
     np.testing.assert_allclose([s["data"] for s in sets], RECORD.responses, rtol=1e-11)
     assert all(s["id3"].startswith("antires_rs crc32") for s in sets)
     for s in sets:
-        s["data"] = 2.0 * s["data"]  # the line of the checksum is kept
+        s |= {"data": 2.0 * s["data"], "binary": 0}  # the line of the checksum is kept
     other = tmp_path / "b.uff"
     pyuff.UFF(str(other)).write_sets(sets, mode="add")
     assert b"antires_rs crc32" in other.read_bytes()

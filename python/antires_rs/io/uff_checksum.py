@@ -1,7 +1,7 @@
 """Checksums of the datasets 58 that we write, in their ID line 3, which other programs do not interpret.
 
-One is of the numbers, one of the header. Who edits the header, or writes the set anew with our ID lines in it,
-is believed: the checksum of the numbers counts only below a header that is as we wrote it.
+One is of the numbers, one of the header. Who edits the header, or writes the set anew with our ID lines in
+it, is believed: the checksum of the numbers counts only below a header that is as we wrote it.
 """
 
 from __future__ import annotations
