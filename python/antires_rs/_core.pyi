@@ -184,6 +184,7 @@ class PreparedTest:
         log_f: Sequence[float],
         std: Sequence[float],
         set: Sequence[int],
+        times: Sequence[float],
         band: tuple[float, float],
         common: float,
         errors: Sequence[tuple[float, float, float]],

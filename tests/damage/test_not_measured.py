@@ -43,6 +43,15 @@ def test_a_root_is_missed_once_in_each_test_of_its_response():
     assert associated(both, expected, band, np.full(2, 1e-3), 1.0)[2] == pytest.approx(3 * (missed + lost))
 
 
+def test_a_response_without_a_value_was_measured():
+    """Its roots were looked for and not found."""
+    band, expected = Band(0.0, 4.0), roots([0, 1], [1.0, 2.0])
+    values = [np.array([0]), np.array([1.0]), np.full(1, 1e-3), np.zeros(1, dtype=int)]
+    alone, looked = (Values(*values, asked=asked) for asked in (None, np.array([[0, 0], [1, 0]])))
+    prices = [associated(each, expected, band, np.full(2, 1e-3), 1.0)[2] for each in (alone, looked)]
+    assert prices[1] - prices[0] == pytest.approx(-np.log(0.03))
+
+
 @pytest.fixture(scope="module")
 def lacking():
     """An assessor, a test, and the same without what was measured at masses 1 to 4."""

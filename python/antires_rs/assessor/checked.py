@@ -43,7 +43,7 @@ def checked(search: QuickSearch, plan: Plan, best: Elements) -> list[str]:
         return []
     t, usual = plan.tables, float(np.median(search.now.std))
     inside = (t.all_log_f[t.identity] > search.band.low) & (t.all_log_f[t.identity] < search.band.high)
-    counted = t.seen & inside & np.isin(t.response, search.now.response)
+    counted = t.seen & inside & (search.now.times_measured(t.response) > 0.0)
     other, worst, slopes = False, 0.0, False
     for _ in range(_ROUNDS):
         before = search.u[best]

@@ -69,6 +69,7 @@ def values_of(
     """Values, notes on those that are left out, what the plan does not hold, and whether some lack a standard
     deviation."""
     rows: list[tuple[int, int, float, float]] = []
+    asked: list[tuple[int, int]] = []
     notes: list[str] = []
     strange: list[str] = []
     assumed = False
@@ -96,6 +97,7 @@ def values_of(
                 if len(table):
                     strange.append(f"the baseline does not have dof {label}")
                 continue
+            asked.append((number, nth))
             keep = np.ones(len(table), dtype=bool)
             if usual is not None:
                 series = partial(plan.complex.__getitem__, label)
@@ -116,5 +118,6 @@ def values_of(
         np.array(columns[2], dtype=np.float64),
         scatter * np.array(columns[3], dtype=np.float64),
         np.array(columns[0], dtype=np.intp),
+        asked=np.array(asked, dtype=np.intp),
     )
     return values, notes, strange, assumed

@@ -117,9 +117,10 @@ class QuickSearch:
         """The values, handed over."""
         now = self.now
         columns = (now.response.tolist(), now.log_f.tolist(), now.std.tolist(), now.test.tolist())
+        times = now.times_measured(np.arange(int(self.tables.tables.response.max(initial=-1)) + 1)).tolist()
         band = (self.band.low, self.band.high)
         return _core.PreparedTest(
-            self.tables.core, *columns, band, self.common, list(self.errors), self.outside
+            self.tables.core, *columns, times, band, self.common, list(self.errors), self.outside
         )
 
     @cached_property

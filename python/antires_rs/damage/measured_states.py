@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -44,13 +44,15 @@ Part = tuple[int, int, FloatArray, str | None, int]
 class Values:
     """Measured values of one state, (m,) each: response by number, ln f, relative std, number of the test.
 
-    They ascend within each response of each test.
+    They ascend within each response of each test. ``asked`` are response and test (k, 2) of all measured,
+    with or without a value; None for those that have one.
     """
 
     response: NDArray[np.intp]
     log_f: FloatArray
     std: FloatArray
     test: NDArray[np.intp]
+    asked: NDArray[np.intp] | None = field(default=None, kw_only=True)
 
     @property
     def size(self) -> int:
@@ -64,12 +66,12 @@ class Values:
 
     @cached_property
     def _times_measured(self) -> FloatArray:
-        """By response: in how many tests it has values."""
-        pairs = np.unique(np.stack([self.response, self.test]), axis=1)
-        return np.bincount(pairs[0]).astype(np.float64)
+        """By response: in how many tests it was measured."""
+        asked = np.stack([self.response, self.test], axis=1) if self.asked is None else self.asked
+        return np.bincount(np.unique(asked, axis=0)[:, 0]).astype(np.float64)
 
     def times_measured(self, response: NDArray[np.intp]) -> FloatArray:
-        """In how many tests each of some responses has values; what has none was not measured."""
+        """In how many tests each of some responses was measured."""
         times = np.zeros(max(int(response.max(initial=-1)) + 1, self._times_measured.size))
         times[: self._times_measured.size] = self._times_measured
         return times[response]
@@ -260,13 +262,15 @@ def _values(
 ) -> Values:
     """All values; of sets ``twice`` (later to earlier) those of the earlier one only."""
     rows: list[tuple[int, int, float, float]] = []
+    asked: list[tuple[int, int]] = []
     for nth, target in enumerate(targets):
         known = _columns(targets[twice[nth]]) if nth in twice else {}
-        for (dof, force, freq, _, _), std, single in zip(
-            target.parts, target.stds, target.single, strict=True
-        ):
+        parts = zip(target.parts, target.stds, target.single, strict=True)
+        for place, ((dof, force, freq, _, _), std, single) in enumerate(parts):
             if (dof, force) in known and known[dof, force][0].size:
                 continue
+            if place < len(target.dofs_of[0]):  # behind them come channels that are no responses
+                asked.append((numbers[dof, force], nth))
             least = ASSUMED_STD if single else LEAST_STD
             relative = np.where(np.isfinite(std), std / freq, ASSUMED_STD)
             rows += [
@@ -279,4 +283,5 @@ def _values(
         np.array([row[2] for row in rows], dtype=np.float64),
         np.array([row[3] for row in rows], dtype=np.float64),
         np.array([row[0] for row in rows], dtype=np.intp),
+        asked=np.array(asked, dtype=np.intp).reshape(-1, 2),
     )

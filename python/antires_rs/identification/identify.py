@@ -185,7 +185,8 @@ def identify_antiresonances(
     it is marked "likeliest order".
     Fits over windows accept a zero that makes a visible dip, see ``min_depth_db``; of curves whose noise is
     so low that 35 standard deviations make less, a dip of that depth is enough, but never less than 0.5 dB.
-    What they see and do not accept is ``.left_out`` of the set with the reason; peaks of the curve behind a
+    What they see and do not accept is ``.left_out`` of the set with the reason, such as a zero that the
+    resonance beside it all but cancels, which makes no dip; peaks of the curve behind a
     diagram that nothing explains are ``.unexplained_hz``.
     Deviations of a single test do not contain the scatter between tests: a clamp that is set again or a
     temperature moves antiresonances by more. Several records of one test tell it (``source`` as a list), and

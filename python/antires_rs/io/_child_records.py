@@ -69,6 +69,9 @@ def tdms(path: str, request: dict[str, Any]) -> Answer:
             if values.dtype.kind not in "biufc":
                 continue
             own = channel.properties
+            axis = f"{own.get('wf_xname', '')} {own.get('wf_xunit_string', '')}".lower()
+            if "frequency" in axis or axis.endswith("hz"):
+                raise Unfit(f"the channel {name!r} lies over frequency, not time")
             step = own.get("wf_increment")
             unit = own.get("unit_string") or own.get("NI_UnitDescription") or own.get("Unit") or ""
             made.append(
@@ -168,6 +171,8 @@ def number(name: str, value: Any) -> Any:
             raise Unfit(f"the column {name!r} has {value[:40]!r}, which is no number") from None
     if value is None:
         raise Unfit(f"the column {name!r} has empty cells")
+    if not isinstance(value, int | float | complex):
+        raise Unfit(f"the column {name!r} has {str(value)[:40]!r} among its numbers")
     return complex(value) if isinstance(value, complex) else float(value)
 
 
@@ -181,14 +186,18 @@ def parquet(path: str, request: dict[str, Any]) -> Answer:
         if len(names) > MOST_CHANNELS:
             raise Unfit(f"{len(names)} columns")
         table = file.read(columns=names)
+    index = [n for n in (table.schema.pandas_metadata or {}).get("index_columns", ()) if isinstance(n, str)]
     made = []
-    for each in table.schema:
+    for each in sorted(table.schema, key=lambda each: each.name not in index):  # pandas writes it last
         data = table.column(each.name)
         if data.null_count:
             raise Unfit(f"the column {each.name!r} has {data.null_count} empty cells")
         said = {key.decode(): text.decode() for key, text in (each.metadata or {}).items()}
         unit = said.get("unit") or said.get("units") or ""
         made.append(column(each.name, data.to_numpy(), unit))
+    instants = [each["name"] for each in made if "instants" in each]
+    if len(instants) > 1:
+        raise Unfit(f"{called(instants)} all hold instants: keep the one that is the time")
     return answer(made)
 
 
@@ -206,13 +215,16 @@ def excel(path: str, request: dict[str, Any]) -> Answer:
         raise Unfit(f"the sheets are {called(names)}")
     head: list[list[str]] = []
     rows: list[list[Any]] = []
-    cells = 0
+    cells = before = 0
     for row in sheet.iter_rows(values_only=True):
         values = list(row)
         while values and values[-1] is None:
             values.pop()
         if not values:
             continue
+        if not rows:  # a table may begin some columns to the right
+            before = next(i for i, v in enumerate(values) if v is not None)
+        values = values[before:]
         cells += len(values)
         if cells > MOST_CELLS or 64 * cells > request["most_bytes"]:
             raise MemoryError(f"more than {cells} cells")
@@ -224,17 +236,24 @@ def excel(path: str, request: dict[str, Any]) -> Answer:
             raise Unfit(f"row {len(rows) + 1} of numbers has {len(values)} columns, not {len(rows[0])}")
         rows.append(values)
     if not rows:
-        raise Unfit(f"the sheet {sheet.title!r} has no row of numbers")
+        raise Unfit(f"the sheet {sheet.title!r} has no row of numbers (the sheets are {called(names)})")
     made = []
     for i in range(len(rows[0])):
         each = [row[i] for row in rows]
         name = f"column {i + 1}"
         if all(isinstance(v, datetime.datetime) for v in each):
             made.append(column(name, np.array(each, dtype="datetime64[ns]")))
+        elif all(isinstance(v, datetime.time) for v in each):
+            made.append(column(name, np.array([of_day(v) for v in each], dtype="timedelta64[us]")))
         else:
             made.append(column(name, np.array(each, dtype=object)))
     arrays, texts, listed = answer(made)
     return arrays, {**texts, "head": json.dumps(head[-3:]), "sheets": json.dumps(names)}, listed
+
+
+def of_day(at: Any) -> int:
+    """Microseconds of a clock since midnight."""
+    return int(((at.hour * 60 + at.minute) * 60 + at.second) * 1_000_000 + at.microsecond)
 
 
 def complex_row(values: list[Any]) -> bool:

@@ -17,13 +17,15 @@ from .channels import Channel, Dofs, recording_of
 from .column_pairs import joined
 from .delimited_response import response_of, says_frequency
 from .delimited_text import Table
-from .units import abscissa_factor
+from .units import abscissa_factor, is_abscissa, parse_unit
 
 __all__ = ["signal_of_columns"]
 
 _TIME = ("time", "t", "time_s", "s", "seconds", "timestamp", "datetime", "date", "date/time", "x_value")
 #: What programs call the number of a row.
 _INDEX = ("", "index", "unnamed: 0", "sample", "samples", "no", "no.", "nr", "nr.", "#", "row", "point")
+#: First instants from which on they are in ns, us or ms since 1970.
+_SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 # Instants with few digits may differ so much from the rate that they were sampled at.
 _SAME_RATE = 1e-3
 
@@ -59,7 +61,7 @@ def signal_of_columns(
     hertz = first == "freq" or pairs is not None or says_frequency(table, names[0], units[0])
     names, units, columns = joined(file, names, units, columns, pairs, hertz)
     if first is None:
-        seconds = not hertz and (units[0].lower() == "s" or abscissa_factor(units[0]) != 1.0)
+        seconds = not hertz and is_abscissa(units[0])
         first = (
             "time"
             if (bool(table.names) and names[0].lower() in _TIME) or seconds
@@ -92,13 +94,13 @@ def signal_of_columns(
         )
     labels = [name if table.names and name else i - skip for i, name in enumerate(names)]
     if first == "freq":
-        lines = columns[0].real * abscissa_factor(units[0])
+        lines = columns[0].real * _into_si(file, names[0], units[0])
         return response_of(file, lines, columns[1:], labels[1:], units[1:], dofs, unit, kind, reference)
     if any(np.iscomplexobj(c) for c in columns):
         unsuitable(
             file, "with complex columns over time", "real ones", Wording("Pass {}.", Passed("first", "freq"))
         )
-    instants = columns[0] * abscissa_factor(units[0]) if first == "time" else None
+    instants = columns[0] * _into_si(file, names[0], units[0], columns[0]) if first == "time" else None
     if instants is not None and fs_hz is None:
         rate = rate_of(file, instants, digits=digits)
     else:
@@ -110,6 +112,24 @@ def signal_of_columns(
         for name, values, its in zip(labels[skip:], columns[skip:], units[skip:], strict=True)
     ]
     return recording_of(file, channels, rate, dofs=dofs, force=force, unit=unit)
+
+
+def _into_si(file: Path, name: str, unit: str, instants: Any = None) -> float:
+    """Factor of the first column into s or Hz; a unit that is not known would move every frequency."""
+    text = unit.strip()
+    if is_abscissa(text):
+        return abscissa_factor(text)
+    known = parse_unit(text)
+    if known is None or known.quantity:
+        unsuitable(
+            file,
+            f"whose first column, {name!r}, is in {text!r}",
+            "a unit of time or frequency: s, ms, us, min, h, Hz, kHz, rad/s",
+            "Correct the unit in the header.",
+        )
+    # Seconds since 1970 stay below 1e11 for 3,000 years, so that larger ones are in a smaller unit.
+    largest = 0.0 if instants is None else float(np.abs(instants[0]))
+    return next((factor for least, factor in _SINCE_1970 if largest >= least), 1.0)
 
 
 def _counts(values: Any) -> bool:

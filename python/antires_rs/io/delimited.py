@@ -51,10 +51,11 @@ def read_csv(
     path : path-like
         Separated by commas, semicolons, tabs or spaces; lines beginning with # or % are comments. The last of
         a few lines of text before the numbers names the columns, ``tip [g]``; a line of units may follow it.
-        Time may be in ms, us or min too, or instants such as ``2026-05-04 12:30:00.001``; frequency in kHz. A
-        first column that counts the rows is left out. Complex columns are ``1.5-0.2j`` (or i), or pairs
-        ``re(tip)``, ``im(tip)``; ``Real``, ``Imaginary``; or, over frequency, ``Magnitude [g/N]`` (``[dB]``),
-        ``Phase [deg]`` (``[rad]``).
+        Time may be in ms, us, min or h too, in ms, us or ns since 1970, or instants such as
+        ``2026-05-04 12:30:00.001``; frequency in kHz. A first column that counts the rows is left out.
+        Complex columns are ``1.5-0.2j`` (or i), or pairs ``re(tip)``, ``im(tip)``; ``Real``, ``Imaginary``;
+        or, over frequency, ``Magnitude [g/N]`` (``[dB]``), ``Phase [deg]`` (``[rad]``). UTF-8, UTF-16 or
+        Latin-1.
     first : {"time", "freq", "channel"}, optional
         What the first column is. By default its name tells, and complex columns lie over frequency.
     fs_hz : float, optional

@@ -17,7 +17,7 @@ from ..support.wording import Passed, Wording
 from ._common import unsuitable
 from .column_pairs import is_part_unit, part_of
 from .instants import without_count, without_instants
-from .units import abscissa_factor, parse_unit
+from .units import is_abscissa, parse_unit
 
 __all__ = ["MARK", "Table", "named", "table_of"]
 
@@ -68,10 +68,7 @@ class Table:
 
 def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     """Comments, names and numbers; a last row that is cut is left out and told of."""
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        text = file.read_text(encoding="latin-1")
+    text = _decoded(file)
     if "\x00" in text:
         unsuitable(
             file, "with bytes that are no text", "a text file", "Export it as text: numbers in columns."
@@ -81,10 +78,12 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     if text.startswith(MARK):
         _header(file, lines, table)
     body = [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENT)]
-    trailing = delimiter is None and len(body) > 1 and all(line.rstrip()[-1] in ",;" for line in body[:-1])
-    if trailing:  # some programs end every row with a delimiter
-        whole = body[-1].rstrip()[-1] in ",;"
-        body = [line.rstrip()[:-1] for line in body[:-1]] + [body[-1].rstrip()[:-1] if whole else body[-1]]
+    trailing = (
+        delimiter is None and len(body) > 1 and all(map(_trails, body[len(body) // 2 : -1] or body[:1]))
+    )
+    if trailing:  # some programs end every row with a delimiter, and with it the names or not
+        whole = _trails(body[-1])
+        body = [line.rstrip()[:-1] if _trails(line) else line for line in body]
         ended, trailing = ended and whole, not whole
     between = delimiter if delimiter is not None else _delimiter(body)
     body, instants = without_instants(file, without_count(body, between), between)
@@ -93,7 +92,7 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     if start == len(body):
         unsuitable(
             file,
-            "without a row of numbers",
+            f"without a row of numbers{_first_odd(body, between, point)}",
             "columns of numbers",
             Wording("Name the {} and {}.", Passed("delimiter"), Passed("decimal")),
         )
@@ -136,11 +135,12 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
     for i, row in enumerate(rows):
         got = len(_split(row, between))
         if got != width:
+            missing = ", ".join(map(repr, table.names[got : got + 5]))
             unsuitable(
                 file,
-                f"whose row {i + 1} has {got} columns",
-                f"{width}, as the first row",
-                "It was cut or damaged.",
+                f"whose row {i + 1} of numbers, {row.strip()[:60]!r}, has {got} columns",
+                f"{width}, as the first row" + (f", with {missing}" if missing else ""),
+                "It was cut or damaged: complete or remove that row.",
             )
     if not rows:
         table.values = np.empty((0, width))
@@ -210,12 +210,34 @@ def _header(file: Path, lines: list[str], table: Table) -> None:
 
 
 def _delimiter(body: list[str]) -> str | None:
-    """The sign that splits the last whole line of numbers; None for spaces."""
-    sample = body[len(body) // 2] if body else ""
-    for sign in ("\t", ";"):
-        if sign in sample:
-            return sign
-    return "," if "," in sample else None
+    """The sign that splits most lines in the middle of the file; None for spaces."""
+    middle = len(body) // 2
+    sample = body[max(middle - 2, 0) : middle + 3]  # one of them may be damaged
+    often = (sign for sign in ("\t", ";", ",") if 2 * sum(sign in line for line in sample) > len(sample))
+    return next(often, None)
+
+
+def _decoded(file: Path) -> str:
+    """The text: UTF-8, UTF-16 by its mark (Excel's "Unicode text"), or else Latin-1."""
+    raw = file.read_bytes()
+    names = ("utf-16",) if raw.startswith((b"\xff\xfe", b"\xfe\xff")) else ("utf-8-sig",)
+    for name in (*names, "latin-1"):
+        try:
+            return raw.decode(name).replace("\r\n", "\n").replace("\r", "\n")
+        except UnicodeDecodeError:
+            continue
+    raise AssertionError("Latin-1 has every byte")
+
+
+def _trails(line: str) -> bool:
+    return line.rstrip()[-1] in ",;"
+
+
+def _first_odd(body: list[str], between: str | None, point: str) -> str:
+    """The field that is no number in the middle of the file, for an error."""
+    line = body[len(body) // 2] if body else ""
+    odd = next((part for part in _split(line, between) if not _numeric(part, None, point)), "")
+    return f": {odd.strip()[:40]!r} in {line.strip()[:60]!r} is none" if odd.strip() else ""
 
 
 def _decimal_commas(body: list[str], between: str | None) -> bool:
@@ -264,9 +286,9 @@ def named(table: Table, rows: list[list[str]]) -> None:
     if (
         second
         and len(second) == len(names)
-        and all(
-            parse_unit(part) is not None or _bare(part).lower() in ("s", "hz") or abscissa_factor(part) != 1.0
-            for part in names
+        and (
+            is_abscissa(names[0])  # the others may be in V or in units that are not known
+            or all(parse_unit(part) is not None or is_abscissa(part) for part in names)
         )
     ):
         table.names, table.units = second, [_bare(part) for part in names]

@@ -47,7 +47,7 @@ def read_excel(
     sheet : str, optional
         By default the first.
     first, fs_hz, dofs, force, unit, kind, reference, pairs, freq_hz, df_hz
-        As in :func:`read_csv`. Days and times in the first column are the time.
+        As in :func:`read_csv`. Days and times, or those of a clock, in the first column are the time.
     time_limit_s, memory_limit_gb : float
         Limits of the child process that reads (the memory's where the system has such limits).
 
@@ -130,7 +130,7 @@ def read_parquet(
     path : path-like
         Columns are named ``tip [g]``, or have their unit in the field's metadata, ``unit``.
     first, fs_hz, dofs, force, unit, kind, reference, pairs, freq_hz, df_hz
-        As in :func:`read_csv`. Timestamps in the first or last column are the time.
+        As in :func:`read_csv`. The index of pandas comes first; a column of timestamps is the time.
     time_limit_s, memory_limit_gb : float
         Limits of the child process that reads (the memory's where the system has such limits).
 

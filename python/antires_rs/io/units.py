@@ -13,7 +13,15 @@ from typing import Any
 
 from ..support.validation import reject
 
-__all__ = ["STANDARD_GRAVITY", "Unit", "abscissa_factor", "is_frequency", "named_unit", "parse_unit"]
+__all__ = [
+    "STANDARD_GRAVITY",
+    "Unit",
+    "abscissa_factor",
+    "is_abscissa",
+    "is_frequency",
+    "named_unit",
+    "parse_unit",
+]
 
 #: m/s2 in one g, by definition (3rd CGPM, 1901).
 STANDARD_GRAVITY = 9.80665
@@ -37,15 +45,16 @@ _SI = {
     "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": INCH, "ft": 12.0 * INCH},
     "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": POUND_FORCE, "kgf": STANDARD_GRAVITY},
 }
-#: Names of other units than s and Hz of time and frequency, in small letters.
+#: Units of time and frequency, in small letters.
 _ABSCISSA = {
-    "ms": 1e-3,
-    "msec": 1e-3,
-    "us": 1e-6,
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "hz", "hertz", "1/s"), 1.0),
+    **dict.fromkeys(("ms", "msec", "milliseconds"), 1e-3),
+    **dict.fromkeys(("us", "usec", "microseconds"), 1e-6),
     "ns": 1e-9,
-    "usec": 1e-6,
-    "min": 60.0,
+    **dict.fromkeys(("min", "minutes"), 60.0),
+    **dict.fromkeys(("h", "hr", "hours"), 3600.0),
     "khz": 1e3,
+    **dict.fromkeys(("rpm", "cpm", "1/min"), 1.0 / 60.0),
     **dict.fromkeys(("rad/s", "rad/sec"), 0.5 / math.pi),
 }
 _INVERSE = re.compile(r"^\(?1/(\w+)\)?[*.](.+)$")
@@ -107,9 +116,14 @@ def abscissa_factor(text: str) -> float:
     return _ABSCISSA.get(_plain(text).lower(), 1.0)
 
 
+def is_abscissa(text: str) -> bool:
+    """Whether the name is that of a unit of time or frequency."""
+    return _plain(text).lower() in _ABSCISSA
+
+
 def is_frequency(text: str) -> bool:
     """Whether the name is that of a unit of frequency."""
-    return _plain(text).lower() in ("hz", "khz", "rad/s", "rad/sec")
+    return _plain(text).lower() in ("hz", "hertz", "khz", "rad/s", "rad/sec")
 
 
 def _plain(text: str) -> str:

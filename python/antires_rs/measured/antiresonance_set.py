@@ -18,7 +18,7 @@ from . import set_file
 from .edits import Edit, described, marked
 from .evidence import CrossCheck, DataCheck
 from .evidence_tables import EvidenceTables
-from .printed import rows_printed
+from .printed import left_out_printed, rows_printed
 from .sight import Sees, channels_of, checked_sees, moved_channels
 from .tables import frequencies_hz, label, tables_of
 
@@ -222,10 +222,10 @@ class AntiresonanceSet(EvidenceTables):
         if self._data_check is not None:
             lines += [f"do not trust: {f.text}" for f in self._data_check.findings if f.severity == "fatal"]
         lines += rows_printed(self.tables, self._cross_check)
-        for name, found in (("left_out", self.left_out), ("unexplained_hz", self.unexplained_hz)):
-            count = sum(len(one) for one in found.values())
-            if count:
-                lines.append(f"{name.removesuffix('_hz').replace('_', ' ')}: {count}, see .{name}")
+        lines += left_out_printed(self.left_out)
+        unexplained = sum(len(one) for one in self.unexplained_hz.values())
+        if unexplained:
+            lines.append(f"unexplained: {unexplained}, see .unexplained_hz")
         if self.edits:
             lines.append(described(self.edits))
         return "\n".join(lines)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -12,7 +13,7 @@ from ..support.validation import FloatArray
 from .doubts import doubts_of
 from .layout import aligned, number
 
-__all__ = ["rows_printed"]
+__all__ = ["left_out_printed", "rows_printed"]
 
 # Decimals of frequencies without a deviation, and the most that are printed.
 PLAIN, MOST = 3, 6
@@ -58,6 +59,14 @@ def rows_printed(tables: Mapping[Any, ResponseTable], cross_check: Any = None) -
     return aligned(
         [head[k] for k in chosen], [[row[k] for k in chosen] for row in rows], left=("grade", "doubts")
     )
+
+
+def left_out_printed(left_out: Mapping[Any, ResponseTable]) -> list[str]:
+    """A line on what was seen and not accepted, with how many for which reason; none without any."""
+    count = sum(len(table) for table in left_out.values())
+    whys = Counter(str(why) for table in left_out.values() for why in table.scores.get("why", ()) if why)
+    reasons = "; ".join(f"{why}: {n}" for why, n in whys.most_common())
+    return [f"left out: {count}{f' ({reasons})' if reasons else ''}, see .left_out"] if count else []
 
 
 def _decimals(std: FloatArray) -> int:

@@ -6,7 +6,7 @@ use antires_core::prepared::nearest::{refined, scanned, variances};
 use antires_core::prepared::places::Places;
 use antires_core::prepared::settle::settled;
 use antires_core::prepared::tables::Tables;
-use antires_core::prepared::values::{Error, Test, times_measured};
+use antires_core::prepared::values::{Error, Test};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1,
     PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArray4,
@@ -210,6 +210,7 @@ impl PreparedTest {
         log_f: Vec<f64>,
         std: Vec<f64>,
         set: Vec<i64>,
+        times: Vec<f64>,
         band: (f64, f64),
         common: f64,
         errors: Vec<Error>,
@@ -217,11 +218,11 @@ impl PreparedTest {
     ) -> PyResult<Self> {
         let mut made = Self {
             tables,
-            times: times_measured(&response, &set),
             response,
             log_f,
             std,
             set,
+            times,
             band,
             common,
             errors,

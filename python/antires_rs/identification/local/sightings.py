@@ -34,7 +34,9 @@ class Sightings:
 
     ``row`` is that of the response, ``fit`` numbers the fits of all windows; ``std_hz`` and ``between_hz``
     (the scatter between tests, 0 for one) are NaN but for the likeliest order, ``own_depth_db`` where the
-    size of the responses is not known. Zeros without a dip have ``depth_db`` 0: they are for the diagram.
+    size of the responses is not known. Zeros without a dip have ``depth_db`` 0: they are for the diagram, and
+    ``apart_hz`` tells those beside a resonance from a pair that all responses share: how far the nearest zero
+    of that response lies which has none so near (NaN for one response).
     """
 
     row: NDArray[np.intp]
@@ -46,6 +48,7 @@ class Sightings:
     between_hz: FloatArray
     depth_db: FloatArray
     own_depth_db: FloatArray
+    apart_hz: FloatArray
 
     @classmethod
     def joined(cls, parts: list[Self]) -> Self:
@@ -85,7 +88,7 @@ def sightings_of(
         owner, dip = _owners(lines.freq_hz, s, at, others)
         moved = s + lines.added_decay_per_s
         freq = np.abs(moved) / (2 * np.pi)
-        table = np.full((9, s.size), np.nan)
+        table = np.full((10, s.size), np.nan)
         table[:3] = np.array([row, number, order])[:, None]
         table[3], table[4] = freq, -moved.real / np.abs(moved)
         table[7] = 0.0
@@ -96,6 +99,8 @@ def sightings_of(
             table[8] = 0.0
             seen = np.array([_own_depth(lines.freq_hz, own[row], int(at[k])) for k in dip])
             table[8, owner] = np.where(seen >= needed[dip], seen, 0.0)
+        if others:
+            table[9] = np.max([_nearest(s, other) for other in others], axis=0) / (2 * np.pi)
         columns.append(table[:, np.abs(table[4]) <= rule.max_damping])
     flat = np.concatenate(columns, axis=1)
     return Sightings(*flat[:3].astype(np.intp), *flat[3:])
@@ -153,6 +158,11 @@ def _owners(
                 found.setdefault(root, k)
                 break
     return np.array(list(found), dtype=np.intp), np.array(list(found.values()), dtype=np.intp)
+
+
+def _nearest(s: ComplexArray, others: ComplexArray) -> FloatArray:
+    """How far the nearest of others is from each root; infinity without any."""
+    return np.asarray(np.abs(s[:, None] - others).min(axis=1, initial=np.inf))
 
 
 def _cancels(s: complex, others: list[ComplexArray], least: float) -> bool:

@@ -70,10 +70,9 @@ def _diagram(
 ) -> StabilizationDiagram:
     """What the fits agree on, with all zeros by order."""
     rule = options.rule
-    dipped = seen.where(seen.depth_db > 0.0)
-    inside = np.stack([w.inside(lines.freq_hz, dipped.freq_hz) for w in of_fit], axis=1)
-    covers = np.stack([w.covers(lines.freq_hz, dipped.freq_hz) for w in of_fit], axis=1)
-    accepted, left_out = agreed(dipped, inside, covers, rule)
+    inside = np.stack([w.inside(lines.freq_hz, seen.freq_hz) for w in of_fit], axis=1)
+    covers = np.stack([w.covers(lines.freq_hz, seen.freq_hz) for w in of_fit], axis=1)
+    accepted, left_out = agreed(seen, inside, covers, rule)
     quotients = lines.quotients(row)[0]
     own = fitted[row]
     own = np.where(np.abs(own) > 0.0, own, 1e-300)

@@ -23,7 +23,7 @@ pub struct Test<'a> {
     pub std: &'a [f64],
     /// Number of the set, ascending.
     pub set: &'a [i64],
-    /// By response: in how many sets it has values, see [`times_measured`].
+    /// By response: in how many sets it was measured.
     pub times: &'a [f64],
     /// The band, ln f.
     pub low: f64,
@@ -33,23 +33,6 @@ pub struct Test<'a> {
     pub common: f64,
     /// At most [`SIDE`].
     pub errors: &'a [Error],
-}
-
-/// By response: in how many sets it has values; what has none was not measured there.
-#[must_use]
-pub fn times_measured(response: &[i64], set: &[i64]) -> Vec<f64> {
-    let mut pairs: Vec<_> = response.iter().zip(set).collect();
-    pairs.sort_unstable();
-    pairs.dedup();
-    let mut times = Vec::new();
-    for (&one, _) in pairs {
-        let one = usize::try_from(one).unwrap_or(0);
-        if times.len() <= one {
-            times.resize(one + 1, 0.0);
-        }
-        times[one] += 1.0;
-    }
-    times
 }
 
 impl Test<'_> {
@@ -81,16 +64,5 @@ impl Test<'_> {
         let found: f64 = if seen { FOUND } else { FOUND_ONCE };
         let inside = ((place - self.low).min(self.high - place) / EDGE).clamp(0.0, 1.0);
         (-inside * (1.0 - found).ln(), -inside * found.ln())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::times_measured;
-
-    #[test]
-    fn a_response_counts_once_in_each_set() {
-        let times = times_measured(&[0, 0, 2, 0, 3, 3], &[0, 0, 0, 1, 1, 1]);
-        assert_eq!(times, [2.0, 0.0, 1.0, 1.0]);
     }
 }
