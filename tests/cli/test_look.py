@@ -213,6 +213,8 @@ def test_identify_drops_and_adds(measured, capsys):
         (["--add", "0=x"], "DOF=HZ"),
         (["--add", "5"], "DOF=HZ"),
         (["--add", "0=-3"], "DOF=HZ"),
+        (["--add", "0=500"], "--add: got 500 Hz at dof 0; wanted a frequency from 0 to 12.5 Hz"),
+        (["--hit", "3"], "--hit: got it for one place"),
     ],
 )
 def test_edits_that_cannot_be_made_are_told(measured, capsys, given, said):

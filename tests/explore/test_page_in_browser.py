@@ -10,6 +10,7 @@ from tests.support.four_masses import BAND
 pytest.importorskip("bokeh", reason="the page needs bokeh")
 
 from antires_rs.explore.page.commands import SetView
+from antires_rs.explore.page.result_view import ResultView, Table
 from antires_rs.explore.page.running import Page
 from antires_rs.explore.page.session import Session
 
@@ -218,6 +219,23 @@ def test_with_long_names_nothing_is_wider_than_the_window(chromium, record):
         inner = "(s => s.scrollWidth - s.clientWidth)(document.querySelector('#values').parentElement)"
         assert page.evaluate(inner) == 0
         page.close()
+    served.stop()
+
+
+def test_tables_of_a_result_with_long_names_fit(chromium):
+    name = "Fahrzeug vorne links Querlenker Achse 7 Beschleunigung +Z [m/s^2]"
+    head = ("Response", "Force", "Measured, Hz", "Before, Hz", "Difference, %", "After, Hz", "Difference, %")
+    numbers = ["1354.211", "1495.920", "+10.46", "1354.213", "0.00"]
+    view = ResultView("long", ["Found."], [], [Table("Antiresonances", head, [[name, name, *numbers]] * 3)])
+    served = Page(view, ends_with_page=False)
+    served.start()
+    page = chromium.new_page(viewport={"width": 1400, "height": 900})
+    page.goto(served.url)
+    page.wait_for_selector("#tables td")
+    assert (
+        page.evaluate("(s => s.scrollWidth - s.clientWidth)(document.querySelector('#tables .scroll'))") == 0
+    )
+    page.close()
     served.stop()
 
 

@@ -107,3 +107,54 @@ def test_a_spectrum_in_tdms_is_no_record(tmp_path):
         file.write_segment([nptdms.ChannelObject("run", "tip", np.arange(3.0), properties=said)])
     with pytest.raises(ar.UnsuitableDataError, match="'tip' lies over frequency"):
         ar.read_tdms(tmp_path / "a.tdms")
+
+
+def mat(folder, **variables):
+    from scipy.io import savemat
+
+    savemat(folder / "a.mat", variables)
+    return ar.read_mat(folder / "a.mat")
+
+
+@pytest.mark.parametrize(
+    ("name", "said", "fs_hz"),
+    [("fs", "51.2 kHz", 51200.0), ("dt", "10 ms", 100.0), ("fs", "1,5 kHz", 1500.0), ("fs", "256 Hz", 256.0)],
+)
+def test_the_unit_behind_a_rate_counts(tmp_path, name, said, fs_hz):
+    assert mat(tmp_path, test={name: said, "unit": "g", "acc": np.arange(20.0)}).fs_hz == fs_hz
+
+
+@pytest.mark.parametrize("said", ["65,536", "100 furlongs"])
+def test_a_rate_that_may_be_read_in_two_ways_is_none(tmp_path, said):
+    with pytest.raises(ar.UnsuitableDataError, match="without a sampling rate"):
+        mat(tmp_path, test={"fs": said, "unit": "g", "acc": np.arange(20.0)})
+
+
+def test_kilohertz_of_pulse(tmp_path):
+    pytest.importorskip("scipy")
+    head = {"SignalName": "tip", "Unit": "m/s2"}
+    file = {"File_Header": {"SampleFrequency": "1.024 kHz"}, "Channel_1_Header": head}
+    assert mat(tmp_path, **file, Channel_1_Data=np.arange(20.0)).fs_hz == 1024.0
+
+
+def of_siemens(folder, label):
+    axis = {"start_value": 0.0, "increment": 0.5, "number_of_values": 20.0, "quantity": {"label": label}}
+    values = {"values": np.arange(20.0), "quantity": {"label": "g"}}
+    return mat(folder, S={"x_values": axis, "y_values": values, "function_record": {"name": "tip"}})
+
+
+def test_the_abscissa_of_testlab_has_a_unit(tmp_path):
+    assert of_siemens(tmp_path, "ms").fs_hz == 2000.0
+    with pytest.raises(ar.UnsuitableDataError, match="lies over 'deg'"):
+        of_siemens(tmp_path, "deg")
+
+
+def test_channels_of_dewesoft_that_begin_at_other_times(tmp_path):
+    time = np.arange(20.0) / 100
+    with pytest.raises(ar.UnsuitableDataError, match="channels that begin together"):
+        mat(tmp_path, Data1_a=time, Data1_time_a=time, Data1_b=time, Data1_time_b=time + 5.0)
+
+
+def test_spectra_of_dewesoft_are_no_records(tmp_path):
+    with pytest.raises(ar.AntiresError, match="complex values"):
+        mat(tmp_path, Data1_H=np.arange(20.0) + 1j, Sample_rate=100.0)

@@ -229,3 +229,40 @@ def test_files_of_ansys_name_the_package_they_need(tmp_path, monkeypatch):
     (tmp_path / "file.full").write_bytes(b"anything")
     with pytest.raises(ar.MissingDependencyError, match=r"antires-rs\[ansys\]"):
         ar.read_matrices(tmp_path / "file.full")
+
+
+READER = """
+import os, numpy as np
+from scipy.sparse import csr_matrix
+
+class Full:
+    def load_km(self, as_sparse, sort):
+        k = csr_matrix(np.array([[0.0, 0, 0], [0, 2, -1], [0, 0, 1]]))
+        return np.array([[1, 0], [2, 0], [2, 2]]), k, csr_matrix(np.diag([0.0, 3, 4]))
+
+def read_binary(path):
+    if b"damaged" in open(path, "rb").read():
+        os._exit(139)  # as a fault in compiled code ends a process
+    return Full()
+"""
+
+
+def test_the_compiled_reader_of_ansys_runs_in_a_child(tmp_path, monkeypatch):
+    """With a package of its name in its place, which ends the process as compiled code does."""
+    sys = __import__("sys")
+    for name in [each for each in sys.modules if each.split(".")[0] == "ansys"]:
+        monkeypatch.delitem(sys.modules, name)
+    (tmp_path / "ansys" / "mapdl" / "reader").mkdir(parents=True)
+    for part in ("ansys", "ansys/mapdl"):
+        (tmp_path / part / "__init__.py").write_text("")
+    (tmp_path / "ansys/mapdl/reader/__init__.py").write_text(READER)
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "file.full").write_bytes(b"anything")
+    model = ar.read_matrices(tmp_path / "file.full")
+    np.testing.assert_array_equal(model.stiffness().toarray(), [[2.0, -1.0], [-1.0, 1.0]])
+    np.testing.assert_array_equal(model.mass().toarray(), np.diag([3.0, 4.0]))
+    (tmp_path / "file.full").write_bytes(b"damaged")
+    with pytest.raises(ar.UnsuitableDataError, match="the reader ended with code 139"):
+        ar.read_matrices(tmp_path / "file.full")
+    for name in [each for each in sys.modules if each.split(".")[0] == "ansys"]:
+        del sys.modules[name]

@@ -26,7 +26,8 @@ def moved_left(data, width):
 
 def test_fields_to_the_left(tmp_path):
     file = ar.write_uff(tmp_path / "a.uff", RECORD, binary=False)
-    whole, plain = file.read_bytes(), ar.read_uff(file).responses
+    plain = ar.read_uff(file).responses
+    whole = file.read_bytes().replace(b"antires_rs crc32", b"another program ")
     moved = next(m for width in (13, 20) if (m := moved_left(whole, width)) != whole)
     file.write_bytes(moved)
     assert np.array_equal(ar.read_uff(file).responses, plain)

@@ -120,6 +120,9 @@ def measurement(
     args: argparse.Namespace, kind: str, *, band_needed: bool = True, hammer_roved: bool = False
 ) -> Measurement:
     """Read it; the force may be stated by the file itself, and need not be measured where it moved."""
+    if args.hit is not None and not hammer_roved:
+        wanted = "it beside --roving SENSOR, with a file for each hit"
+        reject("--hit", "it for one place of the force", wanted, "Name that place by --excitation.")
     if args.excitation is None and args.roving is not None:
         from ..io.uff_names import as_point, label_of
 

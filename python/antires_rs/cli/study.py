@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..support.validation import reject
 from .measurement import NAMES, edited, files_of, kind_of, measurement, refuse_beside
 from .terminal import arguments, existing, new_file, print_json, say
 
@@ -67,12 +68,24 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
     from ..identification.identify import identify_antiresonances
 
     given = measurement(args, kind)
+    _reached(args, given.signal)
     say(f"identifying the antiresonances of {len(given.signal.dofs)} responses")
     with arguments(NAMES):
         found = identify_antiresonances(
             given.signal, excitation=given.force, band_hz=args.band, **given.options
         )
     return edited(found, args)
+
+
+def _reached(args: argparse.Namespace, signal: Any) -> None:
+    """Refuse to add what the measurement cannot tell of."""
+    from ..signals.band import covered_hz
+
+    low, high = covered_hz(signal)
+    for dof, freq_hz, _ in args.add or ():
+        if not low <= freq_hz <= high:
+            wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
+            reject("--add", f"{freq_hz:g} Hz at dof {dof!r}", wanted, "Correct it.")
 
 
 def _diagrams(found: AntiresonanceSet, folder: Path, prefix: str) -> None:

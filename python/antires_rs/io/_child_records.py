@@ -266,4 +266,18 @@ def complex_row(values: list[Any]) -> bool:
     return any(not isinstance(value, str) for value in values)
 
 
-READERS = {"tdms": tdms, "wav": wav, "mseed": mseed, "parquet": parquet, "excel": excel}
+def full(path: str, request: dict[str, Any]) -> Answer:
+    """Stiffness and mass of ANSYS as entries, with node and direction of each row."""
+    import numpy as np
+    from ansys.mapdl.reader import read_binary
+
+    points, *matrices = read_binary(path).load_km(as_sparse=True, sort=False)
+    arrays = {"points": np.asarray(points, dtype=np.int64).reshape(-1, 2)}
+    for name, matrix in zip("KM", matrices, strict=True):
+        entries = matrix.tocoo()
+        arrays |= {f"{name}.row": entries.row, f"{name}.col": entries.col, f"{name}.data": entries.data}
+    room(sum(array.size for array in arrays.values()), request)
+    return arrays, {}, []
+
+
+READERS = {"full": full, "tdms": tdms, "wav": wav, "mseed": mseed, "parquet": parquet, "excel": excel}

@@ -22,8 +22,9 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.validation import choice
 from ._common import Signal, rate_of, refuse_real, unsuitable
 from .channels import Dofs, in_si, kept, renamed, unit_or_warning
+from .said import stated_number
 from .stated import Stated, stated_recording
-from .units import named_unit
+from .units import abscissa_factor, is_abscissa, is_frequency, named_unit
 
 __all__ = ["signal_of_analyser"]
 
@@ -80,8 +81,16 @@ def _of_testlab(
                 "a positive increment",
                 "Export it again; steps that are not even cannot be exported so.",
             )
-        over_freq = texts.get(f"{name}.x_values.quantity.label", "").strip().lower() == "hz"
-        over_freq = over_freq or bool(np.iscomplexobj(values))
+        axis = texts.get(f"{name}.x_values.quantity.label", "").strip()
+        if axis and not is_abscissa(axis):
+            unsuitable(
+                file,
+                f"whose {name} lies over {axis!r}",
+                "functions over time or frequency, in s or Hz",
+                "Export the time records or the FRFs.",
+            )
+        step, first = abscissa_factor(axis) * step, abscissa_factor(axis) * first
+        over_freq = is_frequency(axis) or bool(np.iscomplexobj(values))
         for i, row in enumerate(values):
             label = _text(texts, f"{name}.y_values.quantity", "label", i)
             factor = _factor(arrays, f"{name}.y_values.quantity", i)
@@ -138,11 +147,8 @@ def _response(
 
 def _of_pulse(arrays: Arrays, texts: Mapping[str, str]) -> list[Stated]:
     found = sorted((int(match[1]), name) for name in arrays if (match := _CHANNEL.match(name)))
-    rate = texts.get("File_Header.SampleFrequency", "").replace(",", ".").split()
-    try:
-        step = 1.0 / float(rate[0])
-    except (IndexError, ValueError, ZeroDivisionError):
-        step = None
+    rate = stated_number(texts.get("File_Header.SampleFrequency", ""))
+    step = 1.0 / rate if rate is not None and rate > 0.0 else None
     if step is None and (fs := _scalar(arrays, "File_Header.SampleFrequency")):
         step = 1.0 / fs
     channels = []
@@ -159,14 +165,17 @@ def _of_dewesoft(file: Path, arrays: Arrays) -> list[Stated]:
     rates = [name for name in arrays if name.lower().endswith("sample_rate") and arrays[name].size == 1]
     step = 1.0 / float(arrays[rates[0]].ravel()[0].real) if rates else None
     channels = []
+    if any(np.iscomplexobj(arrays[name]) for name, _ in found):
+        return []  # spectra, no records
     for name, title in found:
+        begun = 0.0
         own = arrays.get(name[: -len(title)] + "time_" + title)
         each = step
         if own is not None and own.size == arrays[name].size:
-            each = 1.0 / rate_of(file, np.float64(own).ravel())
+            each, begun = 1.0 / rate_of(file, np.float64(own).ravel()), float(own.ravel()[0])
         elif step is None:
             return []  # neither instants nor a rate: variables that happen to be called so
-        channels.append(Stated(title, np.float64(arrays[name]).ravel(), "", each))
+        channels.append(Stated(title, np.float64(arrays[name]).ravel(), "", each, "", begun))
     return channels
 
 

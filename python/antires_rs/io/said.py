@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from ._common import simplest_rate, unsuitable
-from .units import parse_unit
+from .units import abscissa_factor, is_abscissa, parse_unit
 
-__all__ = ["RATES", "STEPS", "UNITS", "Said"]
+__all__ = ["RATES", "STEPS", "UNITS", "Said", "stated_number"]
 
 RATES = frozenset(
     {
@@ -26,6 +26,8 @@ RATES = frozenset(
 STEPS = frozenset({"dt", "dt_s", "delta_t", "deltat", "wf_increment", "sample_interval", "sampling_interval"})
 UNITS = frozenset({"unit", "units", "unit_string", "y_unit", "yunit", "y_unit_label", "einheit"})
 _PART = re.compile(r"[./@]")
+_QUANTITY = re.compile(r"([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(.*)\Z")
+_THOUSANDS = re.compile(r"[1-9]\d{0,2}(?:,\d{3})+\Z")
 
 
 class Said:
@@ -56,7 +58,7 @@ class Said:
         found: dict[str, float] = {}
         for name in names:
             for key, value in self._of(name, RATES | STEPS):
-                number = _number(value)
+                number = stated_number(value)
                 if number is not None and number > 0.0:
                     step = _PART.split(key)[-1].lower() in STEPS
                     found[key] = simplest_rate((1 - 1e-12) / number, (1 + 1e-12) / number) if step else number
@@ -94,10 +96,19 @@ def _split(key: str) -> tuple[str, str, str]:
     return key[: places[-1]], key[places[-1]], key[places[-1] + 1 :]
 
 
-def _number(value: Any) -> float | None:
-    """A number, also as text with a decimal comma or a unit behind it."""
+def stated_number(value: Any) -> float | None:
+    """A number in Hz or s, also as text with a decimal comma or a unit behind it, ``51.2 kHz``.
+
+    None where it is no number, in a unit that is not known, or may have a comma between thousands.
+    """
+    factor = 1.0
+    if isinstance(value, str):
+        match = _QUANTITY.match(value.strip())
+        if match is None or _THOUSANDS.match(match[1]) or not (match[2] == "" or is_abscissa(match[2])):
+            return None
+        value, factor = match[1].replace(",", "."), abscissa_factor(match[2])
     try:
-        number = float(value.split()[0].replace(",", ".")) if isinstance(value, str) else float(value)
-    except (ValueError, IndexError, TypeError):
+        number = factor * float(value)
+    except (ValueError, TypeError):
         return None
     return number if math.isfinite(number) else None

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._common import missing_package, missing_part, unsuitable
+from .uff_checksum import checked
 from .uff_names import Point, label_of
 from .uff_scan import Dataset, plain_exponents, scan
 from .units import abscissa_factor
@@ -87,7 +88,7 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
     except ImportError as exc:
         raise missing_package(reader, "pyuff", "uff", exc) from exc
     data = file.read_bytes()
-    datasets = scan(data)
+    datasets = [checked(data, dataset) for dataset in scan(data)]
     if not datasets or all(d.number == 0 for d in datasets):
         unsuitable(
             file, "without a dataset between lines '    -1'", WANTED, "It is no universal file, or was cut."

@@ -19,6 +19,7 @@ from ..support.validation import reject
 from ..support.warned import warn
 from ._common import Signal, signal_given
 from ._packing import check_dofs
+from .uff_checksum import checksum_line
 from .uff_names import Point, as_point, label_of, points_of
 from .uff_sets import VERSION
 from .units import named_unit
@@ -74,7 +75,8 @@ def write_uff(
     Notes
     -----
     Numbers of the header have six digits; rate and frequencies are therefore repeated in full in ID line 4,
-    the dof in ID line 5 and the place among all sets in ID line 2, which :func:`read_uff` uses.
+    the dof in ID line 5 and the place among all sets in ID line 2, which :func:`read_uff` uses; ID line 3
+    has checksums, by which it notices damaged numbers as long as nobody has edited the header.
 
     Examples
     --------
@@ -239,9 +241,10 @@ def _block(fields: dict[str, Any], values: NDArray[Any], number: int, total: int
     if binary:  # little endian, IEEE 754, 11 lines of header
         identity += f"b{1:6d}{2:6d}{11:12d}{len(body):12d}{0:6d}{0:6d}{0:12d}{0:12d}"
     lines = [f"{-1:6d}", identity, *_header(fields, values.size, is_complex, number, total)]
+    body += b"\n" if binary else b""  # the marker is on a line of its own: text ends with one already
+    lines[4] = checksum_line(lines, body)
     head = "".join(f"{line:<80}\n" for line in lines)
-    # The marker is on a line of its own: text ends with one already.
-    return head.encode("ascii") + body + (b"\n" if binary else b"") + f"{-1:6d}\n".encode()
+    return head.encode("ascii") + body + f"{-1:6d}\n".encode()
 
 
 def _header(fields: dict[str, Any], points: int, is_complex: bool, number: int, total: int) -> list[str]:
