@@ -39,7 +39,7 @@ class Run:
 
     @property
     def ranked(self):
-        """(element, loss) of the damaged elements, the worst first, counted from 1."""
+        """(element, loss) of the damaged elements, the worst first."""
         found = [(element, loss) for element, loss in self.result.severity.items() if loss > 0]
         return sorted(found, key=lambda pair: -pair[1])
 

@@ -112,6 +112,7 @@ def picture(path, found):
     """Accuracy over the scatter of the wall: updating, and the loss found."""
     from matplotlib.figure import Figure
 
+    cracked = ar.cases.exhaust().cracked_element
     curve = [(options.get("wall_scatter", 0.005), found[name]) for name, options in ERRORS[:4]]
     percent = [100.0 * scatter for scatter, _ in curve]
     figure = Figure(figsize=(9, 3.6), layout="constrained")
@@ -123,12 +124,12 @@ def picture(path, found):
     for way, level, line in (("updated", 1, "C0o-"), ("baseline", 1, "C0s--"), ("updated", 2, "C1o-"),
                              ("baseline", 2, "C1s--")):  # fmt: skip
         shown = [
-            [100.0 * loss for a in each for element, loss in a.damages[way, level] if element == 31] or [0.0]
+            [100.0 * loss for a in each for e, loss in a.damages[way, level] if e == cracked] or [0.0]
             for _, each in curve
         ]
         right.plot(percent, [statistics.median(v) for v in shown], line, label=f"level {level}, {way}")
         right.axhline(100.0 * curve[0][1][0].losses[level], ls=":", color=line[:2])
-    right.set(xlabel="Scatter of the wall (%)", ylabel="Loss of element 30 (%)", ylim=(0, 100))
+    right.set(xlabel="Scatter of the wall (%)", ylabel=f"Loss of element {cracked} (%)", ylim=(0, 100))
     for ax in (left, right):
         ax.legend()
     figure.savefig(path, dpi=120)

@@ -225,3 +225,28 @@ def test_the_answer_reads_as_that_of_the_full_run(prepared):
     assert quick.probability_elsewhere == pytest.approx(full.probability_elsewhere, abs=0.02)
     assert quick.chi_square == pytest.approx(full.chi_square, rel=0.05)
     assert "spring 2" in str(quick)
+
+
+ALWAYS = ar.DamagePrior(nothing=0.0, one=0.86)
+THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=0.98, elsewhere=0.01, unknown=0.01)
+ONLY_THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=1.0, elsewhere=0.0, unknown=0.0)
+
+
+@pytest.mark.parametrize("prior", [ALWAYS, THREE], ids=["always damage", "three or none of ours"])
+def test_priors_that_exclude_the_usual(prepared, prior):
+    _, before, now = prepared
+    quick = ar.Assessor(NOMINAL, baseline=before, prior=prior, workers=1).assess(before)
+    rows = [one.elements for one in quick.hypotheses]
+    assert len(rows) == len(set(rows))
+    assert quick.assessment.probability_of_nothing == 0.0
+    full = ar.assess_damage(NOMINAL, before, baseline=before, prior=prior, workers=1)
+    assert rows[0] == full.hypotheses[0].elements
+
+
+def test_priors_that_allow_nothing_are_refused_as_by_a_full_run(prepared):
+    _, before, now = prepared
+    with pytest.raises(ar.exceptions.InvalidInputError, match="always damage"):
+        ar.Assessor(NOMINAL, baseline=before, prior=ALWAYS, false_alarm_rate=0.05, workers=1)
+    assessor = ar.Assessor(NOMINAL, baseline=before, prior=ONLY_THREE, workers=1)
+    with pytest.raises(ar.exceptions.InvalidInputError, match="allows none of the hypotheses"):
+        assessor.assess(before)

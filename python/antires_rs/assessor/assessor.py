@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..damage.candidates import checked_model, elements_of
+from ..damage.candidates import checked_model, checked_prior, elements_of
 from ..damage.inference import STD_COMMON
 from ..damage.prior import DamagePrior
 from ..damage.question import Question
@@ -109,10 +109,7 @@ class Assessor(ReadOnly):
             )
         chosen = elements_of(model, elements)
         UpdatingProblem(model, stiffness_reduction(chosen), before)  # speaks up where they do not fit
-        if prior is not None and not isinstance(prior, DamagePrior):
-            reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
-        if false_alarm_rate is not None:
-            finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.5, low_open=True)
+        believed = checked_prior(prior, false_alarm_rate)
         common = (
             STD_COMMON if std_common is None else finite_scalar("std_common", std_common, low=0.0, high=0.1)
         )
@@ -122,7 +119,7 @@ class Assessor(ReadOnly):
             before,
             tuple(reversed(first.values())),
             tuple(chosen),
-            prior or DamagePrior(),
+            believed,
             common,
             reduced=wanted_reduced(model, before[0], "auto"),
         )

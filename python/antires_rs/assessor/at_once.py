@@ -39,7 +39,7 @@ def assess_at_once(plan: Plan, sets: tuple[AntiresonanceSet, ...]) -> AssessedTe
     strange_of = {}
     while True:
         known = max(search.fits, key=lambda s: search.weights[s])
-        near = [s for s in search.fits if search.weights[s] > search.weights[known] - CLOSE]
+        near = [s for s in search.fits if search.weights[s] >= search.weights[known] - CLOSE]
         unknown = [s for s in sorted(near, key=lambda s: -search.weights[s])[:2] if s not in strange_of]
         if not unknown:
             break

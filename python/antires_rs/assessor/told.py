@@ -10,7 +10,7 @@ from ..damage.assessment import Assessment
 from ..damage.evidence import fitted
 from ..damage.hypotheses import UNKNOWN, Hypotheses, Hypothesis
 from ..damage.inference import note_of_shift
-from ..damage.posterior import together
+from ..damage.posterior import allowed, together
 from ..damage.search import Elements
 from ..measured.antiresonance_set import AntiresonanceSet
 from .plan import Plan
@@ -29,7 +29,7 @@ def weighed(search: QuickSearch) -> tuple[dict[Elements, float], float]:
     """Log of prior times evidence of all sets and of something else, and of their sum."""
     others = search.n - search.n_candidates
     weights = {**search.weights, UNKNOWN: search.something_else + search.prior.log_unknown(others)}
-    return weights, float(np.logaddexp.reduce(list(weights.values())))
+    return weights, allowed(float(np.logaddexp.reduce(list(weights.values()))))
 
 
 def declared_by(search: QuickSearch, plan: Plan, weights: dict[Elements, float]) -> Elements:
@@ -106,7 +106,7 @@ def _rows(
         if w > (least if s in search.fits or len(s) == 1 else clear) and s not in search.rough
     ]
     listed = sorted(listed, key=lambda s: -weights[s])[:_MOST]
-    listed += [s for s in ((), declared) if s not in listed]
+    listed = list(dict.fromkeys([*listed, (), declared]))
     rows = []
     for elements in listed:
         probability = min(float(np.exp(weights[elements] - total)), 1.0)

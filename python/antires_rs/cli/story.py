@@ -87,8 +87,8 @@ def tell(
     --------
     >>> from antires_rs.cli import story
     >>> told = story.tell(noise=0.0, max_evaluations=5000)
-    >>> [element + 1 for element in told.damage.damaged]
-    [5]
+    >>> told.damage.damaged
+    [4]
     """
     structure, first, second, *searches = np.random.default_rng(seed).spawn(6)
     case = cases.chain8(perturbation=PERTURBATION, rng=structure)

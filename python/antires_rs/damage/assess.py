@@ -20,7 +20,7 @@ from ..support.validation import finite_scalar, reject
 from ..updating.penalty import DamagePenalty
 from ..updating.problem import Measured, UpdatingProblem
 from ..updating.search import search
-from .candidates import checked_model, elements_of
+from .candidates import checked_model, checked_prior, elements_of
 from .inference import STD_COMMON, Inferred, infer
 from .prior import DamagePrior
 from .question import Question
@@ -147,19 +147,8 @@ def assess_damage(
         found, seed = search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
         return DamageResult(problem, found, seed)
     _without(of_search, "without a baseline")
-    if false_alarm_rate is not None:
-        finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.5, low_open=True)
+    believed = checked_prior(prior, false_alarm_rate)
     common = STD_COMMON if std_common is None else finite_scalar("std_common", std_common, low=0.0, high=0.1)
-    if prior is not None and not isinstance(prior, DamagePrior):
-        reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
-    if false_alarm_rate is not None and prior is not None and not (prior.nothing and prior.one):
-        reject(
-            "false_alarm_rate",
-            false_alarm_rate,
-            "None: by this prior there is "
-            + ("always damage" if prior.nothing == 0.0 else "never damage of one element alone"),
-            "Give prior.nothing and prior.one more than 0.",
-        )
     before, now = _sets("baseline", baseline), _sets("measured", measured)
     problem = UpdatingProblem(model, stiffness_reduction(chosen), now)  # speaks up where they do not fit
     if type(before[0]) is not type(now[0]):
@@ -173,7 +162,7 @@ def assess_damage(
         reject("baseline", f"no {problem.noun}", "those of the intact structure", "Identify in a wider band.")
     seed = seed_of(rng)
     reduced = wanted_reduced(model, now[0], reduction)
-    question = Question(model, before, now, tuple(chosen), prior or DamagePrior(), common, reduced=reduced)
+    question = Question(model, before, now, tuple(chosen), believed, common, reduced=reduced)
     with waiting("assessing damage", progress):
         inferred = infer(
             question,

@@ -137,7 +137,7 @@ class Assessment(Value):
     def states_fit(self) -> bool:
         """Whether both states can be of one structure: half of the values of now have a partner in the model,
         or something has changed that no element explains and no mistake of units either."""
-        few = self.n_values > 1 and 2 * self.n_matched < self.n_values
+        few = 2 * self.n_matched < self.n_values
         return not (self.baseline and few) or bool(self.best.unknown and not self.hint)
 
     @property

@@ -1,4 +1,4 @@
-"""The model and the elements that a question about damage names."""
+"""The model, the elements and the prior that a question about damage names."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..models.structural_model import StructuralModel
-from ..support.validation import integer, part, reject, shape_of
+from ..support.validation import finite_scalar, integer, part, reject, shape_of
+from .prior import DamagePrior
 
-__all__ = ["checked_model", "elements_of"]
+__all__ = ["checked_model", "checked_prior", "elements_of"]
 
 
 def checked_model(model: Any) -> StructuralModel:
@@ -22,6 +23,23 @@ def checked_model(model: Any) -> StructuralModel:
             "Build the model as one of these first.",
         )
     return model
+
+
+def checked_prior(prior: Any, false_alarm_rate: Any) -> DamagePrior:
+    """What is believed before the test; a rate of false alarms needs some that there is none."""
+    if prior is not None and not isinstance(prior, DamagePrior):
+        reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
+    if false_alarm_rate is not None:
+        finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.5, low_open=True)
+        if prior is not None and not (prior.nothing and prior.one):
+            reject(
+                "false_alarm_rate",
+                false_alarm_rate,
+                "None: by this prior there is "
+                + ("always damage" if prior.nothing == 0.0 else "never damage of one element alone"),
+                "Give prior.nothing and prior.one more than 0.",
+            )
+    return prior or DamagePrior()
 
 
 def elements_of(model: StructuralModel, elements: Any) -> list[int]:

@@ -10,7 +10,7 @@ from .likelihood import Likelihood
 from .prior import DamagePrior
 from .search import Elements, Search
 
-__all__ = ["LEVEL", "log_weights", "posterior", "together"]
+__all__ = ["LEVEL", "allowed", "log_weights", "posterior", "together"]
 
 #: Probability of the intervals, and the shares between which they lie.
 LEVEL = 0.9
@@ -40,14 +40,7 @@ def posterior(
     Those that are all but impossible are dropped, but for ``kept``."""
     from scipy.special import logsumexp
 
-    total = float(logsumexp(list(weights.values())))
-    if not np.isfinite(total):
-        reject(
-            "prior",
-            "one that allows none of the hypotheses that were judged",
-            "some probability for no damage or one element",
-            "Leave the prior out, or give nothing, one and unknown more than 0.",
-        )
+    total = allowed(float(logsumexp(list(weights.values()))))
     rows = []
     for elements, weight in weights.items():
         probability = min(float(np.exp(weight - total)), 1.0)
@@ -69,6 +62,18 @@ def posterior(
             )
         )
     return sorted(rows, key=lambda one: (-one.probability, one.elements))
+
+
+def allowed(total: float) -> float:
+    """Log of the sum of prior times evidence, which no prior may make zero."""
+    if not np.isfinite(total):
+        reject(
+            "prior",
+            "one that allows none of the hypotheses that were judged",
+            "some probability for no damage or one element",
+            "Leave the prior out, or give nothing, one and unknown more than 0.",
+        )
+    return total
 
 
 def together(hypotheses: list[Hypothesis]) -> list[Hypothesis]:
