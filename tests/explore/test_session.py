@@ -13,7 +13,7 @@ from tests.support.four_masses import BAND
 
 pytest.importorskip("bokeh", reason="the page needs bokeh")
 
-from antires_rs.explore.page.kept import FileTaken, SessionFile
+from antires_rs.explore.page.kept import TAKEN, SessionFile
 from antires_rs.explore.page.picks import Click, picked
 from antires_rs.explore.page.session import Session
 
@@ -236,8 +236,9 @@ def test_a_file_that_another_page_wrote_is_not_replaced_unasked(identified, tmp_
     pages[0].add(0, 3.21)
     pages[0].save()
     pages[1].add(0, 4.32)
-    with pytest.raises(FileTaken, match="changed meanwhile"):
+    with pytest.raises(ar.InvalidInputError, match="changed meanwhile") as caught:
         pages[1].save()
+    assert caught.value.path == (TAKEN,)
     assert ar.AntiresonanceSet.load(file) == pages[0].zeros
     pages[1].save(replace_file=True)
     pages[1].add(0, 4.5)

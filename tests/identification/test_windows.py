@@ -301,9 +301,9 @@ def test_a_zero_that_a_resonance_hides_is_left_out_with_the_reason(noise):
         assert 55.0 < zero < 57.0
         assert not np.any(np.abs(found[dof] / zero - 1.0) < 0.005)  # it makes no dip
         left = found.left_out[dof]
-        why = left.scores["why"] == "no dip: a resonance beside it hides it"
+        why = left.scores["why"] == "hidden by a resonance beside it"
         assert left.freq_hz[why] == pytest.approx([zero], rel=3e-4)
-    assert "(no dip: a resonance beside it hides it: " in str(found)
+    assert " hidden by a resonance beside it), see .left_out" in str(found)
 
 
 def test_the_trend_of_a_curve_is_no_hidden_zero():

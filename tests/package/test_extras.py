@@ -253,7 +253,9 @@ def test_the_extras_bring_what_the_messages_promise():
     called = {
         extra
         for source in (PROJECT.parent / "python").rglob("*.py")
-        for extra in re.findall(r'missing_package\([^)]*"(\w+)", exc\)', source.read_text(encoding="utf-8"))
+        for extra in re.findall(
+            r'missing_package\([^)]*"(\w+)", (?:exc|ImportError)\b', source.read_text(encoding="utf-8")
+        )
     }
     children = {  # which read in a child process
         extra

@@ -65,7 +65,7 @@ def left_out_printed(left_out: Mapping[Any, ResponseTable]) -> list[str]:
     """A line on what was seen and not accepted, with how many for which reason; none without any."""
     count = sum(len(table) for table in left_out.values())
     whys = Counter(str(why) for table in left_out.values() for why in table.scores.get("why", ()) if why)
-    reasons = "; ".join(f"{why}: {n}" for why, n in whys.most_common())
+    reasons = "; ".join(f"{n} {why}" for why, n in whys.most_common())
     return [f"left out: {count}{f' ({reasons})' if reasons else ''}, see .left_out"] if count else []
 
 

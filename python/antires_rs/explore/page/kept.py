@@ -12,11 +12,10 @@ from ...exceptions import AntiresError, InvalidInputError
 from ...support.files import write_atomically
 from ...support.validation import reject
 
-__all__ = ["FileTaken", "SessionFile"]
+__all__ = ["TAKEN", "SessionFile"]
 
-
-class FileTaken(InvalidInputError):
-    """There is a file of that name which this session has not written, or which was changed since."""
+#: What the error is about where there is a file that this session has not written, or has changed since.
+TAKEN = "file"
 
 
 class SessionFile:
@@ -41,18 +40,17 @@ class SessionFile:
 
         Raises
         ------
-        FileTaken
-            What stands there is not this session's, and ``replace_file`` is False.
         InvalidInputError
-            There is no name, or the file cannot be written.
+            There is no name, or the file cannot be written; or what stands there is not this session's, and
+            ``replace_file`` is False: then the error is about :data:`TAKEN`.
         """
         if self.path is None:
             reject("path", None, "a file to write", "Download the set instead.")
         found = _mark(self.path)
         if found is not None and found != self._own and not replace_file:
             how = "is there already" if self._own is None else "something else has changed meanwhile"
-            raise FileTaken(
-                "path",
+            reject(
+                TAKEN,
                 f"{self.path}, which {how}",
                 "a file that is not there yet, or as this page left it",
                 "Replace it, or download the set.",

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from ...exceptions import AntiresError, InvalidInputError
 from ..canvas import script_files
 from .guard import Guard
-from .kept import FileTaken
+from .kept import TAKEN
 
 if TYPE_CHECKING:
     from .view import View
@@ -250,7 +250,7 @@ def _kindly(work: Work) -> dict[str, Any]:
     try:
         return work()
     except AntiresError as exc:
-        return {"error": refusal(exc), "taken": isinstance(exc, FileTaken)}
+        return {"error": refusal(exc), "taken": isinstance(exc, InvalidInputError) and exc.path == (TAKEN,)}
 
 
 def refusal(exc: AntiresError) -> str:

@@ -228,10 +228,9 @@ class Session:
 
         Raises
         ------
-        FileTaken
-            A file of that name is there that this session has not written, and ``replace_file`` is False.
         InvalidInputError
-            There is no name, or the file cannot be written.
+            A file of that name is there that this session has not written, and ``replace_file`` is False;
+            there is no name; or the file cannot be written.
         """
         with self._lock:
             name = self.file.write(self.text, replace_file=replace_file)

@@ -21,7 +21,7 @@ from .sightings import Sightings
 ONLY_TRANSMISSIBILITY = "seen by transmissibilities only"
 TOO_FEW = "in too few fits"
 BESIDE = "beside an accepted one"
-HIDDEN = "no dip: a resonance beside it hides it"
+HIDDEN = "hidden by a resonance beside it"
 #: Of a zero without a dip: most damping, most scatter between the fits (relative), and how many times further
 #: the zeros of another response lie. A pair of roots that shapes a trend is damped more and wanders, one that
 #: all responses share cancels. Of 30 chains with a resonance beside antiresonances these scatter by up to
