@@ -4,8 +4,11 @@ import datetime
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 import antires_rs as ar
+
+ROWS = np.random.default_rng(0).standard_normal((3, 500))
 
 
 def text(folder, content, encoding="utf-8", **options):
@@ -158,3 +161,41 @@ def test_channels_of_dewesoft_that_begin_at_other_times(tmp_path):
 def test_spectra_of_dewesoft_are_no_records(tmp_path):
     with pytest.raises(ar.AntiresError, match="complex values"):
         mat(tmp_path, Data1_H=np.arange(20.0) + 1j, Sample_rate=100.0)
+
+
+@pytest.mark.parametrize(
+    "arrays",
+    [
+        {"fs": 1.024, "fs_unit": "kHz"},
+        {"dt": 1 / 1.024, "dt_units": "ms"},
+        {"time": np.arange(500) / 1.024, "time_unit": "ms"},
+    ],
+)
+def test_a_unit_beside_a_rate_counts(tmp_path, arrays):
+    savemat(tmp_path / "a.mat", {"acc": ROWS, **arrays})
+    assert ar.read_mat(tmp_path / "a.mat", unit="g").fs_hz == pytest.approx(1024.0, rel=1e-9)
+    savemat(tmp_path / "b.mat", {"test": {"acc": ROWS, **arrays}})
+    assert ar.read_mat(tmp_path / "b.mat", unit="g").fs_hz == pytest.approx(1024.0, rel=1e-9)
+
+
+def test_an_attribute_of_the_time_counts(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["acc"], file["time"] = ROWS, np.arange(500) * 2.0
+        file["time"].attrs["unit"] = "ms"
+    assert ar.read_hdf5(tmp_path / "a.h5", unit="g").fs_hz == pytest.approx(500.0)
+
+
+def test_an_unknown_unit_of_a_rate_is_refused(tmp_path):
+    savemat(tmp_path / "a.mat", {"acc": ROWS, "fs": 1.024, "fs_unit": "furlong"})
+    with pytest.raises(ar.UnsuitableDataError, match="fs is in 'furlong'.*Export it in s or Hz"):
+        ar.read_mat(tmp_path / "a.mat", unit="g")
+
+
+def test_single_rows_of_a_matrix_are_named(tmp_path):
+    savemat(tmp_path / "a.mat", {"acc": ROWS, "fs": 512.0})
+    record = ar.read_mat(tmp_path / "a.mat", unit="m/s2", responses=["acc[2]", "acc[0]"])
+    assert record.dofs == ("acc[0]", "acc[2]")
+    assert np.array_equal(record.responses, ROWS[[0, 2]])
+    with pytest.raises(ar.InvalidInputError, match=r"responses: got 'acc\[3\]'"):
+        ar.read_mat(tmp_path / "a.mat", unit="m/s2", responses=["acc[3]"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Literal, cast
@@ -28,6 +28,7 @@ _RATE, _STEP = set(RATES), set(STEPS)
 _FREQ = {"f", "freq", "freq_hz", "frequency", "frequencies", "freqs"}
 _FORCE = {"force", "hammer", "excitation", "input"}
 _COHERENCE = {"coherence", "coh", "gamma2"}
+_OF_ABSCISSA = _TIME | _RATE | _STEP | _FREQ
 #: Names that tell a role, whatever is asked for.
 ROLES = frozenset(_TIME | _RATE | _STEP | _FREQ | _FORCE | _COHERENCE)
 
@@ -72,6 +73,7 @@ def signal_of_arrays(
             "arrays of numbers",
             "Export the signals as arrays of numbers, one row or column a channel.",
         )
+    numeric |= _in_hz_or_s(path, numeric, said, {time, freq})
     axis = given_axis(freq_hz, df_hz)
     if axis is not None:
         if freq is not None:
@@ -266,6 +268,7 @@ def _chosen(
     path: Path, numeric: dict[str, NDArray[Any]], responses: Any, taken: set[str]
 ) -> list[tuple[str, NDArray[Any], str]]:
     """(name, values, array) of every response row; rows of a matrix are ``name[0]``, ``name[1]``..."""
+    parts: dict[str, set[int]] = {}  # of matrices of which single rows are asked for
     if responses is None:
         longest = max((v.shape[1] for n, v in numeric.items() if n not in taken), default=0)
         names = [n for n, v in numeric.items() if n not in taken and v.shape[1] == longest and longest > 1]
@@ -285,6 +288,9 @@ def _chosen(
         asked: Sequence[Any] = [responses] if shape_of(responses) == () else list(responses)
         names = []
         for pattern in asked:
+            if (one := _row_of(pattern, numeric)) is not None:
+                parts.setdefault(one[0], set()).add(one[1])
+                continue
             # Names of struct arrays have brackets, which are no patterns.
             hits = (
                 [pattern]
@@ -306,6 +312,8 @@ def _chosen(
                     "Correct the pattern; the names of the file are listed.",
                 )
             names += [n for n in hits if n not in names]
+        parts = {n: rows for n, rows in parts.items() if n not in names}
+        names += parts
     if not names:
         unsuitable(
             path,
@@ -316,10 +324,34 @@ def _chosen(
     rows = []
     for name in names:
         several = len(numeric[name]) > 1
-        rows += [(f"{name}[{i}]" if several else name, row, name) for i, row in enumerate(numeric[name])]
+        wanted = parts.get(name, range(len(numeric[name])))
+        rows += [
+            (f"{name}[{i}]" if several else name, row, name)
+            for i, row in enumerate(numeric[name])
+            if i in wanted
+        ]
     shared = {n.rpartition(".")[0] for n, _, _ in rows}
     cut = len(shared.pop()) + 1 if len(shared) == 1 and "." in rows[0][0] else 0
     return [(name[cut:], row, raw) for name, row, raw in rows]
+
+
+def _in_hz_or_s(
+    path: Path, numeric: Mapping[str, NDArray[Any]], said: Said, named: Collection[str | None]
+) -> dict[str, NDArray[Any]]:
+    """Rates, steps, times and frequencies whose unit is stated beside them."""
+    factors = {n: said.factor(path, n) for n in numeric if n in named or _last(n) in _OF_ABSCISSA}
+    return {name: factor * numeric[name] for name, factor in factors.items() if factor != 1.0}
+
+
+def _row_of(pattern: Any, numeric: Mapping[str, Any]) -> tuple[str, int] | None:
+    """Array and row that ``name[3]`` means, where no array is called so."""
+    if not isinstance(pattern, str) or pattern in numeric:
+        return None
+    name, _, place = pattern.rpartition("[")
+    number = place.removesuffix("]")
+    if not place.endswith("]") or name not in numeric or not (number.isascii() and number.isdecimal()):
+        return None
+    return (name, int(number)) if int(number) < len(numeric[name]) else None
 
 
 def _usable(value: Any) -> bool:

@@ -53,6 +53,22 @@ class Said:
         known = [each for each in re.split(r"[,;]", found) if (unit := parse_unit(each)) and unit.quantity]
         return known[0].strip() if len(known) == 1 else found  # "s, m/s2": of time and values
 
+    def factor(self, path: Path, name: str) -> float:
+        """What makes Hz or s of a rate, step, time or frequency: its attribute ``unit``, or ``NAME_unit``."""
+        beside = [f"{name}{mark}{word}" for mark in "@_" for word in ("unit", "units")]
+        found = {
+            key.lower(): str(value).strip() for key, value in self._values.items() if isinstance(value, str)
+        }
+        text = next((found[key.lower()] for key in beside if found.get(key.lower())), "")
+        if text and not is_abscissa(text):
+            unsuitable(
+                path,
+                f"whose {name} is in {text!r}",
+                "a unit of time or frequency that is known (s, ms, us, Hz, kHz, rpm, rad/s)",
+                "Export it in s or Hz.",
+            )
+        return abscissa_factor(text)
+
     def rate(self, path: Path, names: Iterable[str]) -> float | None:
         """Sampling rate of arrays; None where nothing is said. Several rates are refused."""
         found: dict[str, float] = {}
@@ -60,6 +76,7 @@ class Said:
             for key, value in self._of(name, RATES | STEPS):
                 number = stated_number(value)
                 if number is not None and number > 0.0:
+                    number *= self.factor(path, key)
                     step = _PART.split(key)[-1].lower() in STEPS
                     found[key] = simplest_rate((1 - 1e-12) / number, (1 + 1e-12) / number) if step else number
                     break
