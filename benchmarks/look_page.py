@@ -109,11 +109,11 @@ def draw(page, file: Path, folder: Path) -> None:
     page.wait_for_selector("#pictures[data-drawn='2']")
     page.fill("#reason", "mains hum")
     page.locator("#values tr[data-dof='2'] td.drop button").nth(1).click()
-    page.wait_for_function("document.querySelectorAll('#edits li').length === 1")
+    page.wait_for_selector("#edits li:nth-child(1)")
     page.fill("#reason", "clear in the phase")
     page.fill("#value", "82.4")
     page.press("#value", "Enter")
-    page.wait_for_function("document.querySelectorAll('#edits li').length === 2")
+    page.wait_for_selector("#edits li:nth-child(2)")
     for width, whole in ((1400, False), (500, True)):
         page.set_viewport_size({"width": width, "height": 1000})
         page.wait_for_timeout(1500)

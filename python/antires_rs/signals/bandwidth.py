@@ -23,6 +23,7 @@ from .recording import Recording
 
 __all__ = [
     "Autocorrelation",
+    "fast_length",
     "half_power_widths",
     "hann_autocorrelation",
     "longest_power",
@@ -52,18 +53,17 @@ class Autocorrelation:
 
     @cached_property
     def _lags(self) -> FloatArray:
-        from scipy.fft import fft, next_fast_len  # slow to import
-
+        # With NumPy: SciPy's transforms are faster, but their import takes longer than all of this.
         lags = np.zeros(self.longest)
         for part in parts_of(self.rec):
-            n = next_fast_len(part.n_samples + self.longest)
+            n = fast_length(part.n_samples + self.longest)
             total = np.zeros(n, dtype=np.float32)
             # The power of z = x + i y, taken at f and at -f together, is that of x and y.
             for first in range(0, part.n_channels, 2):
                 z = np.zeros(n, dtype=np.complex64)
                 for row, x in zip(part.responses[first : first + 2], (z.real, z.imag), strict=False):
                     _unit_power(row, x[: row.size])
-                z = fft(z, overwrite_x=True)
+                z = np.fft.fft(z)
                 total += z.real**2
                 total += z.imag**2
             half = total[: n // 2 + 1] + np.roll(total[::-1], 1)[: n // 2 + 1]
@@ -80,6 +80,27 @@ class Autocorrelation:
         freq = np.fft.rfftfreq(n, 1.0 / self.rec.fs_hz)
         inside = (freq >= band_hz[0]) & (freq <= band_hz[1])
         return np.asarray(np.fft.rfft(folded).real[inside], dtype=np.float64)
+
+
+def fast_length(least: int) -> int:
+    """The smallest product of powers of 2, 3 and 5 that is not less.
+
+    Examples
+    --------
+    >>> from antires_rs.signals.bandwidth import fast_length
+    >>> fast_length(1025), fast_length(121)
+    (1080, 125)
+    """
+    best = 1 << max(least - 1, 1).bit_length()
+    fives = 1
+    while fives < best:
+        odd = fives
+        while odd < best:
+            twos = max(-(-least // odd) - 1, 0).bit_length()
+            best = min(best, odd << twos)
+            odd *= 3
+        fives *= 5
+    return best
 
 
 def _unit_power(row: FloatArray, out: FloatArray) -> None:
