@@ -14,8 +14,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..support.validation import FloatArray
 from .pooled import parts_of, shortest
@@ -60,7 +62,7 @@ class Autocorrelation:
             total = np.zeros(n, dtype=np.float32)
             # The power of z = x + i y, taken at f and at -f together, is that of x and y.
             for first in range(0, part.n_channels, 2):
-                z = np.zeros(n, dtype=np.complex64)
+                z: NDArray[Any] = np.zeros(n, dtype=np.complex64)
                 for row, x in zip(part.responses[first : first + 2], (z.real, z.imag), strict=False):
                     _unit_power(row, x[: row.size])
                 z = np.fft.fft(z)
