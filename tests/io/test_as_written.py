@@ -188,14 +188,35 @@ def test_an_attribute_of_the_time_counts(tmp_path):
 
 def test_an_unknown_unit_of_a_rate_is_refused(tmp_path):
     savemat(tmp_path / "a.mat", {"acc": ROWS, "fs": 1.024, "fs_unit": "furlong"})
-    with pytest.raises(ar.UnsuitableDataError, match="fs is in 'furlong'.*Export it in s or Hz"):
+    with pytest.raises(
+        ar.UnsuitableDataError, match="fs is in 'furlong'.*Export it in s or Hz, or give fs_hz="
+    ):
         ar.read_mat(tmp_path / "a.mat", unit="g")
 
 
 def test_single_rows_of_a_matrix_are_named(tmp_path):
     savemat(tmp_path / "a.mat", {"acc": ROWS, "fs": 512.0})
-    record = ar.read_mat(tmp_path / "a.mat", unit="m/s2", responses=["acc[2]", "acc[0]"])
-    assert record.dofs == ("acc[0]", "acc[2]")
-    assert np.array_equal(record.responses, ROWS[[0, 2]])
+    record = ar.read_mat(tmp_path / "a.mat", unit="m/s2", responses=["acc[2]", "acc[0]"], dofs=[7, 5])
+    assert record.dofs == (7, 5)
+    assert np.array_equal(record.responses, ROWS[[2, 0]])
     with pytest.raises(ar.InvalidInputError, match=r"responses: got 'acc\[3\]'"):
         ar.read_mat(tmp_path / "a.mat", unit="m/s2", responses=["acc[3]"])
+
+
+def test_single_rows_stand_where_they_were_asked_for(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["run/acc"], file["run/ref"], file["run/fs"] = ROWS, ROWS[1], 512.0
+    record = ar.read_hdf5(tmp_path / "a.h5", unit="m/s2", responses=["run/acc[2]", "run/ref", "run/acc[0]"])
+    assert np.array_equal(record.responses, ROWS[[2, 1, 0]])
+
+
+def test_a_unit_that_does_not_matter_is_not_judged(tmp_path):
+    savemat(tmp_path / "a.mat", {"acc": ROWS, "fs": 1.024, "fs_unit": "furlong"})
+    assert ar.read_mat(tmp_path / "a.mat", unit="g", fs_hz=512.0).fs_hz == 512.0
+    h5py = pytest.importorskip("h5py")
+    for unit in ("seconds since 2020-01-01", "-", ""):
+        with h5py.File(tmp_path / "a.h5", "w") as file:
+            file["acc"], file["time"] = ROWS, np.arange(500) / 512.0
+            file["time"].attrs["units"] = unit
+        assert ar.read_hdf5(tmp_path / "a.h5", unit="g").fs_hz == pytest.approx(512.0)

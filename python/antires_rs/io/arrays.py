@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from fnmatch import fnmatchcase
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, cast
 
@@ -11,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..signals.frequency_response import FrequencyResponse
-from ..support.validation import choice, finite_scalar, reject, shape_of
+from ..support.validation import choice, finite_scalar, reject
 from ..support.warned import warn
 from ..support.wording import Passed, Wording
 from ._common import Signal, rate_of, refuse_real, simplest_rate, unsuitable
+from .array_rows import chosen_rows, listed
 from .axis import GivenAxis, given_axis
 from .channels import Channel, Dofs, in_si, kept, recording_of, renamed, unit_or_warning
 from .said import RATES, STEPS, Said
@@ -28,7 +28,6 @@ _RATE, _STEP = set(RATES), set(STEPS)
 _FREQ = {"f", "freq", "freq_hz", "frequency", "frequencies", "freqs"}
 _FORCE = {"force", "hammer", "excitation", "input"}
 _COHERENCE = {"coherence", "coh", "gamma2"}
-_OF_ABSCISSA = _TIME | _RATE | _STEP | _FREQ
 #: Names that tell a role, whatever is asked for.
 ROLES = frozenset(_TIME | _RATE | _STEP | _FREQ | _FORCE | _COHERENCE)
 
@@ -69,11 +68,10 @@ def signal_of_arrays(
     if not numeric:
         unsuitable(
             path,
-            f"with no numeric array ({_listed(arrays)})",
+            f"with no numeric array ({listed(arrays)})",
             "arrays of numbers",
             "Export the signals as arrays of numbers, one row or column a channel.",
         )
-    numeric |= _in_hz_or_s(path, numeric, said, {time, freq})
     axis = given_axis(freq_hz, df_hz)
     if axis is not None:
         if freq is not None:
@@ -87,7 +85,7 @@ def signal_of_arrays(
     if freq is not None and time is not None:
         unsuitable(
             path,
-            f"with both {time!r} and {freq!r} ({_listed(arrays)})",
+            f"with both {time!r} and {freq!r} ({listed(arrays)})",
             "one of them",
             Wording(
                 "Name the {}, and the {} or {} that belongs to them.",
@@ -97,7 +95,7 @@ def signal_of_arrays(
             ),
         )
     if freq is not None:
-        lines = GivenAxis(numeric[freq][0].real)
+        lines = GivenAxis(said.factor(path, freq, "freq_hz") * numeric[freq][0].real)
         return _response(path, numeric, lines, freq, responses, dofs, unit, kind, reference, said)
     taken |= {name for name in numeric if _last(name) in _RATE | _STEP and numeric[name].size == 1}
     pushed = force if isinstance(force, str) and force in numeric else None
@@ -105,14 +103,14 @@ def signal_of_arrays(
         reject(
             "force",
             repr(force),
-            f"'auto', None or an array of the file: {_listed(arrays)}",
+            f"'auto', None or an array of the file: {listed(arrays)}",
             "Name an array of the file, or pass None for no force.",
         )
     if pushed is None:
         found = [n for n in numeric if _last(n) in _FORCE and len(numeric[n]) == 1]
         pushed = found[0] if len(found) == 1 and force == "auto" else None
         taken |= set(found)
-    rows = _chosen(path, numeric, responses, taken | ({pushed} if pushed else set()))
+    rows = chosen_rows(path, numeric, responses, taken | ({pushed} if pushed else set()))
     rate = _rate(path, numeric, time, fs_hz, said, [raw for _, _, raw in rows])
     channels = [Channel(name, values, said.unit(raw)) for name, values, raw in rows]
     instants = None if time is None or fs_hz is not None else numeric[time].shape[1]
@@ -146,7 +144,7 @@ def _response(
     seen = [n for n in numeric if _last(n) in _COHERENCE]
     axes = {freq} if freq is not None else {n for n in numeric if _last(n) in _FREQ | _TIME}
     complex_ones = {name: values for name, values in numeric.items() if np.iscomplexobj(values)}
-    rows = _chosen(
+    rows = chosen_rows(
         path, complex_ones if responses is None and complex_ones else numeric, responses, {*axes, *seen}
     )
     real = next((name for name, values, _ in rows if not np.iscomplexobj(values)), None)
@@ -195,7 +193,7 @@ def _rate(
     said: Said,
     names: list[str],
 ) -> float:
-    stated = said.rate(path, names)
+    stated = said.rate(path, names, refuse=fs_hz is None)
     if fs_hz is not None:
         rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
         if stated is not None and abs(stated - rate) > 1e-3 * rate:
@@ -205,16 +203,18 @@ def _rate(
                 "Leave fs_hz= out if the file is right.",
             )
         return rate
-    rates = [n for n in numeric if _last(n) in _RATE and numeric[n].size == 1]
+    single = {n: float(values[0, 0].real) for n, values in numeric.items() if values.size == 1}
+    single = {n: x * said.factor(path, n) for n, x in single.items() if _last(n) in _RATE | _STEP}
+    rates = [n for n in single if _last(n) in _RATE]
     if time is None and not rates and stated is None:
-        steps = [float(numeric[n][0, 0].real) for n in numeric if _last(n) in _STEP and numeric[n].size == 1]
+        steps = [x for n, x in single.items() if _last(n) in _STEP]
         if len(steps) == 1 and 0.0 < steps[0] < float("inf"):
             return simplest_rate((1.0 - 1e-12) / steps[0], (1.0 + 1e-12) / steps[0])
     if time is None and not rates and stated is not None:
         return stated
     if time is not None:
-        rate = rate_of(path, numeric[time][0].real)
-        stated = float(numeric[rates[0]][0, 0].real) if len(rates) == 1 else rate
+        rate = rate_of(path, said.factor(path, time) * numeric[time][0].real)
+        stated = single[rates[0]] if len(rates) == 1 else rate
         if abs(stated - rate) > 1e-3 * rate:
             unsuitable(
                 path,
@@ -226,7 +226,7 @@ def _rate(
     if len(rates) != 1:
         unsuitable(
             path,
-            f"without a sampling rate or a time ({_listed(numeric)}{said.listed()})",
+            f"without a sampling rate or a time ({listed(numeric)}{said.listed()})",
             "one of them",
             Wording(
                 "Name {} or give {}; for responses over frequency name {}, or give {} or {}.",
@@ -237,7 +237,7 @@ def _rate(
                 Passed("df_hz"),
             ),
         )
-    return finite_scalar(rates[0], float(numeric[rates[0]][0, 0].real), low=0.0, low_open=True, unit="Hz")
+    return finite_scalar(rates[0], single[rates[0]], low=0.0, low_open=True, unit="Hz")
 
 
 def _role(
@@ -249,7 +249,7 @@ def _role(
             reject(
                 argument,
                 repr(given),
-                f"a numeric array of {str(path)!r}: {_listed(numeric)}",
+                f"a numeric array of {str(path)!r}: {listed(numeric)}",
                 "Correct the name; those of the file are listed.",
             )
         return given
@@ -262,96 +262,6 @@ def _role(
             f"Name it: {argument}={found[0]!r}.",
         )
     return found[0] if found else None
-
-
-def _chosen(
-    path: Path, numeric: dict[str, NDArray[Any]], responses: Any, taken: set[str]
-) -> list[tuple[str, NDArray[Any], str]]:
-    """(name, values, array) of every response row; rows of a matrix are ``name[0]``, ``name[1]``..."""
-    parts: dict[str, set[int]] = {}  # of matrices of which single rows are asked for
-    if responses is None:
-        longest = max((v.shape[1] for n, v in numeric.items() if n not in taken), default=0)
-        names = [n for n, v in numeric.items() if n not in taken and v.shape[1] == longest and longest > 1]
-        # Tables of settings are short; what is nearly as long is a channel that was cut.
-        short = [
-            f"{n} ({v.shape[1]})"
-            for n, v in numeric.items()
-            if n not in taken and longest > v.shape[1] > longest // 2
-        ]
-        if short:
-            warn(
-                "short_arrays",
-                f"path: {str(path)!r} has arrays shorter than the {longest} samples of the longest, "
-                f"{', '.join(short)}, which are left out. Name the responses= to choose.",
-            )
-    else:
-        asked: Sequence[Any] = [responses] if shape_of(responses) == () else list(responses)
-        names = []
-        for pattern in asked:
-            if (one := _row_of(pattern, numeric)) is not None:
-                parts.setdefault(one[0], set()).add(one[1])
-                continue
-            # Names of struct arrays have brackets, which are no patterns.
-            hits = (
-                [pattern]
-                if pattern in numeric
-                else [
-                    n
-                    for n in numeric
-                    if isinstance(pattern, str)
-                    and "*" in pattern
-                    and fnmatchcase(n, pattern.replace("[", "[[]"))
-                    and n not in taken
-                ]
-            )
-            if not hits:
-                reject(
-                    "responses",
-                    repr(pattern),
-                    f"arrays of {str(path)!r}: {_listed(numeric)}",
-                    "Correct the pattern; the names of the file are listed.",
-                )
-            names += [n for n in hits if n not in names]
-        parts = {n: rows for n, rows in parts.items() if n not in names}
-        names += parts
-    if not names:
-        unsuitable(
-            path,
-            f"with {_listed(numeric)}, none of which is a response",
-            "arrays of samples",
-            "Name them: responses=[...].",
-        )
-    rows = []
-    for name in names:
-        several = len(numeric[name]) > 1
-        wanted = parts.get(name, range(len(numeric[name])))
-        rows += [
-            (f"{name}[{i}]" if several else name, row, name)
-            for i, row in enumerate(numeric[name])
-            if i in wanted
-        ]
-    shared = {n.rpartition(".")[0] for n, _, _ in rows}
-    cut = len(shared.pop()) + 1 if len(shared) == 1 and "." in rows[0][0] else 0
-    return [(name[cut:], row, raw) for name, row, raw in rows]
-
-
-def _in_hz_or_s(
-    path: Path, numeric: Mapping[str, NDArray[Any]], said: Said, named: Collection[str | None]
-) -> dict[str, NDArray[Any]]:
-    """Rates, steps, times and frequencies whose unit is stated beside them."""
-    factors = {n: said.factor(path, n) for n in numeric if n in named or _last(n) in _OF_ABSCISSA}
-    return {name: factor * numeric[name] for name, factor in factors.items() if factor != 1.0}
-
-
-def _row_of(pattern: Any, numeric: Mapping[str, Any]) -> tuple[str, int] | None:
-    """Array and row that ``name[3]`` means, where no array is called so."""
-    if not isinstance(pattern, str) or pattern in numeric:
-        return None
-    name, _, place = pattern.rpartition("[")
-    number = place.removesuffix("]")
-    if not place.endswith("]") or name not in numeric or not (number.isascii() and number.isdecimal()):
-        return None
-    return (name, int(number)) if int(number) < len(numeric[name]) else None
 
 
 def _usable(value: Any) -> bool:
@@ -371,8 +281,3 @@ def _along(rows: NDArray[Any], size: int) -> NDArray[Any]:
 
 def _last(name: str) -> str:
     return name.rpartition(".")[2].rpartition("/")[2].lower()
-
-
-def _listed(arrays: Mapping[str, Any]) -> str:
-    shown = [f"{name} {'x'.join(map(str, value.shape))}" for name, value in list(arrays.items())[:20]]
-    return ", ".join(shown) + (f" and {len(arrays) - 20} more" if len(arrays) > 20 else "")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..support.validation import reject, shape_of
 from ._common import unsuitable
+from .array_rows import array_of
 from .arrays import ROLES
 from .npz import read_archive
 
@@ -58,7 +59,7 @@ class Asked:
         """Names and patterns; None where the responses are not named, so that any array may be one."""
         if not any(argument == "responses" for argument, _ in self.named):
             return None
-        return [name for _, name in self.named]
+        return list(dict.fromkeys(each for _, name in self.named for each in (name, array_of(name))))
 
 
 class Found(NamedTuple):
@@ -157,7 +158,9 @@ def _named(file: Path, asked: Asked, listed: list[Any]) -> None:
     there = {name.replace("/", ".") for name, _, _ in listed} | {name for name, _, _ in listed}
     shown = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape, _ in listed[:20])
     for argument, pattern in asked.named if asked.names is not None else ():
-        known = pattern in there or any(fnmatchcase(name, pattern.replace("[", "[[]")) for name in there)
+        known = {pattern, array_of(pattern)} & there or any(
+            fnmatchcase(name, pattern.replace("[", "[[]")) for name in there
+        )
         if not known and argument == "responses":
             reject(
                 argument, repr(pattern), f"arrays of {str(file)!r}: {shown}", "Correct the name or pattern."

@@ -12,8 +12,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ..support.wording import Passed, Wording
 from ._common import simplest_rate, unsuitable
-from .units import abscissa_factor, is_abscissa, parse_unit
+from .units import Unit, abscissa_factor, is_abscissa, parse_unit
 
 __all__ = ["RATES", "STEPS", "UNITS", "Said", "stated_number"]
 
@@ -53,30 +54,32 @@ class Said:
         known = [each for each in re.split(r"[,;]", found) if (unit := parse_unit(each)) and unit.quantity]
         return known[0].strip() if len(known) == 1 else found  # "s, m/s2": of time and values
 
-    def factor(self, path: Path, name: str) -> float:
+    def factor(self, path: Path, name: str, instead: str = "fs_hz", *, refuse: bool = True) -> float:
         """What makes Hz or s of a rate, step, time or frequency: its attribute ``unit``, or ``NAME_unit``."""
         beside = [f"{name}{mark}{word}" for mark in "@_" for word in ("unit", "units")]
         found = {
             key.lower(): str(value).strip() for key, value in self._values.items() if isinstance(value, str)
         }
         text = next((found[key.lower()] for key in beside if found.get(key.lower())), "")
-        if text and not is_abscissa(text):
+        words = (text, text.partition(" ")[0])  # "seconds since 1970-01-01"
+        known = next((word for word in words if is_abscissa(word)), "")
+        if refuse and not known and parse_unit(text) != Unit():
             unsuitable(
                 path,
                 f"whose {name} is in {text!r}",
                 "a unit of time or frequency that is known (s, ms, us, Hz, kHz, rpm, rad/s)",
-                "Export it in s or Hz.",
+                Wording("Export it in s or Hz, or give {}.", Passed(instead)),
             )
-        return abscissa_factor(text)
+        return abscissa_factor(known)
 
-    def rate(self, path: Path, names: Iterable[str]) -> float | None:
+    def rate(self, path: Path, names: Iterable[str], *, refuse: bool = True) -> float | None:
         """Sampling rate of arrays; None where nothing is said. Several rates are refused."""
         found: dict[str, float] = {}
         for name in names:
             for key, value in self._of(name, RATES | STEPS):
                 number = stated_number(value)
                 if number is not None and number > 0.0:
-                    number *= self.factor(path, key)
+                    number *= self.factor(path, key, refuse=refuse)
                     step = _PART.split(key)[-1].lower() in STEPS
                     found[key] = simplest_rate((1 - 1e-12) / number, (1 + 1e-12) / number) if step else number
                     break

@@ -53,8 +53,8 @@ _ABSCISSA = {
     "ns": 1e-9,
     **dict.fromkeys(("min", "minutes"), 60.0),
     **dict.fromkeys(("h", "hr", "hours"), 3600.0),
-    **dict.fromkeys(("samples/s", "samples/sec", "samples/second", "sa/s", "sps"), 1.0),
-    **dict.fromkeys(("khz", "ksamples/s", "ksa/s", "ksps"), 1e3),
+    **dict.fromkeys(("samples/s", "samples/sec", "samples/second", "sa/s", "s/s", "sps"), 1.0),
+    **dict.fromkeys(("khz", "ksamples/s", "ksa/s", "ks/s", "ksps"), 1e3),
     **dict.fromkeys(("rpm", "cpm", "1/min"), 1.0 / 60.0),
     **dict.fromkeys(("rad/s", "rad/sec"), 0.5 / math.pi),
 }
