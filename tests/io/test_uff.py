@@ -117,6 +117,14 @@ def test_forces_are_told_apart(tmp_path):
         ar.read_uff(path, force="77Q")
 
 
+def test_a_sensor_that_stayed_is_offered_for_a_hammer_that_roved(tmp_path):
+    sets = [dataset(LINES[0], kind=4, node=7, reference=(k, 3), step=0.5) for k in (1, 2)]
+    path = written(tmp_path / "a.uff", *sets)
+    with pytest.raises(ar.UnsuitableDataError, match=r"If the hammer roved .* pass roving='7\+Z'"):
+        ar.read_uff(path)
+    assert ar.read_uff(path, roving="7+Z").dofs == ("1+Z", "2+Z")
+
+
 def test_frfs_of_several_references(tmp_path):
     sets = [
         dataset(LINES[i], kind=4, node=i + 1, reference=(k, 3), step=0.5) for k in (1, 2) for i in range(2)

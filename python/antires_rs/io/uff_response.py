@@ -145,15 +145,23 @@ def _reference(file: Path, functions: list[Function], given: Any) -> Point:
             )
         return point
     if len(points) != 1:
-        unsuitable(
-            file,
-            f"with the references {shown}",
-            "one",
-            Wording("Choose it by {}.", Passed("reference"))
-            if points
-            else "Export the functions with their references.",
-        )
+        unsuitable(file, f"with the references {shown}", "one", _remedy(functions))
     return points[0]
+
+
+def _remedy(functions: list[Function]) -> str | Wording:
+    """What to do about several references, or none."""
+    if not functions:
+        return "Export the functions with their references."
+    responses = {f.response for f in functions}
+    if len(responses) > 1:
+        return Wording("Choose it by {}.", Passed("reference"))
+    stayed = Passed("roving", label_of(responses.pop()))
+    return Wording(
+        "If the hammer roved and this sensor stayed, pass {}; else choose one by {}.",
+        stayed,
+        Passed("reference"),
+    )
 
 
 def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
