@@ -55,7 +55,8 @@ def test_roles_are_named(tmp_path, save, read):
     assert (rec.fs_hz, rec.dofs) == (250.0, (4, 2))
     np.testing.assert_allclose(rec.responses, 9.80665 * np.array([A, B]), rtol=1e-15)
     np.testing.assert_array_equal(rec.force, F)
-    assert read(path, responses=["acc2"], fs_hz=100.0).fs_hz == 100.0
+    with pytest.warns(ar.AntiresWarning, match="states 250 Hz; read at 100 Hz"):
+        assert read(path, responses=["acc2"], fs_hz=100.0).fs_hz == 100.0
     with pytest.raises(ar.InvalidInputError, match="^responses: got 'vel'; wanted arrays of .*acc1 "):
         read(path, responses="vel")
     with pytest.raises(ar.InvalidInputError, match="^time: got 'uhr'; wanted a numeric array of"):

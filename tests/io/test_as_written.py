@@ -212,7 +212,7 @@ def test_single_rows_stand_where_they_were_asked_for(tmp_path):
 
 
 def test_a_unit_that_does_not_matter_is_not_judged(tmp_path):
-    savemat(tmp_path / "a.mat", {"acc": ROWS, "fs": 1.024, "fs_unit": "furlong"})
+    savemat(tmp_path / "a.mat", {"acc": ROWS, "fs": 512.0, "fs_unit": "furlong"})
     assert ar.read_mat(tmp_path / "a.mat", unit="g", fs_hz=512.0).fs_hz == 512.0
     h5py = pytest.importorskip("h5py")
     for unit in ("seconds since 2020-01-01", "-", ""):
@@ -220,3 +220,11 @@ def test_a_unit_that_does_not_matter_is_not_judged(tmp_path):
             file["acc"], file["time"] = ROWS, np.arange(500) / 512.0
             file["time"].attrs["units"] = unit
         assert ar.read_hdf5(tmp_path / "a.h5", unit="g").fs_hz == pytest.approx(512.0)
+
+
+@pytest.mark.parametrize("within", [False, True])
+def test_a_rate_that_contradicts_the_file_is_told(tmp_path, within):
+    arrays = {"acc": ROWS, "fs": 1024.0}
+    savemat(tmp_path / "a.mat", {"test": arrays} if within else arrays)
+    with pytest.warns(ar.AntiresWarning, match="states 1024 Hz; read at 2048 Hz"):
+        assert ar.read_mat(tmp_path / "a.mat", unit="g", fs_hz=2048.0).fs_hz == 2048.0

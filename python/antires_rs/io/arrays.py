@@ -194,7 +194,15 @@ def _rate(
     names: list[str],
 ) -> float:
     stated = said.rate(path, names, refuse=fs_hz is None)
+    single = {n: float(values[0, 0].real) for n, values in numeric.items() if values.size == 1}
+    single = {
+        n: x * said.factor(path, n, refuse=fs_hz is None)
+        for n, x in single.items()
+        if _last(n) in _RATE | _STEP
+    }
     if fs_hz is not None:
+        own = [x for n, x in single.items() if _last(n) in _RATE]
+        stated = own[0] if stated is None and len(own) == 1 else stated
         rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
         if stated is not None and abs(stated - rate) > 1e-3 * rate:
             warn(
@@ -203,8 +211,6 @@ def _rate(
                 "Leave fs_hz= out if the file is right.",
             )
         return rate
-    single = {n: float(values[0, 0].real) for n, values in numeric.items() if values.size == 1}
-    single = {n: x * said.factor(path, n) for n, x in single.items() if _last(n) in _RATE | _STEP}
     rates = [n for n in single if _last(n) in _RATE]
     if time is None and not rates and stated is None:
         steps = [x for n, x in single.items() if _last(n) in _STEP]
