@@ -54,7 +54,19 @@ def told(page, path, body=None):
     return json.loads(text)
 
 
-PATHS = ["", "state", "figure", "page.js", "page.css", "bokeh.js", "download", "alive", "do/save", "nothing"]
+PATHS = [
+    "",
+    "state",
+    "figure",
+    "page.js",
+    "tables.js",
+    "page.css",
+    "bokeh.js",
+    "download",
+    "alive",
+    "do/save",
+    "nothing",
+]
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -83,7 +95,7 @@ def test_a_page_may_load_nothing_from_elsewhere(page):
     assert "unsafe-eval" not in policy
     assert "http" not in policy.partition("frame-ancestors")[0].replace("http-equiv", "")
     assert headers["Referrer-Policy"] == "no-referrer"
-    for path in ("", "page.js", "page.css"):
+    for path in ("", "page.js", "tables.js", "page.css"):
         assert "https://" not in asked(page, path)[1]
     assert "http" not in text
 

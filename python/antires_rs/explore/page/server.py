@@ -81,7 +81,7 @@ def application(viewed: Viewed, guard: Guard, presence: Presence) -> Any:
     return Application(
         [
             (r"/", page),
-            (r"/(bokeh\.js|page\.js|page\.css)", asset_of),
+            (r"/(bokeh\.js|page\.js|tables\.js|page\.css)", asset_of),
             (r"/state", state),
             (r"/figure", figure),
             (r"/do/(\w+)", _commands(base, viewed)),

@@ -1,0 +1,142 @@
+// What stands beside the figures: the values, the edits, the tables of a result. page.js says when it is written.
+"use strict";
+
+function element(name, attributes = {}, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else if (value !== null && value !== false) made.setAttribute(key, value === true ? "" : value);
+  }
+  made.append(...children);
+  return made;
+}
+
+// As many decimals that the typical error has two digits.
+function decimals(rows) {
+  const errors = rows.map((row) => row.std_hz).filter((error) => error > 0).sort((a, b) => a - b);
+  if (!errors.length) return 3;
+  return Math.min(6, Math.max(3, Math.ceil(-Math.log10(errors[errors.length >> 1])) + 1));
+}
+
+function write() {
+  document.title = state.title || document.title;
+  if (state.title) $("title").textContent = state.title;
+  for (const one of document.querySelectorAll(".of-set")) one.hidden = state.kind !== "set";
+  for (const one of document.querySelectorAll(".of-result")) one.hidden = state.kind !== "result";
+  document.querySelector("main").classList.toggle("result", state.kind === "result");
+  const warned = state.warnings || [];
+  $("warnings").hidden = !warned.length;
+  $("warnings").replaceChildren(...warned.map((text) => element("li", {}, text)));
+  if (state.kind === "set") writeSet();
+  else writeResult();
+}
+
+function writeSet() {
+  if ($("response").options.length !== state.dofs.length) {
+    $("response").replaceChildren(...state.dofs.map((name, i) => element("option", { value: i }, "dof " + name)));
+  }
+  $("response").value = shown;
+  for (const one of document.querySelectorAll(".needs-source")) one.hidden = !state.can_identify;
+  // What is being typed there stays until the band is another one.
+  const options = String([state.band_hz, state.max_order]);
+  if (options !== written) {
+    written = options;
+    if (state.band_hz) {
+      $("low").value = +state.band_hz[0].toPrecision(6);
+      $("high").value = +state.band_hz[1].toPrecision(6);
+    }
+    $("order").value = state.max_order ?? "";
+  }
+  $("identify").textContent = state.identified ? "Identify again" : "Identify";
+  $("undo").disabled = !state.can_undo;
+  $("redo").disabled = !state.can_redo;
+  $("save").hidden = !state.file;
+  $("save").textContent = state.unsaved ? "Save *" : "Save";
+  $("download").href = address("download");
+  const unsaved = state.unsaved ? "There are edits that are not saved. " : "";
+  $("file").textContent = state.file ? `${unsaved}Save writes ${state.file}` : "";
+  $("adding-at").textContent = "at dof " + state.dofs[shown];
+  writeValues();
+  writeEdits();
+}
+
+function writeValues() {
+  const rows = [], digits = decimals(state.rows);
+  // Long names have a line of their own above their values.
+  const wide = state.dofs.some((name) => name.length > 9);
+  $("values").classList.toggle("wide", wide);
+  state.dofs.forEach((name, dof) => {
+    const own = state.rows.filter((row) => row.dof === dof);
+    const lines = own.length ? own : [null];
+    lines.forEach((row, i) => {
+      const go = element("button", { type: "button", onclick: () => show(dof), "aria-label": "Show dof " + name, title: name }, name);
+      if (wide && !i) rows.push(element("tr", { class: dof === shown ? "first shown" : "first" }, element("td", { class: "dof", colspan: 6 }, go)));
+      const kind = [i || wide ? "" : "first", dof === shown ? "shown" : ""].join(" ");
+      const named = wide ? [] : [element("td", { class: "dof" }, ...(i ? [] : [go]))];
+      if (!row) {
+        rows.push(element("tr", { class: kind }, ...named, element("td", { class: "number" }, "–"), element("td", { colspan: 5 })));
+        return;
+      }
+      const hz = row.freq_hz.toFixed(digits);
+      const drop = element("button", { type: "button", "aria-label": `Drop ${hz} Hz at dof ${name}`, title: "Drop this value",
+        onclick: (event) => once(event, "drop", { dof, freq_hz: row.freq_hz, reason: $("reason").value }) }, "×");
+      rows.push(element("tr", { class: kind, "data-dof": name },
+        ...named,
+        element("td", { class: "number hz" }, hz),
+        element("td", { class: "number" }, row.std_hz === null ? "" : (+row.std_hz.toPrecision(2)).toFixed(digits)),
+        element("td", { class: "number" }, row.damping_percent === null ? "" : row.damping_percent.toFixed(2)),
+        element("td", {}, row.grade),
+        element("td", { class: "doubts" }, row.doubts),
+        element("td", { class: "drop" }, drop)));
+    });
+  });
+  $("values").tBodies[0].replaceChildren(...rows);
+}
+
+// Written anew only where they are others: a reason that is being typed, and the focus, stay.
+function writeEdits() {
+  $("none").hidden = state.edits.length > 0;
+  const list = $("edits"), there = [...list.children].map((one) => one.dataset.edit);
+  const wanted = state.edits.map((edit) => JSON.stringify([edit.text, edit.waits]));
+  if (String(there) !== String(wanted)) {
+    const typing = list.contains(document.activeElement) ? document.activeElement : null;
+    const kept = typing && { at: typing.closest("li").dataset.edit, name: typing.tagName, value: typing.value, start: typing.selectionStart };
+    list.replaceChildren(...state.edits.map((edit, number) => anEdit(edit, number, wanted[number])));
+    const again = kept && [...list.children].find((one) => one.dataset.edit === kept.at)?.querySelector(kept.name);
+    again?.focus();
+    if (again && kept.name === "INPUT") {
+      again.value = kept.value;
+      again.setSelectionRange(kept.start, kept.start);
+    }
+  }
+  [...list.children].forEach((one, number) => {
+    const why = one.querySelector("input"), reason = state.edits[number].reason;
+    if (why !== document.activeElement && why.dataset.said !== reason) why.value = reason;
+    why.dataset.said = reason;
+  });
+}
+
+function anEdit(edit, number, key) {
+  const why = element("input", { value: edit.reason, maxlength: 1000, placeholder: "reason", "aria-label": "Reason: " + edit.text,
+    "data-said": edit.reason, onchange: (event) => act("reword", { number, reason: event.target.value }) });
+  const back = element("button", { type: "button", "aria-label": "Take back: " + edit.text, onclick: (event) => once(event, "take_back", { number }) }, "take back");
+  const line = element("div", { class: "line" }, element("span", {}, edit.text), why, back);
+  if (edit.waits) line.append(element("span", { class: "waits" }, `waits: ${edit.waits}; made again where it can be`));
+  return element("li", { "data-edit": key }, line);
+}
+
+// The second click of a double click would hit what has moved into the place of the first.
+function once(event, command, body) {
+  if (event.detail < 2) act(command, body);
+}
+
+function writeResult() {
+  $("tables").replaceChildren(...state.tables.flatMap((table) => {
+    const numbers = table.head.map((text) => text.includes(", "));
+    const cell = (name) => (text, i) => element(name, { class: numbers[i] ? "number" : null }, text);
+    return [element("h2", {}, table.title), element("div", { class: "scroll" }, element("table", {},
+      element("thead", {}, element("tr", {}, ...table.head.map(cell("th")))),
+      element("tbody", {}, ...table.rows.map((row) => element("tr", {}, ...row.map(cell("td")))))))];
+  }));
+  $("answer").replaceChildren(...state.answer.map((text) => element("p", {}, text)));
+}
