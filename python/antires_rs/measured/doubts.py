@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..order_sweep.scores import (
+from ..order_sweep.table import (
     LEAST_DOMINANCE,
     LEAST_PROMINENCE_DB,
     MORE_ROWS,
@@ -16,8 +16,8 @@ from ..order_sweep.scores import (
     SURE_DEPTH_DB,
     SURE_SHARE,
     SURE_SPREAD,
+    ResponseTable,
 )
-from ..order_sweep.table import ResponseTable
 
 __all__ = ["doubts_of"]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ..order_sweep.diagram import StabilizationDiagram
 from ..order_sweep.table import ResponseTable
 from ..support.pickling import FrozenDict
 from ..support.validation import FloatArray
@@ -29,7 +28,7 @@ class EvidenceTables(EditedTables):
 
     def _fill_diagrams(self, diagrams: Mapping[Any, Any]) -> None:
         """The diagrams, and what they say was not accepted."""
-        drawn = {dof: one for dof, one in diagrams.items() if isinstance(one, StabilizationDiagram)}
+        drawn = {dof: one for dof, one in diagrams.items() if hasattr(one, "unexplained_hz")}
         self._fill(
             _diagrams=FrozenDict(diagrams),
             _left_out=FrozenDict({dof: one.left_out for dof, one in drawn.items()}),

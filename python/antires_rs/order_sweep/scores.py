@@ -26,15 +26,21 @@ from typing import Any
 import numpy as np
 
 from ..support.validation import ComplexArray, FloatArray
-from .table import ResponseTable
+from .table import (
+    LEAST_DOMINANCE,
+    LEAST_PROMINENCE_DB,
+    MORE_ROWS,
+    MOST_RESIDUAL,
+    MOST_SPREAD,
+    SURE_DEPTH_DB,
+    SURE_SHARE,
+    SURE_SPREAD,
+    ResponseTable,
+)
 
 __all__ = ["graded", "grades", "local_misfit", "prominence_db", "scored", "window_grades"]
 
-# The five tests of a grade.
-MORE_ROWS, MOST_SPREAD, LEAST_DOMINANCE, MOST_RESIDUAL, LEAST_PROMINENCE_DB = 20, 1e-3, 0.9, 0.1, 6.0
-
 # Of fits over windows.
-SURE_SHARE, SURE_SPREAD, SURE_DEPTH_DB = 0.9, 3e-3, 6.0
 WEAK_SHARE, WEAK_DEPTH_DB = 0.7, 4.0
 
 # A value's surroundings, in half-power bandwidths 2 zeta f; never fewer lines than the last number.

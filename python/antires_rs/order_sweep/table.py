@@ -19,6 +19,12 @@ from ..support.validation import FloatArray, reject
 
 __all__ = ["ResponseTable"]
 
+# The five tests of a grade.
+MORE_ROWS, MOST_SPREAD, LEAST_DOMINANCE, MOST_RESIDUAL, LEAST_PROMINENCE_DB = 20, 1e-3, 0.9, 0.1, 6.0
+
+# Of fits over windows: what a value that is sure has.
+SURE_SHARE, SURE_SPREAD, SURE_DEPTH_DB = 0.9, 3e-3, 6.0
+
 
 def _score(name: str, says: str) -> Any:
     """A column of ``scores`` as an attribute."""
