@@ -29,7 +29,7 @@ from pathlib import Path
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.cases.exhaust import experiment
+from antires_rs.cases import exhaust_truth as experiment
 from benchmarks.study_tools import each
 from reference.structures import portal_elements, portal_frame
 

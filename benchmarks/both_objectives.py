@@ -27,8 +27,8 @@ from pathlib import Path
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.plotting import plot_damages
-from antires_rs.plotting.canvas import picture
+from antires_rs.figures.canvas import picture
+from antires_rs.figures.damage import plot_damages
 from benchmarks.study_tools import add_options, print_table
 
 DAMAGED, NOISE = 4, 0.01

@@ -27,11 +27,11 @@ import time
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.damage.prior import DamagePrior
+from antires_rs.damage.question import DamagePrior
 from antires_rs.planning.detectability import _virtual_test
-from antires_rs.planning.pod import fit_logit
-from antires_rs.planning.simulated import Task, judged
-from antires_rs.planning.value_errors import ExpectedErrors
+from antires_rs.planning.detection_curves import fit_logit
+from antires_rs.planning.simulated_tests import Task, judged
+from antires_rs.planning.virtual_roots import ExpectedErrors
 from benchmarks.study_tools import print_table
 from reference.symmetric_structures import cases
 

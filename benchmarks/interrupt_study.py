@@ -33,7 +33,7 @@ max_evaluations = 1_000_000_000_000
 # A process in the background inherits that SIGINT is ignored; a terminal's does not.
 ANTIRES = (
     "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    "from antires_rs.cli import main; sys.exit(main(sys.argv[1:]))"
+    "from antires_rs.app.main import main; sys.exit(main(sys.argv[1:]))"
 )
 
 

@@ -68,7 +68,7 @@ def written(folder: Path) -> list[Path]:
 
 
 def started(file: Path) -> tuple[subprocess.Popen[str], str]:
-    call = [sys.executable, "-m", "antires_rs.cli", "look", str(file), "--no-browser", "--band", *BAND]
+    call = [sys.executable, "-m", "antires_rs.app.main", "look", str(file), "--no-browser", "--band", *BAND]
     process = subprocess.Popen(
         [*call, "--excitation", "0"], stdout=subprocess.PIPE, text=True, cwd=file.parent
     )

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.io.uff_sets import functions_of
+from antires_rs.io.uff import functions_of
 
 
 def rivals(path):

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.series.journal import Journal, journal_path
+from antires_rs.watch.store import Journal, journal_path
 from reference.small_records import OPTIONS, dead, record
 
 #: Tests of the series; a process lives for so long, in s, from its first result on.

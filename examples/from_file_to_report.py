@@ -11,7 +11,7 @@ import webbrowser
 from pathlib import Path
 
 import antires_rs as ar
-from antires_rs.cli import main as antires
+from antires_rs.app.main import main as antires
 
 
 def write_test(file: Path) -> None:

@@ -207,13 +207,13 @@ def _result(path):
 
 
 def _job(path):
-    from antires_rs.jobs import template
+    from antires_rs.app import keys as template
 
     path.write_text(template("damage", "frame"))
 
 
 def _read_job(path):
-    from antires_rs.jobs import read_job
+    from antires_rs.app.job import read_job
 
     return read_job(path)
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from antires_rs.support import explained
+from antires_rs.support import messages as explained
 
 PAGE = "troubleshooting"
 

@@ -9,21 +9,6 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = [
-    "AntiresError",
-    "AntiresWarning",
-    "Argument",
-    "InternalError",
-    "InvalidInputError",
-    "LostWorkerError",
-    "MissingDependencyError",
-    "NumericalError",
-    "ObjectiveError",
-    "OutOfMemoryError",
-    "UnsuitableDataError",
-    "catalogue",
-]
-
 
 class AntiresError(Exception):
     """Root of every exception that antires_rs raises on purpose.

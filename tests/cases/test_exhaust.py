@@ -7,7 +7,9 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 import antires_rs as ar
-from antires_rs.cases.exhaust import crack, experiment, geometry
+from antires_rs.cases import exhaust_geometry as geometry
+from antires_rs.cases import exhaust_truth as crack
+from antires_rs.cases import exhaust_truth as experiment
 from tests.support.campaign import campaign
 
 LEVELS = (1, 2, 3)

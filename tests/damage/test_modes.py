@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.damage.mode_roots import ModeRoots
+from antires_rs.damage.measured_modes import ModeRoots
 from tests.support.wrong_chains import NOMINAL, N, chain, truth
 
 STD_HZ, STD_SHAPES = 3e-4, 3e-3
@@ -106,7 +106,7 @@ def test_modes_that_pass_each_other_are_followed():
     core = ar.UpdatingProblem(
         model, ar.stiffness_reduction([0, 1]), ar.ModalSet([30.0], [[1.0, 0.2, 0.1]], [0, 1, 2])
     )
-    from antires_rs.damage.mode_roots import ModeSource
+    from antires_rs.damage.measured_modes import ModeSource
 
     source = ModeSource(core._core, (np.arange(3),))
     before, after = source.roots(np.array([[0.0, 0.0], [0.2, 0.0]]), True, 1)
@@ -121,7 +121,7 @@ def test_coordinates_of_shapes_move_as_their_slopes_say():
     problem = ar.UpdatingProblem(
         NOMINAL, ar.stiffness_reduction(range(5)), ar.ModalSet([60.0], [[1.0, 0.2, 0.1]], [4, 0, 2])
     )
-    from antires_rs.damage.mode_roots import ModeSource
+    from antires_rs.damage.measured_modes import ModeSource
 
     source = ModeSource(problem._core, (np.array([0, 2]), np.array([0, 1, 2])))
     step = 1e-4

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.damage.likelihood import Band, Foreseen, associated
 from antires_rs.damage.measured_states import Values
-from antires_rs.damage.view import Band, Foreseen, associated
 from tests.support.wrong_chains import NOMINAL, chain, measured, truth
 
 

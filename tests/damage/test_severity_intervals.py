@@ -12,7 +12,7 @@ from scipy.stats import kstest
 import antires_rs as ar
 from antires_rs.damage import question
 from antires_rs.damage.evidence import HIGHEST, fitted
-from antires_rs.damage.sampling import sampled
+from antires_rs.damage.severity_intervals import sampled
 from tests.support.campaign import some_of
 from tests.support.wrong_chains import N, assessed
 

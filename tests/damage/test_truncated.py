@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 from scipy.stats import kstest, multivariate_normal, norm
 
-from antires_rs.damage.box import peak_in_box
-from antires_rs.damage.evidence import FURTHEST, Fit
-from antires_rs.damage.stepwise import stepwise
-from antires_rs.damage.truncated import log_inside, truncated
+from antires_rs.damage.evidence import FURTHEST, Fit, log_inside, peak_in_box, truncated
+from antires_rs.damage.severity_intervals import stepwise
 
 
 def correlated(rng, n):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.damage.percent import loss
-from antires_rs.report.rows import damage_rows, hypothesis_rows
+from antires_rs.damage.hypotheses import loss
+from antires_rs.figures.report_parts import damage_rows, hypothesis_rows
 from tests.support.wrong_chains import NOMINAL, chain, measured, truth
 
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.damage.likelihood import Foreseen, and_vanished
 from antires_rs.damage.roots import Roots, follow
-from antires_rs.damage.vanished import and_vanished
-from antires_rs.damage.view import Foreseen
 
 #: The cracked element of the exhaust, and the stiffness losses of a beam that its cracks come to.
 CRACKED, EQUIVALENT = 30, {1: 0.881, 2: 0.934}

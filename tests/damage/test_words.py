@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 
 from antires_rs.damage.assessment import Assessment
-from antires_rs.damage.hypotheses import UNKNOWN, Hypotheses, Hypothesis
-from antires_rs.damage.percent import figure, percent, span
-from antires_rs.damage.reservations import reservations
-from antires_rs.damage.supersets import without_idle
-from antires_rs.damage.words import headline
-from antires_rs.report.rows import hypothesis_rows
+from antires_rs.damage.hypotheses import UNKNOWN, Hypotheses, Hypothesis, figure, percent, span
+from antires_rs.damage.words import headline, reservations, without_idle
+from antires_rs.figures.report_parts import hypothesis_rows
 
 
 def one(elements, probability, severities=None, *, candidate=True):

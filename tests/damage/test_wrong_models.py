@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.updating.unit_hint import unit_hint
+from antires_rs.updating.model_check import unit_hint
 from reference.wrong_models import JUDGED_ON, MISTAKES, ONLY_FRAMES
 
 SAID = "The model does not explain the measurement"

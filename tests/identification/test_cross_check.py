@@ -5,10 +5,8 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.identification.cross_check import METHODS, cross_check
-from antires_rs.order_sweep.limits import CONFIRMING_DOMINANCE
-from antires_rs.rational.aaa import set_valued_aaa
-from antires_rs.rational.vector_fitting import vector_fitting
+from antires_rs.identification.cross_check import METHODS, cross_check, set_valued_aaa, vector_fitting
+from antires_rs.identification.rule import CONFIRMING_DOMINANCE
 
 CHAIN = ar.MassSpringChain(np.ones(4), [500.0, 450.0, 520.0])
 BAND = (0.5, 9.0)
@@ -142,7 +140,7 @@ def test_what_all_channels_share_is_no_candidate():
 
 
 def test_a_set_with_its_cross_check_says_so_in_the_table(record, truth):
-    from antires_rs.io.tables import rows_of
+    from antires_rs.io.data_frames import rows_of
 
     values = {dof: np.append(f, 3.0) for dof, f in truth.items()}
     compared = cross_check(record, values, band_hz=BAND)

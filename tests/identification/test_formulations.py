@@ -5,13 +5,18 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.identification.formulations import check_formulation, sweep_of
-from antires_rs.identification.lines import Lines
-from antires_rs.identification.power import PowerFit, PowerSweep, real_basis, real_roots
-from antires_rs.identification.response_lines import lines_of_recording
-from antires_rs.order_sweep.diagram import diagram
-from antires_rs.order_sweep.rule import Rule
-from antires_rs.rational.first_guess import guessed_poles, guessed_weights
+from antires_rs.identification.lines import Lines, lines_of_recording
+from antires_rs.identification.paper import (
+    PowerFit,
+    PowerSweep,
+    check_formulation,
+    real_basis,
+    real_roots,
+    sweep_of,
+)
+from antires_rs.identification.rational_fit import guessed_poles, guessed_weights
+from antires_rs.identification.rule import Rule
+from antires_rs.identification.stabilization import diagram
 from antires_rs.signals.averaging import Averaging, average
 from antires_rs.signals.recording import Recording
 from reference.matching import match

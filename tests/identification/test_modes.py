@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from antires_rs.cases import exhaust
-from antires_rs.cases.exhaust.experiment import TestedStructure
+from antires_rs import cases as exhaust
+from antires_rs.cases.exhaust_truth import TestedStructure
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
 from antires_rs.identification.modes import identify_modes
+from antires_rs.identification.rational_fit import residues
 from antires_rs.measured.modal_set import ModalSet
-from antires_rs.rational.residues import residues
 from antires_rs.signals.frequency_response import FrequencyResponse
 from antires_rs.signals.half_spectra import half_spectra
 from antires_rs.signals.recording import Recording

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from antires_rs.identification.dips import shared
 from antires_rs.identification.identify import identify_antiresonances
-from antires_rs.identification.likelihood import likeliest
 from antires_rs.identification.lines import Lines
-from antires_rs.identification.numerators import NumeratorFit, NumeratorSweep
+from antires_rs.identification.numerators import NumeratorFit, NumeratorSweep, likeliest
 from antires_rs.identification.uncertainty import Influence
-from antires_rs.order_sweep.shared import shared
 from antires_rs.signals.noise import channel_noise, noise_power
 from antires_rs.signals.recording import Recording
 from antires_rs.signals.segments import Segments

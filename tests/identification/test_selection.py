@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from antires_rs.identification.selection import _table
-from antires_rs.order_sweep.table import ResponseTable
+from antires_rs.measured.response_table import ResponseTable
 
 
 def roots(*hz):

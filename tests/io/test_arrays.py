@@ -230,7 +230,7 @@ def test_a_newer_version_is_refused():
     import json
     from pathlib import Path
 
-    from antires_rs.io._packing import pack, unpack
+    from antires_rs.io.own_format import pack, unpack
 
     text, arrays = pack(recording())
     newer = {**json.loads(text), "version": 2}

@@ -62,7 +62,7 @@ def test_complex_numbers_of_numpy_stay_complex(tmp_path):
 
 @pytest.mark.skipif(os.name != "posix", reason="needs a signal")
 def test_a_reader_that_dies_is_an_error(tmp_path, monkeypatch):
-    from antires_rs.io import child
+    from antires_rs.io import child_process as child
 
     path = ar.write_hdf5(tmp_path / "a.h5", ar.Recording(ROWS, 256.0))
     dying = tmp_path / "dies.py"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.jobs.reading import read_signal
+from antires_rs.app.reading import read_signal
 from reference.io_signals import recording
 
 TIME = np.arange(50) / 200.0

@@ -18,7 +18,7 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
 sys.argv[1:] = {arguments!r}
 {code}
 """
-COMMAND = "from antires_rs.cli import main; sys.exit(main())"
+COMMAND = "from antires_rs.app.main import main; sys.exit(main())"
 
 
 def limited(folder, code, *arguments):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs import cli
-from antires_rs.jobs.reading import read_signal
+from antires_rs.app import main as cli
+from antires_rs.app.reading import read_signal
 from reference.io_signals import recording, response
 from tests.support.campaign import some_of
 

@@ -7,7 +7,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import UnsuitableDataError
-from antires_rs.io.uff_scan import _to_the_left
+from antires_rs.io.uff import _to_the_left
 
 pytest.importorskip("pyuff")
 RECORD = ar.Recording(np.random.default_rng(3).standard_normal((1, 22)), 512.0, dofs=["12+Z"])

@@ -1,6 +1,6 @@
 """Mistakes with files: each ends in an error of ours or in a warning, in the words that were looked at.
 
-With those of jobs (tests/jobs) and of the command line (tests/cli) they are more than 200.
+With those of jobs (tests/app) and of the command line (tests/app) they are more than 200.
 """
 
 import warnings
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs import cli
+from antires_rs.app import main as cli
 from tests.support.snapshots import compare
 
 for _package in ("pyuff", "h5py", "pandas", "pyarrow", "openpyxl", "nptdms"):

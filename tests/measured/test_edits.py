@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.io.tables import rows_of
-from antires_rs.measured.antiresonance_set import AntiresonanceSet, Edit
+from antires_rs.io.data_frames import rows_of
+from antires_rs.measured.antiresonance_set import AntiresonanceSet
+from antires_rs.measured.edits import Edit
 
 
 def scored():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.order_sweep.table import ResponseTable
+from antires_rs.measured.response_table import ResponseTable
 from tests.measured.test_files_of_before import FILE
 
 BAND = (8.0, 60.0)

@@ -1,9 +1,9 @@
 """A printed set: frequency, deviation, grade and doubts."""
 
 import antires_rs as ar
-from antires_rs.measured.doubts import doubts_of
-from antires_rs.order_sweep.scores import graded
-from antires_rs.order_sweep.table import ResponseTable
+from antires_rs.identification.scores import graded
+from antires_rs.measured.antiresonance_set import doubts_of
+from antires_rs.measured.response_table import ResponseTable
 
 
 def table():

@@ -9,8 +9,8 @@ import scipy.sparse
 
 import antires_rs as ar
 from antires_rs import exceptions
-from antires_rs.plotting import plot_differences
-from antires_rs.plotting.numbers import beside
+from antires_rs.figures.canvas import beside
+from antires_rs.figures.updating import plot_differences
 from tests.support.tolerances import AGAINST_SCIPY, BEAM_HZ, EIGH, RIGID_FORCE
 
 STEEL = (2.1e11, 7850.0)

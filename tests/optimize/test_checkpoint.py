@@ -11,7 +11,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.optimize.checkpoint import Checkpoint
-from antires_rs.updating.fingerprint import fingerprint
+from antires_rs.updating.problem import fingerprint
 from tests.support.paths import ROOT
 
 #: Some two hundred generations with migrations, about a second.

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs import plotting
-from antires_rs.cli import main
-from antires_rs.report import write_report
+from antires_rs import figures as plotting
+from antires_rs.app.main import main
+from antires_rs.figures.report import write_report
 from tests.support.four_masses import exact
 
 #: The damaged element of both structures, and its loss.

@@ -64,7 +64,7 @@ def test_the_steps_on_the_command_line_run(tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib").use("Agg")
     pytest.importorskip("pyuff")
     pytest.importorskip("jinja2")
-    from antires_rs.cli import main
+    from antires_rs.app.main import main
 
     monkeypatch.chdir(tmp_path)
     text = (DOCS / "jobs.md").read_text(encoding="utf-8")
@@ -98,7 +98,7 @@ def test_every_public_name_is_in_the_reference_once():
 
 def test_every_picture_has_its_page():
     pytest.importorskip("matplotlib")
-    from antires_rs import plotting
+    from antires_rs import figures as plotting
 
     listed = names_of((DOCS / "api/index.rst").read_text(encoding="utf-8"))
     assert {f"plotting.{name}" for name in plotting.__all__} <= set(listed)

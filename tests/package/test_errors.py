@@ -10,7 +10,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import Argument
-from antires_rs.support.wording import LeftOut, Passed, Wording, spelled
+from antires_rs.support.messages import LeftOut, Passed, Wording, spelled
 
 PACKAGE = Path(ar.__file__).parent
 TUBE = ar.Tube(0.05, 0.002, 2.1e11, 7850.0)

@@ -118,7 +118,7 @@ def test_importing_every_module_costs_no_extra_and_no_scipy():
 @pytest.mark.parametrize("argument", ["--help", "--version"])
 def test_the_command_line_answers_without_numpy(argument):
     code = (
-        f"import sys; from antires_rs.cli import main\ntry: main(['{argument}'])\n"
+        f"import sys; from antires_rs.app.main import main\ntry: main(['{argument}'])\n"
         "except SystemExit: pass\nprint()\nprint(*sys.modules)"
     )
     said, _, loaded = in_a_new_process(code).rpartition("\n")

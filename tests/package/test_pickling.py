@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.order_sweep.diagram import StabilizationDiagram
+from antires_rs.identification.stabilization import StabilizationDiagram
 
 COPIES = {"pickle": lambda value: pickle.loads(pickle.dumps(value)), "deepcopy": copy.deepcopy}
 QUICK = ar.IslandGA(islands=2, population=12, max_evaluations=300)

@@ -86,7 +86,7 @@ def test_antiresonances_of_many_dofs_come_from_the_background_unchanged(at_once,
     calls = []
     work = _progress.interruptible
     monkeypatch.setattr(
-        "antires_rs.models.structural_model.interruptible", lambda *a: calls.append(a[1]) or work(*a)
+        "antires_rs.support.progress.interruptible", lambda *a: calls.append(a[1]) or work(*a)
     )
     many = chain.antiresonances([0, 120], 0)
     assert calls == ["antiresonances of 2 responses"]
@@ -126,7 +126,7 @@ def test_warnings_point_at_the_callers_line(monkeypatch):
     with pytest.warns(ar.AntiresWarning, match="data check") as caught:
         ar.identify_antiresonances(short, excitation=0, band_hz=CASE.band_hz)
     assert [w.filename for w in caught] == [__file__] * len(caught)
-    monkeypatch.setattr("antires_rs.models.simulation._LONGEST_LEAD_IN", 10_000)
+    monkeypatch.setattr("antires_rs.models.structural_model._LONGEST_LEAD_IN", 10_000)
     with pytest.warns(ar.AntiresWarning, match="lead-in") as caught:
         CASE.true_model(0).simulate(excitation=0, fs_hz=512.0, duration_s=1.0, damping_ratio=1e-9, rng=0)
     assert [w.filename for w in caught] == [__file__] * len(caught)

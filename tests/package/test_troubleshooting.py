@@ -9,10 +9,13 @@ from pathlib import Path
 import pytest
 
 import antires_rs as ar
-from antires_rs.cli import main
-from antires_rs.data_check import channels, check, records, resolution
-from antires_rs.measured import doubts
-from antires_rs.support.explained import entries
+from antires_rs.app.main import main
+from antires_rs.measured import antiresonance_set as doubts
+from antires_rs.signals import channel_faults as channels
+from antires_rs.signals import data_check as check
+from antires_rs.signals import data_check as records
+from antires_rs.signals import resolution
+from antires_rs.support.messages import entries
 
 SOURCES = Path(ar.__file__).parent
 #: Said in headlines and notes of results.

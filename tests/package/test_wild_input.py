@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.app.job import read_job
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.jobs import read_job
 
 RNG = np.random.default_rng(0)
 NOISE = RNG.standard_normal((3, 64))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.planning import simulated as simulated_tests
+from antires_rs.planning import simulated_tests
 from tests.support.campaign import some_of
 
 #: Not among the structures of the study (benchmarks/detectability_study.py).

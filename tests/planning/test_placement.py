@@ -8,10 +8,8 @@ import pytest
 import antires_rs as ar
 from antires_rs.damage.roots import roots_at
 from antires_rs.models.parameters import stiffness_reduction
-from antires_rs.planning.information import CRITERIA, Information, information
-from antires_rs.planning.placement import exhaustive, greedy
-from antires_rs.planning.value_errors import ExpectedErrors
-from antires_rs.planning.virtual_roots import objective, virtual_roots
+from antires_rs.planning.placement import CRITERIA, Information, exhaustive, greedy, information
+from antires_rs.planning.virtual_roots import ExpectedErrors, objective, virtual_roots
 from reference.structures import CHAIN8_MASSES, CHAIN8_SPRINGS
 from reference.symmetric_structures import cases
 

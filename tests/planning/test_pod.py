@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from antires_rs.planning.pod import crossing, fit_logit, rising
+from antires_rs.planning.detection_curves import crossing, fit_logit, rising
 
 
 def draw(rng, n, a90=0.05, slope=4.0):

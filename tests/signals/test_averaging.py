@@ -5,10 +5,14 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.signals import spectra
-from antires_rs.signals.averaging import Averaging, average
-from antires_rs.signals.bandwidth import Autocorrelation, half_power_widths
+from antires_rs.signals.averaging import (
+    Autocorrelation,
+    Averaging,
+    average,
+    choose_nperseg,
+    half_power_widths,
+)
 from antires_rs.signals.recording import Recording
-from antires_rs.signals.segment_length import choose_nperseg
 
 BAND = (3.0, 130.0)
 

@@ -1,6 +1,6 @@
 """Records of the chain for the data check, and what it says of them."""
 
-from antires_rs.data_check import check_data
+from antires_rs.signals.data_check import check_data
 from antires_rs.signals.recording import Recording
 from reference.virtual_records import chain8_matrices, random_record
 

@@ -1,7 +1,7 @@
 """Each record identified once: for tests of what becomes of a result, not of how it is made."""
 
 from antires_rs.identification.identify import identify_antiresonances
-from antires_rs.series.fingerprint import fingerprint
+from antires_rs.watch.sources import fingerprint
 
 _FOUND = {}
 

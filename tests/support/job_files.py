@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs import cli
+from antires_rs.app import main as cli
 
 DAMAGE = """\
 [data]

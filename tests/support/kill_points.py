@@ -17,8 +17,9 @@ import sys
 from pathlib import Path
 
 import antires_rs as ar
-from antires_rs import cli, report
-from antires_rs.jobs import drawing
+from antires_rs.app import main as cli
+from antires_rs.app import run as drawing
+from antires_rs.figures import report
 from antires_rs.optimize.checkpoint import Checkpoint
 from antires_rs.support.files import write_atomically
 from tests.support.job_files import UPDATE, write_measured

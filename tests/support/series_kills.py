@@ -15,7 +15,7 @@ from pathlib import Path
 import pyarrow.parquet
 
 import antires_rs as ar
-from antires_rs.series import one_test
+from antires_rs.watch import sources as one_test
 from reference.small_records import OPTIONS, record
 from tests.support.kill_points import die_before
 

@@ -17,7 +17,7 @@ LONG = UPDATE.replace(
 ANTIRES = """
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)
-from antires_rs.cli import main
+from antires_rs.app.main import main
 sys.exit(main(sys.argv[1:]))
 """
 

@@ -3,7 +3,8 @@
 import os
 from contextlib import contextmanager
 
-from antires_rs.cli import command, usage
+from antires_rs.app import command
+from antires_rs.app import parser as usage
 
 
 def compare(file, messages):

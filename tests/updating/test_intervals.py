@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import kstest
 
 import antires_rs as ar
-from antires_rs.updating.box_gaussian import axes_of, sweep
+from antires_rs.updating.posterior import axes_of, sweep
 from reference.calibration import ranks
 
 #: Quantiles of 2,000 independent draws: 0.05 of a distribution lies within 0.005 of its place (one sigma).

@@ -299,7 +299,7 @@ def test_what_modes_cannot_tell_is_said():
 def test_pictures_and_report(damage, tmp_path):
     figure = pytest.importorskip("matplotlib.figure")
     pytest.importorskip("jinja2")
-    from antires_rs.plotting import plot_damages
+    from antires_rs.figures.damage import plot_damages
 
     ax = damage.plot(ax=figure.Figure().subplots(), truth={DAMAGED: SEVERITY})
     assert ax.get_ylabel() == "Stiffness loss (%)"

@@ -7,11 +7,8 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError, NumericalError
-from antires_rs.updating.affine import Affine, bent_by
-from antires_rs.updating.reduced_basis import basis_at
-from antires_rs.updating.reduced_model import ReducedProblem, largest_difference
-from antires_rs.updating.reduced_search import reduced_search
-from antires_rs.updating.reduction import Reduction, wanted_reduction
+from antires_rs.updating.reduced_model import Affine, ReducedProblem, basis_at, bent_by, largest_difference
+from antires_rs.updating.reduced_search import Reduction, reduced_search, wanted_reduction
 from reference.building_frames import building
 from reference.meshes import frame, tower
 

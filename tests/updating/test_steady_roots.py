@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.updating.complex_zeros import complex_zeros
-from antires_rs.updating.steady_roots import STEP, followed, steady
+from antires_rs.updating.steady_roots import STEP, complex_zeros, followed, steady
 from reference.symmetric_structures import cases, true_zeros
 
 

@@ -53,7 +53,7 @@ def test_one_problem_from_several_seeds():
 
 
 def test_what_fails_is_told_and_the_others_stand(monkeypatch):
-    from antires_rs.updating import update_ensemble as room
+    from antires_rs.updating import ensemble as room
 
     real = room.update
 

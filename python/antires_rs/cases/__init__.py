@@ -16,3 +16,9 @@ from .chain8 import Chain8, chain8
 from .exhaust import Exhaust, exhaust
 
 __all__ = ["Chain8", "Exhaust", "chain8", "exhaust"]
+
+
+# -- The exhaust system of Meruane's second case, as a documented surrogate
+
+
+__all__ = ["Exhaust", "exhaust"]

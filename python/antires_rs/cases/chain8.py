@@ -17,11 +17,8 @@ from ..measured.modal_set import ModalSet
 from ..models.chain import MassSpringChain
 from ..models.parameters import mass_factor, stiffness_factor, stiffness_reduction
 from ..signals.recording import Recording
-from ..support.validation import FloatArray, finite_scalar, integer, random_generator
-from ..updating.penalty import DamagePenalty
-from ..updating.problem import UpdatingProblem
-
-__all__ = ["Chain8", "chain8"]
+from ..support.checks import FloatArray, finite_scalar, integer, random_generator
+from ..updating.problem import DamagePenalty, UpdatingProblem
 
 MASSES_KG = np.array([0.5593] + 7 * [0.4194])
 SPRINGS_N_PER_M = np.full(7, 56.7e3)

@@ -7,10 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..support.values import Value
-from ..updating.explained import few_alone, mostly_paired
+from ..updating.model_check import few_alone, mostly_paired
 from .hypotheses import Hypotheses, Hypothesis
-
-__all__ = ["Assessment"]
 
 #: Below this probability of so large a chi-square, the best explanation does not explain.
 _HARDLY = 1e-3

@@ -13,15 +13,192 @@ Reference: R. E. Kass and A. E. Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..support.validation import FloatArray
-from .box import given, peak_in_box, quantiles
-from .truncated import log_inside
-from .view import View
+from ..support.checks import FloatArray
+from .likelihood import View
 
-__all__ = ["FURTHEST", "HIGHEST", "Fit", "fitted"]
+# -- Gaussians within bounds: where in the box the peak is, and one coordinate's mean and quantiles
+
+
+def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> FloatArray:
+    """Most probable point of a Gaussian in the box [low, high]^n.
+
+    Coordinates whose peak lies outside are put on their bound one by one, the worst first; given these, the
+    others follow.
+    """
+    best, spread, free = mean.copy(), covariance.copy(), list(range(mean.size))
+    while free:
+        sd = np.sqrt(np.diag(spread))
+        below, above = (low - best) / sd, (best - high) / sd
+        worst = max(free, key=lambda i: max(below[i], above[i]))
+        if max(below[worst], above[worst]) <= 0.0:
+            break
+        gain = spread[:, worst] / spread[worst, worst]
+        best = best + gain * ((low if below[worst] > above[worst] else high) - best[worst])
+        spread = spread - np.outer(gain, spread[worst])
+        free.remove(worst)
+        spread[worst, worst] = 1.0
+    return best
+
+
+def given(
+    mean: FloatArray, covariance: FloatArray, nth: int, known: FloatArray, which: NDArray[np.bool_]
+) -> tuple[float, float]:
+    """Mean and standard deviation of one coordinate of a Gaussian, given some of the others."""
+    at = np.array([k for k in np.flatnonzero(which) if k != nth], dtype=np.intp)
+    if not at.size:
+        return float(mean[nth]), float(np.sqrt(covariance[nth, nth]))
+    gain = np.linalg.solve(covariance[np.ix_(at, at)], covariance[at, nth])
+    variance = covariance[nth, nth] - gain @ covariance[at, nth]
+    return float(mean[nth] + gain @ (known[at] - mean[at])), float(np.sqrt(variance))
+
+
+def quantiles(
+    mean: float, std: float, low: float, high: float, shares: tuple[float, float]
+) -> tuple[float, float]:
+    """Quantiles of a Gaussian of which only [low, high] is left."""
+    from scipy.special import ndtr, ndtri
+
+    a, b = (low - mean) / std, (high - mean) / std
+    if a > 5.0:  # far below the bound: an exponential is left
+        first, second = (float(low - np.log1p(-q) * std / a) for q in shares)
+        return first, second
+    if b < -5.0:  # far above the other one: the same from there
+        first, second = quantiles(-mean, std, -high, -low, (1.0 - shares[1], 1.0 - shares[0]))
+        return -second, -first
+    bottom, top = ndtr(a), ndtr(b)
+    first, second = (
+        float(np.clip(mean + std * ndtri(bottom + q * (top - bottom)), low, high)) for q in shares
+    )
+    return first, second
+
+
+def log_between(low: Any, high: Any) -> FloatArray:
+    """ln of the standard normal probability between two limits, element by element."""
+    from scipy.special import log_ndtr
+
+    flip = np.asarray(low) > 0.0  # the tail is resolved on the negative side
+    low, high = np.where(flip, -high, low), np.where(flip, -low, high)
+    top, bottom = log_ndtr(high), log_ndtr(low)
+    return np.asarray(top + np.log1p(-np.exp(np.minimum(bottom - top, -1e-15))))
+
+
+# -- Gaussians of which only a box is left: their probability, densities, and draws
+#
+# One coordinate after the other, each given those before (Genz's transformation): within its limits the
+# conditional distribution is a normal one, of which uniform numbers give draws; the product of the
+# conditional probabilities, averaged over them, is the probability of the box. Coordinates with the least
+# room come first.
+#
+# Reference: A. Genz, J. Comput. Graph. Stat. 1 (1992) 141-149.
+
+
+#: Points of the rule of quadrature along each coordinate but the last.
+_POINTS = 16
+#: Coordinates so many standard deviations from both bounds do not count.
+_FAR = 5.0
+_HALF_LOG_TAU = 0.5 * float(np.log(2.0 * np.pi))
+
+
+@dataclass(frozen=True)
+class Truncated:
+    """A Gaussian within [low, high]^n: mean, Cholesky factor, both in the order of ``order``."""
+
+    mean: FloatArray
+    factor: FloatArray
+    order: NDArray[np.intp]
+    low: float
+    high: float
+
+    def draws(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Points (k, n) of uniform numbers (k, n), and ln of the weights that make them the Gaussian's."""
+        z, log_weight = self._transformed(uniform)
+        found = np.empty_like(z)
+        found[:, self.order] = np.clip(self.mean + z @ self.factor.T, self.low, self.high)
+        return found, log_weight
+
+    def log_density(self, points: FloatArray) -> FloatArray:
+        """Of the points of :meth:`draws` without their weights, anywhere in the box; (k,)."""
+        apart = points[:, self.order] - self.mean
+        z = np.asarray(np.linalg.solve(self.factor, apart.T).T, dtype=np.float64)
+        total = np.zeros(len(points))
+        for i in range(self.mean.size):
+            below, above = self._limits(z, i)
+            total -= 0.5 * z[:, i] ** 2 + _HALF_LOG_TAU + np.log(self.factor[i, i])
+            total -= log_between(below, above)
+        return total
+
+    def log_probability(self) -> float:
+        """ln of the probability of the box under the whole Gaussian."""
+        from scipy.special import logsumexp
+
+        points, weights = _rule(self.mean.size - 1)
+        return float(logsumexp(self._transformed(points)[1], b=weights))
+
+    def _limits(self, z: FloatArray, i: int) -> tuple[FloatArray, FloatArray]:
+        """Limits of coordinate i in standard deviations, given those before."""
+        middle = self.mean[i] + z[:, :i] @ self.factor[i, :i]
+        return (self.low - middle) / self.factor[i, i], (self.high - middle) / self.factor[i, i]
+
+    def _transformed(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Standard normal coordinates of as many uniform numbers as there are, and ln of the product."""
+        z = np.zeros((len(uniform), self.mean.size))
+        total = np.zeros(len(uniform))
+        for i in range(self.mean.size):
+            below, above = self._limits(z, i)
+            total += log_between(below, above)
+            if i < uniform.shape[1]:
+                z[:, i] = _between(below, above, uniform[:, i])
+        return z, total
+
+
+def truncated(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> Truncated:
+    """A Gaussian within [low, high]^n."""
+    sd = np.sqrt(np.diag(covariance))
+    order = np.argsort(log_between((low - mean) / sd, (high - mean) / sd), kind="stable")
+    factor = np.asarray(np.linalg.cholesky(covariance[np.ix_(order, order)]), dtype=np.float64)
+    return Truncated(mean[order], factor, order, low, high)
+
+
+def log_inside(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> float:
+    """ln of the probability that a Gaussian gives to [low, high]^n, by a fixed rule."""
+    sd = np.sqrt(np.diag(covariance))
+    near = np.flatnonzero(np.minimum(mean - low, high - mean) < _FAR * sd)
+    if near.size < 2:
+        return float(np.sum(log_between((low - mean[near]) / sd[near], (high - mean[near]) / sd[near])))
+    return truncated(mean[near], covariance[np.ix_(near, near)], low, high).log_probability()
+
+
+def _between(low: FloatArray, high: FloatArray, p: FloatArray) -> FloatArray:
+    """Quantiles p of the standard normal distribution between two limits."""
+    from scipy.special import log_ndtr, ndtri_exp
+
+    flip = low > 0.0  # the tail is resolved on the negative side
+    a, b = np.where(flip, -high, low), np.where(flip, -low, high)
+    share = np.where(flip, 1.0 - p, p)
+    bottom, top = log_ndtr(a), log_ndtr(b)
+    # ln of (1 - share) e^bottom + share e^top
+    z = ndtri_exp(top + np.log(share + (1.0 - share) * np.exp(np.minimum(bottom - top, 0.0))))
+    z = np.clip(z, a, b)
+    return np.asarray(np.where(flip, -z, z))
+
+
+@cache
+def _rule(n: int) -> tuple[FloatArray, FloatArray]:
+    """Points (k, n) and weights (k,) of Gauss and Legendre's rule in the unit cube."""
+    x, w = np.polynomial.legendre.leggauss(_POINTS)
+    x, w = 0.5 * (x + 1.0), 0.5 * w
+    axes = np.meshgrid(*[x] * n, indexing="ij")
+    weights = np.ones(_POINTS**n)
+    for each in np.meshgrid(*[w] * n, indexing="ij"):
+        weights = weights * each.ravel()
+    return np.stack([a.ravel() for a in axes], axis=1) if n else np.empty((1, 0)), weights
+
 
 #: Largest severity.
 HIGHEST = 0.99

@@ -11,18 +11,335 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..measured.modal_set import ModalSet
-from ..support.validation import FloatArray, reject
-from ..updating.model_dofs import model_dof
-from .measured_states import ASSUMED_STD, LEAST_STD
-from .mode_roots import ModeRoots, ModeSource
-from .mode_values import ModeValues
+from ..support.checks import FloatArray, reject
+from ..updating.targets import model_dof
+from .measured_states import ASSUMED_STD, LEAST_STD, Values, note_of_same_data, same_data
 from .roots import Roots
-from .same_data import note_of_same_data, same_data
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-__all__ = ["ASSUMED_SHAPE_STD", "ModeResponses", "measured_modes"]
+
+# -- Modes of the model as roots: a natural frequency each, and where its shape lies beside the intact one
+#
+# A shape u of unit length at the sensors is told by its coordinates in a basis Q of the directions across it,
+#
+# .. math:: a = Q^T (u' - u), \qquad Q^T u = 0, \quad Q^T Q = I,
+#
+# n - 1 numbers at n sensors, which neither sign nor size touches. Along a change of the model the basis is
+# turned with the shape, without any rotation about it, so that an error of a shape has the same coordinates
+# in both states.
+#
+# The modes of another state are those that look most alike, one to one, with a little weight on the
+# frequency: modes that pass each other are followed.
+
+
+#: Modes whose frequencies lie nearer together (ln f): the model does not tell how their shapes mix.
+_MIXED = 1e-3
+#: Weight of a difference in ln f against one of MAC; and the least likeness of what may be the same mode.
+_BY_FREQUENCY, _ALIKE = 0.5, 0.1
+
+
+@dataclass(frozen=True)
+class ModeRoots(Roots):
+    """Modes; ``log_f`` holds ln f, then the coordinates of the shape beside the intact model's, mode by mode.
+
+    Attributes
+    ----------
+    shapes : of each group of sensors, (modes, n), unit length.
+    bases : of each group, (modes, n, n - 1).
+    mixed : (modes,) whether another mode is so near that the shape says nothing.
+    """
+
+    shapes: tuple[FloatArray, ...]
+    bases: tuple[FloatArray, ...]
+    mixed: NDArray[np.bool_]
+
+    @property
+    def each(self) -> int:
+        """Roots that a mode has: its frequency and the coordinates of its shape."""
+        return 1 + sum(int(basis.shape[2]) for basis in self.bases)
+
+    @property
+    def kind(self) -> NDArray[np.intp]:
+        """0 of frequencies, 1 of shapes."""
+        return (self.response > 0).astype(np.intp)
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """ln f of each mode."""
+        return self.log_f[:: self.each]
+
+    def first(self, group: int) -> int:
+        """Where the coordinates of a group begin, among the roots of a mode."""
+        return 1 + sum(int(basis.shape[2]) for basis in self.bases[:group])
+
+    def between(self, low: float, high: float) -> NDArray[np.bool_]:
+        """Which belong to a mode between two ln f."""
+        inside = (self.frequencies > low) & (self.frequencies < high)
+        return np.repeat(inside, self.each)
+
+    def only(self, kept: NDArray[np.bool_]) -> ModeRoots:
+        """Some of the modes; ``kept`` is by root."""
+        modes = kept[:: self.each]
+        return ModeRoots(
+            self.response[kept],
+            self.log_f[kept],
+            self.slopes[kept] if len(self.slopes) else self.slopes,
+            tuple(shapes[modes] for shapes in self.shapes),
+            tuple(basis[modes] for basis in self.bases),
+            self.mixed[modes],
+        )
+
+    def likeness(self, other: ModeRoots) -> FloatArray:
+        """MAC with the modes of another state over all groups, (modes, its modes)."""
+        alike = [(own @ theirs.T) ** 2 for own, theirs in zip(self.shapes, other.shapes, strict=True)]
+        return np.asarray(np.mean(alike, axis=0))
+
+    def since(self, before: Roots) -> tuple[Roots, NDArray[np.intp]]:
+        """These with their shapes turned from those of ``before``, and which root there each has been."""
+        from scipy.optimize import linear_sum_assignment
+
+        assert isinstance(before, ModeRoots)
+        alike = self.likeness(before)
+        cost = 1.0 - alike + _BY_FREQUENCY * np.abs(self.frequencies[:, None] - before.frequencies)
+        rows, columns = linear_sum_assignment(cost)
+        same = alike[rows, columns] > _ALIKE
+        was = np.full(self.frequencies.size, -1)
+        was[rows[same]] = columns[same]
+        place = self.log_f.reshape(was.size, self.each).copy()
+        slopes = self.slopes.reshape(was.size, self.each, -1).copy() if len(self.slopes) else None
+        old = np.flatnonzero(was >= 0)
+        bases, faced = [], []
+        for group, (shapes, basis) in enumerate(zip(self.shapes, self.bases, strict=True)):
+            at = slice(self.first(group), self.first(group) + basis.shape[2])
+            known = before.shapes[group][was[old]]
+            facing = np.ones(was.size)
+            facing[old] = np.where(np.sum(known * shapes[old], axis=1) < 0.0, -1.0, 1.0)
+            shapes = facing[:, None] * shapes
+            turned = basis.copy()
+            turned[old] = _turned(known, shapes[old], before.bases[group][was[old]])
+            if slopes is not None:  # slopes are coordinates as well
+                moved = basis @ slopes[:, at]
+                slopes[:, at] = facing[:, None, None] * (turned.transpose(0, 2, 1) @ moved)
+            place[:, at] = 0.0
+            place[old, at] = -np.einsum("mij,mi->mj", turned[old], known)
+            bases.append(turned)
+            faced.append(shapes)
+        identity = np.where(was[:, None] >= 0, was[:, None] * self.each + np.arange(self.each), -1)
+        found = ModeRoots(
+            self.response,
+            place.ravel(),
+            self.slopes if slopes is None else slopes.reshape(self.slopes.shape),
+            tuple(faced),
+            tuple(bases),
+            self.mixed,
+        )
+        return found, identity.ravel()
+
+
+@dataclass(frozen=True)
+class ModeSource:
+    """The modes of a model at any state; ``groups`` are the sensors of each setup, in the core's order."""
+
+    core: _core.Objective
+    groups: tuple[NDArray[np.intp], ...]
+
+    def roots(self, candidates: FloatArray, slopes: bool, threads: int) -> list[Roots]:
+        """The modes at each row of ``candidates`` (m, n)."""
+        found = self.core.modal_states(np.ascontiguousarray(candidates), slopes, threads)
+        return [self._roots(*state, slopes) for state in found]
+
+    def _roots(
+        self, hz: FloatArray, at: FloatArray, logs: FloatArray, moves: FloatArray, with_slopes: bool
+    ) -> ModeRoots:
+        log_f = np.log(hz)
+        gap = np.diff(log_f, prepend=-np.inf, append=np.inf)
+        shapes, bases, rows = [], [], [logs[:, None, :]]
+        response = [0]
+        for number, own in enumerate(self.groups):
+            size = np.linalg.norm(at[:, own], axis=1)
+            size = np.where(size > 0.0, size, 1.0)  # at rest there, and never measured there
+            unit = at[:, own] / size[:, None]
+            basis = _across(unit)
+            shapes.append(unit)
+            bases.append(basis)
+            response += [1 + number] * basis.shape[2]
+            if with_slopes:
+                rows.append(basis.transpose(0, 2, 1) @ (moves[:, own] / size[:, None, None]))
+        places = np.zeros((hz.size, len(response)))
+        places[:, 0] = log_f
+        joined = np.concatenate(rows, axis=1) if with_slopes else logs
+        return ModeRoots(
+            np.tile(np.array(response, dtype=np.intp), hz.size),
+            places.ravel(),
+            joined.reshape(hz.size * len(response), -1) if with_slopes else logs,
+            tuple(shapes),
+            tuple(bases),
+            np.minimum(gap[:-1], gap[1:]) < _MIXED,
+        )
+
+
+def _across(unit: FloatArray) -> FloatArray:
+    """An orthonormal basis (m, n, n - 1) of what is across each row (m, n)."""
+    n = unit.shape[1]
+    # The reflection that takes a coordinate axis to the shape takes the others across it.
+    mirror = unit.copy()
+    mirror[:, 0] += np.where(unit[:, 0] < 0.0, -1.0, 1.0)
+    mirror /= np.linalg.norm(mirror, axis=1, keepdims=True)
+    return np.asarray((np.eye(n) - 2.0 * mirror[:, :, None] * mirror[:, None, :])[:, :, 1:])
+
+
+def _turned(old: FloatArray, new: FloatArray, basis: FloatArray) -> FloatArray:
+    """Bases (m, n, n - 1) across old shapes, turned with these to the new ones in their common plane."""
+    both = old + new
+    part = np.einsum("mi,mij->mj", both, basis) / (1.0 + np.sum(old * new, axis=1))[:, None]
+    return np.asarray(basis - both[:, :, None] * part[:, None, :])
+
+
+# -- Measured modes as values: a natural frequency each, and where its shape lies beside a mode of the model
+
+
+_HALF_LOG_TAU = 0.5 * float(np.log(2.0 * np.pi))
+#: More than any price.
+_NEVER = 1e12
+#: In the scan: weight of an angle between shapes (rad) against ln f, and the farthest that counts.
+_ANGLE, _FAR = 0.3, 0.2
+
+
+@dataclass(frozen=True)
+class ModeValues(Values):
+    """Values of modes: of each its ln f, then the coordinates of its shape, which depend on its partner.
+
+    ``log_f`` is 0 for coordinates. ``start``, ``group``, ``shape`` and ``setup`` are of each mode: its first
+    value, the sensors, the unit shape there, and the number of the set.
+    """
+
+    start: NDArray[np.intp]
+    group: NDArray[np.intp]
+    shape: tuple[FloatArray, ...]
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """ln f of each mode."""
+        return self.log_f[self.start]
+
+    @property
+    def plain(self) -> Values:
+        """Frequencies alone."""
+        at = self.start
+        return Values(self.response[at], self.log_f[at], self.std[at], self.test[at])
+
+    def times_measured(self, response: NDArray[np.intp]) -> FloatArray:
+        """A mode moves the sensors of every test."""
+        return np.full(response.size, float(self.tests.size))
+
+    def own(self, mode: int) -> slice:
+        """The values of a mode."""
+        start = int(self.start[mode])
+        return slice(start, start + self.shape[mode].size)
+
+    def associated(
+        self,
+        roots: Roots,
+        place: FloatArray,
+        sigma: FloatArray,
+        alone: float,
+        price: FloatArray,
+        wider: float = 1.0,
+    ) -> tuple[NDArray[np.intp], FloatArray, float]:
+        """Root of each value, the values as seen from there, and what those without one cost.
+
+        Frequency and shape decide together, one to one within a test. A false mode has any shape.
+        """
+        from scipy.optimize import linear_sum_assignment
+
+        assert isinstance(roots, ModeRoots)
+        found, seen, lost = np.full(self.size, -1), self.log_f.copy(), 0.0
+        if not roots.size:
+            return found, seen, sum(alone + _any_shape(shape.size) for shape in self.shape)
+        for test in np.unique(self.test[self.start]):
+            modes = np.flatnonzero(self.test[self.start] == test)
+            costs, views = zip(
+                *(self._beside(int(mode), roots, place, sigma, wider) for mode in modes), strict=True
+            )
+            cost = np.array(costs) + price[:: roots.each]
+            single = np.array([alone + _any_shape(self.shape[mode].size) for mode in modes])
+            rows, columns = linear_sum_assignment(
+                np.hstack([cost, np.where(np.eye(modes.size, dtype=bool), single, _NEVER)])
+            )
+            for row, column in zip(rows, columns, strict=True):
+                if column >= cost.shape[1]:
+                    lost += single[row]
+                    continue
+                own, group = self.own(modes[row]), int(self.group[modes[row]])
+                at = column * roots.each
+                found[own.start] = at
+                if roots.mixed[column]:
+                    lost += _any_shape(self.shape[modes[row]].size)
+                    continue
+                first = at + roots.first(group)
+                many = own.stop - own.start - 1
+                found[own.start + 1 : own.stop] = np.arange(first, first + many)
+                seen[own.start + 1 : own.stop] = views[row][column]
+        return found, seen, lost
+
+    def _beside(
+        self, mode: int, roots: ModeRoots, place: FloatArray, sigma: FloatArray, wider: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """What it costs that a mode belongs to each of the model's, and its shape as seen from these."""
+        own, group, each = self.own(mode), int(self.group[mode]), roots.each
+        at = slice(roots.first(group), roots.first(group) + own.stop - own.start - 1)
+        wide = np.hypot(wider * self.std[own.start], sigma[::each])
+        apart = (self.log_f[own.start] - place[::each]) / wide
+        cost = 0.5 * apart**2 + np.log(wide) + _HALF_LOG_TAU
+        facing = roots.shapes[group] @ self.shape[mode]
+        across = np.einsum("rij,i->rj", roots.bases[group], self.shape[mode])
+        by_mode = roots.log_f.reshape(-1, each)[:, at]
+        seen = by_mode + np.where(facing < 0.0, -1.0, 1.0)[:, None] * across
+        wide = np.hypot(wider * self.std[own.start + 1 : own.stop], sigma.reshape(-1, each)[:, at])
+        apart = (seen - place.reshape(-1, each)[:, at]) / wide
+        shapes = np.sum(0.5 * apart**2 + np.log(wide) + _HALF_LOG_TAU, axis=1)
+        return cost + np.where(roots.mixed, _any_shape(self.shape[mode].size), shapes), seen
+
+    def unexplained(self, roots: Roots, place: FloatArray) -> float:
+        """Sum of the distances of the modes from the nearest of the model, shapes considered."""
+        assert isinstance(roots, ModeRoots)
+        total, frequencies = 0.0, place[:: roots.each]
+        for mode, group in enumerate(self.group):
+            alike = np.clip(np.abs(roots.shapes[group] @ self.shape[mode]), 0.0, 1.0)
+            angle = np.where(roots.mixed, 0.0, np.arccos(alike))
+            apart = np.abs(self.frequencies[mode] - frequencies) + _ANGLE * angle
+            total += float(np.minimum(apart, _FAR).min(initial=_FAR))
+        return total
+
+    @classmethod
+    def of(cls, rows: Sequence[tuple[int, float, float, int, FloatArray, float]]) -> ModeValues:
+        """From modes: test, ln f, its std, group, unit shape, std of its components."""
+        sizes = [row[4].size for row in rows]
+        start = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.intp) if rows else np.empty(0, int)
+        many = int(sum(sizes))
+        log_f, std, response = np.zeros(many), np.zeros(many), np.zeros(many, dtype=np.intp)
+        for at, n, (_, ln, ln_std, group, _, shape_std) in zip(start, sizes, rows, strict=True):
+            log_f[at], std[at] = ln, ln_std
+            std[at + 1 : at + n], response[at + 1 : at + n] = shape_std, 1 + group
+        return cls(
+            response,
+            log_f,
+            std,
+            np.repeat(np.array([row[0] for row in rows], dtype=np.intp), sizes),
+            start,
+            np.array([row[3] for row in rows], dtype=np.intp),
+            tuple(row[4] for row in rows),
+        )
+
+
+def _any_shape(n: int) -> float:
+    """Minus the log density of a shape that may be any: half the sphere in n dimensions."""
+    from scipy.special import gammaln
+
+    return float(0.5 * n * np.log(np.pi) - gammaln(0.5 * n))
+
 
 #: Standard deviation of the components of a shape of unit length that states none, and the least.
 ASSUMED_SHAPE_STD, _LEAST_SHAPE_STD = 5e-3, 2e-5

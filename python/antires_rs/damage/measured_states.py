@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,18 +13,120 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..support.validation import FloatArray, reject
-from ..updating.antiresonance_targets import AntiresonanceTargets
-from ..updating.model_dofs import antiresonance_objective
-from .association import ALONE, associate
-from .common_responses import not_in_both
-from .roots import Roots
-from .same_data import note_of_same_data, same_data
+from ..support.checks import FloatArray, reject
+from ..updating.targets import AntiresonanceTargets, antiresonance_objective
+from .roots import ALONE, Roots, align, associate
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
+    from ..updating.targets import AntiresonanceTargets
 
-__all__ = ["ASSUMED_STD", "LEAST_STD", "Responses", "Values", "measured_states", "scatter_between"]
+
+# -- Which responses both states have, and what to say of the others
+
+
+#: So many are named.
+_NAMED = 6
+
+Response = tuple[int, int]
+
+
+def not_in_both(
+    model: StructuralModel, before: Sequence[AntiresonanceTargets], after: Sequence[AntiresonanceTargets]
+) -> list[str]:
+    """Notes on responses with values in one state only.
+
+    Raises
+    ------
+    InvalidInputError
+        No response has values in both.
+    """
+    intact, now = _with_values(before), _with_values(after)
+    if not before or not now:
+        return []
+    if not set(intact) & set(now):
+        reject(
+            "baseline",
+            f"values at {_named(model, intact)}",
+            f"values at some of the dofs of measured: {_named(model, now)}",
+            "Number the dofs of both tests alike, or test the intact structure at these dofs.",
+        )
+    notes = []
+    new, gone = [r for r in now if r not in intact], [r for r in intact if r not in now]
+    if new:
+        notes.append(
+            f"Measured now only: {_named(model, new)} ({_listed_values(new, now)}). Without an intact state "
+            "they are compared with the model alone and count less."
+        )
+    if gone:
+        notes.append(
+            f"Measured intact only: {_named(model, gone)} ({_listed_values(gone, intact)}). They tell of the "
+            "model's errors, not of damage."
+        )
+    return notes
+
+
+def _with_values(targets: Sequence[AntiresonanceTargets]) -> dict[Response, int]:
+    """Responses (dof, force) and how many values they have."""
+    found: dict[Response, int] = {}
+    for target in targets:
+        for dof, force, freq, _, _ in target.parts:
+            if freq.size:
+                found[dof, force] = found.get((dof, force), 0) + freq.size
+    return found
+
+
+def _listed_values(some: Sequence[Response], counts: dict[Response, int]) -> str:
+    total = sum(counts[response] for response in some)
+    return f"{total} value{'s' if total > 1 else ''}"
+
+
+def _named(model: StructuralModel, responses: Sequence[Response] | dict[Response, int]) -> str:
+    forces = {force for _, force in responses}
+    names = [
+        model.dof_label(dof) + (f" (force at {model.dof_label(force)})" if len(forces) > 1 else "")
+        for dof, force in sorted(responses, key=lambda one: (one[1], one[0]))
+    ]
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return ", ".join(names[:_NAMED]) + more
+
+
+# -- Sets that hold the very same data: one record given twice tells no more than once
+#
+# Two tests at the same force are independent, and their scatter counts; no two of them come out with the
+# same numbers at every response. Values and standard deviations that are equal bit by bit at all responses
+# that two sets share are of one record, which would make every error look smaller than it is.
+
+
+#: Of one set by response: values and their standard deviations (NaN: none).
+Columns = Mapping[Hashable, tuple[FloatArray, FloatArray]]
+
+
+def same_data(sets: Sequence[Columns]) -> dict[int, int]:
+    """Which sets repeat an earlier one at every response with values that both have: later to earlier."""
+    found: dict[int, int] = {}
+    for later, own in enumerate(sets):
+        for earlier in range(later):
+            other = sets[earlier]
+            shared = [key for key in own if key in other and own[key][0].size and other[key][0].size]
+            if shared and all(_equal(own[key], other[key]) for key in shared):
+                found[later] = earlier
+                break
+    return found
+
+
+def _equal(one: tuple[FloatArray, FloatArray], other: tuple[FloatArray, FloatArray]) -> bool:
+    return np.array_equal(one[0], other[0]) and np.array_equal(one[1], other[1], equal_nan=True)
+
+
+def note_of_same_data(name: str, found: Mapping[int, int]) -> list[str]:
+    """What was counted once, in words."""
+    return [
+        f"{name}[{later}] repeats the values of {name}[{earlier}] number for number, as no second test does: "
+        "they are counted once."
+        for later, earlier in found.items()
+    ]
+
 
 #: Relative standard deviation of a value that has none, and the least of one from a single curve: its noise
 #: tells little of how another test would come out.
@@ -285,3 +388,87 @@ def _values(
         np.array([row[0] for row in rows], dtype=np.intp),
         asked=np.array(asked, dtype=np.intp).reshape(-1, 2),
     )
+
+
+# -- Tests of the intact structure that contradict each other: which one, and by how much
+#
+# Values of two tests of the same response are paired in their order; how far two tests are apart is the
+# upper quartile of the differences of ln f, so that a few false values count for nothing. Ordinary scatter
+# from test to test is no contradiction: one test must differ from all others by several times what these
+# differ among themselves. Of two tests that are far apart none can be named.
+
+
+#: Difference of ln f up to which values are paired; what both tests have alone counts as so far apart.
+_PAIRED = 0.1
+#: An odd test differs by so many times what the others differ, and at least by this share and so many
+#: standard deviations.
+_TIMES, _ODD, _DEVIATIONS = 3.0, 0.002, 5.0
+#: Without a third test, or if no single one is odd, so much is more than tests scatter.
+_APART_CONTRADICTION = 0.01
+_UPPER = 75.0
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """Positions of the tests among all baseline sets, the odd one alone where it is known.
+
+    ``apart`` is their relative difference, ``usual`` that of the others (0 where there are none).
+    """
+
+    tests: tuple[int, ...]
+    apart: float
+    usual: float
+
+
+def contradiction(values: Values, forces: Sequence[int]) -> Contradiction | None:
+    """The worst contradiction between tests with the same force; ``forces`` are those of the tests."""
+    found = []
+    for force in sorted(set(forces)):
+        tests = [nth for nth, each in enumerate(forces) if each == force]
+        apart = {pair: _apart(values, *pair) for pair in combinations(tests, 2)}
+        known = {pair: one for pair, one in apart.items() if one is not None}
+        one = _worst(tests, known)
+        if one is not None:
+            found.append(one)
+    return max(found, key=lambda one: one.apart, default=None)
+
+
+def _worst(tests: list[int], known: dict[tuple[int, int], tuple[float, float]]) -> Contradiction | None:
+    for odd in tests:
+        own = [known[pair] for pair in known if odd in pair]
+        others = [known[pair][0] for pair in known if odd not in pair]
+        if not own or not others:
+            continue
+        least, usual = min(apart for apart, _ in own), max(others)
+        if least > max(_TIMES * usual, _ODD, _DEVIATIONS * max(std for _, std in own)):
+            return Contradiction((odd,), float(np.median([apart for apart, _ in own])), usual)
+    far = {
+        pair: apart
+        for pair, (apart, std) in known.items()
+        if apart > max(_APART_CONTRADICTION, _DEVIATIONS * std)
+    }
+    if not far:
+        return None
+    return Contradiction(tuple(sorted({nth for pair in far for nth in pair})), max(far.values()), 0.0)
+
+
+def _apart(values: Values, one: int, other: int) -> tuple[float, float] | None:
+    """Upper quartile of the differences between two tests, and their usual error; None with nothing in
+    common."""
+    differences: list[FloatArray] = []
+    errors: list[FloatArray] = []
+    for number in np.unique(values.response[values.test == one]):
+        a = np.flatnonzero((values.test == one) & (values.response == number))
+        b = np.flatnonzero((values.test == other) & (values.response == number))
+        if not b.size:
+            continue
+        cost = np.abs(values.log_f[a][:, None] - values.log_f[b])
+        partner = align(cost, np.full(a.size, 0.5 * _PAIRED), np.full(b.size, 0.5 * _PAIRED))
+        has = np.flatnonzero(partner >= 0)
+        moved = min(a.size, b.size) - has.size
+        differences += [cost[has, partner[has]], np.full(moved, _PAIRED)]
+        errors.append(np.hypot(values.std[a[has]], values.std[b[partner[has]]]))
+    apart, std = (np.concatenate([np.empty(0), *parts]) for parts in (differences, errors))
+    if not apart.size:
+        return None
+    return float(np.percentile(apart, _UPPER)), float(np.median(std)) if std.size else 0.0

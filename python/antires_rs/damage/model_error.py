@@ -6,7 +6,7 @@ root m has an error eps_m of its own, which no factor explains and which is ther
 .. math:: \ln f_m = \ln r_m(\beta, \theta) + \epsilon_m + \mathrm{noise},
           \qquad \theta \sim N(0, s^2), \quad \epsilon \sim N(0, \tau^2).
 
-The coordinates of shapes (:mod:`~antires_rs.damage.mode_roots`) are further such values, with a tau of their
+The coordinates of shapes (:mod:`~.measured_modes`) are further such values, with a tau of their
 own. s and tau are learned from the baseline: under them its values are most probable (with weak priors, ``S``
 and ``TAU``). theta is then estimated by the values, in Gauss-Newton steps, each with values and roots
 associated anew, begun more narrowly where that does not come to rest; and what remains open of theta and eps
@@ -24,16 +24,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..exceptions import InvalidInputError
+from ..models.parameter import Parameter
+from ..support.checks import FloatArray
 from ..support.progress import step
-from ..support.validation import FloatArray
-from .association import FALSE, FOUND_ONCE
 from .measured_states import Values
-from .roots import Roots, Source, roots_at
+from .roots import FALSE, FOUND_ONCE, Roots, Source, roots_at
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["ModelError", "learned"]
+    from ..models.structural_model import StructuralModel
 
 #: Median and logarithmic standard deviation of the priors of s and tau, of frequencies and of shapes.
 S, TAU, TAU_SHAPE = (0.05, 1.5), (1e-3, 1.5), (5e-3, 1.5)
@@ -289,3 +290,37 @@ def _scales(
             scales = max(trial, key=log_evidence)
         if scales == before:
             return scales[0], np.array([*scales[1:], TAU_SHAPE[0]][:2])
+
+
+# -- What may be wrong in a model: a factor on every stiffness and every mass term
+
+
+#: Bounds of a factor, exp(-1.6) to exp(1.6): no model of an engineer is as wrong as that.
+BOUNDS = (0.2, 5.0)
+
+
+def factors_of(model: StructuralModel) -> tuple[Parameter, ...]:
+    """A factor for each stiffness and mass term that is not zero."""
+    stiffness = [Parameter("stiffness_factor", (term,), BOUNDS) for term in model._springs]
+    mass = [Parameter("mass_factor", (term,), BOUNDS) for term in range(model._core.n_mass_terms)]
+    return _governing(model, (*stiffness, *mass))
+
+
+def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
+    """Those that may be anywhere within their bounds: all, or halves of them looked at anew."""
+    if not factors or _governs(model, factors):
+        return factors
+    half = len(factors) // 2
+    if not half:  # a term that is zero, or without which nothing holds together
+        return ()
+    return _governing(model, factors[:half]) + _governing(model, factors[half:])
+
+
+def _governs(model: StructuralModel, factors: tuple[Parameter, ...]) -> bool:
+    low, high = (np.full(len(factors), bound) for bound in BOUNDS)
+    try:
+        parts = model.description.core_parameters(factors)
+        _core.check_bounds(model._core, parts, low, high)
+    except InvalidInputError:
+        return False
+    return True

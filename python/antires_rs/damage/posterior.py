@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..support.validation import reject
+from ..support.checks import reject
 from .hypotheses import UNKNOWN, Hypothesis
 from .likelihood import Likelihood
-from .prior import DamagePrior
+from .question import DamagePrior
 from .search import Elements, Search
-
-__all__ = ["LEVEL", "allowed", "log_weights", "posterior", "together"]
 
 #: Probability of the intervals, and the shares between which they lie.
 LEVEL = 0.9

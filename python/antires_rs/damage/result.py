@@ -8,35 +8,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..optimize.arguments import thread_count
-from ..support.validation import FloatArray, reject
-from ..updating.explained import Explained, explained
+from ..optimize.island_ga import thread_count
+from ..support.checks import FloatArray, reject
 from ..updating.identifiability import smallest_visible
-from ..updating.results import UpdateResult
-from .common_loss import common_loss, many
+from ..updating.model_check import Explained, explained
+from ..updating.result import UpdateResult
+from .hypotheses import figure
 from .inference import infer
-from .one_state import all_lost, headline_of_one_state
-from .percent import figure
-from .prior import DamagePrior
-from .question import Question
-from .reservations import note_of_reduction, reservations
-from .residuals import largest_left
-from .severity_profile import severity_profile
-from .sure import severity_intervals
-from .words import headline
+from .one_state import all_lost, common_loss, headline_of_one_state, many
+from .question import DamagePrior, Question
+from .severity_intervals import severity_intervals, severity_profile
+from .words import headline, largest_left, note_of_reduction, reservations
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ..optimize.outcome import OptimizeResult
-    from ..updating.parameter_intervals import Method, ParameterIntervals
+    from ..updating.posterior import Method, ParameterIntervals
     from ..updating.problem import UpdatingProblem
     from ..updating.profile import ProfileLikelihood
-    from ..updating.reduction import ReductionReport
+    from ..updating.reduced_search import ReductionReport
     from .assessment import Assessment
     from .hypotheses import Hypotheses
-
-__all__ = ["ASSUMED_MODEL_ERROR", "DamageResult"]
 
 #: Width of the 90 % interval of a Gaussian, in standard deviations.
 _WIDTH_90 = 2.0 * 1.6448536269514722
@@ -389,7 +382,5 @@ class DamageResult(UpdateResult):
         return f"{type(self).__name__}({self.hypotheses.called(best)}, probability {best.probability:.3f})"
 
     def plot(self, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
-        """Damage bar chart; see :func:`antires_rs.plotting.plot_damage`."""
-        from ..plotting import plot_damage
-
-        return plot_damage(self, ax=ax, truth=truth)
+        """Damage bar chart; see :func:`antires_rs.figures.damage.plot_damage`."""
+        return self._view("plot")(self, ax=ax, truth=truth)

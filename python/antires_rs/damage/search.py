@@ -14,14 +14,33 @@ from itertools import combinations, product
 
 import numpy as np
 
+from ..support.checks import FloatArray
 from ..support.progress import step
-from ..support.validation import FloatArray
 from .evidence import HIGHEST, Fit, fitted
-from .likelihood import Likelihood
-from .screening import COARSE, worth_a_scan
-from .view import View
+from .likelihood import Likelihood, View
 
-__all__ = ["Elements", "Search", "explained"]
+# -- Which elements a scan looks at, where there are many: those that would explain most to first order
+#
+# The likelihood's slope and curvature along each severity are at hand from the sensitivities of one point.
+# All other elements stay judged by the linear model alone.
+
+
+#: More elements than these are not all scanned; of one damage, and of a further one, so many are.
+_MANY_SCREENING, _SCANNED_SCREENING = 60, (40, 16)
+#: Severities of a scan for a further damage among many elements.
+COARSE = np.array([0.05, 0.16, 0.4, 0.7, 0.93])
+
+
+def worth_a_scan(view: View, elements: list[int], size: int) -> list[int] | None:
+    """The elements to scan for a set of ``size``, ascending; None for all of them."""
+    if len(elements) <= _MANY_SCREENING:
+        return None
+    gains: FloatArray = np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
+    best = sorted(elements, key=lambda e: -gains[e])[
+        : _SCANNED_SCREENING[min(size, len(_SCANNED_SCREENING)) - 1]
+    ]
+    return sorted(best)
+
 
 Elements = tuple[int, ...]
 

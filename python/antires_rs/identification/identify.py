@@ -7,7 +7,7 @@ zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and
   (:mod:`~antires_rs.identification.numerators`). For averaged records and repeated impacts, whose segments
   tell the noise and the errors.
 - "windows": the same over many overlapping windows, and what most of them agree on
-  (:mod:`~antires_rs.identification.local`). For single impacts and given curves, which are no rational
+  (:mod:`~antires_rs.identification`). For single impacts and given curves, which are no rational
   functions with white noise.
 - "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j. For
   averages by other estimators.
@@ -22,35 +22,32 @@ Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..data_check import DataCheck
-from ..data_check.check import judged
 from ..exceptions import UnsuitableDataError
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..measured.tables import label
-from ..order_sweep.scores import graded
-from ..order_sweep.table import ResponseTable
+from ..measured.merge import merge_setups
+from ..measured.response_table import ResponseTable, label
 from ..signals.averaging import Averages, Averaging, average
-from ..signals.band import band_of
-from ..signals.frequency_response import FrequencyResponse
-from ..signals.pooled import without_force
+from ..signals.data_check import judged
+from ..signals.findings import DataCheck
+from ..signals.frequency_response import FrequencyResponse, band_of
 from ..signals.recording import Recording
 from ..signals.repeats import AveragedResponse, one_source
-from ..support.one_thread import one_blas_thread
+from ..signals.segments import without_force
+from ..support.checks import reject
+from ..support.messages import warn
 from ..support.progress import patient, step
-from ..support.validation import reject
-from ..support.warned import warn
-from .diagrams import diagrams_of
+from ..support.threads import one_blas_thread
+from .diagrams import diagrams_of, settled
+from .lines import lines_of
 from .options import DEFAULT, IdentificationOptions, checked_options
-from .repeat_scatter import freedom, independent_averages
-from .response_lines import lines_of
-from .scope import settled
-
-__all__ = ["identify_antiresonances"]
+from .scores import graded
+from .uncertainty import freedom, independent_averages
 
 
 @patient("identifying antiresonances")
@@ -113,12 +110,12 @@ def identify_antiresonances(
         :func:`~antires_rs.transmissibility` and
         :func:`~antires_rs.frf`.
     formulation : {"auto", "windows", "numerators", "joint", "power", "eq10", "eq10_squared"}, optional
-        See the module, and :mod:`~antires_rs.identification.formulations` for the last three. "auto"
+        See the module, and :mod:`~antires_rs.identification.paper` for the last three. "auto"
         (default) takes "windows" for given curves and single impacts; for averaged records, and from two
         impacts on, "numerators" with ``estimator="rank1"``, else "joint".
     preset : {None, "paper", "strict", "sensitive"}
         A named set of the options formulation, max_order, freq_tol to min_dominance and persistent, see
-        :mod:`~antires_rs.order_sweep.presets`. What is given beside it wins.
+        :mod:`~antires_rs.identification.rule`. What is given beside it wins.
     max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
         As for :func:`~antires_rs.stabilization`, or as the preset says. Without ``max_order`` the fit of all
         numerators goes 36 orders beyond the likeliest, up to 200. With few lines in the band the
@@ -173,7 +170,7 @@ def identify_antiresonances(
     -----
     A list of records of one test (several runs of the shaker, several impacts in a file each) gives one set:
     their segments, or their impacts, are averaged together, and the standard deviations hold what differs
-    from record to record (:mod:`~antires_rs.identification.repeat_scatter`). So do several impacts in one
+    from record to record (:mod:`~antires_rs.identification.uncertainty`). So do several impacts in one
     record, which is cut before each. Records must have the same dofs and sampling rate. A list of FRFs or of
     transmissibilities is averaged (:mod:`~antires_rs.signals.repeats`), and the standard deviations hold what
     differs between them, too. Setups with other places of the sensors are identified
@@ -342,3 +339,60 @@ def _wanted_dofs(dofs: Iterable[Any] | None, known: tuple[Any, ...]) -> tuple[An
             "Name dofs of the source, or leave dofs out for all.",
         )
     return tuple(known[known.index(dof)] for dof in wanted)
+
+
+# -- A hammer that roved: each hit is identified by itself, all are joined at the sensor that stayed
+
+
+@dataclass(frozen=True)
+class Hit:
+    """One of the measurements: what it is called, and where its force acted."""
+
+    name: str
+    signal: Recording | FrequencyResponse
+    force: Any
+
+
+def identify_roving(
+    hits: Sequence[Hit],
+    sensor: Any,
+    band_hz: Sequence[float],
+    *,
+    say: Callable[[str], Any] | None = None,
+    **options: Any,
+) -> AntiresonanceSet:
+    """The antiresonances of all places that were hit, to a force at the sensor (H_ik = H_ki).
+
+    Parameters
+    ----------
+    hits : sequence of Hit
+        Two or more.
+    sensor : int or str
+        A response or the force of each of them.
+    band_hz : (low, high)
+    say : callable, optional
+        Told of each measurement before it is identified.
+    **options
+        Of :func:`~antires_rs.identify_antiresonances`.
+
+    Returns
+    -------
+    AntiresonanceSet
+        As :func:`~antires_rs.merge_setups` joins them, with the diagram of each value that comes from one
+        measurement alone.
+    """
+    sets = []
+    for hit in hits:
+        if say is not None:
+            say(f"identifying the antiresonances of {hit.name}, force at {hit.force}")
+        sets.append(identify_antiresonances(hit.signal, excitation=hit.force, band_hz=band_hz, **options))
+    joined = merge_setups(sets, excitation=sensor)
+    diagrams = {}
+    for dof in joined:
+        seen = [one.diagrams[dof] for one in sets if one.excitation == sensor and dof in one.diagrams]
+        seen += [one.diagrams[sensor] for one in sets if dof == one.excitation != sensor]
+        if len(seen) == 1:
+            diagrams[dof] = seen[0]
+    return AntiresonanceSet.from_tables(
+        sensor, joined.tables, diagrams=diagrams, sees=joined.sees, channels=joined.channels or None
+    )

@@ -6,15 +6,23 @@ more row, so that FRFs are transmissibilities to the force. Channels are scaled 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import UnsuitableDataError
+from ..signals.averaging import LEAST_LINES, Averages
+from ..signals.direction import ROUNDING, aligned, direction_noise, noise_shares, response_vectors
+from ..signals.estimators import two_channel
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.noise import channel_noise, dominant, floors, local_noise
+from ..signals.recording import Recording
+from ..signals.repeats import AveragedResponse
 from ..signals.segments import Segments
-from ..support.validation import ComplexArray, FloatArray
-
-__all__ = ["FORCE", "SNR_CAP", "Lines", "unit"]
+from ..signals.spectra import CrossSpectra, lines_in
+from ..support.checks import ComplexArray, FloatArray, reject
 
 # Row index of the force in ``Lines.vectors``: the last.
 FORCE = -1
@@ -119,3 +127,231 @@ def unit(vectors: ComplexArray) -> ComplexArray:
     """Vectors (n_rows, n_freq) scaled to unit norm at every line."""
     norm = np.linalg.norm(vectors, axis=0)
     return np.asarray(vectors / np.where(norm > 0.0, norm, 1.0))
+
+
+# -- Lines of single curves: measured FRFs and transmissibilities, and the responses to one impact
+#
+# Nothing was averaged, so the noise comes with the curves (``std``, or coherence and averages) or is taken
+# from them: what is rough from line to line is noise, or an error of another kind that the fit should not
+# follow either (a joint that slips, a mode that drifts).
+
+
+def curve_lines(
+    freq_hz: FloatArray,
+    values: ComplexArray,
+    force: ComplexArray | None = None,
+    *,
+    std: FloatArray | None = None,
+    runs: ComplexArray | None = None,
+    size_known: bool,
+    added_decay_per_s: float = 0.0,
+) -> Lines:
+    """Vectors of equal noise, and what each line is worth.
+
+    Parameters
+    ----------
+    freq_hz : (n_freq,)
+    values : (n_rows, n_freq) complex
+        Known at least up to a factor at each line.
+    force : (n_freq,) complex, optional
+        One more row with the same factors. It is scaled to weigh as much as all responses together at the
+        median line.
+    std : (n_rows, n_freq), optional
+        Standard deviation of the real parts of ``values``, where it is known.
+    runs : (R, n_rows, n_freq) complex, optional
+        What each of several tests gave, where ``values`` are their average.
+    size_known : bool
+        Whether the size of ``values`` from line to line is a property of the structure.
+    added_decay_per_s : float
+        Of an exponential window.
+    """
+    rows = values if force is None else np.vstack([values, _weighty(force, values)])
+    power = np.sum(np.abs(rows) ** 2, axis=0)
+    directions = aligned(rows)
+    if std is not None:
+        row, line = noise_shares(np.maximum(2.0 * std**2 / np.where(power > 0.0, power, 1.0), ROUNDING))
+    elif force is None:
+        row, line = noise_shares(direction_noise(directions))
+    else:
+        # Of FRFs the noise is nearly the same at all lines, that of their directions is not.
+        row, line = noise_shares(local_noise(values))
+        line = np.maximum(line / np.where(power > 0.0, power, 1.0), 1e-300)
+    scaled = values / np.sqrt(row)[:, None]
+    size = np.linalg.norm(scaled, axis=0)
+    # Of all rows but the force, whose noise is not that of a response.
+    snr = np.sum(np.abs(directions[: len(values)]) ** 2 / row[:, None], axis=0) / line
+    if force is not None:
+        scaled = np.vstack([scaled, _weighty(force, scaled)])
+        responses, size = size, np.linalg.norm(scaled, axis=0)
+        if std is None:
+            # What roughness tells is a start, careful by the number of responses; residuals replace it.
+            snr = snr / len(values)
+        else:
+            # Noise that is known counts as it is, over a vector that the force, without noise, makes longer.
+            snr = snr * (size / np.where(responses > 0.0, responses, 1.0)) ** 2
+    return Lines(
+        freq_hz,
+        unit(scaled),
+        snr,
+        added_decay_per_s=added_decay_per_s,
+        size=size if size_known else None,
+        noise_given=std is not None,
+        runs=None if runs is None else _units(runs / np.sqrt(row)[:, None], scaled[len(values) :]),
+    )
+
+
+def _units(runs: ComplexArray, force: ComplexArray) -> ComplexArray:
+    """Unit vectors of every test, the force (no row or one) the same in all: (n_freq, n_rows, R)."""
+    rows = [unit(np.vstack([run, force])) for run in runs]
+    return np.stack(rows, axis=2).transpose(1, 0, 2)
+
+
+def _weighty(force: ComplexArray, responses: ComplexArray) -> ComplexArray:
+    """The force as a row that weighs as much as all responses together at the median line."""
+    ratio = np.linalg.norm(responses, axis=0) / np.maximum(np.abs(force), 1e-300)
+    return np.asarray(float(np.median(ratio)) * force[None, :])
+
+
+# -- Every kind of source brought to the common form, a complex vector of responses a line
+
+
+# From so many impacts on, their scatter tells the noise; of a single one the roughness of its curves does.
+LEAST_IMPACTS = 2
+
+
+def lines_of(
+    source: Recording | FrequencyResponse,
+    averages: Averages | None,
+    band_hz: tuple[float, float],
+    *,
+    use_force: bool,
+    estimator: str,
+) -> Callable[[int], Lines]:
+    """Response vectors of either source; the argument is the row that will be divided by.
+
+    ``averages`` are those of a record, with the force where it is used; None for measured curves.
+    """
+    if isinstance(source, Recording):
+        assert averages is not None
+        return lines_of_recording(source, averages, band_hz, use_force=use_force, estimator=estimator)
+    same = lines_of_response(source, band_hz, use_force=use_force)
+    return lambda row: same
+
+
+def lines_of_recording(
+    rec: Recording, averages: Averages, band_hz: tuple[float, float], *, use_force: bool, estimator: str
+) -> Callable[[int], Lines]:
+    """Response vectors of a record; the argument is the row that will be divided by."""
+    spectra = averages.spectra
+    _require_lines(spectra.freq_hz.size, band_hz, 0.5 * rec.fs_hz)
+    auto = np.einsum("fii->i", spectra.matrix).real
+    if not auto.all():
+        dead = int(np.flatnonzero(auto == 0.0)[0])
+        name = f"dof {rec.dofs[dead]!r}" if dead < rec.n_channels else "the force"
+        raise UnsuitableDataError(
+            "source",
+            f"no signal at all from {name} in the band",
+            "a live channel",
+            "Leave the dead channel out of the Recording.",
+        )
+    vectors, snr = response_vectors(spectra.matrix, spectra.noise)
+    if averages.nperseg is None and spectra.n_averages < LEAST_IMPACTS:
+        size = np.sqrt(np.einsum("fii->f", spectra.matrix).real)
+        values = unit(vectors) * size
+        force = values[FORCE] if use_force else None
+        one = curve_lines(
+            spectra.freq_hz,
+            values[:FORCE] if use_force else values,
+            force,
+            size_known=not use_force,
+            added_decay_per_s=spectra.added_decay_per_s,
+        )
+        return lambda row: one
+    noise = channel_noise(spectra.matrix, spectra.noise_power)
+    if use_force:
+        # A force cell is far quieter than the responses: what a line is worth, the responses tell.
+        snr = response_vectors(spectra.matrix[:, :FORCE, :FORCE])[1]
+    length = averages.nperseg
+    independent = 1.0 if length is None else min(1.0, rec.n_samples / length / spectra.n_effective)
+    white = vectors / np.sqrt(noise)[:, None]
+    scale = 1.0 / np.sqrt(noise)
+    if use_force:
+        scale[FORCE] *= _middling(white[:FORCE] / white[FORCE])
+    segments = _segments(spectra, scale, use_force)
+
+    def lines(row: int) -> Lines:
+        own = (
+            vectors
+            if estimator == "rank1"
+            else two_channel(spectra.matrix, row % vectors.shape[0], estimator)[0]
+        )
+        return Lines(
+            spectra.freq_hz,
+            unit(own * scale[:, None]),
+            snr,
+            spectra.added_decay_per_s,
+            segments,
+            independent,
+            spectra.n_averages / spectra.n_effective,
+            spectra.draws,
+        )
+
+    return lines
+
+
+def _segments(spectra: CrossSpectra, scale: FloatArray, use_force: bool) -> Segments | None:
+    """Spectra of the segments scaled to unit noise in every row."""
+    if spectra.segments is None or spectra.n_averages < 2:
+        return None
+    scaled = spectra.segments.times(scale)
+    some = slice(FORCE if use_force else None)
+    if scale[some].size < 2:
+        return scaled
+    largest, rest, _ = dominant(scaled.covariance()[:, some, some], np.ones(scale[some].size))
+    return scaled.times(1.0 / np.sqrt(floors(largest, rest))[:, None])
+
+
+def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, use_force: bool) -> Lines:
+    """Response vectors of measured FRFs or transmissibilities."""
+    inside = lines_in(resp.freq_hz, band_hz)
+    _require_lines(inside.stop - inside.start, band_hz, float(resp.freq_hz[-1]))
+    freq, values = resp.freq_hz[inside], resp.values[:, inside]
+    power = np.mean(np.abs(values) ** 2, axis=1)
+    if not power.all():
+        dead = resp.dofs[int(np.flatnonzero(power == 0.0)[0])]
+        raise UnsuitableDataError(
+            "source",
+            f"zeros only for dof {dead!r} in the band",
+            "a live channel",
+            "Leave the dead channel out of the FrequencyResponse.",
+        )
+    if resp.kind == "transmissibility" and use_force:
+        reject(
+            "route",
+            "'frf' with a source of transmissibilities",
+            "'transmissibility'",
+            "Transmissibilities do not hold the FRFs.",
+        )
+    return curve_lines(
+        freq,
+        values,
+        np.ones(freq.size, dtype=np.complex128) if use_force else None,
+        std=None if resp.std is None else resp.std[:, inside],
+        runs=resp.runs[:, :, inside] if isinstance(resp, AveragedResponse) else None,
+        size_known=resp.kind == "frf",
+    )
+
+
+def _middling(frfs: ComplexArray) -> float:
+    """A force of this size weighs as much as all responses together at the median line."""
+    return float(np.median(np.linalg.norm(frfs, axis=0)))
+
+
+def _require_lines(count: int, band_hz: tuple[float, float], highest_hz: float) -> None:
+    if count < LEAST_LINES:
+        reject(
+            "band_hz",
+            f"({band_hz[0]:g}, {band_hz[1]:g}) Hz with {count} lines in it",
+            f"a band with at least {LEAST_LINES} frequency lines",
+            f"Widen the band, in Hz: the data reach to {highest_hz:g} Hz. Or use longer segments.",
+        )

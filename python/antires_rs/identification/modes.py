@@ -19,25 +19,18 @@ import numpy as np
 
 from ..exceptions import UnsuitableDataError
 from ..measured.modal_set import ModalSet
-from ..order_sweep.diagram import PoleSweep, StabilizationDiagram, diagram
-from ..order_sweep.rule import Rule
-from ..order_sweep.windows import join, windows
-from ..rational.fit import NestedFit
-from ..rational.residues import dominant_shapes, residues
-from ..signals.averaging import Averaging, average, holds_hits
-from ..signals.band import band_of, covered_hz
+from ..signals.averaging import Averaging, average, choose_nperseg, holds_hits
 from ..signals.estimators import two_channel
-from ..signals.frequency_response import FrequencyResponse
+from ..signals.frequency_response import FrequencyResponse, band_of, covered_hz
 from ..signals.half_spectra import half_spectra
 from ..signals.recording import Recording
-from ..signals.segment_length import choose_nperseg
-from ..support.one_thread import one_blas_thread
+from ..support.checks import ComplexArray, FloatArray, choice, integer, reject
 from ..support.progress import patient
-from ..support.validation import ComplexArray, FloatArray, choice, integer, reject
-from .lines import FORCE
-from .response_lines import lines_of_response
-
-__all__ = ["identify_modes"]
+from ..support.threads import one_blas_thread
+from .lines import FORCE, lines_of_response
+from .rational_fit import NestedFit, dominant_shapes, residues
+from .rule import Rule
+from .stabilization import PoleSweep, StabilizationDiagram, diagram, join, windows
 
 # A joint fit needs resolution at its poles more than averages: segments longer by this than for
 # antiresonances.

@@ -6,13 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..order_sweep.presets import DEFAULTS, rule_options
-from ..order_sweep.rule import Rule
 from ..signals.averaging import Averaging
-from ..support.validation import choice, integer, reject
-from .formulations import OF_MAGNITUDES, check_formulation
-
-__all__ = ["DEFAULT", "IdentificationOptions", "checked_options", "options_of"]
+from ..support.checks import choice, integer, reject
+from .paper import OF_MAGNITUDES, check_formulation
+from .rule import DEFAULTS, Rule, rule_options
 
 # Beyond, a narrower band or windows serve better than more orders.
 HIGHEST_ORDER = 200
@@ -35,11 +32,11 @@ class IdentificationOptions:
     estimator : {"rank1", "h1", "h2", "hv"}
         Of the response vectors.
     formulation : {"auto", "windows", "numerators", "joint", "power", "eq10", "eq10_squared"}
-        See :mod:`~antires_rs.identification.formulations`.
+        See :mod:`~antires_rs.identification.paper`.
     min_order, max_order : int
         Orders of the sweep.
     rule : Rule
-        When a pole is stable and a value accepted, see :class:`~antires_rs.order_sweep.rule.Rule`.
+        When a pole is stable and a value accepted, see :class:`~antires_rs.identification.rule.Rule`.
     keep_common : bool
         Keep values that all of three or more channels share.
     cross_check : {None, "aaa", "vector_fitting"}

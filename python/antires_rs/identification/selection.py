@@ -14,7 +14,7 @@ curve and be far from every root that all rows share; if it is near such a root,
 curve, most higher orders must have it too. Without a chain in the diagram it is marked
 "persistent" if most higher orders have it, else "likeliest order": what speaks for it is that fit alone.
 
-The limits, with their reasons, are in :mod:`~antires_rs.order_sweep.limits`.
+The limits, with their reasons, are in :mod:`~antires_rs.identification.rule`.
 """
 
 from __future__ import annotations
@@ -24,8 +24,15 @@ from typing import Any
 
 import numpy as np
 
-from ..order_sweep.diagram import StabilizationDiagram, diagram
-from ..order_sweep.limits import (
+from ..measured.response_table import ResponseTable
+from ..support.checks import ComplexArray, FloatArray
+from ..support.messages import warn
+from ..support.progress import step
+from .dips import shared
+from .lines import SNR_CAP, Lines
+from .numerators import Likeliest, NumeratorSweep, likeliest
+from .options import IdentificationOptions
+from .rule import (
     KNOWN,
     LEAST_DAMPING,
     MOST_NEGATIVE,
@@ -39,21 +46,11 @@ from ..order_sweep.limits import (
     SAME_DAMPING,
     WEAK,
     WIDEST,
+    Rule,
 )
-from ..order_sweep.rule import Rule
-from ..order_sweep.scores import scored
-from ..order_sweep.shared import shared
-from ..order_sweep.table import ResponseTable
-from ..order_sweep.windows import Window
-from ..support.progress import step
-from ..support.validation import ComplexArray, FloatArray
-from ..support.warned import warn
-from .likelihood import Likeliest, likeliest
-from .lines import SNR_CAP, Lines
-from .numerators import NumeratorSweep
-from .options import IdentificationOptions
-from .order_scatter import ABOVE, next_orders, order_scatter
-from .uncertainty import Influence
+from .scores import scored
+from .stabilization import StabilizationDiagram, Window, diagram
+from .uncertainty import ABOVE, Influence, next_orders, order_scatter
 
 
 def select(

@@ -9,7 +9,7 @@ what its own x x' would move the zero by is its influence, and the variance of t
 the variance of the zero (the infinitesimal jackknife). Nothing is assumed of the noise: coloured noise,
 leakage, and what the segments share between neighbouring lines are in the scatter. Where there are no
 segments, blocks of neighbouring lines take their place. The scatter between several records of a test, or
-several impacts, is added as module :mod:`~antires_rs.identification.repeat_scatter` says.
+several impacts, is added as module :mod:`~antires_rs.identification.uncertainty` says.
 
 References: B. Efron, The Jackknife, the Bootstrap and Other Resampling Plans, SIAM 1982, ch. 6; H. White,
 Econometrica 50 (1982) 1-25.
@@ -20,13 +20,81 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..order_sweep.limits import WIDEST
 from ..signals.segments import pieces
-from ..support.validation import ComplexArray, FloatArray
+from ..signals.spectra import CrossSpectra
+from ..support.checks import ComplexArray, FloatArray
 from .lines import Lines
-from .numerators import NumeratorFit
-from .repeat_scatter import combined, excess, sums_by_draw
+from .numerators import Likeliest, NumeratorFit
+from .rule import WIDEST
+
+# -- The scatter between repeats of a test, in the variance of an identified value
+#
+# R records of one test, R impacts, or the curves of R tests are R independent draws. What each would move a
+# zero by, summed over the record, gives
+#
+#     b^2 = R / (R - 1) sum_r (u_r - mean u)^2
+#
+# which holds whatever differs from record to record: noise, the strength of the force, temperature,
+# mounting. But it has R - 1 degrees of freedom only. The scatter inside the records (of their segments; of
+# an impact or a curve, in blocks of neighbouring lines) has many, and knows noise and leakage alone: w^2.
+# Their ratio is much the same for all zeros of a test, so that all tell of it together:
+#
+#     q = max(1, median of b^2 / w^2 over all zeros / median of chi^2_{R-1} / (R - 1)),
+#
+# and the variance of one zero is the average of what it says itself and what the test says, by their
+# degrees of freedom,
+#
+#     ((R - 1) b^2 + n_0 q w^2) / (R - 1 + n_0),      n_0 = 8.
+#
+# Reference: G. K. Smyth, Stat. Appl. Genet. Mol. Biol. 3 (2004) article 3 (moderated variances).
+
+
+# Degrees of freedom with which the whole test speaks on the variance of one zero.
+PRIOR = 8.0
+
+
+def sums_by_draw(push: FloatArray, draws: NDArray[np.int64]) -> FloatArray:
+    """Columns of ``push`` (n_coefficients, n_segments), less their mean, summed by draw: R columns."""
+    centred = push - push.mean(axis=1, keepdims=True)
+    return np.stack([centred[:, draws == draw].sum(axis=1) for draw in np.unique(draws)], axis=1)
+
+
+def excess(between: FloatArray, within: FloatArray, n_draws: int) -> float:
+    """q of the module, from the variances of many zeros, (n,) each."""
+    from scipy.stats import chi2  # slow to import
+
+    if not between.size:
+        return 1.0
+    middle = float(chi2.ppf(0.5, n_draws - 1)) / (n_draws - 1)
+    return max(1.0, float(np.median(between / np.maximum(within, 1e-300))) / middle)
+
+
+def independent_averages(spectra: CrossSpectra) -> float:
+    """How many independent averages stand behind the standard deviations that these spectra give."""
+    if spectra.draws is None:
+        return spectra.n_effective
+    return min(freedom(np.unique(spectra.draws).size), max(spectra.n_effective, PRIOR))
+
+
+def freedom(n_draws: int) -> float:
+    """Degrees of freedom of a variance that :func:`combined` gives."""
+    return n_draws - 1.0 + PRIOR
+
+
+def combined(between: FloatArray, within: FloatArray, n_draws: int, q: float) -> FloatArray:
+    """Variance of each zero.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.identification.uncertainty import combined
+    >>> combined(np.array([0.0, 9.0]), np.array([1.0, 1.0]), 9, 1.0).tolist()
+    [0.5, 5.0]
+    """
+    return np.asarray(((n_draws - 1.0) * between + PRIOR * q * within) / freedom(n_draws))
+
 
 # Without segments: so many blocks of neighbouring lines stand for independent draws.
 BLOCKS = 64
@@ -129,3 +197,45 @@ def _blocks(n_lines: int) -> list[slice]:
     """Neighbouring lines that stand for independent draws."""
     ends = np.linspace(0, n_lines, min(BLOCKS, n_lines) + 1).round().astype(int)
     return [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+
+
+# -- What the choice of the model order, and leakage with it, adds to the error of a zero
+#
+# The scatter of the segments tells the noise. That a curve of finite resolution is not a rational function of
+# the chosen order does not scatter: it shows in how far a zero moves when the order is raised by one to four.
+
+
+#: Orders above the likeliest that are compared with it.
+ABOVE = (1, 2, 3, 4)
+#: The largest shift over the next, at most.
+LARGEST = 3.0
+#: A root further off than this share of the frequency is another one.
+SAME_ROOT = 0.01
+
+
+def next_orders(best: Likeliest) -> list[int]:
+    """The orders compared, those that the fit has."""
+    return [best.order + k for k in ABOVE if best.order + k <= best.fit.max_order]
+
+
+def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray]) -> FloatArray:
+    """Root mean square in Hz of the shifts of zeros ``s`` (rad/s) to the nearest of other orders, (n,).
+
+    The largest shift counts with at most three times the next: at one order a spurious root may come between.
+    What an order does not have counts with the distance up to which it was looked for.
+    """
+    if len(roots) < 2 or not s.size:
+        return np.zeros(s.size)
+    most = SAME_ROOT * np.abs(s)
+    shifts = np.array([_shifts(s, every, most) for every in roots])
+    shifts.sort(axis=0)
+    shifts[-1] = np.minimum(shifts[-1], LARGEST * shifts[-2])
+    return np.asarray(np.sqrt(np.mean(shifts**2, axis=0)) / (2 * np.pi))
+
+
+def _shifts(s: ComplexArray, every: ComplexArray, most: FloatArray) -> FloatArray:
+    """Change of the modulus to the nearest root, ``most`` where there is none so near."""
+    if not every.size:
+        return most
+    nearest = every[np.argmin(np.abs(every - s[:, None]), axis=1)]
+    return np.where(np.abs(nearest - s) <= most, np.abs(np.abs(nearest) - np.abs(s)), most)

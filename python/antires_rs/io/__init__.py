@@ -6,8 +6,7 @@ packages (h5py, pyuff, pandas, xarray, npTDMS, openpyxl, ObsPy) and ``scipy.io``
 used.
 """
 
-from .delimited import read_csv
-from .delimited_write import write_csv
+from .csv_files import read_csv, write_csv
 from .frf_files import read_frf_files
 from .hdf5 import read_hdf5, write_hdf5
 from .lvm import read_lvm

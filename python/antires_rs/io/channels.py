@@ -10,13 +10,10 @@ from typing import Any
 import numpy as np
 
 from ..signals.recording import Recording
-from ..support.validation import FloatArray, reject, shape_of
-from ..support.warned import warn
-from ..support.wording import LeftOut, Passed, Wording
-from ._common import unsuitable
+from ..support.checks import FloatArray, reject, shape_of
+from ..support.messages import LeftOut, Passed, Wording, warn
+from .common import unsuitable
 from .units import Unit, named_unit, parse_unit
-
-__all__ = ["Channel", "Dofs", "in_si", "recording_of", "renamed", "unit_or_warning"]
 
 #: How a user names dofs: in the order of the channels, by the channel's own name, or by a function of it.
 Dofs = Iterable[Any] | Mapping[Any, Any] | Callable[[Any], Any] | None

@@ -13,13 +13,11 @@ from typing import Any
 import numpy as np
 
 from ..signals.frequency_response import FrequencyResponse
-from ..support.validation import FloatArray, choice, reject, shape_of
-from ..support.wording import Passed, Wording
-from ._common import existing_file, unsuitable
+from ..support.checks import FloatArray, choice, reject, shape_of
+from ..support.messages import Passed, Wording
 from .channels import Dofs, kept, renamed
-from .readers import READERS, format_by_ending
-
-__all__ = ["read_frf_files"]
+from .common import existing_file, unsuitable
+from .registry import READERS, format_by_ending
 
 _TOKEN = re.compile(r"\d+|[^\W\d_]+|[\W_]+")
 # Frequencies that differ by less than this part of the highest are one line, written with other digits.

@@ -7,17 +7,13 @@ import os
 from pathlib import Path
 from typing import Any
 
+from ..support.checks import finite_scalar
 from ..support.files import write_atomically
-from ..support.validation import finite_scalar
-from ._common import Signal, existing_file, missing_package, signal_given
-from ._packing import FORMAT, pack, unpack
-from .arrays import signal_of_arrays
 from .channels import Dofs
-from .child import Asked, Found, in_a_child
-from .own import own_signal
-from .said import Said
-
-__all__ = ["datasets_of", "read_hdf5", "write_hdf5"]
+from .child_process import Asked, Found, in_a_child
+from .common import Signal, existing_file, missing_package, signal_given
+from .own_format import FORMAT, own_signal, pack, unpack
+from .raw_arrays import Said, signal_of_arrays
 
 #: Attribute of the root that holds the JSON text.
 TEXT = "antires_rs"

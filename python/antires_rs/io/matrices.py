@@ -1,13 +1,13 @@
 """Stiffness and mass of any finite-element program: from its files, or matrices themselves.
 
 The rows are the model's dofs. :func:`read_dof_map` reads which node and direction each of them is; what it
-returns fits ``dofs=`` of :func:`~antires_rs.io.read_uff`.
+returns fits ``dofs=`` of :func:`~antires_rs.io.uff.read_uff`.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +15,71 @@ import numpy as np
 
 from ..models.matrix_model import MatrixModel
 from ..models.recipes import MatrixRecipe
+from ..support.checks import part, reject
 from ..support.directions import DIRECTIONS, NAMES
-from ..support.validation import part, reject
-from ._common import existing_file, unsuitable
-from ._store import Store, read_store, write_store
-from .matrix_files import Labelled, choose, matrices_in
+from .archive import Store, read_store, write_store
+from .common import existing_file, unsuitable
+from .matrix_formats import (
+    Labelled,
+    is_abaqus,
+    is_matrix_market,
+    read_abaqus,
+    read_dmig,
+    read_full,
+    read_harwell_boeing,
+    read_matrix_market,
+    read_op4,
+    read_sparse_npz,
+)
 
-__all__ = ["read_dof_map", "read_matrices", "write_matrices"]
+# -- Matrices in the files of finite-element programs: a reader for each format, chosen by the ending
+
+
+_READERS: dict[str, Callable[[Path], dict[str, Labelled]]] = {
+    ".npz": read_sparse_npz,
+    ".mtx": read_matrix_market,
+    ".mtx.gz": read_matrix_market,
+    ".mm": read_matrix_market,
+    ".op4": read_op4,
+    ".pch": read_dmig,
+    ".bdf": read_dmig,
+    ".dmig": read_dmig,
+    ".full": read_full,
+    ".rsa": read_harwell_boeing,
+    ".rua": read_harwell_boeing,
+    ".hb": read_harwell_boeing,
+}
+
+
+def matrices_in(name: str, path: str | os.PathLike[str]) -> dict[str, Labelled]:
+    """All matrices of a file, by name."""
+    file = existing_file(path)
+    ending = next((e for e in _READERS if file.name.lower().endswith(e)), None)
+    if ending is None:
+        reject(
+            name,
+            repr(str(file)),
+            "a file that ends in " + ", ".join(_READERS) + ", or a matrix",
+            "Export the matrix in one of these formats, or pass it as a scipy.sparse array.",
+        )
+    if ending == ".mtx" and not is_matrix_market(file) and is_abaqus(file):
+        return read_abaqus(file)
+    return _READERS[ending](file)
+
+
+def choose(name: str, path: str | os.PathLike[str], letter: str) -> Labelled:
+    """The only matrix of a file, or the only one whose name begins with ``letter``."""
+    found = matrices_in(name, path)
+    own = list(found) if len(found) == 1 else [each for each in found if each.upper().startswith(letter)]
+    if len(own) != 1:
+        reject(
+            name,
+            f"{str(path)!r} with the matrices {', '.join(found)}",
+            f"a file with one matrix, or with one whose name begins with {letter}",
+            "Write the matrices into files of their own.",
+        )
+    return found[own[0]]
+
 
 FORMAT, VERSION = "antires_rs.matrices", 1
 #: Files that may hold stiffness and mass, by their names: K... and M...
@@ -51,7 +109,7 @@ def read_matrices(
     stiffness_terms, mass_terms : sequence of the same
         Contribution of each element or group that a parameter may scale.
     constraints, keep, dofs : optional
-        As of :class:`MatrixModel`. ``dofs`` may be a file for :func:`~antires_rs.io.read_dof_map`;
+        As of :class:`MatrixModel`. ``dofs`` may be a file for :func:`~antires_rs.io.matrices.read_dof_map`;
         by default the names that a file of matrices gives its rows (DMIG cards, Abaqus, ANSYS).
 
     Returns

@@ -10,11 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from ..signals.recording import Recording
-from ._common import existing_file, unsuitable
 from .channels import Dofs
-from .stated import Stated, channels_of_child, stated_recording
-
-__all__ = ["read_miniseed"]
+from .common import existing_file, unsuitable
+from .stated_channels import Stated, channels_of_child, stated_recording
 
 
 def read_miniseed(

@@ -13,13 +13,10 @@ from numpy.typing import NDArray
 
 from ..exceptions import AntiresError
 from ..support.files import write_atomically
-from ._common import Signal, brief, existing_file, signal_given, unsuitable
-from ._packing import pack, unpack
-from .arrays import signal_of_arrays
 from .channels import Dofs
-from .own import own_signal
-
-__all__ = ["read_archive", "read_npz", "write_archive", "write_npz"]
+from .common import Signal, brief, existing_file, signal_given, unsuitable
+from .own_format import own_signal, pack, unpack
+from .raw_arrays import signal_of_arrays
 
 #: The member that holds the JSON text, as bytes.
 TEXT = "antires_rs"

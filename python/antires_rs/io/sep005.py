@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..signals.recording import Recording
-from ..support.validation import finite_scalar, part, real_array, reject
-from ._common import rate_of
+from ..support.checks import finite_scalar, part, real_array, reject
 from .channels import Channel, Dofs, recording_of
+from .common import rate_of
 from .units import named_unit
-
-__all__ = ["from_sep005", "to_sep005"]
 
 _COMPULSORY = ("data", "name", "unit_str")
 _SPELLED = ("data", "name", "unit_str", "fs", "time", "unit_tex", "start_timestamp", "start_timestamp_format")

@@ -9,16 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..support.validation import choice
-from ._common import Signal, existing_file, unsuitable
-from .axis import given_axis
+from ..support.checks import choice
 from .channels import Dofs
-from .columns import signal_of_columns
-from .delimited_response import response_without_axis
-from .delimited_text import Table, named
-from .stated import channels_of_child
-
-__all__ = ["read_excel", "read_parquet"]
+from .common import Signal, existing_file, unsuitable
+from .raw_arrays import given_axis
+from .stated_channels import channels_of_child
+from .text_table import Table, named, response_without_axis, signal_of_columns
 
 
 def read_excel(

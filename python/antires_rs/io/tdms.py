@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from ..signals.recording import Recording
-from ._common import existing_file, missing_part, unsuitable
 from .channels import Dofs
-from .stated import Stated, channels_of_child, stated_recording
-
-__all__ = ["read_tdms"]
+from .common import existing_file, missing_part, unsuitable
+from .stated_channels import Stated, channels_of_child, stated_recording
 
 _WANTED = "a whole TDMS file"
 #: Bytes of a segment's lead-in, and the length of a segment that LabVIEW did not close.

@@ -5,24 +5,985 @@ The format is documented by the Structural Dynamics Research Laboratory, Univers
 
 from __future__ import annotations
 
+import json
 import os
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
+from zlib import crc32
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..support.validation import choice
-from ..support.wording import Passed, Wording
-from ._common import Signal, existing_file, rate_of, simplest_rate, unsuitable
+from ..support.checks import FloatArray, choice, reject
+from ..support.directions import CODES, DIRECTIONS
+from ..support.messages import LeftOut, Passed, Wording, warn
 from .channels import Channel, recording_of
-from .uff_names import Point, as_point, dof_of, label_of
-from .uff_response import half_digit, response_of
-from .uff_roving import roved
-from .uff_runs import listed, one_run
-from .uff_sets import Function, functions_of
+from .common import (
+    Signal,
+    existing_file,
+    missing_package,
+    missing_part,
+    rate_of,
+    refuse_real,
+    simplest_rate,
+    unsuitable,
+)
+from .units import Unit, abscissa_factor, named_unit, parse_unit
 
-__all__ = ["list_uff", "read_uff"]
+# -- Where the datasets of a universal file begin and end, found without trusting any of them
+#
+# A dataset lies between two lines ``    -1``. The file does not say how many there are, nor does a reader
+# notice that one is short; so each dataset 58 is measured here against the number of points in its
+# own header.
+
+
+#: A line of its own: ``-1`` in the first six columns and nothing else.
+_MARKER = re.compile(rb"(?:\A|(?<=[\r\n])) {4}-1[ ]*(?=[\r\n]|\Z)")
+_HEADER_LINES = 11
+#: By ordinate type: numbers per point, width in text, bytes in binary form.
+_FORMS = {2: (1, 13, 4), 4: (1, 20, 8), 5: (2, 13, 4), 6: (2, 20, 8)}
+
+
+#: The exponent of a Fortran double, 1.5D+03.
+_FORTRAN = re.compile(rb"(?<=[0-9.])[Dd](?=[+-]?[0-9])")
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """One dataset of a file.
+
+    Attributes
+    ----------
+    number : int
+        Type of the dataset, 58 for functions; 0 where it cannot be read.
+    start, stop : int
+        Bytes from the first marker to the end of the second.
+    points : int
+        Of a 58: points its header states.
+    found : int
+        Of a 58: points that are there, by their space in the file.
+    problem : str
+        What is wrong; empty for a whole one.
+    """
+
+    number: int
+    start: int
+    stop: int
+    points: int = 0
+    found: int = 0
+    problem: str = ""
+
+
+def scan(data: bytes) -> list[Dataset]:
+    """Every dataset of a file, in order; the last may have a problem."""
+    found: list[Dataset] = []
+    position = 0
+    while data[position:].strip(b" \r\n\t\x1a\x00"):
+        begin = _MARKER.search(data, position)
+        stray = data[position : begin.start() if begin else len(data)]
+        if stray.strip(b" \r\n\t\x1a\x00"):
+            problem = f"{len(stray)} bytes at byte {position} belong to no dataset"
+            found.append(Dataset(0, position, position + len(stray), problem=problem))
+        if begin is None:
+            break
+        dataset = _dataset(data, begin.start(), begin.end())
+        found.append(dataset)
+        position = dataset.stop
+    if data[position:].lstrip(b"\r\n"):
+        # Blanks without a line end are the beginning of a marker.
+        tail = data[position:].rpartition(b"\n")[2]
+        if tail.strip(b"\r\x1a\x00"):
+            found.append(Dataset(0, position, len(data), problem="it is cut in its first line"))
+    return found
+
+
+def plain_exponents(data: bytes, dataset: Dataset) -> bytes:
+    """The bytes of a dataset; in a 58 of text, Fortran's 1.5D+03 as 1.5E+03, and fields of full width."""
+    part = data[dataset.start : dataset.stop]
+    lines = part.splitlines(keepends=True)
+    if dataset.number != 58 or len(lines) < 3 or lines[1][6:7].lower() == b"b":
+        return part
+    # After marker and type: five lines of text, points, the abscissa, four axes with labels, numbers.
+    numbers = 2 + _HEADER_LINES
+    lines = [_FORTRAN.sub(b"E", line) if i == 8 or i >= numbers else line for i, line in enumerate(lines)]
+    try:
+        width, even = _FORMS[int(lines[8][:10])][1], int(lines[8][20:30])
+    except (ValueError, KeyError, IndexError):
+        return b"".join(lines)
+    body = lines[numbers:-1]
+    if _to_the_left(body, width if even or width == 13 else 0):  # pyuff would lose the last of each line
+        ends = [line[len(line.rstrip()) :].lstrip(b" ") for line in body]
+        whole = [line.rstrip() for line in body]
+        lines[numbers:-1] = [
+            line.ljust(-(-len(line) // width) * width) + end for line, end in zip(whole, ends, strict=True)
+        ]
+    return b"".join(lines)
+
+
+def _dataset(data: bytes, start: int, after: int) -> Dataset:
+    at, identity = _line(data, _next_line(data, after))
+    try:
+        number, binary = int(identity[:6]), identity[6:7].lower() == b"b"
+    except ValueError:
+        number, binary = 0, False
+    if number != 58:
+        end = _MARKER.search(data, at)
+        problem = "" if end and number else "it has no end" if number else "its type cannot be read"
+        return Dataset(number, start, end.end() if end else len(data), problem=problem)
+    lines: list[bytes] = []
+    for _ in range(_HEADER_LINES):
+        at, line = _line(data, at)
+        lines.append(line)
+    try:
+        kind, points, even = (int(lines[6][i : i + 10]) for i in (0, 10, 20))
+        form = _FORMS[kind]
+    except (ValueError, KeyError):
+        end = _MARKER.search(data, min(at, len(data)))
+        return Dataset(58, start, end.end() if end else len(data), problem="its header is cut or damaged")
+    numbers = form[0] + (0 if even else 1)
+    if binary:
+        return _binary(data, start, at, points, numbers, form[2])
+    end = _MARKER.search(data, at)
+    body = data[at : end.start() if end else len(data)]
+    # Fields are 13 or 20 wide; an abscissa, where there is one, has 13.
+    width = form[1] * form[0] + (0 if even else 13)
+    rows = body.splitlines()
+    there = sum(len(line.rstrip()) for line in rows) // width
+    if there != points and _to_the_left(rows, form[1] if even or form[1] == 13 else 0):
+        there = sum(len(line.split()) for line in rows) // numbers
+    return _judged(start, end, len(data), points, there)
+
+
+def _to_the_left(rows: Iterable[bytes], width: int) -> bool:
+    """Whether numbers begin their fields, so that blanks at the end of a line belong to the last.
+
+    A blank in the place of the sign counts as the beginning.
+    """
+    some = False
+    for row in rows if width > 0 else ():
+        for found in re.finditer(rb"\S+", row):
+            if found.start() % width > 1:
+                return False  # in most files on one of the first lines
+            some = True
+    return some
+
+
+def _binary(data: bytes, start: int, at: int, points: int, numbers: int, size: int) -> Dataset:
+    """The end is where the number of points says; the number of bytes beside it is often wrong."""
+    # Some programs write single precision as double.
+    for length in dict.fromkeys((points * numbers * size, points * numbers * 8)):
+        if at + length <= len(data):
+            end = re.compile(rb"[\r\n]{0,2} {4}-1[ ]*(?=[\r\n]|\Z)").match(data, at + length)
+            if end:
+                return Dataset(58, start, end.end(), points, points)
+    marker = re.compile(rb" {4}-1[ ]*(?=[\r\n]|\Z)").search(data, at)
+    there = ((marker.start() if marker else len(data)) - at) // (numbers * size)
+    return _judged(start, marker, len(data), points, min(there, points), short=True)
+
+
+def _judged(
+    start: int, end: re.Match[bytes] | None, size: int, points: int, there: int, short: bool = False
+) -> Dataset:
+    problem = ""
+    if end is None:
+        problem = f"it has no end and {min(there, points)} of {points} points"
+    elif short or there != points:
+        problem = f"it has {there} points, not the {points} that its header states"
+    return Dataset(58, start, end.end() if end else size, points, there, problem)
+
+
+def _next_line(data: bytes, at: int) -> int:
+    while data[at : at + 1] == b" ":
+        at += 1
+    at += data[at : at + 1] == b"\r"
+    return at + (data[at : at + 1] == b"\n")
+
+
+def _line(data: bytes, at: int) -> tuple[int, bytes]:
+    """Where the next line begins, and this one without its end."""
+    ends = [i for i in (data.find(b"\n", at), data.find(b"\r", at)) if i >= 0]
+    if not ends:
+        return len(data), data[at:]
+    stop = min(ends)
+    return stop + (2 if data[stop : stop + 2] == b"\r\n" else 1), data[at:stop]
+
+
+# -- Names of the universal file's points: node and direction, ``12+Z``, and back
+
+
+_LABEL = re.compile(r"^(\d+)(S|[+-]R?[XYZ])$")
+
+#: Node and direction code.
+Point = tuple[int, int]
+
+
+def label_of(point: Point) -> str:
+    """``'12+Z'`` of (12, 3)."""
+    return f"{point[0]}{DIRECTIONS.get(point[1], f'?{point[1]}')}"
+
+
+def as_point(argument: str, value: Any) -> Point:
+    """(12, 3) of ``(12, '+Z')``, ``(12, 'Z')``, ``(12, 3)`` or ``'12+Z'``."""
+    if isinstance(value, str) and (match := _LABEL.match(value.upper())):
+        return int(match[1]), CODES[match[2]]
+    if isinstance(value, tuple) and len(value) == 2 and isinstance(value[0], int) and value[0] >= 0:
+        direction = value[1]
+        if isinstance(direction, str):
+            for name in (direction.upper(), "+" + direction.upper()):
+                if name in CODES:
+                    return value[0], CODES[name]
+        elif direction in DIRECTIONS:
+            return value[0], int(direction)
+    reject(
+        argument,
+        repr(value),
+        "a node and a direction, such as (12, '+Z'), (12, 3) or '12+Z'",
+        "Directions are +X to -Z, or 1 to 6 with a sign.",
+    )
+
+
+def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, float]]:
+    """Function from a point to the user's dof and the sign that turns the channel into that dof.
+
+    A mapping that has ``12+Z`` and not ``12-Z`` takes a channel in ``-Z`` with its sign changed. ``own`` are
+    the dofs of a file of ours.
+    """
+    if dofs is None:
+        return lambda point: (own.get(point, label_of(point)), 1.0)
+    if isinstance(dofs, Mapping):
+        table = {as_point("dofs", key): dof for key, dof in dofs.items()}
+
+        def look_up(point: Point) -> tuple[Any, float]:
+            if point in table:
+                return table[point], 1.0
+            opposite = (point[0], -point[1])
+            if opposite in table:
+                return table[opposite], -1.0
+            reject(
+                "dofs",
+                f"no dof for {label_of(point)}",
+                "a dof for every response of the file",
+                Wording("{}; antires_rs.io.uff.list_uff shows all points.", LeftOut("point")),
+            )
+
+        return look_up
+    if callable(dofs):
+        return lambda point: (dofs(point[0], DIRECTIONS.get(point[1], "?")), 1.0)
+    reject(
+        "dofs",
+        type(dofs).__name__,
+        "a mapping {(node, direction): dof} or a function of the two",
+        "List the points with antires_rs.io.uff.list_uff.",
+    )
+
+
+def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
+    """Node and direction of each dof, for writing: given, read from the label, or numbered."""
+    points: dict[Any, Point] = {}
+    for dof in dofs:
+        if isinstance(given, Mapping):
+            if dof not in given:
+                reject(
+                    "dofs", f"no node and direction for {dof!r}", f"one for each of {dofs}", "Add it to dofs."
+                )
+            points[dof] = as_point("dofs", given[dof])
+        elif callable(given):
+            points[dof] = as_point("dofs", given(dof))
+        elif given is not None:
+            reject(
+                "dofs",
+                type(given).__name__,
+                "a mapping {dof: (node, direction)} or a function of the dof",
+                "Or name the dofs so: '12+Z'.",
+            )
+        elif isinstance(dof, str) and (match := _LABEL.match(dof)):
+            points[dof] = int(match[1]), CODES[match[2]]
+        elif isinstance(dof, int) and 0 <= dof < 999_999_999:
+            points[dof] = dof + 1, 0
+    free = max((node for node, _ in points.values()), default=0) + 1
+    for dof in (d for d in dofs if d not in points):
+        points[dof], free = (free, 0), free + 1
+    if len(set(points.values())) != len(points):
+        twice = [p for p in points.values() if list(points.values()).count(p) > 1][0]
+        reject(
+            "dofs",
+            f"{label_of(twice)} for two dofs",
+            "a point of its own for each",
+            "Give one of them another node or direction.",
+        )
+    return points
+
+
+# -- Checksums of the datasets 58 that we write, in their ID line 3, which other programs do not interpret
+#
+# One is of the numbers, one of the header. Who edits the header, or writes the set anew with our ID lines in
+# it, is believed: the checksum of the numbers counts only below a header that is as we wrote it.
+
+
+_LINE = re.compile(rb"antires_rs crc32 ([0-9a-f]{8}) ([0-9a-f]{8}) *\Z")
+#: Lines before the numbers: marker, type, and the header, whose third is that of the checksums.
+_LINES, _AT, _WIDTH = 13, 4, 80
+_MARKER_UFF_CHECKSUM = b"    -1"
+
+
+def checksum_line(lines: Sequence[str], numbers: bytes) -> str:
+    """ID line 3 of a set of these lines, marker first and anything in its own place, and these numbers."""
+    return f"antires_rs crc32 {_of_header([line.ljust(_WIDTH).encode() for line in lines])} {_hex(numbers)}"
+
+
+def checked(data: bytes, dataset: Dataset) -> Dataset:
+    """The dataset, with a problem if it is ours and its numbers are not those that were written."""
+    if dataset.number != 58 or dataset.problem:
+        return dataset
+    parts = data[dataset.start : dataset.stop].split(b"\n", _LINES)
+    stated = _LINE.match(parts[_AT]) if len(parts) > _LINES else None
+    if stated is None or _of_header(parts[:_LINES]) != stated[1].decode():
+        return dataset
+    numbers = parts[_LINES]
+    if _hex(numbers[: numbers.rindex(_MARKER_UFF_CHECKSUM)]) == stated[2].decode():
+        return dataset
+    return replace(dataset, problem="its numbers do not have the checksum in its ID line 3")
+
+
+def _of_header(lines: Sequence[bytes]) -> str:
+    return _hex(b"\n".join(line for i, line in enumerate(lines) if i != _AT))
+
+
+def _hex(data: bytes) -> str:
+    return f"{crc32(data):08x}"
+
+
+# -- The functions of a universal file, read through pyuff and counted by ourselves
+
+
+#: Function types of record 6 that are read.
+FUNCTIONS = {
+    1: "time",
+    2: "auto spectrum",
+    3: "cross spectrum",
+    4: "frf",
+    5: "transmissibility",
+    6: "coherence",
+    9: "auto spectrum",
+}
+#: Specific data types of a force.
+FORCES = (9, 13)
+#: What a function without labels is in, by its specific data type, after dataset 164 was heeded.
+_SI = {8: "m", 11: "m/s", 12: "m/s2", 9: "N", 13: "N"}
+#: ID line 2 of our files, with the place of the set among all that were written together.
+MARK = re.compile(r"^antires_rs uff (\d+) set (\d+) of (\d+)$")
+VERSION = 1
+WANTED = "a whole universal file with datasets 58"
+
+
+@dataclass(frozen=True)
+class Function:
+    """One dataset 58.
+
+    Attributes
+    ----------
+    what : str
+        One of ``FUNCTIONS``, or "function type n".
+    response, reference : (int, int)
+        Node and direction code.
+    x, values : (n_points,)
+    unit, reference_unit : str
+        Of the ordinate and its denominator.
+    role : {"force", ""}
+    scale : float
+        Into SI by the units of dataset 164, for functions without a unit of their own.
+    x_unit : float
+        Unit of the abscissa in the file, in s or Hz.
+    own : dict
+        What our writer adds: dof, exact rate or abscissa, averages.
+    """
+
+    what: str
+    response: Point
+    reference: Point
+    x: NDArray[np.float64]
+    values: NDArray[Any]
+    unit: str
+    reference_unit: str
+    role: str
+    even: bool
+    step: float
+    scale: float = 1.0
+    x_unit: float = 1.0
+    own: dict[str, Any] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        over = "" if self.what == "time" else f" / {label_of(self.reference)}"
+        unit = self.unit + (f" / {self.reference_unit}" if self.reference_unit else "") or "no unit"
+        return f"{self.what:<16} {label_of(self.response)}{over}, {self.values.size} points, {unit}"
+
+
+def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Function]:
+    """Every dataset 58 of a file, none lost in silence."""
+    try:
+        import pyuff
+    except ImportError as exc:
+        raise missing_package(reader, "pyuff", "uff", exc) from exc
+    data = file.read_bytes()
+    datasets = [checked(data, dataset) for dataset in scan(data)]
+    if not datasets or all(d.number == 0 for d in datasets):
+        unsuitable(
+            file, "without a dataset between lines '    -1'", WANTED, "It is no universal file, or was cut."
+        )
+    whole = [d for d in datasets if not d.problem]
+    kept = sum(d.number == 58 for d in whole)
+    functions = _read(pyuff, file, data, datasets, whole)
+    bad = [(i, d) for i, d in enumerate(datasets) if d.problem]
+    if bad:
+        i, first = bad[0]
+        of = next((f" of {f.own['of']}" for f in functions if "of" in f.own), "")
+        missing_part(
+            file,
+            f"dataset {i + 1} ({first.number or 'unknown'}) is damaged: {first.problem}; "
+            f"{kept}{of} functions are whole",
+            WANTED,
+            partial,
+            kept,
+        )
+    else:
+        _check_marks(file, functions, partial)
+    if not functions:
+        unsuitable(
+            file,
+            f"with {len(datasets)} datasets and no 58 among them",
+            WANTED,
+            "Export the measured functions as dataset 58.",
+        )
+    return functions
+
+
+def _read(
+    pyuff: Any, file: Path, data: bytes, datasets: list[Dataset], whole: list[Dataset]
+) -> list[Function]:
+    parts = [plain_exponents(data, d) for d in whole]
+    if len(whole) == len(datasets) and all(
+        part == data[d.start : d.stop] for part, d in zip(parts, whole, strict=True)
+    ):
+        return _through_pyuff(pyuff, file, file, whole)
+    import tempfile
+
+    with tempfile.TemporaryDirectory(prefix="antires_uff_") as folder:
+        # pyuff pairs markers by their order, so that a damaged set would shift all that follow.
+        only = Path(folder) / "whole.uff"
+        only.write_bytes(b"\n".join(parts) + b"\n")
+        return _through_pyuff(pyuff, file, only, whole)
+
+
+def _through_pyuff(pyuff: Any, file: Path, source: Path, whole: list[Dataset]) -> list[Function]:
+    opened = pyuff.UFF(str(source))
+    types = [int(t) for t in opened.get_set_types()] if opened.get_n_sets() else []
+    if types != [d.number for d in whole]:
+        unsuitable(
+            file,
+            f"in which pyuff sees {len(types)} datasets and we {len(whole)}",
+            WANTED,
+            "Its markers are damaged.",
+        )
+    functions, factors = [], (1.0, 1.0)
+    for i, dataset in enumerate(whole):
+        if dataset.number not in (58, 164):
+            continue
+        try:
+            made = opened.read_sets(i)
+        except Exception as exc:  # pyuff raises nothing more precise
+            unsuitable(file, f"whose dataset {i + 1} pyuff cannot read ({exc})", WANTED, "It was damaged.")
+        if dataset.number == 164:
+            factors = _factors(file, made)
+            continue
+        got = np.asarray(made["data"])
+        if got.size != dataset.points or len(made["x"]) != dataset.points:
+            unsuitable(
+                file,
+                f"whose dataset {i + 1} has {got.size} points of the {dataset.points} that its header states",
+                WANTED,
+                "It was damaged.",
+            )
+        if not (np.isfinite(got).all() and np.isfinite(made["x"]).all()):
+            unsuitable(
+                file,
+                f"whose dataset {i + 1} has values that are not finite",
+                WANTED,
+                "Export it again, or correct that dataset.",
+            )
+        functions.append(_function(made, got, factors))
+        if functions[-1].even and not functions[-1].step > 0.0:
+            unsuitable(
+                file,
+                f"whose dataset {i + 1} has a step of {functions[-1].step:g}",
+                "a positive step",
+                "Correct the abscissa of that dataset.",
+            )
+    return functions
+
+
+def _factors(file: Path, made: dict[str, Any]) -> tuple[float, float]:
+    """Length and force of the file's units in SI; dataset 164 has what SI is to be multiplied by."""
+    length, force = float(made["length"]), float(made["force"])
+    if not (np.isfinite([length, force]).all() and length > 0.0 and force > 0.0):
+        unsuitable(
+            file,
+            f"whose units (dataset 164) have the factors {length:g} and {force:g}",
+            WANTED,
+            "Export it again in SI units.",
+        )
+    return 1.0 / length, 1.0 / force
+
+
+def _si(data_type: int, factors: tuple[float, float]) -> float:
+    """Factor into SI of a specific data type: displacement, velocity, acceleration, or a force."""
+    return factors[0] if data_type in (8, 11, 12) else factors[1] if data_type in FORCES else 1.0
+
+
+def _function(made: dict[str, Any], values: NDArray[Any], factors: tuple[float, float]) -> Function:
+    kind = int(made["func_type"])
+    what = FUNCTIONS.get(kind, f"function type {kind}")
+    if kind == 0 and int(made["abscissa_spec_data_type"]) == 17:
+        what = "time"
+    even = int(made["abscissa_spacing"]) == 1
+    step = float(made["abscissa_inc"]) if even else 0.0
+    own = _own(made, step)
+    # The format has s and Hz; some programs label what they wrote in ms.
+    into_si = abscissa_factor(made["abscissa_axis_units_lab"].strip())
+    x, step = into_si * np.asarray(made["x"], dtype=np.float64), into_si * step
+    if "start" in own:
+        x = own["start"] + own["step"] * np.arange(values.size)
+    above, below = int(made["ordinate_spec_data_type"]), int(made["orddenom_spec_data_type"])
+    unit, per = _label(made["ordinate_axis_units_lab"]), _label(made["orddenom_axis_units_lab"])
+    scale = 1.0 if unit or per else _si(above, factors) / _si(below, factors)
+    if not (unit or per):
+        unit, per = _SI.get(above, ""), _SI.get(below, "")
+    return Function(
+        what,
+        (int(made["rsp_node"]), int(made["rsp_dir"])),
+        (int(made["ref_node"]), int(made["ref_dir"])),
+        x,
+        values,
+        unit,
+        per,
+        "force" if above in FORCES else "",
+        even,
+        step,
+        scale,
+        into_si,
+        own,
+    )
+
+
+def _own(made: dict[str, Any], step: float) -> dict[str, Any]:
+    """What our writer adds, as far as it agrees with the header."""
+    match = MARK.match(made["id2"].strip())
+    if match is None or int(match[1]) > VERSION:
+        return {}
+    own: dict[str, Any] = {"set": int(match[2]), "of": int(match[3])}
+    for line in (made["id4"], made["id5"]):
+        try:
+            own |= json.loads(line)
+        except (ValueError, TypeError):
+            return own
+    numbers = [own.get(name, 0.0) for name in ("start", "step", "rate_hz", "n_averages")]
+    agree = all(isinstance(n, int | float) for n in numbers) and all(
+        f"{own.get(name, stated):.5e}" == f"{stated:.5e}"
+        for name, stated in (("start", float(made["abscissa_min"])), ("step", step))
+    )
+    exact = ("start", "step", "rate_hz")
+    return (
+        own
+        if agree and ("start" in own) == ("step" in own) == (step > 0.0)
+        else {name: value for name, value in own.items() if name not in (*exact, "n_averages")}
+    )
+
+
+def _check_marks(file: Path, functions: list[Function], partial: bool) -> None:
+    """Files of ours state how many sets were written together."""
+    expected = 1
+    for f in functions:
+        if "set" in f.own:
+            if f.own["set"] != expected:
+                missing_part(
+                    file, f"set {expected} of {f.own['of']} is missing", WANTED, partial, len(functions)
+                )
+            expected = 1 if f.own["set"] == f.own["of"] else f.own["set"] + 1
+    marked = [f for f in functions if "set" in f.own]
+    if marked and expected != 1:
+        last = marked[-1].own
+        missing_part(file, f"{last['set']} of {last['of']} sets are there", WANTED, partial, len(functions))
+
+
+def _label(text: str) -> str:
+    text = text.strip()
+    return "" if text.upper() in ("NONE", "") else text
+
+
+# -- FRFs, transmissibilities and spectra of a universal file as a FrequencyResponse
+
+
+Named = Callable[[Point], tuple[Any, float]]
+
+
+def response_of(
+    file: Path, functions: list[Function], kind: str, named: Named, reference: Any, unit: str | None
+) -> FrequencyResponse:
+    """The response of all points to one reference; its kind, coherence and averages."""
+    names = ("auto spectrum", "cross spectrum") if kind == "spectra" else (kind,)
+    wanted = [f for f in functions if f.what in names]
+    if kind == "spectra" and all(f.what == "auto spectrum" for f in wanted):
+        unsuitable(
+            file,
+            f"with {len(wanted)} auto spectra (power spectral densities), the first of "
+            f"{label_of(wanted[0].response)}, and no cross spectrum",
+            "time records, FRFs, or cross spectra with the auto spectrum of their reference",
+            "Power spectra have lost the phase between channels, from which antiresonances are found: export "
+            "one of these instead.",
+        )
+    point = _reference(file, [f for f in wanted if kind != "spectra" or f.response != f.reference], reference)
+    if kind == "spectra":
+        wanted, is_force = _over_auto(file, wanted, point, unit)
+        kind = "frf" if is_force else "transmissibility"
+    else:
+        wanted = [f for f in wanted if f.reference == point]
+    beside = _beside(file, functions, point, {f.response for f in wanted})
+    lines = frequencies(wanted[0])
+    for f in (*wanted, *beside):
+        if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:
+            unsuitable(
+                file,
+                f"with other frequencies at {label_of(f.response)} than at {label_of(wanted[0].response)}",
+                "one frequency axis for all",
+                "Export all functions over the same lines.",
+            )
+    for f in wanted:
+        if not np.iscomplexobj(f.values):
+            unsuitable(
+                file,
+                f"whose {f.what} of {label_of(f.response)} is real",
+                "complex functions",
+                "Magnitudes alone have lost the phase; export real and imaginary part.",
+            )
+    if unit is None:
+        _check_kinds(file, [f for f in wanted if named(f.response)[0] is not None])
+    rows = {f.response: _values(file, f, unit) for f in wanted}
+    refuse_real(file, list(rows.values()))
+    coherence = _coherence(file, rows, beside)
+    if kind == "transmissibility" and point not in rows:
+        rows[point] = np.ones(lines.size, dtype=np.complex128)
+        if coherence is not None:
+            coherence = {**coherence, point: np.ones(lines.size)}
+    return _response(
+        rows,
+        lines,
+        kind,
+        point,
+        coherence,
+        named,
+        next((f.own["n_averages"] for f in wanted if "n_averages" in f.own), None),
+    )
+
+
+def _response(
+    rows: dict[Point, NDArray[Any]],
+    lines: FloatArray,
+    kind: str,
+    point: Point,
+    coherence: dict[Point, FloatArray] | None,
+    named: Named,
+    averages: float | None,
+) -> FrequencyResponse:
+    labelled = [(p, *named(p)) for p in rows]
+    kept = [(p, dof, sign) for p, dof, sign in labelled if dof is not None]
+    turn = 1.0
+    if kind == "transmissibility":  # the reference itself may point the other way
+        turn = next((sign for p, _, sign in kept if p == point), 1.0)
+    made: Literal["frf", "transmissibility"] = "frf" if kind == "frf" else "transmissibility"
+    return FrequencyResponse(
+        lines,
+        np.stack([rows[p] * (sign * turn) for p, _, sign in kept]),
+        [dof for _, dof, _ in kept],
+        made,
+        named(point)[0] if kind == "transmissibility" else None,
+        None if coherence is None else np.stack([coherence[p] for p, _, _ in kept]),
+        averages,
+    )
+
+
+def frequencies(f: Function) -> FloatArray:
+    """Frequencies without the rounding of first line and step to six digits, as far as it can be undone."""
+    if not f.even or "start" in f.own or f.x.size < 2:
+        return f.x
+    half = half_digit(f.step, f.x_unit)
+    step = 1.0 / simplest_rate(1.0 / (f.step + half), 1.0 / (f.step - half))  # 0.333333 is 1/3
+    first = step * round(float(f.x[0]) / step)
+    start = first if abs(first - f.x[0]) <= half_digit(float(f.x[0]), f.x_unit) else float(f.x[0])
+    return np.asarray(start + step * np.arange(f.x.size), dtype=np.float64)
+
+
+def half_digit(value: float, unit: float = 1.0) -> float:
+    """Half a unit in the sixth digit, the rounding of the format's E13.5, and a little more.
+
+    ``unit`` is that in which the file has the value.
+    """
+    if value == 0.0:
+        return 0.0
+    digit: float = 10.0 ** (float(np.floor(np.log10(abs(value / unit)))) - 5.0)
+    return unit * 0.50001 * digit
+
+
+def _reference(file: Path, functions: list[Function], given: Any) -> Point:
+    points = list(dict.fromkeys(f.reference for f in functions))
+    shown = ", ".join(map(label_of, points)) or "none"
+    if given is not None:
+        point = as_point("reference", given)
+        if point not in points:
+            unsuitable(
+                file,
+                f"with the references {shown}",
+                Wording("{}", Passed("reference", label_of(point))),
+                "Pass one of them.",
+            )
+        return point
+    if len(points) != 1:
+        unsuitable(file, f"with the references {shown}", "one", _remedy(functions))
+    return points[0]
+
+
+def _remedy(functions: list[Function]) -> str | Wording:
+    """What to do about several references, or none."""
+    if not functions:
+        return "Export the functions with their references."
+    responses = {f.response for f in functions}
+    if len(responses) > 1:
+        return Wording("Choose it by {}.", Passed("reference"))
+    stayed = Passed("roving", label_of(responses.pop()))
+    return Wording(
+        "If the hammer roved and this sensor stayed, pass {}; else choose one by {}.",
+        stayed,
+        Passed("reference"),
+    )
+
+
+def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
+    """Values in SI."""
+    if unit is not None:
+        factor = named_unit("unit", unit).factor
+    else:
+        above, below = parse_unit(f.unit), parse_unit(f.reference_unit)
+        if above is None or below is None:
+            odd = f.unit if above is None else f.reference_unit
+            warn(
+                "unknown_unit",
+                f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit known here; "
+                "its values are as in the file. Name unit= to convert them.",
+            )
+        above, below = above or Unit(), below or Unit()
+        # Some programs write the whole quotient into the numerator's label.
+        factor = f.scale * above.factor / (1.0 if above.per else below.factor)
+    values = f.values.astype(np.complex128)
+    return values if factor == 1.0 else values * factor
+
+
+def _check_kinds(file: Path, wanted: list[Function]) -> None:
+    """Refuse receptances beside accelerances: their quotients are no transmissibilities."""
+    kinds = {f.response: (parse_unit(f.unit) or Unit()).quantity for f in wanted}
+    if len(set(kinds.values())) > 1:
+        unsuitable(
+            file,
+            "with responses of several kinds, "
+            + ", ".join(f"{label_of(point)} {kind or 'in no known unit'}" for point, kind in kinds.items()),
+            "accelerations, velocities or displacements alone",
+            Wording(
+                "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
+            ),
+        )
+
+
+def _beside(file: Path, functions: list[Function], point: Point, responses: set[Point]) -> list[Function]:
+    """Coherences with the reference; a warning names those that may have been meant to be."""
+    coherences = [f for f in functions if f.what == "coherence"]
+    own = {f.reference for f in functions if f.what in ("frf", "transmissibility", "cross spectrum")}
+    near = {(0, 0), (point[0], -point[1])} - own  # those with a reference of other functions belong to them
+    turned = {(node, -way) for node, way in responses} - responses
+    odd = [
+        f
+        for f in coherences
+        if f.response in responses | turned
+        and f.reference in near
+        or f.response in turned
+        and f.reference == point
+    ]
+    if odd:
+        warn(
+            "coherence_left_out",
+            f"path: {str(file)!r} has coherences of other points than its functions, "
+            f"{', '.join(f'{label_of(f.response)} / {label_of(f.reference)}' for f in odd)}; they are left "
+            f"out. Wanted are the directions of the functions and the reference {label_of(point)}.",
+        )
+    return [f for f in coherences if f.reference == point]
+
+
+def _coherence(file: Path, rows: dict[Point, Any], beside: list[Function]) -> dict[Point, FloatArray] | None:
+    found = {f.response: f.values.real for f in beside if f.response in rows}
+    lost = [p for p in rows if p not in found]
+    if found and lost:
+        warn(
+            "coherence_left_out",
+            f"path: {str(file)!r} has coherences of {len(found)} of {len(rows)} responses, not of "
+            f"{', '.join(map(label_of, lost))}; they are left out.",
+        )
+    return found if found and not lost else None
+
+
+def _over_auto(
+    file: Path, spectra: list[Function], point: Point, unit: str | None
+) -> tuple[list[Function], bool]:
+    """Cross spectra over the auto spectrum of their reference."""
+    autos = [
+        f
+        for f in spectra
+        if f.response == point and f.reference in (point, (0, 0)) and f.what == "auto spectrum"
+    ]
+    crosses = [
+        f for f in spectra if f.reference == point and f.response != point and f.what == "cross spectrum"
+    ]
+    if len(autos) != 1 or not crosses:
+        unsuitable(
+            file,
+            f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of the reference "
+            f"{label_of(point)}",
+            "cross spectra, and one auto spectrum of their reference",
+            "Export the auto spectrum of the reference with its cross spectra.",
+        )
+    power = autos[0].values.real
+    if power.min() <= 0.0:
+        unsuitable(
+            file,
+            f"with an auto spectrum of {label_of(point)} that is not positive everywhere",
+            "a positive one",
+            "Check the reference channel: it was dead at some lines.",
+        )
+    single = autos[0].unit or crosses[0].reference_unit
+    is_force = autos[0].role == "force" or (parse_unit(single) or Unit()).quantity == "force"
+    if is_force and unit is None and any(f.scale != 1.0 for f in (*autos, *crosses)):
+        unsuitable(
+            file,
+            "with spectra without units where dataset 164 names others than SI",
+            "the unit of their quotient",
+            "Pass unit=, such as 'mm/s2/N'.",
+        )
+    made = []
+    for f in crosses:
+        if f.values.shape != power.shape:
+            unsuitable(
+                file,
+                f"with {f.values.size} lines at {label_of(f.response)} and {power.size} of the reference",
+                "one frequency axis",
+                "Export all spectra over the same lines.",
+            )
+        made.append(replace(f, values=f.values / power, reference_unit=single, scale=1.0))
+    return made, is_force
+
+
+# -- FRFs of a hammer that roved while a sensor stayed, as those of a force at the sensor
+#
+# By reciprocity H_sk = H_ks: the response at the sensor s to a force at k is the response at k to a force
+# at s.
+
+
+def roved(file: Path, functions: list[Function], sensor: Any) -> list[Function]:
+    """FRFs and coherences of the sensor, response and reference exchanged."""
+    point = as_point("roving", sensor)
+    curves = [f for f in functions if f.what in ("frf", "coherence")]
+    chosen = [f for f in curves if f.response == point]
+    if not any(f.what == "frf" for f in chosen):
+        there = ", ".join(dict.fromkeys(label_of(f.response) for f in curves if f.what == "frf")) or "none"
+        unsuitable(
+            file,
+            f"with FRFs at the responses {there}",
+            Wording("FRFs of {}", Passed("roving", label_of(point))),
+            "Name the sensor that stayed while the hammer roved.",
+        )
+    return [
+        replace(
+            f,
+            response=f.reference,
+            reference=f.response,
+            own={name: value for name, value in f.own.items() if name != "dof"},
+        )
+        for f in chosen
+    ]
+
+
+# -- Universal files in which points were recorded several times
+
+
+_Key = tuple[str, Point, Point, str]
+
+
+def _runs_of(functions: list[Function]) -> list[int]:
+    """Which run each function is of: 1 where its point comes first, 2 where it comes again, ..."""
+    seen: Counter[_Key] = Counter()
+    runs = []
+    for f in functions:
+        seen[_key(f)] += 1
+        runs.append(seen[_key(f)])
+    return runs
+
+
+def one_run(file: Path, functions: list[Function], run: int | None) -> list[Function]:
+    """The functions of one run; refuses to choose among several.
+
+    Points that have no such run are left out, with a warning that names them.
+    """
+    if run is not None and (isinstance(run, bool) or not isinstance(run, int) or run < 1):
+        reject("run", run, "a whole number from 1", "Number the runs from 1, in their order in the file.")
+    runs = _runs_of(functions)
+    most = max((n for f, n in zip(functions, runs, strict=True) if f.what != "coherence"), default=1)
+    if run is None and most > 1:
+        again = next(f for f, n in zip(functions, runs, strict=True) if n == 2 and f.what != "coherence")
+        over = "" if again.what == "time" else f" / {label_of(again.reference)}"
+        unsuitable(
+            file,
+            f"with several functions ({again.what}) of {label_of(again.response)}{over}: {most} runs",
+            "one for each point",
+            Wording(
+                "Choose one by {} to {}, and give them together as repeats of one test.",
+                Passed("run", 1),
+                Passed("run", most),
+            ),
+        )
+    if run is not None and run > most:
+        reject("run", run, f"1 to {most}, the runs of {str(file)!r}", "Number the runs from 1.")
+    if most == 1:
+        return functions
+    there = {_key(f) for f, number in zip(functions, runs, strict=True) if number == run}
+    lost = dict.fromkeys(label_of(f.response) for f in functions if _key(f) not in there)
+    if lost:
+        warn(
+            "points_without_run",
+            f"path: {str(file)!r} has no run {run} of {', '.join(lost)}, which is left out.",
+        )
+    return [f for f, number in zip(functions, runs, strict=True) if number == run]
+
+
+def _key(f: Function) -> _Key:
+    return (f.what, f.response, f.reference if f.what != "time" else (0, 0), f.role)
+
+
+def listed(functions: list[Function]) -> list[str]:
+    """A line for each function, with its run where there are several."""
+    runs = _runs_of(functions)
+    several = max(runs, default=1) > 1
+    return [f"{f}, run {run}" if several else str(f) for f, run in zip(functions, runs, strict=True)]
+
 
 Kind = Literal["time", "frf", "transmissibility", "spectra"]
 _KIND_OF = {"auto spectrum": "spectra", "cross spectrum": "spectra"}
@@ -222,3 +1183,27 @@ def _rate(file: Path, f: Function) -> float:
 
 def _listed(functions: list[Function]) -> str:
     return "It holds " + "; ".join(map(str, functions[:10])) + "."
+
+
+# -- Where the force acted, as a universal file states it
+
+
+def force_of(path: str | os.PathLike[str]) -> str | None:
+    """Point of the force, ``'12+Z'``: the one reference of the FRFs, or the channel of a force.
+
+    None where the file does not tell, or states several.
+
+    Examples
+    --------
+    >>> import tempfile, antires_rs as ar
+    >>> from antires_rs.io.uff import force_of
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     record = ar.Recording([[1.0, 2.0, 4.0]], 512.0, dofs=["12+Z"])
+    ...     print(force_of(ar.write_uff(folder + "/a.uff", record)))
+    None
+    """
+    functions = functions_of(existing_file(path), True, "force_of")
+    points = {f.reference for f in functions if f.what == "frf"}
+    points |= {f.response for f in functions if f.what == "time" and f.role == "force"}
+    known = {point for point in points if point[0] > 0 and point[1] != 0}
+    return label_of(known.pop()) if len(points) == 1 and known else None

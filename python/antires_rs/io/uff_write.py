@@ -14,17 +14,13 @@ from numpy.typing import NDArray
 from ..signals.estimators import std_of_coherence
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
+from ..support.checks import reject
 from ..support.files import write_atomically
-from ..support.validation import reject
-from ..support.warned import warn
-from ._common import Signal, signal_given
-from ._packing import check_dofs
-from .uff_checksum import checksum_line
-from .uff_names import Point, as_point, label_of, points_of
-from .uff_sets import VERSION
+from ..support.messages import warn
+from .common import Signal, signal_given
+from .own_format import check_dofs
+from .uff import VERSION, Point, as_point, checksum_line, label_of, points_of
 from .units import named_unit
-
-__all__ = ["write_uff"]
 
 _TIME, _FRF, _TRANSMISSIBILITY, _COHERENCE = 1, 4, 5, 6
 #: Specific data types of records 8 to 10.

@@ -11,17 +11,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from ..support.validation import reject
-
-__all__ = [
-    "STANDARD_GRAVITY",
-    "Unit",
-    "abscissa_factor",
-    "is_abscissa",
-    "is_frequency",
-    "named_unit",
-    "parse_unit",
-]
+from ..support.checks import reject
 
 #: m/s2 in one g, by definition (3rd CGPM, 1901).
 STANDARD_GRAVITY = 9.80665

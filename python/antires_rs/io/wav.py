@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..signals.recording import Recording
-from ..support.validation import real_array, reject
-from ._common import existing_file, unsuitable
+from ..support.checks import real_array, reject
 from .channels import Dofs
-from .stated import Stated, channels_of_child, stated_recording
-
-__all__ = ["read_wav"]
+from .common import existing_file, unsuitable
+from .stated_channels import Stated, channels_of_child, stated_recording
 
 _WANTED = "a whole WAV file (RIFF) of whole numbers or floats"
 

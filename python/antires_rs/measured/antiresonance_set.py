@@ -2,27 +2,655 @@
 
 from __future__ import annotations
 
+import copy
+import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from ..order_sweep.table import ResponseTable
+from ..exceptions import InvalidInputError
+from ..support.checks import FloatArray, choice, reject
 from ..support.files import write_atomically
-from ..support.pickling import FrozenDict, frozen
-from ..support.validation import FloatArray, choice, reject
-from . import set_file
-from .edits import Edit, described, marked
-from .evidence import CrossCheck, DataCheck
-from .evidence_tables import EvidenceTables
-from .printed import left_out_printed, rows_printed
-from .sight import Sees, channels_of, checked_sees, moved_channels
-from .tables import frequencies_hz, label, tables_of
+from ..support.values import FrozenDict, frozen
+from ..views import Viewed
+from .edits import Edit, added, described, dropped, marked
+from .response_table import (
+    LEAST_DOMINANCE,
+    LEAST_PROMINENCE_DB,
+    MORE_ROWS,
+    MOST_RESIDUAL,
+    MOST_SPREAD,
+    SURE_DEPTH_DB,
+    SURE_SHARE,
+    SURE_SPREAD,
+    ResponseTable,
+    ResponseTables,
+    frequencies_hz,
+    label,
+    tables_of,
+)
 
-__all__ = ["AntiresonanceSet", "Edit"]
+# -- A set of antiresonances with a memory of what a person changed in it
+
+
+class EditedTables(ResponseTables):
+    """Tables by dof from which rows can be dropped, and to which some can be added, on record.
+
+    Nothing is changed: each edit gives another set, which remembers the one before the first.
+    """
+
+    _edits: tuple[Edit, ...]
+    _original: Self | None
+
+    def __init__(self, excitation: Any, tables: Mapping[Any, ResponseTable]) -> None:
+        super().__init__(excitation, tables)
+        self._fill(_edits=(), _original=None)
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        """What was dropped and added by hand, in order."""
+        return self._edits
+
+    def drop(self, dof: Any, freq_hz: Any, *, reason: str = "", tol_hz: float | None = None) -> Self:
+        """A new set without some values; this one stays as it is.
+
+        Parameters
+        ----------
+        dof : int or str
+        freq_hz : float or array_like
+            Each drops the value nearest to it.
+        reason : str
+            Kept with the record of what was done, ``edits``.
+        tol_hz : float, optional
+            How far the nearest value may be; default 1 % of ``freq_hz``.
+
+        Returns
+        -------
+        AntiresonanceSet
+            ``original()`` gives back the set before all edits.
+
+        Raises
+        ------
+        InvalidInputError
+            No such dof, no value that near, or two frequencies that mean the same value.
+
+        Examples
+        --------
+        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
+        >>> table = AntiresonanceSet(0, {0: [8.7, 12.2], 1: 14.4})
+        >>> fewer = table.drop(0, 12.2, reason="mains hum of the shaker")
+        >>> table[0].tolist(), fewer[0].tolist()
+        ([8.7, 12.2], [8.7])
+        >>> print(fewer.edits[0])
+        dropped 12.20 Hz at dof 0 (mains hum of the shaker)
+        """
+        dof = self._dof(dof)
+        return self._edited(dof, *dropped(dof, self.tables[dof], freq_hz, reason, tol_hz))
+
+    def add(
+        self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None, reason: str = ""
+    ) -> Self:
+        """A new set with more values; this one stays as it is.
+
+        Parameters
+        ----------
+        dof : int or str
+            One of the set's.
+        freq_hz : float or array_like, (n,)
+        damping_ratio, std_hz : float or array_like, (n,), optional
+            One for all, or one each. Not known by default.
+        reason : str
+            Kept with the record of what was done, ``edits``.
+
+        Returns
+        -------
+        AntiresonanceSet
+            ``original()`` gives back the set before all edits. In tables the values' source is "by hand".
+
+        Raises
+        ------
+        InvalidInputError
+            No such dof, a frequency that is not positive, or a value that is there already.
+
+        Examples
+        --------
+        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
+        >>> more = AntiresonanceSet(0, {0: [8.7], 1: 14.4}).add(0, 12.2, reason="clear in the phase")
+        >>> print(more)
+        antiresonances, force at 0
+        dof  freq_hz  doubts
+          0    8.700
+              12.200  added by hand
+          1   14.400
+        edited by hand: added 12.20 Hz at dof 0 (clear in the phase)
+        """
+        dof = self._dof(dof)
+        return self._edited(dof, *added(dof, self.tables[dof], freq_hz, damping_ratio, std_hz, reason))
+
+    def original(self) -> Self:
+        """The set before the first edit by hand; itself if there was none."""
+        return self if self._original is None else self._original
+
+    def _edited(self, dof: Any, table: ResponseTable, records: Sequence[Edit]) -> Self:
+        return self._with(
+            _tables=FrozenDict({**self._tables, dof: table}),
+            _edits=(*self._edits, *records),
+            _original=self.original(),
+        )
+
+    def _with(self, **parts: Any) -> Self:
+        """A copy with other parts; whatever else the set carries stays with it."""
+        new = copy.copy(self)
+        new._fill(**parts)
+        return new
+
+
+# -- What a set of antiresonances carries beside its tables, and what it asks of it
+#
+# The data check and the cross-check are made by packages that use this one: here stands what a set itself
+# reads of them. Whoever asks a set for them gets the objects themselves, with all that they have.
+
+
+class Finding(Protocol):
+    """One thing seen in the data, see :class:`antires_rs.Finding`."""
+
+    @property
+    def severity(self) -> str:
+        """Fatal, warning or note."""
+
+    @property
+    def text(self) -> str:
+        """What was seen."""
+
+
+class DataCheck(Protocol):
+    """Whether the data were fit for identification, see :class:`antires_rs.DataCheck`."""
+
+    @property
+    def findings(self) -> Sequence[Finding]:
+        """Worst first."""
+
+
+class CrossCheck(Protocol):
+    """What another method says, see :class:`antires_rs.identification.cross_check.SecondOpinion`."""
+
+    def is_confirmed(self, dof: Any, freq_hz: float) -> bool | None:
+        """Whether this very antiresonance is confirmed; None if it was not judged."""
+
+
+@runtime_checkable
+class SeriesOfTests(Protocol):
+    """Many tests of one structure, see :class:`antires_rs.Series`."""
+
+    def tracks(self, conditions: Any = None, **options: Any) -> Any:
+        """Every antiresonance followed over them."""
+
+    def average(self, **options: Any) -> Any:
+        """One set that stands for all of them."""
+
+
+# -- What a set of antiresonances was identified from, and so which roots of a model it can show
+
+
+Sees = Literal["frf", "transmissibility"] | None
+_KINDS = ("frf", "transmissibility", None)
+
+
+def checked_sees(sees: Any) -> Sees:
+    """One of the kinds."""
+    if sees not in _KINDS:
+        reject("sees", repr(sees), "'frf', 'transmissibility' or None", "Leave it out where it is not known.")
+    kind: Sees = sees
+    return kind
+
+
+def channels_of(given: Iterable[Any] | None, dofs: tuple[Any, ...]) -> tuple[Any, ...]:
+    """All responses measured together, those with a table among them; empty if not all are known."""
+    if given is None:
+        return dofs
+    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
+        reject("channels", given, "a list of dofs", "Put the dofs in a list, such as channels=[0, 1].")
+    named = tuple(dict.fromkeys(label("channels", dof) for dof in given))
+    missing = [dof for dof in dofs if dof not in named]
+    if named and missing:
+        reject(
+            "channels",
+            f"{named} without {missing[0]!r}",
+            "every dof of freq_hz among them",
+            "Add it: it was measured too. Leave channels out if there were no others.",
+        )
+    return named
+
+
+def moved_channels(channels: tuple[Any, ...], names: Mapping[Any, Any]) -> tuple[Any, ...]:
+    """The channels under other names; empty if one has none, for what all share cannot be told then."""
+    return tuple(names[dof] for dof in channels) if all(dof in names for dof in channels) else ()
+
+
+def sight_of_all(sets: Sequence[Any], force: Any) -> dict[str, Any]:
+    """``sees`` and ``channels`` of setups that are joined: of one kind, all channels if the force stayed."""
+    kinds = {one.sees for one in sets}
+    stayed = all(one.excitation == force and one.channels for one in sets)
+    channels = tuple(dict.fromkeys(dof for one in sets for dof in one.channels)) if stayed else ()
+    return {"sees": kinds.pop() if len(kinds) == 1 else None, "channels": channels}
+
+
+# -- A set of antiresonances with what speaks for it and what was seen beside it
+
+
+class EvidenceTables(EditedTables, Viewed):
+    """Tables by dof with diagrams, checks, and what was seen and not accepted."""
+
+    _diagrams: FrozenDict[Any, Any]
+    _left_out: FrozenDict[Any, ResponseTable]
+    _unexplained_hz: FrozenDict[Any, FloatArray]
+    _data_check: DataCheck | None
+    _cross_check: CrossCheck | None
+    _sees: Sees
+    _channels: tuple[Any, ...]
+
+    def _fill_diagrams(self, diagrams: Mapping[Any, Any]) -> None:
+        """The diagrams, and what they say was not accepted."""
+        drawn = {dof: one for dof, one in diagrams.items() if hasattr(one, "unexplained_hz")}
+        self._fill(
+            _diagrams=FrozenDict(diagrams),
+            _left_out=FrozenDict({dof: one.left_out for dof, one in drawn.items()}),
+            _unexplained_hz=FrozenDict({dof: one.unexplained_hz for dof, one in drawn.items()}),
+        )
+
+    @property
+    def sees(self) -> Sees:
+        """What it was identified from: "frf", "transmissibility", or None where that is not known."""
+        return self._sees
+
+    @property
+    def channels(self) -> tuple[Any, ...]:
+        """All responses that were measured together; empty where some of them have no name here."""
+        return self._channels
+
+    @property
+    def diagrams(self) -> Mapping[Any, Any]:
+        """Stabilization diagram by dof where the set was identified."""
+        return self._diagrams
+
+    @property
+    def left_out(self) -> Mapping[Any, ResponseTable]:
+        """By dof, where curves were identified: what fits saw and did not accept, with the score "why"."""
+        return self._left_out
+
+    @property
+    def unexplained_hz(self) -> Mapping[Any, FloatArray]:
+        """By dof, where it was identified: peaks of its curve beside which nothing was seen."""
+        return self._unexplained_hz
+
+    @property
+    def data_check(self) -> Any | None:
+        """Whether the data were fit for identification, where they were checked."""
+        return self._data_check
+
+    @property
+    def cross_check(self) -> Any | None:
+        """What another method says of the antiresonances, where it was asked."""
+        return self._cross_check
+
+    @property
+    def second_opinion(self) -> Any | None:
+        """The older name of ``cross_check``."""
+        return self._cross_check
+
+    def look(
+        self,
+        source: Any = None,
+        *,
+        save_to: Any = None,
+        wait: bool | None = None,
+        browser: bool = True,
+        **options: Any,
+    ) -> Any:
+        """Open a page of this computer on which the set is looked at and edited.
+
+        Diagram, curve, coherence and singular values of each response, and the table of values with grade,
+        error and doubts. A click drops or adds a value, with a reason if one is typed.
+
+        Parameters
+        ----------
+        source : Recording, FrequencyResponse or a list of either, optional
+            What it was identified from. With it curves are shown, and band and orders can be changed.
+        save_to : path-like, optional
+            Where the page saves the set; without it the page offers a download.
+        wait : bool, optional
+            Return when the page was closed, or Ctrl-C. By default everywhere but in a notebook, where the
+            page stands below the cell and stays open.
+        browser : bool
+            Open the browser; else the address is printed only.
+        **options
+            Of :func:`~antires_rs.identify_antiresonances`, for the page to identify again as the set was.
+
+        Returns
+        -------
+        Page
+            ``.zeros`` is the set as it is now, with all edits; ``.url`` the address, ``.stop()`` ends it.
+
+        Raises
+        ------
+        MissingDependencyError
+            bokeh is not installed.
+        InvalidInputError
+            A source of another kind, or a band outside of it.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> page = ar.AntiresonanceSet(0, {0: [8.7, 12.2]}).look(wait=False, browser=False)
+        looking at antiresonances, force at 0: http://127.0.0.1:...
+        >>> page.zeros[0].tolist(), page.stop()
+        ([8.7, 12.2], None)
+        """
+        return self._view("look")(self, source, save_to, options, wait=wait, browser=browser)
+
+
+# -- Why an antiresonance asks for a look: a few words for each
+
+
+#: What a grade's tests are called where they fail.
+_TESTS: tuple[tuple[str, Callable[[ResponseTable, int], Any]], ...] = (
+    ("few orders", lambda table, i: table.rows[i] > MORE_ROWS),
+    ("unsteady", lambda table, i: table.spread[i] <= MOST_SPREAD),
+    ("owns little of its curve", lambda table, i: table.dominance[i] >= LEAST_DOMINANCE),
+    ("poor fit", lambda table, i: table.residual[i] <= MOST_RESIDUAL),
+    ("no clear peak", lambda table, i: table.prominence_db[i] >= LEAST_PROMINENCE_DB),
+)
+#: The same of fits over windows.
+_OF_WINDOWS: tuple[tuple[str, Callable[[ResponseTable, int], Any]], ...] = (
+    ("not in all fits", lambda table, i: table.scores["share"][i] >= SURE_SHARE),
+    ("unsteady", lambda table, i: table.spread[i] <= SURE_SPREAD),
+    (
+        "shallow dip",
+        lambda table, i: (
+            np.fmin(table.scores["depth_db"][i], table.scores["own_depth_db"][i]) >= SURE_DEPTH_DB
+        ),
+    ),
+)
+#: How a value was accepted, where that is a doubt.
+_HOW = {"persistent": "does not stand still", "likeliest order": "one order only"}
+
+
+class _Confirms(Protocol):
+    def is_confirmed(self, dof: Any, freq_hz: float) -> bool | None: ...
+
+
+def doubts_of(dof: Any, table: ResponseTable, cross_check: _Confirms | None = None) -> list[list[str]]:
+    """Words for every row: added by hand, how it was accepted, tests failed below "sure", not confirmed.
+
+    Examples
+    --------
+    >>> from antires_rs.measured.antiresonance_set import doubts_of
+    >>> from antires_rs.measured.response_table import ResponseTable
+    >>> doubts_of(0, ResponseTable([8.7, 12.2], by_hand=[False, True]))
+    [[], ['added by hand']]
+    """
+    return [_of(dof, table, i, cross_check) for i in range(len(table))]
+
+
+def _of(dof: Any, table: ResponseTable, i: int, cross_check: _Confirms | None) -> list[str]:
+    if table.by_hand[i]:
+        return ["added by hand"]
+    words = []
+    if "how" in table.scores and str(table.how[i]) in _HOW:
+        words.append(_HOW[str(table.how[i])])
+    grade = str(table.scores["grade"][i]) if "grade" in table.scores else "sure"
+    if grade != "sure":
+        tests = _OF_WINDOWS if "share" in table.scores else _TESTS
+        words += [word for word, passed in tests if not passed(table, i)]
+    if cross_check is not None and cross_check.is_confirmed(dof, float(table.freq_hz[i])) is False:
+        words.append("not confirmed")
+    return words
+
+
+# -- Tables as text, in columns that stand under each other
+
+
+def number(value: float, digits: int, *, sign: bool = False) -> str:
+    """A number with so many decimals; a dash where it is not known.
+
+    Examples
+    --------
+    >>> from antires_rs.measured.antiresonance_set import number
+    >>> number(0.12345, 3), number(float("nan"), 3), number(2.0, 1, sign=True)
+    ('0.123', '-', '+2.0')
+    """
+    return "-" if value != value else f"{value:{'+' if sign else ''}.{digits}f}"
+
+
+def aligned(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[str] = ("",)) -> list[str]:
+    """Lines of a table: columns right-aligned, those named in ``left`` left-aligned."""
+    table = [head, *rows]
+    widths = [max(len(row[i]) for row in table) for i in range(len(head))]
+    return [
+        "  ".join(
+            cell.ljust(width) if name in left else cell.rjust(width)
+            for cell, width, name in zip(row, widths, head, strict=True)
+        ).rstrip()
+        for row in table
+    ]
+
+
+# -- A set of antiresonances as text: one line each, with what is known of it
+
+
+# Decimals of frequencies without a deviation, and the most that are printed.
+PLAIN, MOST = 3, 6
+
+
+def rows_printed(tables: Mapping[Any, ResponseTable], cross_check: Any = None) -> list[str]:
+    """Lines of the table; deviations, grades and doubts only where there are any.
+
+    Examples
+    --------
+    >>> from antires_rs.measured.antiresonance_set import rows_printed
+    >>> from antires_rs.measured.response_table import ResponseTable
+    >>> tables = {0: ResponseTable([8.7, 23.9], std_hz=[0.004, 0.02]), 1: ResponseTable([])}
+    >>> print("\\n".join(rows_printed(tables)))
+    dof  freq_hz  std_hz
+      0    8.700   0.004
+          23.900   0.020
+      1        -
+    """
+    std = np.concatenate([np.empty(0), *(table.std_hz for table in tables.values())])
+    digits = _decimals(std)
+    rows = []
+    for dof, table in tables.items():
+        words = doubts_of(dof, table, cross_check)
+        for i in range(len(table)):
+            # A score of another kind stands in the place of one that is not known.
+            grade = str(table.scores["grade"][i]) if "grade" in table.scores else ""
+            rows.append(
+                [
+                    "" if i else str(dof),
+                    number(table.freq_hz[i], digits),
+                    number(table.std_hz[i], digits),
+                    "" if grade == "by hand" else grade,
+                    ", ".join(words[i]),
+                ]
+            )
+        if not len(table):
+            rows.append([str(dof), "-", "", "", ""])
+    head = ["dof", "freq_hz", "std_hz", "grade", "doubts"]
+    there = [True, True, not np.isnan(std).all() if std.size else False]
+    there += [any(row[k] for row in rows) for k in (3, 4)]
+    chosen = [k for k in range(5) if there[k]]
+    return aligned(
+        [head[k] for k in chosen], [[row[k] for k in chosen] for row in rows], left=("grade", "doubts")
+    )
+
+
+def left_out_printed(left_out: Mapping[Any, ResponseTable]) -> list[str]:
+    """A line on what was seen and not accepted, with how many for which reason; none without any."""
+    count = sum(len(table) for table in left_out.values())
+    whys = Counter(str(why) for table in left_out.values() for why in table.scores.get("why", ()) if why)
+    reasons = "; ".join(f"{n} {why}" for why, n in whys.most_common())
+    return [f"left out: {count}{f' ({reasons})' if reasons else ''}, see .left_out"] if count else []
+
+
+def _decimals(std: FloatArray) -> int:
+    """As many that the typical deviation has two digits."""
+    known = std[std > 0.0]
+    if not known.size:
+        return PLAIN
+    return int(np.clip(np.ceil(-np.log10(np.median(known))) + 1, PLAIN, MOST))
+
+
+# -- An AntiresonanceSet as JSON
+#
+# Version 1 holds excitation and, by dof, freq_hz, damping_ratio and std_hz. Version 2 adds the scores, the
+# edits made by hand, and the values as they were before the first of them. "sees" (what it was identified
+# from) and "channels" (all dofs measured together) may follow, and by dof "left_out" and "unexplained_hz"
+# (what was seen and not accepted); older versions of the package read such files too. What is not known is
+# null.
+
+
+FORMAT = "antires_rs.AntiresonanceSet"
+VERSION = 2
+COLUMNS = ("freq_hz", "damping_ratio", "std_hz")
+ACTIONS = ("drop", "add")
+_ANOTHER = "It was cut, or is another file: save the set again, or name the file that holds it."
+
+
+def to_json(
+    excitation: Any,
+    tables: Mapping[Any, ResponseTable],
+    edits: tuple[Edit, ...],
+    before: Mapping[Any, ResponseTable] | None,
+    sight: tuple[Sees, tuple[Any, ...]],
+    beside: tuple[Mapping[Any, ResponseTable], Mapping[Any, FloatArray]],
+) -> str:
+    """The file's text.
+
+    ``before`` holds the tables before the first edit, ``sight`` sees and channels, ``beside`` what was left
+    out and unexplained, by dof.
+    """
+    data: dict[str, Any] = {"format": FORMAT, "version": VERSION, "excitation": excitation}
+    sees, channels = sight
+    if sees is not None:
+        data["sees"] = sees
+    if channels != tuple(tables):
+        data["channels"] = list(channels)
+    data["dofs"] = _rows(tables)
+    left_out, unexplained_hz = beside
+    for row in data["dofs"]:
+        if row["dof"] in left_out:
+            row["left_out"] = _row(left_out[row["dof"]])
+        if row["dof"] in unexplained_hz:
+            row["unexplained_hz"] = unexplained_hz[row["dof"]].tolist()
+    if edits and before is not None:
+        data["edits"] = [asdict(edit) for edit in edits]
+        data["before_edits"] = _rows(before)
+    return json.dumps(data, indent=1, allow_nan=False) + "\n"
+
+
+def from_json(text: str, path: str) -> dict[str, Any]:
+    """What :func:`to_json` took, as plain data by its names; ``before`` is None without edits."""
+    wanted = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
+    try:
+        data = json.loads(text)
+    except ValueError as exc:
+        raise InvalidInputError("path", f"{path!r}, which is not JSON ({exc})", wanted, _ANOTHER) from exc
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        reject("path", f"{path!r} without the mark {FORMAT!r}", wanted, _ANOTHER)
+    if not isinstance(data.get("version"), int) or data["version"] > VERSION:
+        reject("path", f"{path!r} of version {data.get('version')!r}", wanted, "Update antires_rs.")
+    try:
+        edits = tuple(edit_of(row) for row in data.get("edits", ()))
+        return {
+            "excitation": data["excitation"],
+            "sees": data.get("sees"),
+            "channels": data.get("channels"),
+            "now": _read(data["dofs"]),
+            "left_out": _read(
+                [{**row["left_out"], "dof": row["dof"]} for row in data["dofs"] if "left_out" in row]
+            ),
+            "unexplained_hz": {
+                row["dof"]: row["unexplained_hz"] for row in data["dofs"] if "unexplained_hz" in row
+            },
+            "edits": edits,
+            "before": _read(data["before_edits"]) if edits else None,
+        }
+    except (KeyError, TypeError, ValueError, AttributeError) as exc:
+        raise damaged(path, exc) from exc
+
+
+def damaged(path: str, exc: Exception) -> InvalidInputError:
+    """The error of a file whose contents cannot be."""
+    return InvalidInputError(
+        "path",
+        f"{path!r}, which is damaged ({exc})",
+        f"a file written by AntiresonanceSet.save, version {VERSION} or older",
+        _ANOTHER,
+    )
+
+
+def _rows(tables: Mapping[Any, ResponseTable]) -> list[dict[str, Any]]:
+    return [{"dof": dof, **_row(table)} for dof, table in tables.items()]
+
+
+def _row(table: ResponseTable) -> dict[str, Any]:
+    row: dict[str, Any] = {}
+    for name in COLUMNS:
+        values = getattr(table, name)
+        # A column of which nothing is known is left out.
+        if not values.size or not np.isnan(values).all():
+            row[name] = _plain(values)
+    if table.scores:
+        row["scores"] = {name: _plain(values) for name, values in table.scores.items()}
+    return row
+
+
+def _read(rows: Any) -> dict[str, dict[Any, Any]]:
+    """Keyword arguments of AntiresonanceSet."""
+    out: dict[str, dict[Any, Any]] = {name: {} for name in (*COLUMNS, "scores")}
+    for row in rows:
+        dof = row["dof"]
+        if dof in out["freq_hz"]:
+            raise ValueError(f"dof {dof!r} more than once")
+        out["freq_hz"][dof] = row["freq_hz"]
+        for name in COLUMNS[1:]:
+            if name in row:
+                out[name][dof] = [np.nan if v is None else v for v in row[name]]
+        if "scores" in row:
+            out["scores"][dof] = {name: _column(values) for name, values in row["scores"].items()}
+    return out
+
+
+def edit_of(row: dict[str, Any]) -> Edit:
+    """An edit as a file has it; ValueError or TypeError for what is none."""
+    edit = Edit(**row)
+    known = isinstance(row.get("scores", {}), dict) and isinstance(edit.reason, str)
+    if edit.action not in ACTIONS or not known:
+        raise ValueError(f"edit {row!r}")
+    if not isinstance(edit.freq_hz, int | float) or not edit.freq_hz > 0.0:
+        raise ValueError(f"edit of {edit.freq_hz!r} Hz")
+    return edit
+
+
+def _column(values: list[Any]) -> Any:
+    """Text, truth, whole numbers or floats; null is NaN."""
+    if values and all(isinstance(v, str) for v in values):
+        return np.array(values)
+    if values and all(isinstance(v, bool) for v in values):
+        return np.array(values)
+    if values and all(isinstance(v, int) for v in values):
+        return np.array(values, dtype=np.int64)
+    return np.array([np.nan if v is None else v for v in values], dtype=np.float64)
+
+
+def _plain(values: Any) -> list[Any]:
+    """NaN becomes null."""
+    return [None if value != value else value for value in values.tolist()]
 
 
 class AntiresonanceSet(EvidenceTables):
@@ -53,13 +681,13 @@ class AntiresonanceSet(EvidenceTables):
     channels : tuple of dof
         Empty where some of them have no name here, see :meth:`relabelled`.
     tables : dict
-        By dof: one :class:`~antires_rs.order_sweep.table.ResponseTable`, from which the next three are taken.
+        By dof: one ``ResponseTable``, from which the next three are taken.
     damping_ratio, std_hz : dict
         By dof, in the order of the sorted frequencies; without the dofs for which they are not known. After
         :meth:`add` single ones may be NaN.
     scores : dict
         By dof: what speaks for each antiresonance, a dict of name to (n,) array, see
-        :mod:`antires_rs.order_sweep.scores`. Empty where a set was made by hand.
+        :mod:`antires_rs.identification.scores`. Empty where a set was made by hand.
     edits : tuple of Edit
         What was dropped and added by hand, in order.
     left_out : dict of ResponseTable
@@ -237,8 +865,8 @@ class AntiresonanceSet(EvidenceTables):
         ----------
         dof : int or str
         kind : {"stabilization", "damping_clusters"}
-            :func:`~antires_rs.plotting.plot_stabilization` or
-            :func:`~antires_rs.plotting.plot_damping_clusters`.
+            :func:`~antires_rs.figures.identification.plot_stabilization` or
+            :func:`~antires_rs.figures.identification.plot_damping_clusters`.
         ax : matplotlib.axes.Axes, optional
 
         Raises
@@ -256,10 +884,7 @@ class AntiresonanceSet(EvidenceTables):
                 "a dof of a set that was identified, not made by hand or loaded",
                 "Identify it from the measurement to have its diagram.",
             )
-        from ..plotting.damping_clusters import plot_damping_clusters
-        from ..plotting.stabilization import plot_stabilization
-
-        draw = plot_stabilization if kind == "stabilization" else plot_damping_clusters
+        draw = self._view(f"plot {kind}")
         found = self.original()[dof]
         return draw(
             self.diagrams[dof],
@@ -284,15 +909,11 @@ class AntiresonanceSet(EvidenceTables):
         MissingDependencyError
             pandas is not installed.
         """
-        from ..io.tables import to_dataframe
-
-        return to_dataframe(self)
+        return self._view("to_dataframe")(self)
 
     def to_xarray(self) -> Any:
         """An ``xarray.Dataset`` over dof and rank, NaN beyond a dof's values; needs xarray."""
-        from ..io.tables import to_xarray
-
-        return to_xarray(self)
+        return self._view("to_xarray")(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write as JSON, whole or not at all; every float comes back bit for bit.
@@ -314,7 +935,7 @@ class AntiresonanceSet(EvidenceTables):
 
     def to_json(self) -> str:
         """The text that :meth:`save` writes."""
-        return set_file.to_json(
+        return to_json(
             self.excitation,
             self.tables,
             self.edits,
@@ -341,13 +962,13 @@ class AntiresonanceSet(EvidenceTables):
         try:
             text = Path(path).read_text(encoding="utf-8")
         except UnicodeDecodeError as exc:
-            raise set_file.damaged(str(path), exc) from exc
+            raise damaged(str(path), exc) from exc
         return cls.from_json(text, str(path))
 
     @classmethod
     def from_json(cls, text: str, name: str = "text") -> Self:
         """A set from the text of :meth:`to_json`; ``name`` stands for it in messages."""
-        data = set_file.from_json(text, name)
+        data = from_json(text, name)
         try:
             edits, before = data["edits"], data["before"]
             return cls.from_tables(
@@ -364,4 +985,4 @@ class AntiresonanceSet(EvidenceTables):
                 channels=data["channels"],
             )
         except (TypeError, ValueError) as exc:
-            raise set_file.damaged(name, exc) from exc
+            raise damaged(name, exc) from exc

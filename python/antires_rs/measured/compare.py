@@ -9,19 +9,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.pickling import FrozenDict, ReadOnly, frozen
-from ..support.validation import FloatArray, finite_scalar, reject
-from .antiresonance_set import AntiresonanceSet
-from .evidence import SeriesOfTests
-from .layout import aligned, number
-from .matching import MAX_SHIFT, check_set, check_shift, paired, variance_hz
-from .significance import averages_of, common_part, holm, of_all, of_each
-
-__all__ = ["Comparison", "compare"]
+from ..support.checks import FloatArray, finite_scalar, reject
+from ..support.values import FrozenDict, ReadOnly, frozen
+from ..views import Viewed
+from .antiresonance_set import AntiresonanceSet, SeriesOfTests, aligned, number
+from .matching import (
+    MAX_SHIFT,
+    averages_of,
+    check_set,
+    check_shift,
+    common_part,
+    holm,
+    of_all,
+    of_each,
+    paired,
+    variance_hz,
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison(ReadOnly):
+class Comparison(ReadOnly, Viewed):
     """What :func:`compare` found; print it for a table.
 
     Attributes
@@ -38,7 +45,7 @@ class Comparison(ReadOnly):
     changed : (n,) bool
         Whether this value is different, with a chance of at most ``alpha`` that any is marked wrongly.
     chi_square, freedom, p_all : float, int, float
-        The test of all, see :mod:`antires_rs.measured.significance`.
+        The test of all, see :mod:`antires_rs.measured.matching`.
     alpha : float
         Rate of false alarms of both tests.
     unmatched_a, unmatched_b : mapping of dof to (m,)
@@ -123,21 +130,15 @@ class Comparison(ReadOnly):
 
     def to_dataframe(self) -> Any:
         """One row a pair; needs pandas."""
-        from ..io.compared import comparison_frame
-
-        return comparison_frame(self)
+        return self._view("to_dataframe")(self)
 
     def to_xarray(self) -> Any:
         """An ``xarray.Dataset`` over the pairs, the test of all in its attributes; needs xarray."""
-        from ..io.compared import comparison_dataset
-
-        return comparison_dataset(self)
+        return self._view("to_xarray")(self)
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the differences with their errors; see :func:`~antires_rs.plotting.plot_comparison`."""
-        from ..plotting.comparison import plot_comparison
-
-        return plot_comparison(self, ax=ax)
+        """Draw the differences with their errors; see :func:`~antires_rs.figures.sets.plot_comparison`."""
+        return self._view("plot")(self, ax=ax)
 
 
 def compare(

@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..order_sweep.table import ResponseTable
-from ..support.pickling import FrozenDict
-from ..support.validation import FloatArray, finite_scalar, real_array, reject
-
-__all__ = ["BY_HAND", "Edit", "added", "described", "dropped", "marked"]
+from ..support.checks import FloatArray, finite_scalar, real_array, reject
+from ..support.values import FrozenDict
+from .response_table import ResponseTable
 
 #: Distance of a frequency named by hand from the value it means, relative.
 NAMED_WITHIN = 0.01

@@ -15,13 +15,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..exceptions import Argument
-from ..order_sweep.table import ResponseTable
-from ..support.validation import FloatArray, finite_scalar, reject
+from ..support.checks import FloatArray, finite_scalar, reject
 from .antiresonance_set import AntiresonanceSet
-
-__all__ = ["MAX_SHIFT", "check_set", "check_sets", "check_shift", "paired", "variance_hz"]
+from .response_table import ResponseTable
 
 #: Largest relative distance of two values that are one, by default.
 MAX_SHIFT = 0.05
@@ -107,3 +106,160 @@ def check_set(name: str, one: Any) -> AntiresonanceSet:
             "Identify the record first: identify_antiresonances(record, ...).",
         )
     return one
+
+
+# -- Is a difference more than its errors? A test of each value and of all
+#
+# A standard deviation told by k independent averages is itself known to about 1 / sqrt(2 k) only, so that a
+# difference over its standard deviation follows Student's t, not the normal law; nu is the smaller k of the
+# two sets (Welch's conservative choice). With p_i of each, the test of all is
+#
+#     chi^2 = sum_i z_i^2,      z_i = the normal deviate of probability p_i,
+#
+# with as many degrees of freedom as values. It takes the values of different responses for independent; on
+# the eight-mass chain their correlations are below 0.5, and 0.08 at the root mean square.
+#
+# What moves all values alike from test to test (temperature, mostly), with a relative standard deviation c,
+# is no difference. With l_i = sqrt(2) c f_i / std_i its likeliest size and what it leaves are
+#
+#     g = sum_i l_i d_i / (1 + sum_i l_i^2),      d_i - l_i g     (d_i: difference over its own deviation),
+#
+# and chi^2 is that of the rests plus g^2: the quadratic form of d in the inverse of its covariance 1 + l l'.
+#
+# Which single values have changed is told at the same rate of false alarms for all of them together (Holm).
+#
+# References: B. L. Welch, Biometrika 34 (1947) 28-35; R. A. Fisher, Statistical Methods for Research Workers,
+# 1932, sec. 21.1 (joining tests); S. Holm, Scand. J. Stat. 6 (1979) 65-70.
+
+
+#: Independent averages behind a standard deviation where a set does not tell.
+AVERAGES = 15.0
+
+
+def averages_of(table: ResponseTable) -> FloatArray:
+    """Independent averages behind each standard deviation."""
+    known = table.scores.get("averages")
+    told = np.full(len(table), np.nan) if known is None else np.asarray(known, dtype=np.float64)
+    return np.where(np.isnan(told), AVERAGES, told)
+
+
+def of_each(difference: FloatArray, std: FloatArray, averages: FloatArray) -> FloatArray:
+    """Probability of a difference as large by chance, NaN where no deviation is known."""
+    from scipy.stats import t  # slow to import
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(2.0 * t.sf(np.abs(difference) / std, averages))
+
+
+def of_all(p: FloatArray, common: float = 0.0) -> tuple[float, int, float]:
+    """Chi-square, its degrees of freedom, and the probability of one as large by chance.
+
+    ``common`` is g of the module, whose square is added.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.measured.matching import of_all
+    >>> chi_square, n, p = of_all(np.array([0.5, 0.3, 0.8, np.nan]))
+    >>> round(chi_square, 2), n, round(p, 2)
+    (1.59, 3, 0.66)
+    """
+    from scipy.stats import chi2  # slow to import
+
+    known = p[~np.isnan(p)]
+    # Of one degree of freedom: the square of the normal deviate. A p of 0 is one that underflowed.
+    total = float(chi2.isf(np.maximum(known, 1e-300), 1).sum()) + common**2
+    return total, known.size, float(chi2.sf(total, known.size)) if known.size else float("nan")
+
+
+def common_part(scaled: FloatArray, load: FloatArray) -> float:
+    """g of the module, from the differences over their own deviations and l, (n,) each; NaN are left out."""
+    there = ~np.isnan(scaled)
+    d, share = scaled[there], load[there]
+    return float(share @ d / (1.0 + share @ share))
+
+
+def holm(p: FloatArray, alpha: float) -> NDArray[np.bool_]:
+    """Which differences are real, with a chance of at most ``alpha`` that any of them is not."""
+    known = np.flatnonzero(~np.isnan(p))
+    rank = known[np.argsort(p[known], kind="stable")]
+    passed = p[rank] <= alpha / np.arange(rank.size, 0, -1)
+    found = np.zeros(p.size, dtype=bool)
+    found[rank[: int(np.argmin(passed)) if not passed.all() else rank.size]] = True
+    return found
+
+
+# -- How much repeats of one test scatter beyond their stated deviations
+#
+# With r_tk the relative distance of value k in test t from the mean of k over the tests, and s_tk its stated
+# relative deviation, the part that all values of a test have in common is their weighted mean
+#
+#     a_t = sum_k w_tk r_tk / sum_k w_tk,      w_tk = 1 / (s_tk^2 + tau^2).
+#
+# The scatter of single values, tau, is that with which the rest is as large as it should be,
+#
+#     sum_tk w_tk (r_tk - a_t)^2 = degrees of freedom,
+#
+# so that values known well tell most (R. C. Paule and J. Mandel, J. Res. Natl. Bur. Stand. 87 (1982)
+# 377-385); a and tau are found in turn. The variance of a_t over the tests, less that of the mean, is the
+# square of the common scatter.
+
+
+# Bisections: the root of a falling function to ten digits.
+STEPS = 40
+# Common part and scatter of the rest settle in a few rounds.
+ROUNDS = 8
+
+
+def scatter(freq_hz: FloatArray, std_hz: FloatArray) -> tuple[float, float]:
+    """Scatter of single values and common scatter, relative; NaN where no value is there twice.
+
+    Parameters
+    ----------
+    freq_hz, std_hz : (n_tests, n_values)
+        NaN where a test does not have a value, or its deviation is not known.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.measured.matching import scatter
+    >>> rng = np.random.default_rng(0)
+    >>> alike, each = 1e-3 * rng.standard_normal((50, 1)), 2e-4 * rng.standard_normal((50, 20))
+    >>> [f"{s:.1e}" for s in scatter(100.0 * (1.0 + alike + each), np.full((50, 20), 0.01))]
+    ['1.7e-04', '9.2e-04']
+    """
+    some = np.sum(~np.isnan(freq_hz), axis=0) >= 2
+    if not some.any():
+        return float("nan"), float("nan")
+    freq = freq_hz[:, some]
+    freq, std = (array[~np.isnan(freq).all(axis=1)] for array in (freq, std_hz[:, some]))
+    there = ~np.isnan(freq)
+    middle = np.nanmean(freq, axis=0)
+    away = freq / middle - 1.0
+    n_tests, count = freq.shape
+    stated = np.nan_to_num(std / middle) ** 2
+    free = int(there.sum()) - count - (n_tests - 1)
+    if free <= 0:  # a single value: what is its own and what is common cannot be told apart
+        tau2 = _beyond((away**2)[there], stated[there], int(there.sum()) - count)
+        return float(np.sqrt(tau2)), 0.0
+    tau2 = float(np.nanmean(away**2))
+    for _ in range(ROUNDS):
+        weight = np.where(there, 1.0 / np.maximum(stated + tau2, 1e-300), 0.0)
+        alike = np.nansum(weight * away, axis=1) / weight.sum(axis=1)
+        tau2 = _beyond(((away - alike[:, None]) ** 2)[there], stated[there], free)
+    common = np.sum(alike**2) / (n_tests - 1) - np.mean(1.0 / weight.sum(axis=1))
+    return float(np.sqrt(tau2)), float(np.sqrt(max(0.0, common)))
+
+
+def _beyond(rest: FloatArray, stated: FloatArray, free: int) -> float:
+    """tau^2 of the module; 0 where the stated variances explain all."""
+    low, high = 0.0, float(np.sum(rest) / free)
+    if np.sum(rest / np.maximum(stated, 1e-300)) <= free:
+        return 0.0
+    for _ in range(STEPS):
+        middle = 0.5 * (low + high)
+        if np.sum(rest / np.maximum(stated + middle, 1e-300)) > free:
+            low = middle
+        else:
+            high = middle
+    return high

@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.pickling import ReadOnly, frozen
-from ..support.validation import FloatArray, dof_labels, real_array, reject
-
-__all__ = ["ModalSet"]
+from ..support.checks import FloatArray, dof_labels, real_array, reject
+from ..support.values import ReadOnly, frozen
 
 
 class ModalSet(ReadOnly):

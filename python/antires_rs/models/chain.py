@@ -6,18 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..support.validation import finite_scalar, real_array
-from .description import ModelDescription
+from ..support.checks import finite_scalar, real_array
 from .matrices import as_dense
-from .penalties import warn_penalties, warn_softly_held
+from .penalties import lost_beside, warn_penalties, warn_softly_held
 from .recipes import ChainRecipe
-from .soft_supports import lost_beside
-from .structural_model import StructuralModel
+from .structural_model import ModelDescription, StructuralModel
 
 if TYPE_CHECKING:
-    from ..support.validation import FloatArray
-
-__all__ = ["MassSpringChain"]
+    from ..support.checks import FloatArray
 
 
 class MassSpringChain(StructuralModel):

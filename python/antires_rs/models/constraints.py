@@ -13,16 +13,95 @@ section 13.2.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.validation import part, reject
-from .equations import Equation, dofs_to_keep, equations_of, square
+from ..support.checks import finite_scalar, integer, part, real_array, reject
+from .dof_names import DofNames
+from .matrices import Entries
 
-__all__ = ["Constrained", "eliminate_constraints", "lagrange_rows", "solved"]
+# -- Linear equations between dofs as users give them: dicts, rows, arrays dense or sparse
+
+
+Equation = dict[int, float]
+Number = Callable[[str, Any], int]
+
+
+def equations_of(constraints: Any, n: int, number: Number | None = None) -> list[Equation]:
+    """Each equation by its dofs; ``number`` finds those that are called by a name."""
+    wanted = f"a list of equations, each a dict such as {{2: 1.0, 1: -1.0}}, or an array (c, {n})"
+    if isinstance(constraints, Mapping):
+        reject("constraints", "one dict", wanted, "Put it in a list: [{2: 1.0, 1: -1.0}].")
+    if hasattr(constraints, "tocsr"):
+        return _of_sparse(constraints, n, wanted)
+    if (
+        isinstance(constraints, str | bytes)
+        or not isinstance(constraints, Iterable)
+        or not _shape(constraints)
+    ):
+        reject("constraints", repr(constraints), wanted, "Put the equations in a list, also where it is one.")
+    find = number or _numbers(n)
+    return [_equation(part("constraints", i), each, n, find) for i, each in enumerate(constraints)]
+
+
+def dofs_to_keep(keep: Any, n: int, number: Number | None = None) -> set[int]:
+    """Numbers of the dofs that must remain."""
+    if isinstance(keep, str | bytes) or not isinstance(keep, Iterable) or not _shape(keep):
+        reject("keep", repr(keep), "a sequence of dofs", "Put it in a list, also where it is one.")
+    find = number or _numbers(n)
+    return {find(part("keep", i), dof) for i, dof in enumerate(keep)}
+
+
+def square(name: str, matrix: Any, n: int | None = None) -> Any:
+    """A square matrix, (n, n) where n is known, as ``scipy.sparse.csr_array``."""
+    from scipy.sparse import csr_array
+
+    given = matrix if hasattr(matrix, "tocsr") else np.asarray(matrix)
+    shape = given.shape
+    if len(shape) != 2 or shape != (n or shape[0],) * 2 or given.dtype.kind not in "biufc":
+        size = "" if n is None else f", ({n}, {n}) as the stiffness"
+        got = f"a matrix of shape {shape}" if given.dtype.kind in "biufc" else repr(matrix)
+        reject(name, got, f"a square matrix of numbers{size}", "Pass both after the same dofs were removed.")
+    return csr_array(given)
+
+
+def _shape(given: Any) -> bool:
+    """Whether it has items: an array of no axis has none."""
+    return not isinstance(given, np.ndarray) or given.ndim > 0
+
+
+def _numbers(n: int) -> Number:
+    return lambda name, dof: integer(name, dof, low=0, high=n - 1)
+
+
+def _of_sparse(constraints: Any, n: int, wanted: str) -> list[Equation]:
+    shape = constraints.shape
+    if len(shape) != 2 or shape[1] != n:
+        reject("constraints", f"a sparse array of shape {shape}", wanted, "One column a dof, a row each.")
+    table = constraints.tocsr(copy=True)
+    table.sum_duplicates()
+    # An array of no entry is in order, and not for real_array.
+    values = real_array("constraints", table.data, ndim=1, wanted=wanted) if table.nnz else table.data
+    columns, starts = table.indices.tolist(), table.indptr.tolist()
+    numbers = values.tolist()
+    return [
+        dict(zip(columns[first:end], numbers[first:end], strict=True))
+        for first, end in zip(starts[:-1], starts[1:], strict=True)
+    ]
+
+
+def _equation(name: str, given: Any, n: int, find: Number) -> Equation:
+    if not isinstance(given, Mapping):
+        wanted = f"a row ({n},) of finite numbers, or a dict of dofs"
+        row = real_array(name, given, ndim=None, wanted=wanted)
+        if row.shape != (n,):
+            reject(name, f"a row of shape {row.shape}", wanted, "One number a dof.")
+        return {int(dof): float(row[dof]) for dof in np.flatnonzero(row)}
+    return {find(name, dof): finite_scalar(name, value) for dof, value in given.items()}
+
 
 #: Coefficients so much below the largest of their equation are rounding.
 _ROUNDING = 1e-12
@@ -230,3 +309,109 @@ def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
 
 def _named(own: Equation) -> str:
     return ", ".join(map(str, sorted(own)))
+
+
+# -- Constraints as a user gives them, by numbers or names of dofs
+
+
+def equations_by_number(
+    names: tuple[str, ...], n: int, constraints: Any, keep: Sequence[int | str]
+) -> tuple[Entries | None, tuple[int, ...]]:
+    """Equations, a row each, and dofs to keep; ``names`` are those of ``n`` dofs, if they have any."""
+    known = DofNames(names)
+
+    def number(name: str, dof: Any) -> int:
+        if isinstance(dof, str):
+            if names:
+                return known.find(name, dof)
+            wanted = f"a zero-based number, 0 to {n - 1}: the dofs have no names"
+            reject(name, repr(dof), wanted, "Give the names of all rows: dofs=.")
+        return integer(name, dof, low=0, high=n - 1)
+
+    kept = tuple(sorted(dofs_to_keep(keep, n, number)))
+    equations = [] if constraints is None else equations_of(constraints, n, number)
+    entries = [(row, dof, value) for row, each in enumerate(equations) for dof, value in each.items()]
+    return (Entries.joined(*map(np.array, zip(*entries, strict=True))) if entries else None), kept
+
+
+# -- Rows of matrices that are no dofs of their own: what follows from others by an equation, and multipliers
+#
+# .. math:: u = T q, \qquad K_q = T^T K T, \quad M_q = T^T M T
+#
+# Every dof keeps its number; which row of the core's matrices it is follows from what was taken out.
+
+
+MULTIPLIER, CONSTRAINT, STIFF, RIGID = range(4)
+#: Of what a dof is made, shares below this are those of a stiff spring and its neighbours.
+_SHARE = 1e-8
+
+
+class TakenOut(NamedTuple):
+    """A dof taken out: why, and its motion by rows that remain; its own may hold a difference."""
+
+    reason: int
+    by: Mapping[int, float]
+
+
+class Dependent(NamedTuple):
+    """All that are taken out: ascending, why, and their motion."""
+
+    dofs: NDArray[np.uint32]
+    reasons: NDArray[np.uint8]
+    by: Entries
+
+    @classmethod
+    def of(cls, taken: Mapping[int, TakenOut]) -> Dependent:
+        """In order."""
+        dofs = sorted(taken)
+        parts = [(dof, q, value) for dof in dofs for q, value in sorted(taken[dof].by.items())]
+        by = zip(*parts, strict=True) if parts else ((), (), ())
+        reasons = np.array([taken[dof].reason for dof in dofs], dtype=np.uint8)
+        return cls(np.array(dofs, dtype=np.uint32), reasons, Entries.joined(*map(np.array, by)))
+
+    def transformation(self, n: int) -> Any:
+        """T (n, n), ``scipy.sparse``: columns of dofs taken out are empty, or hold a difference."""
+        own = np.setdiff1d(np.arange(n), self.dofs)
+        rows, columns = np.concatenate([own, self.by.rows]), np.concatenate([own, self.by.columns])
+        return Entries(rows, columns, np.concatenate([np.ones(own.size), self.by.values])).sparse(n)
+
+    def rows(self, n: int) -> NDArray[np.intp]:
+        """Row of each of ``n`` dofs in matrices without those that hold nothing; -1 for these."""
+        there = np.ones(n, dtype=bool)
+        there[self.dofs] = False
+        there[self.by.columns] = True
+        return np.where(there, np.cumsum(there) - 1, -1)
+
+    def reason(self, dof: int) -> int | None:
+        """Why a dof is taken out; None if it is not."""
+        at = int(np.searchsorted(self.dofs, dof))
+        return int(self.reasons[at]) if at < self.dofs.size and self.dofs[at] == dof else None
+
+    def moving_as(self, dof: int) -> int | None:
+        """The dof that moves as ``dof`` does: itself, or the one that it follows; None without one."""
+        if self.reason(dof) is None:
+            return dof
+        mine = self.by.rows == dof
+        masters, shares = self.by.columns[mine], self.by.values[mine]
+        if not shares.size:
+            return None
+        first = int(np.argmax(np.abs(shares)))
+        others = np.abs(np.delete(shares, first)).sum()
+        return int(masters[first]) if abs(shares[first] - 1.0) + others <= _SHARE else None
+
+    def masters(self, dof: int) -> set[int]:
+        """The dofs by which ``dof`` moves, if it is taken out."""
+        return {*self.by.columns[self.by.rows == dof].tolist()} if self.reason(dof) is not None else set()
+
+
+def without(entries: Entries, rows: NDArray[np.intp]) -> Entries:
+    """Entries at their rows among those that are left."""
+    return Entries(
+        rows[entries.rows].astype(np.uint32), rows[entries.columns].astype(np.uint32), entries.values
+    )
+
+
+def congruent(n: int, entries: Entries, t: Any) -> Entries:
+    """Entries of T' A T."""
+    product = t.T @ entries.sparse(n) @ t
+    return Entries.of_sparse(0.5 * (product + product.T))  # the products round differently above and below

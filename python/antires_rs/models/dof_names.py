@@ -6,10 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
 
+from ..support.checks import integer, part, reject
 from ..support.directions import DIRECTIONS, point_of
-from ..support.validation import integer, part, reject
-
-__all__ = ["DofNames", "names_of"]
 
 #: So many names are offered instead of an unknown one.
 _OFFERED = 4

@@ -9,17 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..support.validation import part, reject
-from .constraints import solved
-from .dependent import CONSTRAINT, MULTIPLIER, RIGID, STIFF, Dependent, TakenOut, congruent, without
-from .entries import Entries
-from .equations import Equation, equations_of
+from ..support.checks import part, reject
+from .constraints import (
+    CONSTRAINT,
+    MULTIPLIER,
+    RIGID,
+    STIFF,
+    Dependent,
+    Equation,
+    TakenOut,
+    congruent,
+    equations_of,
+    solved,
+    without,
+)
+from .matrices import Entries
 from .stiff_parts import stiff_parts
 
 if TYPE_CHECKING:
     from .._core import Model as CoreModel
-
-__all__ = ["Independent", "Matrices", "independent_of"]
 
 
 class Matrices(NamedTuple):

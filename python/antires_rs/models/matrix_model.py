@@ -9,23 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..exceptions import InvalidInputError
-from ..support.validation import FloatArray, part, reject
-from .dependent import CONSTRAINT, MULTIPLIER, RIGID, STIFF, Dependent
-from .description import ModelDescription
+from ..support.checks import FloatArray, part, reject
+from .constraints import CONSTRAINT, MULTIPLIER, RIGID, STIFF, Dependent, equations_by_number
 from .dof_names import names_of
-from .entries import Columns
 from .independent import Independent
-from .matrices import as_masses, as_sparse, as_square, as_term
-from .named_constraints import equations_by_number
+from .matrices import Columns, as_masses, as_sparse, as_square, as_term
 from .penalties import warn_penalties, warn_rounded
 from .recipes import MatrixRecipe
-from .structural_model import StructuralModel
+from .structural_model import ModelDescription, StructuralModel
 
 if TYPE_CHECKING:
     from .._core import Model as CoreModel
-
-__all__ = ["MatrixModel"]
-
 
 #: Cores for other dofs, made when asked for.
 _REMADE = {"_other", "_whole_core"}
@@ -51,7 +45,8 @@ class MatrixModel(StructuralModel):
     keep : sequence of int or str
         Dofs that must not be taken out: those of sensors and of the force.
     dofs : sequence of str or (int, str), or mapping of them to rows, optional
-        Names, one for each row: ``"1204:Z"`` or ``(1204, "+Z")``; or what :func:`antires_rs.io.read_dof_map`
+        Names, one for each row: ``"1204:Z"`` or ``(1204, "+Z")``; or what
+        :func:`antires_rs.io.matrices.read_dof_map`
         returns. A dof may then be given by its name wherever its number may.
 
     Raises

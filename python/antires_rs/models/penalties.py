@@ -11,20 +11,123 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..support.warned import warn
-from .entries import Entries
-from .soft_supports import free_by_ties, softly_held
-from .stiff_softness import without_ties
+from ..support.messages import warn
+from .matrices import Entries
+from .stiff_parts import without_ties
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from .structural_model import StructuralModel
 
     Dofs = Sequence[int] | NDArray[np.intp]
 
-__all__ = ["warn_penalties", "warn_rounded", "warn_softly_held"]
+
+# -- Parts of a structure that are held by next to nothing: all dofs tied together, on soft springs
+#
+# Scaled to a diagonal of ones, the stiffness of such a part has an eigenvalue :math:`\lambda` of 1e-8 and
+# less, and none up to 1e8 times that. Rounding of the entries takes :math:`\epsilon / \lambda` of it. Below
+# some ulps the part is free: the supports are not in the matrix any more. Whether there have been any is
+# not to be seen but by the size of the springs: those beyond what a material gives are ties.
+
+
+#: Eigenvalue up to which rounding takes 2e-8 of it, its largest part of the next, and what may be rounding.
+_SOFT, _GAP, _ROUNDING = 1e-8, 1e-8, 1e-14
+#: Most dofs of a part whose eigenvalues are formed; of a larger one rows of springs are summed.
+_MOST_SOFT_SUPPORTS = 300
+#: Most rigid motions of a part.
+_RIGID = 6
+#: Motion of each dof, over the largest, where all move.
+_MOVED = 1e-3
+_EPS = float(np.finfo(np.float64).eps)
+#: Stiffness that no part has in units in use: a metre of steel gives 2e11 N/m, 2e14 dyn/cm.
+_NO_MATERIAL = 1e17
+
+
+def softly_held(n: int, stiffness: Entries) -> list[tuple[NDArray[np.intp], float]]:
+    """Dofs of each such part, and what rounding may take of its softest stiffness, relatively."""
+    k = stiffness.diagonal(n)
+    found = []
+    for dofs, own in _parts(n, stiffness, k, 0.0):
+        lost = _of_springs(own, k[dofs])
+        if lost is None and dofs.size <= _MOST_SOFT_SUPPORTS:
+            lost = _of_eigenvalues(own.toarray() / np.sqrt(np.outer(k[dofs], k[dofs])))
+        if lost is not None:
+            found.append((dofs, lost))
+    return found
+
+
+def free_by_ties(n: int, stiffness: Entries) -> list[tuple[NDArray[np.intp], float]]:
+    """Dofs of each part of ties alone that nothing holds, and the support (N/m) below which it is lost."""
+    k = stiffness.diagonal(n)
+    found = []
+    for dofs, own in _parts(n, stiffness, k, _NO_MATERIAL):
+        ground = np.abs(np.asarray(own.sum(axis=1)).ravel())
+        free = bool((ground <= np.diff(own.indptr) * _EPS * k[dofs]).all())
+        if not free and dofs.size <= _MOST_SOFT_SUPPORTS:  # rotations take part
+            scaled = own.toarray() / np.sqrt(np.outer(k[dofs], k[dofs]))
+            free = float(np.linalg.eigvalsh(scaled)[0]) <= _ROUNDING * dofs.size**0.5
+        if free:
+            found.append((dofs, 0.5 * _EPS * float(k[dofs].max())))
+    return found
+
+
+def _parts(
+    n: int, stiffness: Entries, k: NDArray[np.float64], least: float
+) -> Iterator[tuple[NDArray[np.intp], Any]]:
+    """Dofs and matrix of each part of several dofs, all of them stiffer than ``least``."""
+    from scipy.sparse.csgraph import connected_components
+
+    if not (k > least).any():
+        return
+    matrix = stiffness.sparse(n).tocsr()
+    count, group = connected_components(matrix, directed=False)
+    number = np.bincount(group)
+    order = np.argsort(group, kind="stable")
+    parts = np.split(order, np.cumsum(number)[:-1])
+    for dofs in (parts[each] for each in np.flatnonzero(number > 1)):
+        if (k[dofs] > least).all():
+            yield dofs, matrix[dofs][:, dofs]
+
+
+def lost_beside(ground: float, springs: NDArray[np.float64]) -> float | None:
+    """What rounding may take of springs to ground (N/m, their sum) beside those between the masses."""
+    if not springs.size or not 0.0 < ground <= _SOFT * float(springs.min()):
+        return None
+    return min(1.0, float(np.sqrt(springs.size)) * _EPS * float(springs.max()) / ground)
+
+
+def _of_springs(own: Any, k: NDArray[np.float64]) -> float | None:
+    """Of springs alone: each row sums up to the spring to ground."""
+    rows = own.tocoo()
+    off = rows.row != rows.col
+    if (rows.data[off] > 0.0).any():
+        return None
+    ground = np.asarray(own.sum(axis=1)).ravel()
+    count = np.bincount(rows.row, minlength=k.size)
+    held = np.where(np.abs(ground) > count * _EPS * k, ground, 0.0)
+    return lost_beside(float(held.sum()), -rows.data[off])
+
+
+def _of_eigenvalues(scaled: NDArray[np.float64]) -> float | None:
+    try:
+        np.linalg.cholesky(scaled - _SOFT * np.eye(len(scaled)))
+    except np.linalg.LinAlgError:
+        pass
+    else:
+        return None  # the usual case, at a tenth of the cost
+    lowest, shapes = np.linalg.eigh(scaled)
+    for nth in range(min(_RIGID, len(scaled) - 1)):
+        if _ROUNDING * len(scaled) ** 0.5 < lowest[nth] <= min(_SOFT, _GAP * lowest[nth + 1]):
+            # Of a tie inside a structure only its own dofs move so.
+            moved = np.linalg.norm(shapes[:, : nth + 1], axis=1)
+            return min(1.0, _EPS / float(lowest[nth])) if moved.min() > _MOVED * moved.max() else None
+    return None
+
 
 #: Stiffness of a dof over that of the middle one, from which on 1e-6 of a frequency may be lost.
 _MOST = 1e8

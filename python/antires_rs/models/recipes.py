@@ -7,17 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from .. import _core
-from ..support.validation import FloatArray, integer, part, reject
+from ..support.checks import FloatArray, integer, part, reject
 from ..support.values import Value
-from .entries import Entries
-from .frame_parts import GroundSpring, NodeSpring, PointMass, three_inertias
+from .frame_parts import AnySection, GroundSpring, NodeSpring, PointMass, shear_of, three_inertias
 from .independent import Independent, Matrices, independent_of
-from .sections import AnySection, shear_of
+from .matrices import Entries
 
 if TYPE_CHECKING:
     from .._core import Model as CoreModel
-
-__all__ = ["ChainRecipe", "FrameRecipe", "MatrixRecipe", "section_argument"]
 
 
 class _Recipe(Value):

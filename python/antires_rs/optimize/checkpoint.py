@@ -14,11 +14,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..exceptions import UnsuitableDataError
+from ..support.checks import reject
 from ..support.files import put_in_place
-from ..support.validation import reject
-from ..support.warned import warn
-
-__all__ = ["Checkpoint", "digest_of"]
+from ..support.messages import warn
 
 #: Name and version of the layout. Version 2 counts the linearizations.
 _NAME, _VERSION = b"antires_rs search ", 2

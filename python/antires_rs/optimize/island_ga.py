@@ -7,20 +7,231 @@ the same seed gives bit-identical results for any number of threads.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterable
 from typing import Any, Self
 
 import numpy as np
 
 from .. import _core
+from ..exceptions import ObjectiveError
+from ..support.checks import FloatArray, finite_scalar, integer, real_array, reject
 from ..support.progress import watched
-from ..support.validation import finite_scalar, reject
-from .arguments import check_bounds, check_option_type, guesses, seed_of, texts
-from .batch import Batch
+from ..support.workers.counts import MOST_WORKERS, processors
+from ..support.workers.door import Failed, Workers
 from .checkpoint import Checkpoint, digest_of
 from .outcome import OptimizeResult, with_result
 
-__all__ = ["IslandGA"]
+# -- Arguments of a search, checked: seed, threads, bounds, guesses and the types of options
+
+
+#: Largest count that the core can hold.
+_MOST = 2**63 - 1
+_INTEGERS = {
+    "islands",
+    "population",
+    "patience",
+    "cost_migrations",
+    "polish_interval",
+    "polish_evaluations",
+    "max_evaluations",
+    "max_generations",
+}
+
+
+def seed_of(rng: int | np.random.Generator | None) -> int:
+    """Master seed of a run: an int as it is, or one drawn from a Generator or the system.
+
+    So the seed kept in a result, passed back as ``rng``, repeats the run.
+    """
+    if rng is not None and not isinstance(rng, np.random.Generator):
+        return integer("rng", rng, low=0, high=2**63 - 1)
+    return int(np.random.default_rng(rng).integers(0, 2**63, dtype=np.int64))
+
+
+def thread_count(workers: int | None) -> int:
+    """Threads to use: the given number, or the processors this process may run on."""
+    if workers is not None:
+        return integer("workers", workers, low=1, high=MOST_WORKERS)
+    return processors()
+
+
+def check_bounds(bounds: Any) -> FloatArray:
+    """Bounds as an (n, 2) array; order and finiteness are checked in the core, by gene."""
+    wanted = "an array (n, 2) of lower and upper bounds, n >= 1"
+    try:
+        box = np.asarray(bounds, dtype=np.float64)
+    except (TypeError, ValueError) as exc:
+        reject(
+            "bounds",
+            f"{type(bounds).__name__} that does not convert ({exc})",
+            wanted,
+            "Write them as in [(0.0, 1.0), (0.9, 1.1)].",
+        )
+    if box.ndim != 2 or box.shape[1] != 2 or box.size == 0:
+        reject("bounds", f"shape {box.shape}", wanted, "Write them as in [(0.0, 1.0), (0.9, 1.1)].")
+    return box
+
+
+def guesses(x0: Any, n: int) -> list[list[float]]:
+    """Initial guesses as rows."""
+    if x0 is None:
+        return []
+    rows = np.atleast_2d(real_array("x0", x0, ndim=None, wanted=f"an array ({n},) or (m, {n})"))
+    if rows.ndim != 2 or rows.shape[1] != n:
+        reject(
+            "x0",
+            f"shape {np.shape(x0)}",
+            f"an array ({n},) or (m, {n})",
+            "Give a value for each parameter, in the order of the bounds.",
+        )
+    return [[float(v) for v in row] for row in rows]
+
+
+def check_option_type(name: str, value: Any) -> None:
+    """Type of an option; its range is the core's to judge, and so is an unknown name."""
+    if name in _INTEGERS:
+        if not (name == "max_generations" and value is None):
+            integer(name, value, low=0, high=_MOST)
+    elif name == "agreement":
+        texts(name, [value])
+    elif name == "polish":
+        if value is not None and not isinstance(value, bool):
+            reject(name, value, "True, False or None", "None lets the optimizer choose.")
+    elif name != "crossovers" and name in _core.island_options({}):
+        finite_scalar(name, value)
+
+
+def texts(name: str, value: Any) -> list[str]:
+    """A list of texts."""
+    listed = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else [value]
+    if not all(isinstance(text, str) for text in listed):
+        reject(
+            name,
+            value,
+            "text, or a list of texts where several are possible",
+            "Put it in quotes; see the docstring for the names.",
+        )
+    return listed
+
+
+# -- The user's function as the core calls it: all candidates of a generation, or as many as time allows
+
+
+_RETURN = "Return a float for each candidate: an array (m,) of them with vectorized=True."
+#: Candidates go to workers in chunks of about so long: an interrupted chunk is lost.
+_CHUNK_S = 0.25
+
+
+class _Late(Exception):
+    """The time is over."""
+
+
+class Batch:
+    """A function of (m, n) candidates made of the user's function, with its workers if it needs some.
+
+    It returns the costs, NaN for those that were not evaluated, and why there are such: ``'interrupted'``,
+    ``'time'``, or ``'error'``, which is then in :attr:`error`.
+    """
+
+    def __init__(
+        self, fun: Callable[..., Any], vectorized: bool, workers: Any, max_seconds: float | None
+    ) -> None:
+        if not callable(fun):
+            reject("fun", fun, "a callable", "Pass the function itself, without calling it.")
+        self._fun, self._vectorized = fun, vectorized
+        self._end = np.inf if max_seconds is None else time.monotonic() + max_seconds
+        self._workers = None if workers is None else Workers(fun, workers, seconds_a_chunk=_CHUNK_S)
+        self._seen_finite = False
+        #: What the function raised, or what is wrong with its answer.
+        self.error: BaseException | None = None
+
+    def __enter__(self) -> Batch:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if self._workers is not None:
+            self._workers.close(at_once=kind is not None)
+
+    def __call__(self, candidates: FloatArray) -> tuple[FloatArray, str | None]:
+        """Costs of a generation."""
+        if self._vectorized:
+            return self._all_at_once(candidates)
+        found: dict[int, Any] = {}
+        why = self._evaluate(candidates, found)
+        costs = np.full(len(candidates), np.nan)
+        done = sorted(found)
+        try:
+            costs[done] = self._numbers([found[nth] for nth in done], len(done), whole=why is None)
+        except ObjectiveError as error:
+            self.error, why = error, "error"
+        return costs, why
+
+    def _evaluate(self, candidates: FloatArray, found: dict[int, Any]) -> str | None:
+        """Fill ``found`` by number of the candidate; returns why it is not full."""
+        try:
+            if self._workers is None:
+                for nth, x in enumerate(candidates):
+                    try:
+                        found[nth] = self._fun(x)
+                    except Exception as error:
+                        return self._failed(error, x)
+                    self._in_time()
+            else:
+                for nth, value in self._workers.as_done(candidates, poll=self._in_time):
+                    if isinstance(value, Failed):
+                        return self._failed(value.error, candidates[nth])
+                    found[nth] = value
+        except KeyboardInterrupt:
+            return "interrupted"
+        except _Late:
+            return "time"
+        except Exception as error:  # of the workers
+            self.error = error
+            return "error"
+        return None
+
+    def _failed(self, error: BaseException, x: FloatArray) -> str:
+        error.add_note(f"fun was at x = {np.array2string(x, precision=6, threshold=20)}")
+        self.error = error
+        return "error"
+
+    def _in_time(self) -> None:
+        if time.monotonic() > self._end:
+            raise _Late
+
+    def _all_at_once(self, candidates: FloatArray) -> tuple[FloatArray, str | None]:
+        count = len(candidates)
+        try:
+            return self._numbers(self._fun(candidates), count, whole=True), None
+        except Exception as error:
+            self.error = error
+            return np.full(count, np.nan), "error"
+
+    def _numbers(self, answer: Any, count: int, whole: bool) -> FloatArray:
+        """The answer as costs; one that is not finite is the worst there is."""
+        wanted = f"{count} real costs, one for each candidate"
+        try:
+            costs = np.asarray(answer)
+            if np.iscomplexobj(costs):
+                raise TypeError("complex costs")
+            costs = costs.astype(np.float64)
+        except (TypeError, ValueError) as exc:
+            raise ObjectiveError(
+                "fun", f"{type(answer).__name__} that is not numeric ({exc})", wanted, _RETURN
+            ) from exc
+        if costs.shape != (count,):
+            raise ObjectiveError("fun", f"an array of shape {costs.shape}", wanted, _RETURN)
+        # A whole first generation that is not finite is a mistake.
+        self._seen_finite = self._seen_finite or bool(np.isfinite(costs).any())
+        if whole and not self._seen_finite:
+            raise ObjectiveError(
+                "fun",
+                f"no finite cost for any of {count} candidates",
+                wanted,
+                "Call the function at a point inside the bounds to see why.",
+            )
+        return np.where(np.isfinite(costs), costs, np.inf)
 
 
 class IslandGA:

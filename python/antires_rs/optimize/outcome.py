@@ -6,11 +6,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
-from ..support.pickling import FrozenDict
-from ..support.validation import FloatArray
-from ..support.values import Value
-
-__all__ = ["History", "OptimizeResult", "with_result"]
+from ..support.checks import FloatArray
+from ..support.values import FrozenDict, Value
 
 
 @dataclass(frozen=True, eq=False)

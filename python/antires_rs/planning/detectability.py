@@ -7,28 +7,22 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..damage.candidates import checked_model, elements_of
+from ..damage.assess import checked_model, elements_of
 from ..damage.evidence import HIGHEST
-from ..damage.limits import smallest_found
-from ..damage.prior import DamagePrior
+from ..damage.question import DamagePrior
 from ..damage.roots import roots_at
+from ..damage.thresholds import smallest_found
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
-from ..optimize.arguments import seed_of, thread_count
-from ..support.one_thread import one_blas_thread
-from ..support.pickling import FrozenDict, frozen
+from ..optimize.island_ga import seed_of, thread_count
+from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, reject
 from ..support.progress import waiting
-from ..support.validation import FloatArray, choice, finite_scalar, integer, real_array, reject
-from .detection_curves import DetectionCurves
-from .pod import crossing, fit_logit, reached
-from .predicted import predicted
-from .question import Sees, band_of, dofs_of
-from .simulated import Task, simulated
-from .value_errors import ExpectedErrors
-from .virtual_roots import objective
-from .virtual_test import VirtualTest
-
-__all__ = ["detectability"]
+from ..support.threads import one_blas_thread
+from ..support.values import FrozenDict, frozen
+from .detection_curves import DetectionCurves, crossing, fit_logit, reached
+from .plan import Sees, band_of, dofs_of
+from .simulated_tests import Task, VirtualTest, predicted, simulated
+from .virtual_roots import ExpectedErrors, objective
 
 #: Severities of a prediction, in units of the linear estimate; and where that is none.
 _UNITS, _LARGE = np.geomspace(0.25, 6.0, 14), np.array([0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.85, 0.95])

@@ -2,27 +2,223 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 
-from ..damage.candidates import checked_model
-from ..damage.limits import smallest_found
-from ..damage.prior import DamagePrior
+from .. import _core
+from ..damage.assess import checked_model, elements_of
+from ..damage.evidence import HIGHEST
+from ..damage.question import DamagePrior
+from ..damage.thresholds import smallest_found
+from ..measured.antiresonance_set import aligned, number
+from ..models.parameter import Parameter, parameter_name, parameter_tuple
+from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
-from ..optimize.arguments import thread_count
-from ..support.one_thread import one_blas_thread
-from ..support.pickling import FrozenDict, frozen
+from ..optimize.island_ga import thread_count
+from ..support.checks import FloatArray, choice, frequency_band, integer, reject, shape_of
 from ..support.progress import step, waiting
-from ..support.validation import FloatArray, choice, integer, reject
-from .information import CRITERIA, Information, information
-from .placement import Placed, Round, exhaustive, greedy
-from .question import Sees, Unknowns, band_of, dofs_of, unknowns_of
-from .sensor_plan import SensorPlan
-from .value_errors import ExpectedErrors
-from .virtual_roots import virtual_roots
+from ..support.threads import one_blas_thread
+from ..support.values import FrozenDict, ReadOnly, frozen
+from ..views import Viewed
+from .placement import CRITERIA, Information, Placed, Round, exhaustive, greedy, information
+from .virtual_roots import ExpectedErrors, virtual_roots
 
-__all__ = ["plan_test"]
+# -- What is asked before a test, checked: of which unknowns, with which sensors and forces, in which band
+
+
+Sees = Literal["transmissibility", "frf"]
+#: By default the band ends above so many elastic resonances, by this factor.
+_RESONANCES, _HEADROOM = 12, 1.13
+#: Below this share of the highest frequency a mode is a rigid motion.
+_RIGID = 1e-4
+#: Standard deviation of what is uniform between 0 and 1.
+UNIFORM = 1.0 / float(np.sqrt(12.0))
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """Severities of elements, or parameters of an updating.
+
+    ``spread`` (p,) are their standard deviations before the test. Severities come from the difference of two
+    tests, ``tests`` is 2; parameters from one.
+    """
+
+    parameters: tuple[Parameter, ...]
+    names: tuple[str, ...]
+    nominal: FloatArray
+    spread: FloatArray
+    #: Of severities, the elements.
+    elements: tuple[int, ...] | None
+    tests: int
+
+
+def unknowns_of(model: StructuralModel, elements: Any) -> Unknowns:
+    """Elements by number, or parameters."""
+    given = [elements] if isinstance(elements, Parameter) else elements
+    some = isinstance(given, Sequence) and any(isinstance(p, Parameter) for p in given)
+    numbers = None if some else tuple(elements_of(model, elements))
+    if numbers is not None and len(set(numbers)) < len(numbers):
+        reject("elements", "an element twice", "each element once", "Drop the second one.")
+    parameters = parameter_tuple(given) if numbers is None else tuple(stiffness_reduction(list(numbers)))
+    parts = model.description.core_parameters(parameters)
+    nominal = np.asarray(_core.nominal_values(model._core, parts), dtype=np.float64)
+    width = np.array([p.bounds[1] - p.bounds[0] for p in parameters])
+    names = (
+        tuple(parameter_name(model, p) for p in parameters)
+        if numbers is None
+        else tuple(model.element_label(e) for e in numbers)
+    )
+    spread = width * UNIFORM if numbers is None else np.full(len(numbers), HIGHEST * UNIFORM)
+    return Unknowns(parameters, names, nominal, spread, numbers, 1 if numbers is None else 2)
+
+
+def dofs_of(name: str, model: StructuralModel, dofs: Any, default: list[int] | None = None) -> list[int]:
+    """Dofs of the model, each once; by default all but rotations, where names tell them."""
+    if dofs is None:
+        return model._sensor_dofs if default is None else default
+    listed = [dofs] if shape_of(dofs) == () else list(dofs)
+    chosen = [model._dof(name, dof) for dof in listed]
+    if not chosen or len(set(chosen)) < len(chosen):
+        reject(
+            name, dofs, "dofs of the model, at least one and each once", "Look them up by model.dof_label."
+        )
+    return chosen
+
+
+def band_of(model: StructuralModel, band_hz: Any) -> tuple[float, float]:
+    """The band of the identification; by default up to above the twelfth elastic resonance."""
+    if band_hz is not None:
+        return frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=np.inf)
+    count = min(model.n_dof, _RESONANCES + 6)
+    freq = model.modes(count).freq_hz
+    elastic = freq[freq > _RIGID * freq[-1]]
+    return 0.0, float(_HEADROOM * elastic[:_RESONANCES][-1])
+
+
+# -- A planned test: its sensors and force, and what it would show
+
+
+#: Positions of the force that are printed.
+_FORCES = 5
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SensorPlan(ReadOnly, Viewed):
+    """What :func:`plan_test` found; print it for a table.
+
+    Attributes
+    ----------
+    sensors : tuple of int
+        Dofs of the model, in the order of their rounds.
+    excitation : int
+        Dof of the force.
+    criterion : str
+        ``'determinant'`` or ``'worst'``.
+    value : float
+        Of the criterion: information in nats that the test is expected to give; or the largest of
+        ``detectable`` (of parameters, of ``std`` over the spread before the test).
+    value_of_all : float
+        The same, with a sensor on every candidate.
+    n_values : int
+        Antiresonances in the band that the test would show.
+    detectable : dict of int to float
+        Stiffness loss of each element that nine of ten tests would show, in [0, 0.99], infinity where none
+        would: the linear estimate for small losses. Empty for parameters.
+    detectable_by_all : dict of int to float
+        The same, with a sensor on every candidate.
+    std : dict of str to float
+        Standard deviation of each unknown after the test, in its unit, the others unknown too.
+    std_before : dict of str to float
+        The same before it: uniform within its bounds.
+    excitations : dict of int to float
+        ``value`` by position of the force, the best first, each with its own best sensors.
+    rounds : tuple of Round
+        How the sensors were found, from the first one on.
+    names, labels : dict
+        What elements and dofs are called.
+    value_std : dict of int to (n,)
+        Relative standard deviation of each antiresonance of each sensor on which all this rests.
+    errors : str
+        Where these come from: given, or the Cramer-Rao bound for noise, duration and damping.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=0, std=5e-4)
+    >>> plan.sensors, plan.excitation, plan.n_values
+    ((0, 3, 1), 0, 17)
+    """
+
+    sensors: tuple[int, ...]
+    excitation: int
+    criterion: str
+    value: float
+    value_of_all: float
+    n_values: int
+    detectable: Mapping[int, float]
+    detectable_by_all: Mapping[int, float]
+    std: Mapping[str, float]
+    std_before: Mapping[str, float]
+    excitations: Mapping[int, float]
+    rounds: tuple[Round, ...]
+    band_hz: tuple[float, float]
+    names: Mapping[int, str]
+    labels: Mapping[int, str]
+    value_std: Mapping[int, FloatArray] = field(default_factory=FrozenDict)
+    errors: str = ""
+
+    def __repr__(self) -> str:
+        return f"SensorPlan(sensors={self.sensors}, excitation={self.excitation}, {self._value(self.value)})"
+
+    def __str__(self) -> str:
+        low, high = self.band_hz
+        lines = [
+            f"{len(self.sensors)} sensors: " + ", ".join(self.labels[dof] for dof in self.sensors),
+            f"force at {self.labels[self.excitation]}",
+            f"{self.n_values} antiresonances from {low:g} to {high:g} Hz; {self._value(self.value)}"
+            f" (a sensor on every candidate: {self._value(self.value_of_all)})",
+        ]
+        if self.errors:
+            lines.append(f"values known to {self._known()}: {self.errors}")
+        if len(self.excitations) > 1:
+            best = list(self.excitations.items())[:_FORCES]
+            lines.append(
+                "forces: " + ", ".join(f"{self.labels[dof]} {self._value(value)}" for dof, value in best)
+            )
+        if self.detectable:
+            rows = [
+                [self.names[e], _percent(self.detectable[e]), _percent(self.detectable_by_all[e])]
+                for e in self.detectable
+            ]
+            head = ["stiffness loss seen in 9 of 10 tests (%)", "these sensors", "all candidates"]
+            lines += ["", *aligned(head, rows, left=head[:1])]
+        else:
+            rows = [[name, f"{std:.3g}"] for name, std in self.std.items()]
+            lines += ["", *aligned(["parameter", "std"], rows, left=["parameter"])]
+        return "\n".join(lines)
+
+    def _known(self) -> str:
+        """The least and the largest error of a value."""
+        std = np.concatenate([np.empty(0), *self.value_std.values()])
+        ends = [f"{100.0 * end:.2g}" for end in (std.min(initial=np.inf), std.max(initial=0.0))]
+        return " to ".join(dict.fromkeys(ends)) + " %"
+
+    def _value(self, value: float) -> str:
+        if self.criterion == "determinant":
+            return f"{value:.1f} nats"
+        return f"worst {100.0 * value:.2g} %" if value != float("inf") else "worst: never"
+
+    def plot(self, ax: Any = None) -> Any:
+        """Smallest detectable losses by element; see :func:`antires_rs.figures.planning.plot_plan`."""
+        return self._view("plot")(self, ax=ax)
+
+
+def _percent(loss: float) -> str:
+    return "never" if loss == float("inf") else number(100.0 * loss, 2)
+
 
 Search = Literal["greedy", "exhaustive"]
 
@@ -72,7 +268,7 @@ def plan_test(
         Of every mode, in [1e-4, 0.5]; 0.01 is 1 %.
     std : float, optional
         Relative standard deviation of every antiresonance, in (0, 0.5], instead of what noise, duration and
-        damping let expect (:mod:`antires_rs.planning.value_errors`).
+        damping let expect (:mod:`antires_rs.planning.virtual_roots`).
     criterion : {'determinant', 'worst'}
         Most information on all together, or the smallest loss to be seen in the element where it is largest.
     sees : {'transmissibility', 'frf'}

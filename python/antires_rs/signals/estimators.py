@@ -34,9 +34,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..exceptions import UnsuitableDataError
-from ..support.validation import ComplexArray, FloatArray
-from .eigen import scaled_eigh
-from .noise import noise_power
+from ..support.checks import ComplexArray, FloatArray
+from .noise import noise_power, scaled_eigh
 
 # Below this a coherence is that of a line without energy.
 LEAST_COHERENCE = 1e-12

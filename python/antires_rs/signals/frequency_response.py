@@ -8,27 +8,28 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..support.pickling import ReadOnly, frozen
-from ..support.validation import (
+from ..support.checks import (
     ComplexArray,
     FloatArray,
     choice,
     complex_rows,
     dof_labels,
     finite_scalar,
+    frequency_band,
     in_range,
     real_array,
     reject,
 )
+from ..support.values import ReadOnly, frozen
+from ..views import Viewed
 from .estimators import std_of_coherence
-
-__all__ = ["FrequencyResponse", "ResponseKind", "check_freq"]
+from .recording import Recording
 
 ResponseKind = Literal["frf", "transmissibility"]
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class FrequencyResponse(ReadOnly):
+class FrequencyResponse(ReadOnly, Viewed):
     """Frequency responses, or transmissibilities, of several dofs to one excitation.
 
     Parameters
@@ -169,9 +170,7 @@ class FrequencyResponse(ReadOnly):
         MissingDependencyError
             pandas is not installed.
         """
-        from ..io.tables import to_dataframe
-
-        return to_dataframe(self)
+        return self._view("to_dataframe")(self)
 
     def to_xarray(self) -> Any:
         """``values``, ``coherence`` and ``std`` over ``dof`` and ``freq_hz``; the kind is an attribute.
@@ -185,9 +184,7 @@ class FrequencyResponse(ReadOnly):
         MissingDependencyError
             xarray is not installed.
         """
-        from ..io.tables import to_xarray
-
-        return to_xarray(self)
+        return self._view("to_xarray")(self)
 
     def __repr__(self) -> str:
         to = "" if self.reference is None else f", reference={self.reference!r}"
@@ -229,3 +226,26 @@ def check_freq(name: str, value: Any) -> FloatArray:
             "Sort the lines and drop repeated ones.",
         )
     return freq
+
+
+# -- The band that data cover, and the band that is asked of them
+
+
+def covered_hz(source: Any) -> tuple[float, float]:
+    """Frequencies that a source of either kind can tell of; anything else is refused."""
+    if isinstance(source, Recording):
+        return 0.0, source.fs_hz / 2
+    if isinstance(source, FrequencyResponse):
+        return float(source.freq_hz[0]), float(source.freq_hz[-1])
+    reject(
+        "source",
+        type(source).__name__,
+        "a Recording or a FrequencyResponse",
+        "Make one of the arrays first: Recording(responses, fs_hz).",
+    )
+
+
+def band_of(source: Any, band_hz: Any) -> tuple[float, float]:
+    """A band inside what the source covers."""
+    low, high = covered_hz(source)
+    return frequency_band("band_hz", band_hz, low_hz=low, high_hz=high)

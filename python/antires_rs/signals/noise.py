@@ -9,11 +9,34 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..support.validation import ComplexArray, FloatArray
-from .eigen import dominant
+from .. import _core
+from ..support.checks import ComplexArray, FloatArray
 from .segments import pieces
 
-__all__ = ["channel_noise", "floors", "noise_floor", "noise_power"]
+# -- Eigenvalues of spectral matrices, line by line, with the channels scaled to equal noise
+
+
+def scaled_eigh(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, ComplexArray]:
+    """Eigenvalues and eigenvectors line by line, channels divided by the roots of ``scale``.
+
+    ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n); eigenvalues ascend.
+    """
+    # conj(A) B is the transpose of the covariance whose eigenvectors are wanted.
+    root = np.sqrt(scale)
+    values, vectors = np.linalg.eigh((matrix / (root[:, None] * root)).transpose(0, 2, 1))
+    return values, vectors
+
+
+def spectrum(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, ComplexArray]:
+    """All eigenvalues, largest first, (n_freq, n), and the vectors of the largest, (n_freq, n)."""
+    values = _core.hermitian_values(matrix, scale)[:, ::-1]
+    return np.ascontiguousarray(values), dominant(matrix, scale)[2]
+
+
+def dominant(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, FloatArray, ComplexArray]:
+    """The largest eigenvalue, the mean of the others, (n_freq,) each, and its vectors, (n_freq, n)."""
+    return _core.dominant_pairs(matrix, scale)
+
 
 # Keeps the inverse of exact data, whose matrices are of rank one, within rounding.
 RIDGE = 1e-13
@@ -109,3 +132,52 @@ def floors(largest: FloatArray, rest: FloatArray) -> FloatArray:
 def _rounding(largest: FloatArray) -> float:
     """Exact rank one leaves rounding only."""
     return max(ROUNDING * float(largest.max()), 1e-300)
+
+
+# -- What is rough from line to line is noise: second differences of curves that are smooth without it
+
+
+# Lines over which the noise of measured curves is taken to be constant.
+NOISE_LINES = 31
+# With fewer lines nothing tells noise from curve.
+LEAST_LINES = 12
+# No curve is taken to have less noise than this share of its power.
+LEAST_NOISE_ROUGHNESS = 1e-12
+# Second differences of white noise over the noise itself, in power.
+GAIN = 6.0
+# The median of abs()**2 of complex Gaussian noise over its mean.
+MEDIAN = np.log(2.0)
+
+
+def second_differences(values: ComplexArray) -> FloatArray:
+    """Squared second differences along the last axis: ``GAIN`` times the power of white noise."""
+    return np.abs(values[..., 2:] - 2.0 * values[..., 1:-1] + values[..., :-2]) ** 2
+
+
+def typical_noise(values: ComplexArray) -> FloatArray:
+    """Noise power of every curve (n_outputs, n_freq) at its median line, (n_outputs,)."""
+    noise = np.median(second_differences(values), axis=1) / (GAIN * MEDIAN)
+    return np.asarray(np.maximum(noise, LEAST_NOISE_ROUGHNESS * np.mean(np.abs(values) ** 2, axis=1)))
+
+
+def local_noise(values: ComplexArray) -> FloatArray:
+    """Noise power of every curve around every line, (n_outputs, n_freq).
+
+    At a sharp resonance the curve itself bends within a line; there the noise comes out too high, which only
+    keeps the few lines of the peak from ruling the fit.
+    """
+    from scipy.ndimage import median_filter  # slow to import
+
+    power = np.mean(np.abs(values) ** 2, axis=1)[:, None]
+    if values.shape[1] < LEAST_LINES:
+        return np.repeat(power, values.shape[1], axis=1)
+    second = second_differences(values)
+    second = np.concatenate([second[:, :1], second, second[:, -1:]], axis=1)
+    noise = median_filter(second, size=(1, NOISE_LINES), mode="nearest") / (GAIN * MEDIAN)
+    return np.asarray(np.maximum(noise, LEAST_NOISE_ROUGHNESS * power))
+
+
+def roughness(curve: ComplexArray) -> float:
+    """Noise over power of one curve, by medians: the few lines of a sharp resonance are rough too."""
+    power = float(np.median(np.abs(curve) ** 2))
+    return float(np.median(second_differences(curve))) / GAIN / power if power > 0.0 else 0.0

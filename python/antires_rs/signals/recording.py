@@ -11,14 +11,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from ..support.pickling import ReadOnly, frozen
-from ..support.validation import FloatArray, dof_labels, finite_scalar, in_range, real_array, reject
-
-__all__ = ["Recording"]
+from ..support.checks import FloatArray, dof_labels, finite_scalar, in_range, real_array, reject
+from ..support.values import ReadOnly, frozen
+from ..views import Viewed
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Recording(ReadOnly):
+class Recording(ReadOnly, Viewed):
     """Responses recorded together on one clock.
 
     Parameters
@@ -119,9 +118,7 @@ class Recording(ReadOnly):
         MissingDependencyError
             pandas is not installed.
         """
-        from ..io.tables import to_dataframe
-
-        return to_dataframe(self)
+        return self._view("to_dataframe")(self)
 
     def to_xarray(self) -> Any:
         """``responses`` and ``force`` over ``dof`` and ``time_s``; the rate is an attribute.
@@ -135,9 +132,7 @@ class Recording(ReadOnly):
         MissingDependencyError
             xarray is not installed.
         """
-        from ..io.tables import to_xarray
-
-        return to_xarray(self)
+        return self._view("to_xarray")(self)
 
     def __repr__(self) -> str:
         force = "no force" if self.force is None else "with force"

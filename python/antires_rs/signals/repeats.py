@@ -19,13 +19,11 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import Argument
-from ..support.pickling import frozen
-from ..support.validation import ComplexArray, FloatArray, reject
+from ..support.checks import ComplexArray, FloatArray, reject
+from ..support.values import frozen
 from .frequency_response import FrequencyResponse
-from .pooled import pooled
 from .recording import Recording
-
-__all__ = ["AveragedResponse", "averaged", "one_source"]
+from .segments import pooled
 
 # Degrees of freedom that the scatter of a mean should have, a line of one curve giving two.
 FREEDOM = 20.0

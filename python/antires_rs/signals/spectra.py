@@ -28,13 +28,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.validation import ComplexArray, FloatArray, integer, real_array, reject
+from ..support.checks import ComplexArray, FloatArray, integer, real_array, reject
 from .noise import noise_power
-from .pooled import parts_of, shortest
 from .recording import Recording
-from .segments import Segments, add_products, pieces
-
-__all__ = ["CrossSpectra", "cross_spectra", "effective_averages", "rows_of", "window_values"]
+from .segments import Segments, add_products, parts_of, pieces, shortest
 
 #: Numbers of the spectra that are multiplied together: 4 MB.
 TOGETHER = 1 << 18
@@ -243,6 +240,7 @@ def lines_in(freq_hz: FloatArray, band_hz: tuple[float, float]) -> slice:
 
 
 def check_recording(rec: object) -> None:
+    """Refuse what is not a Recording."""
     if not isinstance(rec, Recording):
         reject(
             "rec",
@@ -253,6 +251,7 @@ def check_recording(rec: object) -> None:
 
 
 def force_of(rec: Recording) -> FloatArray:
+    """The measured force, which this estimate needs."""
     if rec.force is None:
         reject(
             "rec",

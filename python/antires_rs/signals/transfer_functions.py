@@ -6,15 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from ..support.validation import ComplexArray, choice, reject
+from ..support.checks import ComplexArray, choice, reject
+from .direction import response_vectors
 from .estimators import std_of_rank_one, two_channel
 from .frequency_response import FrequencyResponse
-from .rankone import response_vectors
+from .impacts import require_stationary, transient_spectra
 from .recording import Recording
 from .spectra import CrossSpectra, check_recording, cross_spectra, force_of
-from .transient import require_stationary, transient_spectra
-
-__all__ = ["averaged_spectra", "frf", "transmissibility", "transmissibility_sum"]
 
 
 def frf(
@@ -175,7 +173,7 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
     Notes
     -----
     V. Meruane, J. Sound Vib. 332 (2013) 807-820, Eq. 10. ``preset="paper"`` of the identification fits
-    the square of its absolute value, see :mod:`~antires_rs.identification.formulations`.
+    the square of its absolute value, see :mod:`~antires_rs.identification.paper`.
 
     Examples
     --------

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["CODES", "DIRECTIONS", "NAMES", "point_of"]
-
 #: Direction codes of universal files: translations, then rotations; 0 is a scalar.
 DIRECTIONS = {
     0: "S",

@@ -8,9 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from .validation import reject
-
-__all__ = ["final_path", "put_in_place", "write_atomically", "written_beside"]
+from .checks import reject
 
 #: A file that is being written: its name to be, and the process.
 _BESIDE = re.compile(r"\.(.+)\.(\d+)\.tmp")

@@ -15,9 +15,7 @@ from functools import wraps
 from threading import Event, Thread
 from typing import Any, ParamSpec, TypeVar
 
-from .validation import reject
-
-__all__ = ["apart", "counted", "interruptible", "patient", "span", "step", "waiting", "watched"]
+from .checks import reject
 
 P = ParamSpec("P")
 T = TypeVar("T")

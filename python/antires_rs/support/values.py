@@ -2,14 +2,112 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields
-from typing import Any
+from typing import Any, Generic, NoReturn, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .pickling import ReadOnly, frozen
+# -- Values that survive ``pickle`` and ``copy.deepcopy``, as processes and libraries that copy need it
+#
+# What is left out of a pickle is made again from the rest, bit-identical; arrays that were read-only are so
+# again. A pickle is for the same version of this package; files are written by ``save``.
 
-__all__ = ["Value", "frozen_or_none"]
+
+Core = TypeVar("Core")
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+
+
+class AroundCore(Generic[Core]):
+    """An object around one of the Rust core, ``_core``, which is made again from what else it holds."""
+
+    _core: Core
+
+    def _made_core(self) -> Core:
+        raise NotImplementedError
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_core"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)  # past the __setattr__ of immutable objects
+        _freeze(state)
+        self.__dict__["_core"] = self._made_core()
+
+
+class Immutable:
+    """An object whose attributes nobody may set or delete.
+
+    Constructors fill it by :meth:`_fill`; a ``cached_property`` keeps its value as usual.
+    """
+
+    def _fill(self, **attributes: Any) -> None:
+        """Set the attributes, in the constructor."""
+        self.__dict__.update(attributes)
+
+    def __setattr__(self, name: str, value: Any) -> NoReturn:
+        self._refuse(name)
+
+    def __delattr__(self, name: str) -> NoReturn:
+        self._refuse(name)
+
+    def _refuse(self, name: str) -> NoReturn:
+        kind = type(self).__name__
+        raise AttributeError(f"{kind}.{name} is read-only: make another {kind} instead.", name=name, obj=self)
+
+
+class ReadOnly(Immutable):
+    """An immutable object whose arrays, alone or in dicts and tuples, nobody may change either."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._fill(**state)
+        _freeze(state)
+
+
+class FrozenDict(dict[Key, Value]):
+    """A dict that nobody may change; unlike a ``MappingProxyType`` it can be pickled and copied.
+
+    Examples
+    --------
+    >>> from antires_rs.support.values import FrozenDict
+    >>> FrozenDict(a=1)["b"] = 2
+    Traceback (most recent call last):
+    TypeError: this dict is read-only; dict(...) makes one that can be changed
+    """
+
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError("this dict is read-only; dict(...) makes one that can be changed")
+
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> Any:
+        return _frozen_dict, (dict(self),)
+
+
+def _frozen_dict(items: Mapping[Key, Value]) -> FrozenDict[Key, Value]:
+    _freeze(items)
+    return FrozenDict(items)
+
+
+def _freeze(value: Any) -> None:
+    if isinstance(value, np.ndarray):
+        value.setflags(write=False)
+    elif isinstance(value, dict | tuple):
+        for item in value.values() if isinstance(value, dict) else value:
+            _freeze(item)
+
+
+def frozen(array: NDArray[Any], given: Any = None) -> NDArray[Any]:
+    """Read-only copy; what is read-only itself, or was made anew of what was ``given``, is not copied."""
+    if given is not None and not (isinstance(given, np.ndarray) and np.may_share_memory(array, given)):
+        array.setflags(write=False)
+    if array.base is None and array.flags.c_contiguous and not array.flags.writeable:
+        return array
+    copy = np.array(array, order="C")
+    copy.setflags(write=False)
+    return copy
 
 
 class Value(ReadOnly):

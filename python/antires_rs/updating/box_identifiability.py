@@ -7,26 +7,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from ..support.one_thread import one_blas_thread
+from ..support.checks import FloatArray, finite_scalar, integer, reject
 from ..support.progress import patient, step
-from ..support.validation import FloatArray, finite_scalar, integer, reject
+from ..support.threads import one_blas_thread
 from ..support.values import Value
-from .box_residuals import BoxResiduals
-from .combinations import combination_in_words, combinations
-from .error_rows import error_rows
-from .exact_tests import sensitivities
-from .model_dofs import model_dof
+from ..views import Viewed
+from .identifiability import (
+    TOLD,
+    combination_in_words,
+    combinations,
+    expected_covariance,
+    sensitivities,
+    suggestions,
+)
 from .problem import UpdatingProblem
-from .suggestions import TOLD, expected_covariance, suggestions
-
-if TYPE_CHECKING:
-    pass
-
-__all__ = ["BoxIdentifiability", "identifiability"]
+from .residuals import BoxResiduals, error_rows
+from .targets import model_dof
 
 #: Relative error of a measured frequency where none is stated and none given.
 _NOISE = 1e-3
@@ -35,7 +35,7 @@ _MOST_TRIED = 12
 
 
 @dataclass(frozen=True, eq=False)
-class BoxIdentifiability(Value):
+class BoxIdentifiability(Value, Viewed):
     """What a test tells about parameters all over their bounds. Print it.
 
     Attributes
@@ -89,10 +89,8 @@ class BoxIdentifiability(Value):
         return int(np.sum(self.combinations_left < TOLD))
 
     def plot(self, ax: Any = None) -> Any:
-        """What is left of each parameter; see :func:`antires_rs.plotting.plot_identifiability`."""
-        from ..plotting import plot_identifiability
-
-        return plot_identifiability(self, ax=ax)
+        """What is left of each parameter; see :func:`antires_rs.figures.updating.plot_identifiability`."""
+        return self._view("plot")(self, ax=ax)
 
     def __str__(self) -> str:
         width = max(map(len, self.names))

@@ -1,151 +1,224 @@
-"""Draws of the parameters given the measured values, with the residuals as the model has them.
-
-Sequential Monte Carlo, as the transitional Markov chain Monte Carlo of Ching & Chen (J. Eng. Mech. 133 (2007)
-816-832): particles go by steps from one density to another, weighted, drawn anew and moved. Two things are
-other than there. They set out not from the prior but from the linear posterior with twice its errors, so that
-few steps are enough; and most moves are proposed by the linear posterior of the step itself, along its axes
-there and back, and accepted by what the true residuals say (Christen & Fox, J. Comput. Graph. Stat. 14 (2005)
-795-810), so that where the residuals are nearly linear every move goes anywhere. Random walks do the rest.
-"""
+"""Many updating problems: seeds, drawn measurements, scenarios; by threads, processes or a cluster."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import repeat
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..support.progress import step
-from ..support.validation import FloatArray
-from .error_model import drawn, normalized
-from .fit import Fit
-from .posterior import Linear
+from ..optimize.island_ga import IslandGA, seed_of
+from ..support.checks import FloatArray, integer, part, reject
+from ..support.progress import waiting
+from ..support.workers.door import Failed, in_order
+from .problem import UpdatingProblem
+from .result import UpdateResult
+from .update import update
 
-__all__ = ["Ensemble", "ensemble_draws"]
-
-#: How much wider than the linear posterior the particles set out, and the proposals are.
-_START, _WIDER = 2.0, 1.1
-#: Share of the particles that must count after a step, and sweeps that draw the first ones.
-_COUNTING, _SWEEPS = 0.5, 8
-#: Accepted moves of a particle, on average, that a step and the last one end with; and rounds at most.
-_MOVES, _LAST, _MOST = 2.0, 5.0, 30
+#: A problem, and the seed of its search.
+Task = tuple[UpdatingProblem | None, int]
 
 
-@dataclass(frozen=True)
-class Ensemble:
-    """Draws in the unit box (k, n), number of the model's error (k,), steps, and share of moves accepted."""
+@dataclass(frozen=True, eq=False, repr=False)
+class UpdateEnsemble:
+    """Results of many updatings, in the order of their problems. Read-only.
 
-    u: FloatArray
-    which: NDArray[np.intp]
-    steps: int
-    accepted: float
+    Attributes
+    ----------
+    results : tuple of UpdateResult or None
+        None where an updating failed.
+    seeds : tuple of int
+        ``ar.update(problem, rng=seeds[k])`` gives result k again, bit for bit.
+    failed : mapping of int to str
+        Why, by the number of the problem.
+    interrupted : bool
+        Whether Ctrl-C ended it; the results are those that were there.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(true.antiresonances([0, 1, 2], 0))))
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
+    >>> found = ar.update_ensemble(problem, count=3, rng=0)
+    >>> len(found), found.x.round(2).tolist()
+    (3, [[1.1, 0.96], [1.1, 0.96], [1.1, 0.96]])
+    """
+
+    results: tuple[UpdateResult | None, ...]
+    seeds: tuple[int, ...]
+    failed: dict[int, str]
+    interrupted: bool = False
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def __getitem__(self, k: int) -> UpdateResult | None:
+        return self.results[k]
+
+    def __iter__(self) -> Iterator[UpdateResult | None]:
+        return iter(self.results)
+
+    @property
+    def x(self) -> FloatArray:
+        """Parameters of every result, (n_problems, n_parameters); NaN where it failed.
+
+        Raises
+        ------
+        InvalidInputError
+            The problems have different numbers of parameters.
+        """
+        sizes = {result.x.size for result in self.results if result is not None}
+        if len(sizes) > 1:
+            reject(
+                "x",
+                f"problems of {', '.join(map(str, sorted(sizes)))} parameters",
+                "problems of one number of parameters",
+                "Take .x of each result.",
+            )
+        size = sizes.pop() if sizes else 0
+        return np.array([np.full(size, np.nan) if r is None else r.x for r in self.results]).reshape(-1, size)
+
+    @property
+    def fun(self) -> FloatArray:
+        """Objective of every result, (n_problems,); NaN where it failed."""
+        return np.array([np.nan if result is None else result.fun for result in self.results])
+
+    def __str__(self) -> str:
+        there = [result for result in self.results if result is not None]
+        lines = [f"{len(self.results)} updatings, {len(there)} with a result"]
+        if there and len({r.x.size for r in there}) == 1:
+            x = np.array([result.x for result in there])
+            width = max(map(len, there[0].problem.names))
+            lines.append(f"{'parameter':{width}s}       mean        std     lowest    highest")
+            for name, column in zip(there[0].problem.names, x.T, strict=True):
+                spread = column.std(ddof=1) if column.size > 1 else 0.0
+                told = (column.mean(), spread, column.min(), column.max())
+                lines.append(f"{name:{width}s} " + " ".join(f"{value:10.4g}" for value in told))
+        lines += [f"updating {k} failed: {why}" for k, why in self.failed.items()]
+        if self.interrupted:
+            lines.append("interrupted: these are the results that were there")
+        return "\n".join(lines)
+
+    __repr__ = __str__
 
 
-class _Particles:
-    """Particles with their residuals on the way from the linear posterior to the true one."""
+def update_ensemble(
+    problems: UpdatingProblem | Iterable[UpdatingProblem],
+    *,
+    count: int | None = None,
+    optimizer: IslandGA | None = None,
+    rng: int | np.random.Generator | None = None,
+    workers: Any = None,
+    progress: bool | None = None,
+) -> UpdateEnsemble:
+    """Update many problems: one from several seeds, drawn measurements, scenarios of what is unknown.
 
-    def __init__(self, fit: Fit, count: int, rng: np.random.Generator, workers: int) -> None:
-        self.fit, self.rng, self.workers = fit, rng, workers
-        self.wide = _START**2 * fit.errors.variance[fit.middle]
-        start = Linear(fit, self.wide[None], 0)
-        one = np.zeros(count, dtype=np.intp)
-        self.u = start.spread(count, rng)
-        for _ in range(_SWEEPS):
-            self.u = start.swept(self.u, one, rng)
-        self.linear = start.residuals
-        self.which = drawn(fit.chances, rng.random(count))
-        self.e = fit.residuals.many(self.u, workers)
-        self.log_chances = np.log(np.maximum(fit.chances, 1e-300))
-        self.b, self.scale = 0.0, 0.5
+    Parameters
+    ----------
+    problems : UpdatingProblem, or an iterable of them
+        A generator is read a few ahead only. One problem alone is updated ``count`` times, with other seeds.
+    count : int, optional
+        How many seeds one problem gets.
+    optimizer : IslandGA, optional
+        Settings of every search.
+    rng : int or numpy.random.Generator, optional
+        Seed of all: search k has the seed ``SeedSequence(seed, spawn_key=(k,))``.
+    workers : int, str or executor, optional
+        None: one after another, each by all processors. A number from 2 on, or ``"processes"``: processes of
+        this machine. ``"threads"``. An executor: ``concurrent.futures``, a Dask ``Client``, anything with
+        ``submit`` or ``map``. The bits are the same. A problem alone goes to each worker once.
+    progress : bool, optional
+        A line on standard error after a second; by default on a terminal and in a notebook.
 
-    def heat(self) -> None:
-        """The next step: as far as half of the particles still count, then drawn anew by their weights."""
-        count = len(self.u)
-        target = self.fit.errors.log_density(self.e**2)[np.arange(count), self.which]
-        gain = (
-            target + 0.5 * np.sum(self.linear(self.u) ** 2 / self.wide, axis=1) - self.log_chances[self.which]
+    Returns
+    -------
+    UpdateEnsemble
+        Also after Ctrl-C: what was there.
+
+    Raises
+    ------
+    InvalidInputError
+        Something that is not an UpdatingProblem; ``count`` beside several problems, or none beside one.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> exact, rng = true.antiresonances([0, 1, 2], 0), np.random.default_rng(0)
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> def drawn():  # measured values drawn anew tell how far parameters scatter
+    ...     for _ in range(4):
+    ...         noisy = [hz * (1 + 0.002 * rng.standard_normal(hz.size)) for hz in exact]
+    ...         yield ar.UpdatingProblem(nominal, springs, ar.AntiresonanceSet(0, dict(enumerate(noisy))))
+    >>> found = ar.update_ensemble(drawn(), rng=0)
+    >>> bool((found.x.std(axis=0) < 0.02).all())
+    True
+    """
+    alone = isinstance(problems, UpdatingProblem)
+    if alone == (count is None):
+        reject(
+            "count",
+            "none beside one problem" if alone else f"{count} beside several problems",
+            "how many seeds one problem gets; nothing beside several",
+            "Pass count=20." if alone else "Leave it out.",
         )
+    if alone:
+        given: Iterable[Any] = repeat(None, integer("count", count, low=1))
+    elif isinstance(problems, Iterable):
+        given = problems
+    else:
+        reject("problems", problems, "an UpdatingProblem, or an iterable of them", "Make them first.")
+    seed = seed_of(rng)
+    kept: list[UpdatingProblem] = []
+    seeds: list[int] = []
 
-        def counting(share: float) -> float:
-            return 1.0 / float(np.sum(normalized(share * gain) ** 2)) / count
+    def tasks() -> Iterator[Task]:
+        for k, problem in enumerate(given):
+            if not (alone or isinstance(problem, UpdatingProblem)):
+                reject(part("problems", k), problem, "an UpdatingProblem", "Make one of it first.")
+            kept.append(problems if problem is None else problem)  # type: ignore[arg-type]
+            seeds.append(
+                int(np.random.SeedSequence(seed, spawn_key=(k,)).generate_state(1, np.uint64)[0] >> 1)
+            )
+            yield problem, seeds[-1]
 
-        low, high = 0.0, 1.0 - self.b
-        if counting(high) < _COUNTING:
-            for _ in range(40):
-                middle = 0.5 * (low + high)
-                low, high = (middle, high) if counting(middle) >= _COUNTING else (low, middle)
-            high = max(low, 1e-6)
-        self.b = min(1.0, self.b + high)
-        places = (np.arange(count) + self.rng.random()) / count
-        cumulative = np.cumsum(normalized(high * gain))
-        chosen = np.minimum(np.searchsorted(cumulative, places), count - 1)
-        self.u, self.e, self.which = self.u[chosen], self.e[chosen], self.which[chosen]
-
-    def settle(self, moves: float) -> tuple[float, int]:
-        """Moves of all particles until each was accepted ``moves`` times on average; moves and rounds."""
-        fit, b = self.fit, self.b
-        true = fit.errors.variance
-        variance = _WIDER**2 / ((1.0 - b) / self.wide + b / true)
-        linear = Linear(fit, variance, fit.middle)
-        n = self.u.shape[1]
-        axes = linear.axes[:n]
-        factor = _root(np.cov(self.u.T).reshape(n, n))
-        done, rounds = 0.0, 0
-        while done < moves and rounds < _MOST:
-            logits = (1.0 - b) * self.log_chances + b * fit.errors.log_density(self.e**2)
-            self.which = drawn(normalized(logits), self.rng.random(len(self.u)))
-            guide = variance[self.which]
-            proposed = linear.swept(self.u, self.which, self.rng, np.vstack([axes, axes[::-1]]))
-            bias = [
-                0.5 * np.sum(self.linear(u) ** 2 / guide, axis=1) - u @ fit.residuals.tilt
-                for u in (proposed, self.u)
-            ]
-            done += self._accept(proposed, bias[0] - bias[1])
-            walked = self.u + self.scale * self.rng.standard_normal(self.u.shape) @ factor.T
-            share = self._accept(walked, np.zeros(len(walked)))
-            self.scale = float(np.clip(self.scale * np.exp(share - 0.25), 1e-3, 2.0))
-            done += 0.2 * share  # a short way
-            rounds += 1
-        return done, rounds
-
-    def _accept(self, proposed: FloatArray, correction: FloatArray) -> float:
-        """Take the proposals that chance and the density allow; the share that was taken."""
-        inside = np.all((proposed >= 0.0) & (proposed <= 1.0), axis=1)
-        e = self.e.copy()
-        if inside.any():
-            e[inside] = self.fit.residuals.many(proposed[inside], self.workers)
-        gain = self._log_density(np.where(inside[:, None], proposed, self.u), e) - self._log_density(
-            self.u, self.e
-        )
-        taken = inside & (np.log(self.rng.random(len(e))) < gain + correction)
-        self.u = np.where(taken[:, None], proposed, self.u)
-        self.e = np.where(taken[:, None], e, self.e)
-        return float(taken.mean())
-
-    def _log_density(self, u: FloatArray, e: FloatArray) -> FloatArray:
-        """Logarithm of the density of the step at fixed errors of the model, (k,)."""
-        start = np.sum(self.linear(u) ** 2 / self.wide, axis=1)
-        end = np.sum(e**2 / self.fit.errors.variance[self.which], axis=1)
-        prior = u @ self.fit.residuals.tilt
-        return np.asarray(prior - 0.5 * ((1.0 - self.b) * start + self.b * end))
+    results: list[UpdateResult | None] = []
+    failed: dict[int, str] = {}
+    interrupted = False
+    shared = (problems if alone else None, optimizer, None if workers is None else 1)
+    with waiting("updating", progress):
+        answers = in_order(_updated, tasks(), workers, shared=shared, errors="return", what="problem")
+        try:
+            for k, answer in enumerate(answers):
+                if isinstance(answer, Failed):
+                    if isinstance(answer.error, KeyboardInterrupt):
+                        raise answer.error
+                    failed[k] = f"{type(answer.error).__name__}: {answer.error}"
+                    results.append(None)
+                    continue
+                results.append(UpdateResult(kept[k], *answer))
+                if answer[0].status == "interrupted":
+                    interrupted = True
+                    break
+        except KeyboardInterrupt:
+            if not results:
+                raise
+            interrupted = True
+        finally:
+            answers.close()  # type: ignore[attr-defined]
+    return UpdateEnsemble(tuple(results), tuple(seeds[: len(results)]), failed, interrupted)
 
 
-def ensemble_draws(fit: Fit, count: int, rng: np.random.Generator, workers: int) -> Ensemble:
-    """Draws of the free parameters and of the error of the model; the same bits for any number of workers."""
-    if fit.u.size == 0:
-        return Ensemble(np.empty((count, 0)), drawn(fit.chances, rng.random(count)), 0, 1.0)
-    particles = _Particles(fit, count, rng, workers)
-    steps, accepted, rounds = 0, 0.0, 0
-    while particles.b < 1.0:
-        particles.heat()
-        steps += 1
-        step(f"ensemble, step {steps}: {100 * particles.b:.0f} % of the way")
-        moved, passed = particles.settle(_LAST if particles.b == 1.0 else _MOVES)
-        accepted, rounds = accepted + moved, rounds + passed
-    return Ensemble(particles.u, particles.which, steps, min(1.0, accepted / max(rounds, 1)))
-
-
-def _root(covariance: FloatArray) -> FloatArray:
-    """A matrix whose product with its transpose is the covariance, which may be singular."""
-    values, vectors = np.linalg.eigh(covariance)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+def _updated(shared: tuple[Any, ...], task: Task) -> tuple[Any, ...]:
+    """What makes a result of a problem: its search, seed and reduction. The problem itself stays at home."""
+    alone, optimizer, threads = shared
+    problem, seed = task
+    found = update(
+        alone if problem is None else problem, optimizer=optimizer, rng=seed, workers=threads, progress=False
+    )
+    return found.search, found.seed, found.reduction

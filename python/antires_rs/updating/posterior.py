@@ -1,21 +1,195 @@
-"""Draws of the parameters given the measured values: the residuals taken as linear around the fit.
-
-Laplace's approximation with what it usually leaves out: the bounds, which cut it off, and the error of the
-model, which is drawn along with the parameters. Chains go through both in turn (Gibbs); each gives one draw.
-"""
+"""Intervals of parameters from draws of their posterior: within the bounds, with the error of the model."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.progress import step
-from ..support.validation import FloatArray
-from .box_gaussian import axes_of, sweep
-from .error_model import drawn, normalized
-from .fit import Fit
+from ..optimize.island_ga import seed_of, thread_count
+from ..support.checks import FloatArray, choice, finite_scalar, integer, reject
+from ..support.progress import patient, step
+from ..support.threads import one_blas_thread
+from ..support.values import FrozenDict, Value
+from ..views import Viewed
+from .profile import open_sides, words_of
+from .residuals import FAR, SAME, Fit, drawn, error_rows, fitted, normalized
 
-__all__ = ["Linear", "linear_draws"]
+if TYPE_CHECKING:
+    from .problem import UpdatingProblem
+
+
+# -- Intervals of parameters as a value: ends, draws, and a word on each
+
+
+Method = Literal["laplace", "ensemble"]
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterIntervals(Value, Viewed):
+    """Intervals of updated parameters, from draws of their posterior. ``intervals[name]`` is one of them.
+
+    Attributes
+    ----------
+    names : tuple of str, (n,)
+    method : {'laplace', 'ensemble'}
+    level : float
+        Probability of each interval.
+    low, high : ndarray, (n,)
+        Ends of the intervals, in the parameters' units.
+    center, std : ndarray, (n,)
+        Median and standard deviation of the draws.
+    words : tuple of str, (n,)
+        "two-sided"; "two-sided, through the bounds of others"; "one-sided: its lower bound fits as well" (or
+        upper: the interval then begins at that bound); "flat": any value within the bounds fits, and
+        the interval is the bounds; "fixed": not estimated.
+    draws : ndarray, (k, n)
+        Independent draws (of an ensemble nearly independent), rows in no order.
+    chi_square : float
+        Reduced chi-square of the residuals by the stated errors alone; NaN where none are stated.
+    model_error : float
+        Standard deviation of what the model leaves unexplained, relative to omega squared: median of the
+        draws. 0 where the stated errors explain the residuals; all of the error where none are stated.
+    notes : tuple of str
+        What was assumed, and what speaks against it.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> case = ar.cases.chain8()
+    >>> zeros = case.exact()
+    >>> stated = {dof: 1e-3 * freq for dof, freq in zeros.items()}
+    >>> zeros = ar.AntiresonanceSet(0, dict(zeros.items()), std_hz=stated)
+    >>> problem = ar.UpdatingProblem(case.model, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), zeros)
+    >>> found = ar.update(problem, rng=0).intervals()
+    >>> found.words, found.draws.shape
+    (('two-sided', 'two-sided'), (1000, 2))
+    """
+
+    names: tuple[str, ...]
+    method: Method
+    level: float
+    low: FloatArray
+    high: FloatArray
+    center: FloatArray
+    std: FloatArray
+    words: tuple[str, ...]
+    draws: FloatArray
+    chi_square: float
+    model_error: float
+    notes: tuple[str, ...]
+
+    def __getitem__(self, name: str) -> tuple[float, float]:
+        if name not in self.names:
+            reject("name", repr(name), "a parameter of the problem", f"One of {', '.join(self.names)}.")
+        return self.interval[name]
+
+    @property
+    def interval(self) -> dict[str, tuple[float, float]]:
+        """``(low, high)`` by name."""
+        return FrozenDict(
+            zip(self.names, zip(self.low.tolist(), self.high.tolist(), strict=True), strict=True)
+        )
+
+    def to_dataframe(self) -> Any:
+        """One row a parameter; needs pandas."""
+        return self._view("to_dataframe")(self)
+
+    def __str__(self) -> str:
+        width = max(len(name) for name in self.names)
+        lines = [f"intervals at {100 * self.level:g} %, {self.method}, {len(self.draws)} draws"]
+        lines += [
+            f"{name:<{width}}  {low:#10.5g} to {high:#10.5g}  {words}"
+            for name, low, high, words in zip(self.names, self.low, self.high, self.words, strict=True)
+        ]
+        if np.isfinite(self.chi_square):
+            lines.append(f"reduced chi-square by the stated errors: {self.chi_square:.3g}")
+        lines.append(f"error that the model leaves, of frequencies: {50 * self.model_error:.2g} %")
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+
+# -- Draws of a Gaussian that is cut off by the unit box, for many chains at once
+#
+# Hit-and-run along the principal axes of the Gaussian and along the edges of the box: along any line the
+# cut Gaussian is a normal distribution between two ends, drawn exactly. Without the box one sweep gives
+# independent draws; directions that the data do not see are uniform between the ends.
+
+
+#: A normal distribution this much wider than the line is drawn as uniform.
+_WIDE = 1e4
+#: Beyond so many standard deviations the tail is drawn as an exponential distribution.
+_FAR = 30.0
+
+
+def axes_of(precision: FloatArray) -> FloatArray:
+    """Directions of the sweeps, (2n, n): principal axes of the Gaussian, then the edges of the box."""
+    return np.vstack([np.linalg.eigh(precision)[1].T, np.eye(len(precision))])
+
+
+def sweep(
+    u: FloatArray,
+    center: FloatArray,
+    precisions: FloatArray,
+    slopes: FloatArray,
+    which: NDArray[np.intp],
+    axes: FloatArray,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Every chain ``u`` (k, n) moved once along each axis.
+
+    Chain c has the density ``exp(-v' P v / 2 - b' v)`` with v = u - center, P and b those number ``which[c]``
+    of ``precisions`` (G, n, n) and ``slopes`` (G, n).
+    """
+    v = np.ascontiguousarray((u - center).T)  # (n, k)
+    low_edge, high_edge = -center[:, None], 1.0 - center[:, None]
+    for axis in axes:
+        on = np.flatnonzero(np.abs(axis) > 1e-12)
+        inverse = 1.0 / axis[on, None]
+        up = inverse > 0.0
+        ahead = (np.where(up, high_edge[on], low_edge[on]) - v[on]) * inverse
+        behind = (np.where(up, low_edge[on], high_edge[on]) - v[on]) * inverse
+        high = np.maximum(ahead.min(axis=0), 0.0)
+        low = np.minimum(behind.max(axis=0), 0.0)
+        forward = precisions @ axis  # (G, n)
+        stiff = np.maximum(forward @ axis, 0.0)[which]
+        pull = np.einsum("nk,nk->k", forward.T[:, which], v) + (slopes @ axis)[which]
+        v[on] += _between(pull, stiff, low, high, rng.random(np.shape(pull))) * axis[on, None]
+    return np.clip(v.T + center, 0.0, 1.0)
+
+
+def _between(
+    pull: FloatArray, stiff: FloatArray, low: FloatArray, high: FloatArray, p: FloatArray
+) -> FloatArray:
+    """Draws of ``exp(-stiff t**2 / 2 - pull t)`` within [low, high], by uniform numbers p."""
+    from scipy.special import ndtr, ndtri
+
+    span = high - low
+    std = 1.0 / np.sqrt(np.maximum(stiff, 1e-300))
+    flat = ~(std < _WIDE * span) & (np.abs(pull) * span < 1e-3)
+    std = np.where(flat, 1.0, np.minimum(std, _WIDE * np.maximum(span, 1e-300)))
+    mean = -pull * std**2
+    a, b = (low - mean) / std, (high - mean) / std
+    flip = a + b > 0.0  # the tail is resolved on the negative side
+    a, b = np.where(flip, -b, a), np.where(flip, -a, b)
+    below, above = ndtr(np.maximum(a, -_FAR)), ndtr(np.maximum(b, -_FAR))
+    with np.errstate(divide="ignore"):
+        z = ndtri(below + p * (above - below))
+    tail = b < -_FAR + 1.0
+    reach = -np.expm1(np.clip(-np.abs(b) * (b - a), -700.0, 0.0))
+    z = np.where(tail, b + np.log1p(-p * reach) / np.maximum(np.abs(b), 1.0), z)
+    z = np.clip(z, a, b)
+    t = np.where(flat, low + p * span, mean + std * np.where(flip, -z, z))
+    return np.asarray(np.clip(t, low, high))
+
+
+# -- Draws of the parameters given the measured values: the residuals taken as linear around the fit
+#
+# Laplace's approximation with what it usually leaves out: the bounds, which cut it off, and the error of
+# the model, which is drawn along with the parameters. Chains go through both in turn (Gibbs); each gives
+# one draw.
+
 
 #: Sweeps of every chain, along all axes, and the error of the model after each.
 _SWEEPS = 10
@@ -64,3 +238,245 @@ def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatA
         chances = normalized(fit.errors.log_density(linear.residuals(u) ** 2))
         which = drawn(chances, rng.random(count))
     return u, which
+
+
+# -- Draws of the parameters given the measured values, with the residuals as the model has them
+#
+# Sequential Monte Carlo, as the transitional Markov chain Monte Carlo of Ching & Chen (J. Eng. Mech. 133
+# (2007) 816-832): particles go by steps from one density to another, weighted, drawn anew and moved. Two
+# things are other than there. They set out not from the prior but from the linear posterior with twice its
+# errors, so that few steps are enough; and most moves are proposed by the linear posterior of the step
+# itself, along its axes there and back, and accepted by what the true residuals say (Christen & Fox, J.
+# Comput. Graph. Stat. 14 (2005) 795-810), so that where the residuals are nearly linear every move goes
+# anywhere. Random walks do the rest.
+
+
+#: How much wider than the linear posterior the particles set out, and the proposals are.
+_START, _WIDER = 2.0, 1.1
+#: Share of the particles that must count after a step, and sweeps that draw the first ones.
+_COUNTING, _SWEEPS_ENSEMBLE = 0.5, 8
+#: Accepted moves of a particle, on average, that a step and the last one end with; and rounds at most.
+_MOVES, _LAST, _MOST = 2.0, 5.0, 30
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Draws in the unit box (k, n), number of the model's error (k,), steps, and share of moves accepted."""
+
+    u: FloatArray
+    which: NDArray[np.intp]
+    steps: int
+    accepted: float
+
+
+class _Particles:
+    """Particles with their residuals on the way from the linear posterior to the true one."""
+
+    def __init__(self, fit: Fit, count: int, rng: np.random.Generator, workers: int) -> None:
+        self.fit, self.rng, self.workers = fit, rng, workers
+        self.wide = _START**2 * fit.errors.variance[fit.middle]
+        start = Linear(fit, self.wide[None], 0)
+        one = np.zeros(count, dtype=np.intp)
+        self.u = start.spread(count, rng)
+        for _ in range(_SWEEPS_ENSEMBLE):
+            self.u = start.swept(self.u, one, rng)
+        self.linear = start.residuals
+        self.which = drawn(fit.chances, rng.random(count))
+        self.e = fit.residuals.many(self.u, workers)
+        self.log_chances = np.log(np.maximum(fit.chances, 1e-300))
+        self.b, self.scale = 0.0, 0.5
+
+    def heat(self) -> None:
+        """The next step: as far as half of the particles still count, then drawn anew by their weights."""
+        count = len(self.u)
+        target = self.fit.errors.log_density(self.e**2)[np.arange(count), self.which]
+        gain = (
+            target + 0.5 * np.sum(self.linear(self.u) ** 2 / self.wide, axis=1) - self.log_chances[self.which]
+        )
+
+        def counting(share: float) -> float:
+            return 1.0 / float(np.sum(normalized(share * gain) ** 2)) / count
+
+        low, high = 0.0, 1.0 - self.b
+        if counting(high) < _COUNTING:
+            for _ in range(40):
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if counting(middle) >= _COUNTING else (low, middle)
+            high = max(low, 1e-6)
+        self.b = min(1.0, self.b + high)
+        places = (np.arange(count) + self.rng.random()) / count
+        cumulative = np.cumsum(normalized(high * gain))
+        chosen = np.minimum(np.searchsorted(cumulative, places), count - 1)
+        self.u, self.e, self.which = self.u[chosen], self.e[chosen], self.which[chosen]
+
+    def settle(self, moves: float) -> tuple[float, int]:
+        """Moves of all particles until each was accepted ``moves`` times on average; moves and rounds."""
+        fit, b = self.fit, self.b
+        true = fit.errors.variance
+        variance = _WIDER**2 / ((1.0 - b) / self.wide + b / true)
+        linear = Linear(fit, variance, fit.middle)
+        n = self.u.shape[1]
+        axes = linear.axes[:n]
+        factor = _root(np.cov(self.u.T).reshape(n, n))
+        done, rounds = 0.0, 0
+        while done < moves and rounds < _MOST:
+            logits = (1.0 - b) * self.log_chances + b * fit.errors.log_density(self.e**2)
+            self.which = drawn(normalized(logits), self.rng.random(len(self.u)))
+            guide = variance[self.which]
+            proposed = linear.swept(self.u, self.which, self.rng, np.vstack([axes, axes[::-1]]))
+            bias = [
+                0.5 * np.sum(self.linear(u) ** 2 / guide, axis=1) - u @ fit.residuals.tilt
+                for u in (proposed, self.u)
+            ]
+            done += self._accept(proposed, bias[0] - bias[1])
+            walked = self.u + self.scale * self.rng.standard_normal(self.u.shape) @ factor.T
+            share = self._accept(walked, np.zeros(len(walked)))
+            self.scale = float(np.clip(self.scale * np.exp(share - 0.25), 1e-3, 2.0))
+            done += 0.2 * share  # a short way
+            rounds += 1
+        return done, rounds
+
+    def _accept(self, proposed: FloatArray, correction: FloatArray) -> float:
+        """Take the proposals that chance and the density allow; the share that was taken."""
+        inside = np.all((proposed >= 0.0) & (proposed <= 1.0), axis=1)
+        e = self.e.copy()
+        if inside.any():
+            e[inside] = self.fit.residuals.many(proposed[inside], self.workers)
+        gain = self._log_density(np.where(inside[:, None], proposed, self.u), e) - self._log_density(
+            self.u, self.e
+        )
+        taken = inside & (np.log(self.rng.random(len(e))) < gain + correction)
+        self.u = np.where(taken[:, None], proposed, self.u)
+        self.e = np.where(taken[:, None], e, self.e)
+        return float(taken.mean())
+
+    def _log_density(self, u: FloatArray, e: FloatArray) -> FloatArray:
+        """Logarithm of the density of the step at fixed errors of the model, (k,)."""
+        start = np.sum(self.linear(u) ** 2 / self.wide, axis=1)
+        end = np.sum(e**2 / self.fit.errors.variance[self.which], axis=1)
+        prior = u @ self.fit.residuals.tilt
+        return np.asarray(prior - 0.5 * ((1.0 - self.b) * start + self.b * end))
+
+
+def ensemble_draws(fit: Fit, count: int, rng: np.random.Generator, workers: int) -> Ensemble:
+    """Draws of the free parameters and of the error of the model; the same bits for any number of workers."""
+    if fit.u.size == 0:
+        return Ensemble(np.empty((count, 0)), drawn(fit.chances, rng.random(count)), 0, 1.0)
+    particles = _Particles(fit, count, rng, workers)
+    steps, accepted, rounds = 0, 0.0, 0
+    while particles.b < 1.0:
+        particles.heat()
+        steps += 1
+        step(f"ensemble, step {steps}: {100 * particles.b:.0f} % of the way")
+        moved, passed = particles.settle(_LAST if particles.b == 1.0 else _MOVES)
+        accepted, rounds = accepted + moved, rounds + passed
+    return Ensemble(particles.u, particles.which, steps, min(1.0, accepted / max(rounds, 1)))
+
+
+def _root(covariance: FloatArray) -> FloatArray:
+    """A matrix whose product with its transpose is the covariance, which may be singular."""
+    values, vectors = np.linalg.eigh(covariance)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+#: Residuals beyond this many standard deviations are named.
+_ODD = 4.0
+
+
+@patient("intervals")
+@one_blas_thread
+def intervals(
+    problem: UpdatingProblem,
+    x: FloatArray,
+    *,
+    method: Method = "laplace",
+    level: float = 0.9,
+    draws: int = 1000,
+    rng: int | np.random.Generator | None = 0,
+    workers: int | None = None,
+    progress: bool | None = None,
+) -> ParameterIntervals:
+    """Intervals around the least-squares solution near ``x``; see ``UpdateResult.intervals``."""
+    choice("method", method, ("laplace", "ensemble"))
+    finite_scalar("level", level, low=0.5, high=0.999)
+    integer("draws", draws, low=50, high=1_000_000)
+    generator = np.random.default_rng(seed_of(rng))
+    threads = thread_count(workers)
+    fit = fitted(problem, x)
+    notes = [*fit.residuals.assumed, *_doubts(fit, x)]
+    if method == "laplace":
+        u, which = linear_draws(fit, draws, generator)
+    else:
+        found = ensemble_draws(fit, draws, generator, threads)
+        u, which = found.u, found.which
+        if found.accepted < 0.1:
+            notes.append(
+                f"Hardly a move of the ensemble was accepted ({100 * found.accepted:.0f} %): take more draws."
+            )
+    step("sides that the data leave open")
+    sides = open_sides(fit, level, refit=method == "ensemble")
+    return _told(fit, method, level, fit.residuals.vector(u), fit.errors.tau[which], sides, notes)
+
+
+def _told(
+    fit: Fit,
+    method: Method,
+    level: float,
+    x: FloatArray,
+    tau: FloatArray,
+    sides: list[tuple[bool, bool, bool]],
+    notes: list[str],
+) -> ParameterIntervals:
+    problem, rest = fit.residuals.problem, 1.0 - level
+    low, high = np.quantile(x, [rest / 2.0, 1.0 - rest / 2.0], axis=0)
+    words = ["fixed"] * len(problem.names)
+    for j, (below, above, by_others) in zip(fit.residuals.free, sides, strict=True):
+        words[j] = words_of(below, above, by_others)
+        if below:
+            low[j] = problem.bounds[j, 0]
+            high[j] = np.quantile(x[:, j], level)
+        if above:
+            high[j] = problem.bounds[j, 1]
+            low[j] = low[j] if below else np.quantile(x[:, j], rest)
+    return ParameterIntervals(
+        tuple(problem.names),
+        method,
+        float(level),
+        low,
+        high,
+        np.median(x, axis=0),
+        np.std(x, axis=0),
+        tuple(words),
+        x,
+        fit.chi_square,
+        float(np.median(tau)),
+        tuple(notes),
+    )
+
+
+def _doubts(fit: Fit, x: FloatArray) -> list[str]:
+    """What speaks against a Gaussian around the solution found."""
+    notes = []
+    residuals = fit.residuals
+    if not fit.errors.learned:
+        notes.append(
+            "As many parameters as values: nothing is left over to tell the error of the model from."
+        )
+    apart = np.abs(fit.jacobian @ (residuals.place(x) - fit.u))
+    if np.any(apart > np.maximum(FAR * fit.sigma, SAME)):
+        notes.append(
+            "Least squares lead far from the solution of the search: some values contradict the others."
+        )
+    odd = np.abs(fit.e) > _ODD * fit.sigma
+    if odd.any():
+        value = _values(fit)[odd]
+        named = ", ".join(f"{hz:.4g} Hz" for hz in value[:4])
+        notes.append(f"Far from the model even so: {named}. Leave them out if they are wrong.")
+    return notes
+
+
+def _values(fit: Fit) -> FloatArray:
+    """Measured frequency that each residual belongs to, (m,)."""
+    residuals = fit.residuals
+    value = error_rows(residuals.problem._targets)[0]
+    return np.asarray(residuals.problem.measured_hz[value][residuals.kept])

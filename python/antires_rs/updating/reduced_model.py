@@ -7,22 +7,477 @@ that asks for dofs works on it unchanged.
 from __future__ import annotations
 
 from copy import copy
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import _core
 from ..exceptions import NumericalError
-from ..models.entries import Entries
-from .affine import Affine
-from .aligned_descent import aligned_descent
-from .reduced_basis import Basis
-from .reduced_error import estimated_error
+from ..models.matrices import Entries, as_sparse
+from .targets import AntiresonanceTargets, Part
 
 if TYPE_CHECKING:
-    from ..support.validation import FloatArray
+    from collections.abc import Iterable
 
-__all__ = ["ReducedProblem", "coordinates", "largest_difference"]
+    from numpy.typing import NDArray
+
+    from .._core import Model as CoreModel
+    from ..models.parameter import Parameter
+    from ..support.checks import FloatArray
+    from .problem import UpdatingProblem
+
+
+# -- The matrices of a problem as sums: the term that each parameter scales
+#
+# ``K(x) = K + sum (s_j(x_j) - 1) K_j`` with s_j the factor of a parameter, and so M. It holds for factors
+# and reductions that do not share a term; sections, angles and positions bend it. The rows are those of the
+# core's model in which every measured dof is one: what constraints take out is not there.
+
+
+#: Quantities in which K and M are linear, and the matrix that each scales.
+_SCALES = {"stiffness_factor": "K", "stiffness_reduction": "K", "mass_factor": "M"}
+
+
+def bent_by(parameters: Iterable[Parameter]) -> str | None:
+    """Why K and M are no sums in these parameters; None where they are."""
+    taken: set[tuple[str, int]] = set()
+    for parameter in parameters:
+        scaled = _SCALES.get(parameter.quantity)
+        if scaled is None:
+            return f"{parameter.quantity!r} does not scale whole terms"
+        for term in parameter.terms:
+            if (scaled, term) in taken:
+                return f"two parameters scale term {term}"
+            taken.add((scaled, term))
+    return None
+
+
+def matrices(core: CoreModel) -> tuple[Any, Any]:
+    """K and M, sparse."""
+    return as_sparse(core.stiffness()), as_sparse(core.mass())
+
+
+class Affine:
+    """The sums of a problem, its parameters as :func:`bent_by` allows.
+
+    ``terms`` are those of each parameter, (K_j, M_j), one of them None, ``places`` the rows where these have
+    entries; ``parts`` the targets, response and force by row.
+    """
+
+    def __init__(self, problem: UpdatingProblem) -> None:
+        assert isinstance(problem._targets, AntiresonanceTargets)
+        of = problem._targets.parts
+        self.problem = problem
+        self.core, rows = problem.model._core_for([dof for part in of for dof in part[:2]])
+        ends = zip(rows[::2], rows[1::2], strict=True)
+        self.parts: list[Part] = [(*end, *part[2:]) for end, part in zip(ends, of, strict=True)]
+        self.sensors = sorted(set(rows[::2]))
+        self.forces = sorted(set(rows[1::2]))
+        self._row = dict(zip((dof for part in of for dof in part[:2]), rows, strict=True))
+        self._parameters = problem.model.description.core_parameters(problem.parameters)
+        self.stiffness, self.mass = matrices(self.core)
+        self.terms = [self._term(nth) for nth in range(len(problem.parameters))]
+        self.places = [_filled(k if k is not None else m) for k, m in self.terms]
+        self._cut = [
+            (k if k is not None else m).tocsr()[rows][:, rows]
+            for (k, m), rows in zip(self.terms, self.places, strict=True)
+        ]
+
+    def at(self, x: FloatArray) -> CoreModel:
+        """The full model at ``x``."""
+        return self.core.at(self._parameters, np.ascontiguousarray(x))
+
+    def times(self, nth: int, vectors: FloatArray) -> FloatArray:
+        """The term of a parameter times vectors (n, m), in its places."""
+        return np.asarray(self._cut[nth] @ vectors[self.places[nth]])
+
+    def rows(self, dofs: Any) -> FloatArray:
+        """Rows of measured dofs."""
+        return np.array([self._row[int(dof)] for dof in dofs])
+
+    def _term(self, nth: int) -> tuple[Any, Any]:
+        quantity = self.problem.parameters[nth].quantity
+        # Half of it taken away or all of it added: no digit is lost that its sum with the others had kept.
+        value, factor = (0.5, -0.5) if quantity == "stiffness_reduction" else (2.0, 1.0)
+        k, m = matrices(self.core.at([self._parameters[nth]], np.array([value])))
+        of_stiffness = _SCALES[quantity] == "K"
+        term = (k - self.stiffness if of_stiffness else m - self.mass) / factor
+        term.eliminate_zeros()
+        return (term, None) if of_stiffness else (None, term)
+
+
+def _filled(matrix: Any) -> NDArray[np.intp]:
+    """Rows with entries."""
+    return np.flatnonzero(np.diff(matrix.tocsr().indptr))
+
+
+# -- Vectors that carry a model and its parameters' effect near one point, for antiresonances up to a limit
+#
+# With :math:`A = K + \sigma M` and :math:`\sigma > 0`:
+#
+# - the modes up to the limit;
+# - for every force and sensor the first vectors of its Krylov space, :math:`A^{-1} e`,
+#   :math:`A^{-1} M A^{-1} e`, ...: they stand for all higher modes, and the first for dofs without mass;
+# - what a parameter makes of these to first order, :math:`A^{-1} K_j v`, of which the largest combinations
+#   are kept.
+#
+# All are orthonormal in A. Projected on them (Galerkin) a root errs by the product of the errors of both
+# columns, that of the force and that of the sensor.
+#
+# References: Ericsson & Ruhe, Math. Comp. 35 (1980) 1251-1268; Balmes, Mech. Syst. Signal Process. 10 (1996)
+# 381-394 (bases of a parametric family); Benner, Gugercin & Willcox, SIAM Review 57 (2015) 483-531.
+
+
+#: Shift, as a share of the limit in omega squared: small keeps digits of the lowest modes.
+_SHIFT = 0.1
+#: So many vectors more for a force than for a sensor: its error is a factor in that of all roots.
+_MORE_OF_FORCE = 4
+#: A direction this small beside the others is rounding.
+_ROUNDING = 1e-7
+#: Directions of one parameter are left out below this part of the least size.
+_PART = 0.2
+#: So many right-hand sides are solved for at once.
+_AT_ONCE = 256
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Vectors (n, r), factors of K + sigma M at the point, sigma, and the limit in omega squared."""
+
+    vectors: FloatArray
+    factors: Any
+    sigma: float
+    limit: float
+
+
+def basis_at(
+    affine: Affine,
+    x: FloatArray,
+    half_widths: FloatArray,
+    f_max_hz: float,
+    depth: int,
+    largest: tuple[int, float],
+) -> Basis:
+    """The basis at one point.
+
+    ``half_widths`` are the half of what each parameter may change by, ``depth`` the Krylov vectors of a
+    sensor, ``largest`` the most vectors and the least size of one that parameters make.
+
+    Raises
+    ------
+    NumericalError
+        Fewer vectors than modes, forces and sensors need.
+    """
+    size, least = largest
+    carried = _carried(affine.at(x), (affine.sensors, affine.forces), f_max_hz, depth)
+    needed = carried.blocks[0].shape[1] + len(affine.sensors) + len(affine.forces)
+    if size < needed:
+        raise NumericalError(
+            f"a reduced model of {size} vectors",
+            f"the modes to {f_max_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
+            f"reduction=Reduction(size={2 * needed}) or more, or reduction=False.",
+        )
+    shifted, factors = carried.shifted, carried.factors
+    own = _orthonormal(shifted, np.hstack(carried.blocks))[:, :size]
+    moved = _moved(factors, affine, half_widths, carried.sigma, carried.moving, own, _PART * least)
+    more = _beside(shifted, own, moved, size - own.shape[1], least)
+    return Basis(np.hstack([own, more]), factors, carried.sigma, carried.limit)
+
+
+def point_basis(
+    core: CoreModel, sensors: list[int], forces: list[int], f_max_hz: float, depth: int
+) -> tuple[Basis, FloatArray]:
+    """The basis of one model without parameters, and the vectors that these move most, of unit size."""
+    carried = _carried(core, (sensors, forces), f_max_hz, depth)
+    own = _orthonormal(carried.shifted, np.hstack(carried.blocks))
+    return Basis(own, carried.factors, carried.sigma, carried.limit), carried.moving
+
+
+def beside(shifted: Any, core: FloatArray, vectors: FloatArray, least: float) -> FloatArray:
+    """The directions of ``vectors`` (n, m) of more than the least size beside an orthonormal core."""
+    loads = np.asarray(shifted @ vectors)
+    return _beside(shifted, core, _Moved(vectors, loads, core.T @ loads), vectors.shape[1], least)
+
+
+def solved(factors: Any, loads: FloatArray) -> FloatArray:
+    """A^-1 times many loads (n, m)."""
+    parts = [factors.solve(loads[:, at : at + _AT_ONCE]) for at in range(0, loads.shape[1], _AT_ONCE)]
+    return np.hstack(parts) if parts else loads
+
+
+@dataclass(frozen=True)
+class _Carried:
+    """Vectors that carry a model, block by block, with K + sigma M and its factors."""
+
+    shifted: Any
+    factors: Any
+    sigma: float
+    limit: float
+    blocks: list[FloatArray]
+    moving: FloatArray
+
+
+def _carried(core: CoreModel, ends: tuple[list[int], list[int]], f_max_hz: float, depth: int) -> _Carried:
+    """``ends`` are sensors and forces."""
+    from scipy import sparse
+    from scipy.sparse.linalg import splu
+
+    stiffness, mass = matrices(core)
+    limit = (2.0 * np.pi * f_max_hz) ** 2
+    sigma = _SHIFT * limit
+    shifted = sparse.csc_matrix(stiffness + sigma * mass)
+    factors = splu(
+        shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    blocks, first = [_modes(core, f_max_hz)], []
+    for rows, count in zip(ends, (depth, depth + _MORE_OF_FORCE), strict=True):
+        loads = np.zeros((mass.shape[0], len(rows)))
+        loads[rows, range(len(rows))] = 1.0
+        for _ in range(count):
+            blocks.append(factors.solve(loads))
+            loads = np.asarray(mass @ blocks[-1])
+        first.append(blocks[-count])
+    moving = _units(shifted, np.hstack([blocks[0], *first]))
+    return _Carried(shifted, factors, sigma, limit, blocks, moving)
+
+
+def _modes(core: CoreModel, f_max_hz: float) -> FloatArray:
+    """Shapes up to the limit, (n, m)."""
+    freq_hz, shapes = core.modes(f_max_hz, None)
+    return np.asarray(shapes[:, freq_hz <= f_max_hz])
+
+
+@dataclass(frozen=True)
+class _Moved:
+    """What parameters make of vectors: v = A^-1 l, l, and the part of v in the core, by columns."""
+
+    vectors: FloatArray
+    loads: FloatArray
+    inside: FloatArray
+
+    @classmethod
+    def by(
+        cls, nth: int, affine: Affine, change: float, factors: Any, of: FloatArray, core: FloatArray
+    ) -> _Moved:
+        """By one parameter: l = (dK + sigma dM) v."""
+        places = affine.places[nth]
+        held = change * affine.times(nth, of)
+        n, m = of.shape
+        loads = np.zeros((n, m))
+        loads[places] = held
+        return cls(solved(factors, loads), loads, core[places].T @ held)
+
+    def principal(self, places: Any, least: float, most: int) -> tuple[_Moved, FloatArray]:
+        """The largest combinations in what is outside of the core, and their sizes."""
+        # What is kept is far above the digits that the difference loses.
+        gram = self.vectors[places].T @ self.loads[places] - self.inside.T @ self.inside
+        sizes, rotation = _principal(gram)
+        kept = int(np.count_nonzero(sizes[:most] > least))
+        turn = rotation[:, :kept]
+        return _Moved(self.vectors @ turn, self.loads @ turn, self.inside @ turn), sizes[:kept]
+
+
+def _moved(
+    factors: Any,
+    affine: Affine,
+    half_widths: FloatArray,
+    sigma: float,
+    of: FloatArray,
+    core: FloatArray,
+    least: float,
+) -> _Moved | None:
+    """By all parameters, over half of their ranges."""
+    found = []
+    for nth, half in enumerate(half_widths):
+        if half > 0.0:
+            change = half * (1.0 if affine.terms[nth][0] is not None else sigma)
+            moved = _Moved.by(nth, affine, change, factors, of, core)
+            found.append(moved.principal(affine.places[nth], least, of.shape[1])[0])
+    if not found:
+        return None
+    return _Moved(
+        np.hstack([each.vectors for each in found]),
+        np.hstack([each.loads for each in found]),
+        np.hstack([each.inside for each in found]),
+    )
+
+
+def _units(shifted: Any, vectors: FloatArray) -> FloatArray:
+    return np.asarray(vectors / np.sqrt(np.einsum("ij,ij->j", vectors, shifted @ vectors)))
+
+
+def _orthonormal(shifted: Any, vectors: FloatArray) -> FloatArray:
+    """A-orthonormal combinations of vectors, brought to unit size, without those that rounding makes."""
+    vectors = _units(shifted, vectors)
+    for floor in (_ROUNDING, 0.5):  # twice, for the digits
+        gram = vectors.T @ (shifted @ vectors)
+        sizes, rotation = _principal(gram)
+        kept = sizes > floor
+        vectors = np.asarray(vectors @ (rotation[:, kept] / sizes[kept]))
+    return vectors
+
+
+def _principal(gram: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sizes of the principal directions, descending, and the directions."""
+    squares, rotation = np.linalg.eigh(0.5 * (gram + gram.T))
+    return np.sqrt(np.maximum(squares[::-1], 0.0)), rotation[:, ::-1]
+
+
+def _without(shifted: Any, vectors: FloatArray, core: FloatArray) -> FloatArray:
+    for _ in range(2):
+        vectors = vectors - core @ (core.T @ (shifted @ vectors))
+    return vectors
+
+
+def _beside(shifted: Any, core: FloatArray, moved: _Moved | None, room: int, least: float) -> FloatArray:
+    """The largest directions of what moves out of the core."""
+    none = np.empty((core.shape[0], 0))
+    if moved is None or room <= 0 or moved.vectors.shape[1] == 0:
+        return none
+    largest, sizes = moved.principal(slice(None), least, room)
+    if sizes.size == 0:
+        return none
+    found = _without(shifted, (largest.vectors - core @ largest.inside) / sizes, core)
+    return _orthonormal(shifted, found)
+
+
+# -- The error to be expected of a reduced model's antiresonances, from its residuals on the full one
+#
+# With a and b the columns of the force and of the sensor on the reduced model, at a root x of it,
+#
+# .. math:: r_a = e_k - (K - x M) V a, \quad r_b = e_i - (K - x M) V b, \quad
+#           \delta H_{ik} = r_b^T (K - x M)^{-1} r_a
+#
+# is what H lacks, exactly; over its slope it is how far the root is off. The residuals have no part in the
+# basis, where the modes of the band are, so that outside of it :math:`(K - x M)^{-1}` is at most
+# :math:`(\lambda + \sigma) / (\lambda - x)` times :math:`(K + \sigma M)^{-1}`, whose factors are at hand.
+#
+# Reference: Becker & Rannacher, Acta Numerica 10 (2001) 1-102 (residuals weighted with the dual solution).
+
+
+def estimated_error(affine: Affine, basis: Basis, x: FloatArray, paired_hz: FloatArray) -> float:
+    """Largest relative error of ``paired_hz``, the roots of the reduced model paired at ``x``."""
+    problem = affine.problem
+    rows, forces = affine.rows(problem.measured_dofs), affine.rows(problem.measured_excitations)
+    there = ~np.isnan(paired_hz)
+    asked = np.unique(np.stack([rows[there], forces[there], paired_hz[there]]), axis=1)
+    if asked.size == 0:
+        return 0.0
+    ends = asked[0].astype(int), asked[1].astype(int)
+    return float(np.max(expected_errors(matrices(affine.at(x)), basis, ends, asked[2])))
+
+
+def expected_errors(
+    full: tuple[Any, Any], basis: Basis, ends: tuple[Any, Any], roots_hz: FloatArray
+) -> FloatArray:
+    """Relative error of each root of the reduced model; ``ends`` are rows of response and force."""
+    (responses, forces), roots = ends, (2.0 * np.pi * roots_hz) ** 2
+    (stiffness, mass), vectors = full, basis.vectors
+    of_stiffness, of_mass = vectors.T @ (stiffness @ vectors), vectors.T @ (mass @ vectors)
+    dynamic = of_stiffness - roots[:, None, None] * of_mass
+    loads = np.stack([vectors[forces], vectors[responses]], axis=2)
+    columns = np.linalg.solve(dynamic, loads)
+    slope = np.einsum("zi,ij,zj->z", columns[:, :, 1], of_mass, columns[:, :, 0])
+
+    def residual(at: FloatArray, places: Any) -> FloatArray:
+        full = vectors @ at.T
+        left = -np.asarray(stiffness @ full) + np.asarray(mass @ full) * roots
+        left[places, range(roots.size)] += 1.0
+        return np.asarray(left)
+
+    right = basis.factors.solve(residual(columns[:, :, 0], forces))
+    lacking = np.einsum("iz,iz->z", residual(columns[:, :, 1], responses), right)
+    stretch = (basis.limit + basis.sigma) / np.maximum(basis.limit - roots, basis.sigma)
+    return np.asarray(np.abs(stretch * lacking / slope) / (2.0 * roots))
+
+
+# -- Descent on values and roots put side by side, one to one and in order: leads near the answer from afar
+#
+# The objective pairs each measured value with the nearest root, anew at every x; from a start that is off by
+# a spacing of the roots it pulls some of them to the wrong neighbour. Here the values of each response are
+# aligned with the model's roots as a whole (``_core.associate``), with gaps on both sides, and
+# :math:`\sum |\ln f_A - \ln f_E|` is brought down by linear steps within the bounds (iteratively reweighted
+# least squares). What is found after a dozen solutions of the model is a start for the search, not an answer.
+
+
+#: Standard deviation of ln f in the alignment at the beginning, its decrease a step, and the least.
+_STD, _SHRINK, _LEAST_STD = 0.1, 0.75, 0.02
+#: Standard deviations at which a value, or a root, rather stays alone; of a root above the highest value.
+_ALONE, _ALONE_ROOT, _ALONE_ABOVE = 3.0, 2.0, 0.3
+#: Roots are followed up to this multiple of the highest value.
+_BAND = 1.25
+#: Trust region, as a share of the bounds' distance; most steps; a step that ends the descent.
+_FIRST_TRUST, _TRUST, _STEPS, _SMALL_STEP = 0.35, 0.25, 12, 0.02
+#: Reweightings of a step, and the weight of a step's own length.
+_REWEIGHTINGS, _DAMPING = 3, 1e-3
+
+
+def aligned_descent(
+    core: _core.Objective, targets: list[tuple[int, FloatArray]], x: FloatArray, bounds: FloatArray
+) -> FloatArray:
+    """Where the descent ends that begins at ``x``; ``targets`` are number and values of each."""
+    response = np.repeat([nth for nth, _ in targets], [freq.size for _, freq in targets]).astype(np.int64)
+    measured = np.log(np.concatenate([np.sort(freq) for _, freq in targets]))
+    low, high = bounds.T
+    width = high - low
+    std, trust = _STD, _FIRST_TRUST
+    for nth in range(_STEPS):
+        roots = _roots(core, x, float(np.exp(measured.max())))
+        partner = _aligned(response, measured, std, roots)
+        paired = partner >= 0
+        if not paired.any():
+            break
+        apart = roots[1][partner[paired]] - measured[paired]
+        room = (np.maximum((low - x) / width, -trust), np.minimum((high - x) / width, trust))
+        step = _least_absolute(apart, roots[2][partner[paired]] * width, room)
+        x = np.clip(x + step * width, low, high)
+        std, trust = max(_LEAST_STD, _SHRINK * std), _FIRST_TRUST if nth < 4 else _TRUST
+        if np.abs(step).max() < _SMALL_STEP:
+            break
+    return x
+
+
+def _roots(
+    core: _core.Objective, x: FloatArray, highest_hz: float
+) -> tuple[NDArray[np.int64], FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Target, ln f and slopes of the roots that can be measured, and which lie above the highest value."""
+    (target, freq_hz, shown, slopes, *_), *_ = core.states(x[None], True, 1, 0.0, _BAND * highest_hz)
+    seen = shown > 0.5
+    rows = np.reshape(slopes, (freq_hz.size, x.size))[seen]
+    return target[seen].astype(np.int64), np.log(freq_hz[seen]), rows, freq_hz[seen] > highest_hz
+
+
+def _aligned(response: NDArray[np.int64], measured: FloatArray, std: float, roots: Any) -> NDArray[np.intp]:
+    """Root of each value, -1 without one."""
+    target, log_f, _, above = roots
+    price = 0.5 * np.log(2.0 * np.pi) + np.log(std) + 0.5 * _ALONE**2
+    return _core.associate(
+        response,
+        measured,
+        np.full(measured.size, std),
+        target,
+        log_f,
+        np.full(log_f.size, 1e-6),
+        float(price),
+        np.where(above, 0.5 * _ALONE_ABOVE**2, 0.5 * _ALONE_ROOT**2),
+    )
+
+
+def _least_absolute(apart: FloatArray, slopes: FloatArray, room: tuple[FloatArray, FloatArray]) -> FloatArray:
+    """The step d within ``room`` of least sum of abs(apart + slopes d)."""
+    from scipy.optimize import lsq_linear
+
+    n = slopes.shape[1]
+    low, high = np.minimum(room[0], -1e-9), np.maximum(room[1], 1e-9)
+    floor = max(1e-5, 0.3 * float(np.median(np.abs(apart))))
+    step = np.zeros(n)
+    for _ in range(_REWEIGHTINGS):
+        weight = 1.0 / np.sqrt(np.maximum(np.abs(apart + slopes @ step), floor))
+        rows = np.vstack([slopes * weight[:, None], _DAMPING * np.eye(n)])
+        step = lsq_linear(rows, np.append(-apart * weight, np.zeros(n)), (low, high), method="bvls").x
+    return np.asarray(step)
+
 
 #: Measured dofs whose least motion apart is below this part of the largest move as one.
 _INDEPENDENT = 1e-6

@@ -6,10 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..support.validation import FloatArray
+from ..support.checks import FloatArray
 from ..support.values import Value
-
-__all__ = ["FrequencyTable", "ModalTable", "signed"]
 
 
 def signed(percent: float) -> str:

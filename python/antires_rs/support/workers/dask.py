@@ -13,8 +13,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from ..validation import reject
-from ..warned import warn
+from ..checks import reject
+from ..messages import warn
 from .engine import Answer, Engine
 from .executors import SMALL_BYTES, Submitted
 from .schedule import Chunk

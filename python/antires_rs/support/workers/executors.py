@@ -11,7 +11,7 @@ from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, ThreadPoolEx
 from typing import Any
 
 from ...exceptions import InvalidInputError
-from ..validation import reject
+from ..checks import reject
 from .answers import Call, bound, run_chunk, run_here
 from .counts import processors
 from .engine import Answer, Engine

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from ..validation import integer, reject
+from ..checks import integer, reject
 from .answers import bound
 from .counts import MOST_WORKERS, processors
 from .engine import Engine, Here

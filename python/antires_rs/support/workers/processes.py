@@ -17,7 +17,7 @@ from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from ..validation import reject
+from ..checks import reject
 from .answers import Ended, bound, packed
 from .engine import Answer, Engine
 from .schedule import Chunk

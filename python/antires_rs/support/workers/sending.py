@@ -6,7 +6,7 @@ import pickle
 from collections.abc import Callable
 from typing import Any, NoReturn
 
-from ..validation import reject
+from ..checks import reject
 
 __all__ = ["does_not_arrive", "payload_of", "tasks_of"]
 

@@ -1,0 +1,113 @@
+"""From arguments to an exit code: the command is run, its errors and warnings are one line each."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import sys
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ..exceptions import AntiresError, AntiresWarning, Argument, InvalidInputError, UnsuitableDataError
+from ..support.checks import reject
+from .parser import complain, parser
+
+
+def run(argv: Sequence[str] | None) -> int:
+    """Carry out a command; everything but Ctrl-C becomes an exit code here."""
+    args = parser().parse_args(argv)
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", AntiresWarning)
+        warnings.showwarning = _warn
+        try:
+            code: int = args.run(args)
+            sys.stdout.flush()
+            return code
+        except BrokenPipeError:
+            # The reader (head, less) has gone. Python would complain again when it flushes at exit.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 1
+        except (AntiresError, OSError) as exc:
+            complain(_refused(exc) if isinstance(exc, OSError) else exc)
+            wrong = isinstance(exc, InvalidInputError) and not isinstance(exc, UnsuitableDataError)
+            return 2 if wrong else 1
+
+
+def _refused(exc: OSError) -> object:
+    """What the system refuses, by the name that the user gave: files are written under another one first."""
+    if not isinstance(exc.filename, str) or exc.errno not in (errno.EACCES, errno.EPERM, errno.EROFS):
+        return exc
+    from ..support.files import final_path
+
+    return UnsuitableDataError(
+        repr(str(final_path(exc.filename))),
+        f"'{exc.strerror}' from the system",
+        "a place that this user may read and write",
+        "Choose another folder, or change its permissions.",
+    )
+
+
+def _warn(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: Any = None,
+    line: str | None = None,
+) -> None:
+    """One line for each thing that a warning of ours says; others as Python has them."""
+    if issubclass(category, AntiresWarning):
+        for said in str(message).splitlines():
+            print(f"antires: warning: {said}", file=sys.stderr)
+    else:
+        print(warnings.formatwarning(message, category, filename, lineno, line), end="", file=sys.stderr)
+
+
+# -- What commands share: where they speak, and how they name their arguments
+
+
+def say(text: str) -> None:
+    """A line of progress; on a terminal only."""
+    if sys.stderr.isatty():
+        sys.stderr.write(f"{text}\n")  # in one piece, whenever Ctrl-C comes
+        sys.stderr.flush()
+
+
+def print_json(data: Any) -> None:
+    """Numbers for machines, on standard output."""
+    print(json.dumps(data, indent=1, allow_nan=False))
+
+
+def new_file(option: str, file: Path | None, *endings: str) -> None:
+    """Refuse a file that could not be written, before anything is computed for it."""
+    if file is None:
+        return
+    if file.suffix not in endings:
+        reject(option, repr(str(file)), f"a file that ends in {endings[0]}", "Choose another name.")
+    if not file.parent.is_dir():
+        wanted = "a file in a folder that exists"
+        reject(option, repr(str(file)), wanted, f"Make {str(file.parent)!r} first.")
+
+
+def existing(argument: str, path: Path, remedy: str) -> Path:
+    """A file that is there."""
+    if not path.is_file():
+        what = "is a folder" if path.is_dir() else "does not exist"
+        reject(argument, f"{str(path)!r}, which {what}", "a file that exists", remedy)
+    return path
+
+
+@contextmanager
+def arguments(names: Mapping[str, str]) -> Iterator[None]:
+    """Errors about an argument of a function become errors about that of the command."""
+    try:
+        yield
+    except InvalidInputError as exc:
+        name = names.get(exc.path[0])
+        if name is None:
+            raise
+        raise type(exc)(Argument(name, (name, *exc.path[1:])), exc.got, exc.wanted, exc.remedy) from exc

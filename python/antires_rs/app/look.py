@@ -1,0 +1,38 @@
+"""``antires look``: the page is opened at once, and what it shows is read while the browser begins."""
+
+from __future__ import annotations
+
+import argparse
+from importlib import import_module
+from typing import Any
+
+from ..figures.live_canvas import require_bokeh
+from ..figures.page import opened
+from .command import existing, new_file
+
+#: Files that tell the place of the force, or have none.
+COMPLETE = {".json", ".toml", ".uff", ".unv"}
+
+
+def look(args: argparse.Namespace) -> int:
+    """Serve the page until it is closed."""
+    require_bokeh()
+    first = args.files[0]
+    for file in args.files:
+        if not file.is_dir():
+            existing("FILE", file, "Name a measurement, antiresonances or a result.")
+
+    out = args.out
+    new_file("--out", out, ".json")
+    if args.edits is not None:
+        existing("--edits", args.edits, "Name a set that was saved.")
+
+    def made() -> Any:
+        # Imported here: the page is being opened meanwhile.
+        return import_module(f"{__package__}.look_view").view_of(args)
+
+    if args.excitation is None and first.suffix.lower() not in COMPLETE:
+        view = made()  # which will say what is missing, if anything is
+        made = lambda: view  # noqa: E731 - in place of the function above
+    opened(made, first.name, wait=True, browser=not args.no_browser, say=lambda line: print(line, flush=True))
+    return 0

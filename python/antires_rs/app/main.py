@@ -1,0 +1,69 @@
+"""The ``antires`` command. Tables on standard output, progress and errors on standard error.
+
+Exit codes: 0 done, 1 failed, 2 wrong usage (arguments or job file), 130 interrupted. Progress is shown on a
+terminal only.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments without the program's name; those of the process by default.
+
+    Returns
+    -------
+    int
+        0 done, 1 failed, 2 a wrong argument or job file, 130 interrupted. What argparse finds wrong leaves
+        through ``SystemExit(2)``.
+
+    Examples
+    --------
+    >>> from antires_rs.app.main import main
+    >>> main(["--version"])
+    Traceback (most recent call last):
+    SystemExit: 0
+    """
+    came: list[int] = []
+    try:  # Ctrl-C may come while modules are loaded, so all but this file is loaded in here
+        with _noticed(came):
+            from .command import run
+
+            return run(argv)
+    except KeyboardInterrupt:
+        pass
+    except ImportError:  # what C code of other packages, interrupted as it is loaded, makes of it
+        if not came:
+            raise
+    print("antires: interrupted", file=sys.stderr)
+    return 130
+
+
+@contextmanager
+def _noticed(came: list[int]) -> Iterator[None]:
+    """Keep in mind that Ctrl-C came, where it raises KeyboardInterrupt as usual."""
+    import signal
+    from threading import current_thread, main_thread
+
+    def interrupt(number: int, frame: Any) -> None:
+        came.append(number)
+        signal.default_int_handler(number, frame)
+
+    usual = signal.getsignal(signal.SIGINT)
+    if usual is not signal.default_int_handler or current_thread() is not main_thread():
+        yield
+        return
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)

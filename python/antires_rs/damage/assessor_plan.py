@@ -1,0 +1,517 @@
+"""What is known before the test: the question, the tables, and what was learned from the baseline."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..models.parameters import stiffness_reduction
+from ..support.checks import FloatArray, reject
+from ..support.progress import step
+from ..support.threads import one_blas_thread
+from ..updating.steady_roots import looked_up_to, real_zeros, sorted_out, usual_damping, zero_series
+from ..updating.targets import model_dof
+from .inference import roots_beside
+from .likelihood import ERRORS, Band, Foreseen, Likelihood
+from .measured_states import (
+    ASSUMED_STD,
+    LEAST_STD,
+    Responses,
+    Values,
+    measured_states,
+    note_of_same_data,
+    same_data,
+)
+from .model_error import ModelError, factors_of
+from .question import Prepared, Question
+from .roots import Roots, roots_at
+from .thresholds import intact_slopes, log_odds_threshold, smallest_found
+
+# -- The model's antiresonances over the severity of each element, computed once
+
+
+#: Severities as u = -ln(1 - beta), from none to 0.99; 0.3 apart where most damage lies.
+LEVELS = np.array(
+    [0.0, 0.06, 0.15, 0.3, 0.5, 0.75, 1.0, 1.3, 1.6, 2.0, 2.4, 2.9, 3.5, 4.0, 4.6051701859880909]
+)
+#: Roots so far outside of the baseline's band (ln f) are not looked at.
+_MARGIN = 0.35
+#: Variance of ln f that the compressed errors of the model may miss, on average.
+_DROPPED = 1e-13
+#: Largest tables, bytes.
+_MOST_BYTES = 2e9
+
+Single = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Tables:
+    """Roots (r,) at levels (l,) of u of each element (n,).
+
+    Attributes
+    ----------
+    response, seen : (r,) of each root; whether the baseline shows it. Ascending by response.
+    identity : (r,) its number among all roots of the undamaged model, -1 for one that only damage makes.
+    all_response, all_log_f : of these.
+    intact : (r,) ln f in the undamaged model.
+    there : (n, l, r) whether the model has it.
+    place : (n, l, r) ln f expected in the measured structure; ``beside`` how far that is from the model's.
+    by_own : (n, l, r) slope of the place by u of the element.
+    slopes : (n, l, r, n) slopes of ln f by all u.
+    errors : (n, l, r, q) what multiplies q independent errors of the model, of variance 1.
+    """
+
+    response: NDArray[np.intp]
+    seen: NDArray[np.bool_]
+    identity: NDArray[np.intp]
+    all_response: NDArray[np.intp]
+    all_log_f: FloatArray
+    intact: FloatArray
+    there: NDArray[np.bool_]
+    place: FloatArray
+    beside: FloatArray
+    by_own: FloatArray
+    slopes: Single
+    errors: Single
+
+    @cached_property
+    def old(self) -> NDArray[np.bool_]:
+        """Which roots the undamaged model has."""
+        return self.identity >= 0
+
+
+def tables_of(prepared: Prepared) -> Tables:
+    """The tables of a model after its baseline."""
+    from scipy.interpolate import CubicSpline
+
+    likelihood, error = prepared.likelihood, prepared.error
+    n, intact = likelihood.n, error.intact
+    at = _at_levels(likelihood, n)
+    low, high = likelihood.band.low - _MARGIN, likelihood.band.high + _MARGIN
+    inside = intact.between(low, high)
+    new: dict[int, int] = {}
+    for row in at:
+        for roots, identity in row:
+            near = roots.between(low, high)
+            inside[identity[near & (identity >= 0)]] = True
+            own, count = np.unique(roots.response[near & (identity < 0)], return_counts=True)
+            for response, more in zip(own.tolist(), count.tolist(), strict=True):
+                new[response] = max(new.get(response, 0), more)
+    kept = np.flatnonzero(inside)
+    response = np.concatenate([intact.response[kept], *(np.full(k, r) for r, k in new.items())]).astype(
+        np.intp
+    )
+    identity_of = np.concatenate([kept, np.full(sum(new.values()), -1)]).astype(np.intp)
+    order = np.argsort(response, kind="stable")
+    response, identity_of = response[order], identity_of[order]
+    factor = _factor(error)
+    shape = (n, LEVELS.size, response.size)
+    _check_size(shape, n, factor.shape[1])
+    there, log_f = np.zeros(shape, dtype=bool), np.zeros(shape)
+    slopes, rows = np.zeros((*shape, n), dtype=np.float32), np.zeros((*shape, factor.shape[1]))
+    beside = np.zeros(shape)
+    for e, row in enumerate(at):
+        for level, (roots, identity) in enumerate(row):
+            slot, root = _slots(identity_of, response, roots, identity, low, high)
+            there[e, level, slot] = True
+            log_f[e, level, slot] = roots.log_f[root]
+            by_u = roots.slopes[root, :n].copy()
+            by_u[:, e] *= np.exp(-LEVELS[level])
+            slopes[e, level, slot] = by_u
+            by_errors = np.zeros((slot.size, error.mean.size))
+            by_errors[:, : error.theta.size] = roots.slopes[root, n:] * likelihood.factors
+            is_old = identity[root] >= 0
+            by_errors[is_old, error.theta.size + identity[root][is_old]] = 1.0
+            beside[e, level, slot] = by_errors @ error.mean
+            rows[e, level, slot] = by_errors @ factor
+    by_own = slopes[np.arange(n), :, :, np.arange(n)].astype(np.float64)
+    for e in range(n):
+        whole = there[e].all(axis=0)
+        if whole.any():
+            by_own[e][:, whole] += CubicSpline(LEVELS, beside[e][:, whole])(LEVELS, 1)
+    seen = (identity_of >= 0) & error.seen[identity_of]
+    placed = np.where(identity_of >= 0, intact.log_f[identity_of], 0.0)
+    errors = _compressed(rows.reshape(-1, factor.shape[1]))
+    return Tables(
+        response, seen, identity_of, intact.response, intact.log_f, placed, there, log_f + beside, beside,
+        by_own, slopes, errors.reshape(*shape, -1),
+    )  # fmt: skip
+
+
+def _at_levels(likelihood: Likelihood, n: int) -> list[list[tuple[Roots, NDArray[np.intp]]]]:
+    """Roots at every level of every element, and which of the intact ones they have been."""
+    found = []
+    for e in range(n):
+        step(f"sensitivities of element {e + 1} of {n}")
+        betas = np.zeros((LEVELS.size, n))
+        betas[:, e] = -np.expm1(-LEVELS)
+        found.append([roots.since(likelihood.error.intact) for roots in likelihood.roots(betas, slopes=True)])
+    return found
+
+
+def _slots(
+    identity_of: NDArray[np.intp],
+    response: NDArray[np.intp],
+    roots: Roots,
+    identity: NDArray[np.intp],
+    low: float,
+    high: float,
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Where in the table roots stand: their places in it, and their numbers."""
+    slot_of = {int(k): slot for slot, k in enumerate(identity_of) if k >= 0}
+    free: dict[int, list[int]] = {}
+    for slot in np.flatnonzero(identity_of < 0).tolist():
+        free.setdefault(int(response[slot]), []).append(slot)
+    slots, numbers = [], []
+    for number, k in enumerate(identity.tolist()):
+        if k in slot_of:
+            slots.append(slot_of[k])
+            numbers.append(number)
+        elif k < 0 and low < roots.log_f[number] < high:
+            slots.append(free[int(roots.response[number])].pop(0))
+            numbers.append(number)
+    return np.array(slots, dtype=np.intp), np.array(numbers, dtype=np.intp)
+
+
+def _factor(error: ModelError) -> FloatArray:
+    """L with L L' the covariance of the model's factors and the roots' own errors, after the baseline."""
+    from scipy.linalg import cho_solve
+
+    prior, rows = error.prior, error.rows
+    covariance = np.diag(prior)
+    if rows.size:
+        cross = rows * prior
+        covariance -= cross.T @ cho_solve(error.factor, cross)
+    size, vectors = np.linalg.eigh(covariance)
+    kept = size > 1e-14 * size[-1]
+    return np.asarray(vectors[:, kept] * np.sqrt(size[kept]))
+
+
+def _compressed(rows: FloatArray) -> Single:
+    """The same products of rows in fewer columns."""
+    size, vectors = np.linalg.eigh(rows.T @ rows)
+    dropped = np.cumsum(np.maximum(size, 0.0)) / len(rows) < _DROPPED
+    return np.asarray(rows @ vectors[:, ~dropped], dtype=np.float32)
+
+
+def _check_size(shape: tuple[int, int, int], n: int, q: int) -> None:
+    size = 8.0 * float(np.prod(shape)) * (q + 0.5 * n)
+    if size > _MOST_BYTES:
+        reject(
+            "model",
+            f"one with {n} stiffness terms, whose tables take {size / 1e9:.1f} GB",
+            f"at most {_MOST_BYTES / 1e9:.0f} GB",
+            "Use assess_damage, or a model with fewer terms.",
+        )
+
+
+# -- The tables as the core reads them, and the antiresonances without damage
+
+
+#: Roots so far outside of the band (ln f) are not looked at.
+_MARGIN_INTERPOLATED = 0.3
+
+
+@dataclass(frozen=True)
+class Interpolated:
+    """Tables, read between their levels."""
+
+    tables: Tables
+    #: Variance of a root that has just appeared.
+    tau2: float
+
+    @cached_property
+    def spread(self) -> FloatArray:
+        """Covariance of the roots without damage (r, r)."""
+        rows = self.tables.errors[0, 0].astype(np.float64)
+        return np.asarray(rows @ rows.T)
+
+    @cached_property
+    def core(self) -> _core.PreparedTables:
+        """The tables, handed over."""
+        t = self.tables
+        c: Any = np.ascontiguousarray
+        return _core.PreparedTables(
+            c(LEVELS), c(t.response), c(t.seen), c(t.old), c(t.intact), c(t.there), c(t.place), c(t.beside),
+            c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors), self.spread, self.tau2,
+        )  # fmt: skip
+
+    def undamaged(self, band: Band, alike: float) -> Foreseen:
+        """As the likelihood has the roots without damage, ascending."""
+        t = self.tables
+        place, model = t.place[0, 0], t.place[0, 0] - t.beside[0, 0]
+        near = (
+            t.there[0, 0]
+            & (model > band.low - _MARGIN_INTERPOLATED)
+            & (model < band.high + _MARGIN_INTERPOLATED)
+        )
+        shown = np.flatnonzero(near)
+        shown = shown[np.lexsort((place[shown], t.response[shown]))]
+        return Foreseen(
+            response=t.response[shown],
+            place=place[shown],
+            beside=t.beside[0, 0, shown],
+            spread=self.spread[np.ix_(shown, shown)] + alike**2,
+            change=np.zeros(shown.size),
+            slopes=np.empty((shown.size, 0)),
+            seen=t.seen[shown],
+        )
+
+
+# -- A measured set as values, by what was prepared: no question to the model
+
+
+#: Beyond the highest value of the baseline (as a factor) zeros of the model are known.
+_BEYOND = 1.3
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What a set with one force may hold: the number of each response, and the model's real and complex zeros
+    (Hz) there."""
+
+    number: dict[Any, int]
+    real: dict[Any, FloatArray]
+    complex: dict[Any, tuple[FloatArray, FloatArray]]
+    sees: str | None
+    channels: tuple[Any, ...]
+
+
+def expected_of(question: Question, responses: Responses) -> dict[Any, Expected]:
+    """By force label."""
+    found = {}
+    model = question.model
+    for each, labels in zip(question.measured, responses.labels, strict=True):
+        assert isinstance(each, AntiresonanceSet)
+        force = model_dof(model, "excitation", each.excitation)
+        dofs = [model_dof(model, "measured dof", label) for label in labels]
+        limit_hz = looked_up_to(_BEYOND * max(each[dof].max(initial=0.0) for dof in each))
+        real = real_zeros(model, dofs, force, limit_hz)
+        found[each.excitation] = Expected(
+            labels,
+            dict(zip(labels, real, strict=True)),
+            {
+                label: zero_series(model, dof, force, limit_hz)
+                for label, dof in zip(labels, dofs, strict=True)
+            },
+            each.sees,
+            tuple(each.channels or ()),
+        )
+    return found
+
+
+def _columns(one: AntiresonanceSet) -> dict[Hashable, tuple[FloatArray, FloatArray]]:
+    """Values and their standard deviations by response."""
+    return {(label, one.excitation): (table.freq_hz, table.std_hz) for label, table in one.tables.items()}
+
+
+def values_of(
+    sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatter: float
+) -> tuple[Values, list[str], list[str], bool]:
+    """Values, notes on those that are left out, what the plan does not hold, and whether some lack a standard
+    deviation."""
+    rows: list[tuple[int, int, float, float]] = []
+    asked: list[tuple[int, int]] = []
+    notes: list[str] = []
+    strange: list[str] = []
+    assumed = False
+    twice = same_data([_columns(one) for one in sets])
+    notes += note_of_same_data("zeros", twice)
+    for nth, one in enumerate(sets):
+        first = _columns(sets[twice[nth]]) if nth in twice else {}
+        plan = expected.get(one.excitation)
+        if plan is None:
+            known = ", ".join(map(repr, expected))
+            reject(
+                "zeros",
+                f"a set with the force at {one.excitation!r}",
+                f"the force of the baseline: {known}",
+                "Make an Assessor from a baseline with the force there too.",
+            )
+        if one.sees != plan.sees or set(one.channels or ()) != set(plan.channels):
+            strange.append("it was identified from other responses than the baseline")
+        usual = usual_damping(one)
+        for label, table in one.tables.items():
+            if (label, one.excitation) in first and first[label, one.excitation][0].size:
+                continue
+            number = plan.number.get(label)
+            if number is None:
+                if len(table):
+                    strange.append(f"the baseline does not have dof {label}")
+                continue
+            asked.append((number, nth))
+            keep = np.ones(len(table), dtype=bool)
+            if usual is not None:
+                series = partial(plan.complex.__getitem__, label)
+                notes += sorted_out(label, table, usual, plan.real[label], series, keep)
+            least = ASSUMED_STD if "share" in table.scores else LEAST_STD
+            std = np.where(np.isfinite(table.std_hz), table.std_hz / table.freq_hz, ASSUMED_STD)
+            assumed |= not bool(np.isfinite(table.std_hz[keep]).all())
+            rows += [
+                (nth, number, f, max(s, least))
+                for f, s in zip(np.log(table.freq_hz[keep]).tolist(), std[keep].tolist(), strict=True)
+            ]
+    if not rows:
+        reject("zeros", "no antiresonance", "at least one", "Identify in the band of the baseline.")
+    rows.sort()
+    columns = list(zip(*rows, strict=True))
+    values = Values(
+        np.array(columns[1], dtype=np.intp),
+        np.array(columns[2], dtype=np.float64),
+        scatter * np.array(columns[3], dtype=np.float64),
+        np.array(columns[0], dtype=np.intp),
+        asked=np.array(asked, dtype=np.intp),
+    )
+    return values, notes, strange, assumed
+
+
+@dataclass(frozen=True)
+class Learned:
+    """What the baseline has told; see :class:`~antires_rs.damage.assessment.Assessment`.
+
+    ``factors`` are those of the model, ``outside`` the share of a change that counts as its error, ``low``
+    and ``high`` the band in ln f.
+    """
+
+    factors: FloatArray
+    tau: float
+    s: float
+    outside: float
+    low: float
+    high: float
+    threshold: float | None
+    detectable: tuple[float, ...]
+    assumed_std: bool
+    n_intact: int
+    n_intact_matched: int
+    n_intact_roots: int
+    hint: str
+    n_baselines: int
+    scatter: float
+    notes: tuple[str, ...]
+    odd_baselines: tuple[int, ...]
+    baseline_gap: float
+    usual_gap: float
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All that an assessment uses; ``question`` has the baseline in place of a test of now."""
+
+    question: Question
+    tables: Tables
+    learned: Learned
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what is made of the rest."""
+        return {name: self.__dict__[name] for name in ("question", "tables", "learned")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
+    @cached_property
+    def numbers(self) -> tuple[int, ...]:
+        """Elements in the order of the tables, candidates first."""
+        model, elements = self.question.model, self.question.elements
+        return (*elements, *(e for e in model._springs if e not in elements))
+
+    @cached_property
+    def names(self) -> dict[int, str]:
+        """What the elements are called."""
+        return {e: self.question.model.element_label(e) for e in self.numbers}
+
+    @cached_property
+    def errors(self) -> tuple[tuple[float, float, float], ...]:
+        """As the likelihood has them."""
+        return tuple((self.learned.outside * kappa, times, p) for kappa, times, p in ERRORS)
+
+    @cached_property
+    def pairs(self) -> NDArray[np.intp]:
+        """All pairs of candidates, (k, 2)."""
+        found = list(combinations(range(len(self.question.elements)), 2))
+        return np.array(found, dtype=np.intp).reshape(-1, 2)
+
+    @cached_property
+    def interpolated(self) -> Interpolated:
+        """The tables between their levels."""
+        return Interpolated(self.tables, self.learned.tau**2)
+
+    @cached_property
+    def responses(self) -> Responses:
+        """The responses of the baseline."""
+        sets: Any = self.question.baseline
+        return measured_states(self.question.model, sets, self.question.measured)[0]  # type: ignore[arg-type]
+
+    @cached_property
+    def core(self) -> Any:
+        """The model's antiresonances, computed."""
+        model = self.question.model
+        parts = (*stiffness_reduction(self.numbers), *factors_of(model))
+        return self.responses.source(model, model.description.core_parameters(parts))
+
+    @cached_property
+    def expected(self) -> dict[Any, Expected]:
+        """By force label: what a new set may hold."""
+        return expected_of(self.question, self.responses)
+
+    def exact(self, beta: FloatArray, band: Band, *, slopes: bool) -> tuple[FloatArray, FloatArray | None]:
+        """ln f of the roots of the tables (r,), computed at severities (n,), NaN where the model has none;
+        and their slopes by all u (r, n)."""
+        x = np.concatenate([beta, self.learned.factors])
+        limits = (float(np.exp(band.low - 0.6)), float(np.exp(band.high + 0.6)))
+        roots = roots_at(self.core, x[None], slopes=slopes, threads=1, band_hz=limits)[0]
+        t = self.tables
+        _, identity = roots.since(Roots(t.all_response, t.all_log_f, np.empty((0, 0))))
+        known = np.flatnonzero(identity >= 0)
+        number = np.full(t.all_log_f.size, -1)
+        number[identity[known]] = known
+        at = np.where(t.old, number[t.identity], -1)
+        log_f = np.where(at >= 0, roots.log_f[at], np.nan)
+        if not slopes:
+            return log_f, None
+        return log_f, np.where((at >= 0)[:, None], roots.slopes[at, : beta.size] * (1.0 - beta), 0.0)
+
+
+@one_blas_thread
+def plan_of(
+    question: Question, false_alarm_rate: float | None, rng: np.random.Generator, threads: int
+) -> Plan:
+    """Learn from the baseline and compute the tables."""
+    prepared = question.prepared(threads)
+    likelihood, error, odd = prepared.likelihood, prepared.error, prepared.odd
+    slopes = intact_slopes(likelihood, len(question.elements))
+    threshold = (
+        None
+        if false_alarm_rate is None
+        else log_odds_threshold(slopes, question.prior, false_alarm_rate, rng)
+    )
+    learned = Learned(
+        factors=np.exp(error.theta),
+        tau=error.tau,
+        s=error.s,
+        outside=error.outside,
+        low=likelihood.band.low,
+        high=likelihood.band.high,
+        threshold=threshold,
+        detectable=tuple(smallest_found(slopes, question.prior).tolist()),
+        assumed_std=prepared.responses.assumed,
+        n_intact=prepared.intact.size,
+        n_intact_matched=int((error.partner >= 0).sum()),
+        n_intact_roots=roots_beside(prepared.intact, error.intact),
+        hint=question.hint(),
+        n_baselines=prepared.n_baselines,
+        scatter=max(prepared.scatter, 1.0),
+        notes=tuple(dict.fromkeys(prepared.responses.left_out)),
+        odd_baselines=odd.tests if odd else (),
+        baseline_gap=odd.apart if odd else 0.0,
+        usual_gap=odd.usual if odd else 0.0,
+    )
+    return Plan(question, tables_of(prepared), learned)

@@ -1,0 +1,41 @@
+"""Pictures, with matplotlib (``pip install "antires-rs[plot]"``).
+
+Every function draws into ``ax`` and returns it. Without ``ax`` it makes a new pyplot figure, so that
+``plt.show()`` and notebooks display it as usual; no style, backend or rcParam is ever changed. Colours are
+those of Okabe and Ito, and no curve, bar or mark is told from another by colour alone. :func:`data_of` gives
+the numbers behind any of them. Uses the values that are drawn, and ``support``; nothing is computed here but
+what a picture needs.
+"""
+
+from .canvas import data_of
+from .damage import plot_damage, plot_damages, plot_hypotheses
+from .identification import plot_coherence, plot_damping_clusters, plot_singular_values, plot_stabilization
+from .planning import plot_detectability, plot_plan
+from .responses import plot_responses, plot_transmissibility
+from .sets import plot_comparison, plot_tracks
+from .structure import plot_chain, plot_frame
+from .updating import plot_convergence, plot_differences, plot_identifiability
+from .watch import plot_monitor
+
+__all__ = [
+    "data_of",
+    "plot_chain",
+    "plot_coherence",
+    "plot_comparison",
+    "plot_convergence",
+    "plot_damage",
+    "plot_damages",
+    "plot_damping_clusters",
+    "plot_detectability",
+    "plot_differences",
+    "plot_singular_values",
+    "plot_frame",
+    "plot_hypotheses",
+    "plot_identifiability",
+    "plot_monitor",
+    "plot_plan",
+    "plot_stabilization",
+    "plot_tracks",
+    "plot_responses",
+    "plot_transmissibility",
+]

@@ -1,0 +1,172 @@
+"""Opening a page: in the browser of this computer, or inside a notebook."""
+
+from __future__ import annotations
+
+import sys
+import time
+import webbrowser
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from typing import Any
+
+from ..exceptions import AntiresError
+from ..support.checks import reject
+from .live_canvas import item, require_bokeh
+from .page_server import Page, in_notebook
+from .page_session import Arguments, Refused, View
+
+#: Height of the page in a notebook, in pixels.
+INLINE_PX = 820
+#: For the page to say why there is nothing to see.
+LAST_WORD_S = 0.5
+
+
+def opened(
+    make: Callable[[], View],
+    title: str,
+    *,
+    wait: bool | None = None,
+    browser: bool = True,
+    say: Callable[[str], Any] = print,
+) -> Page:
+    """Serve a view and show it.
+
+    Parameters
+    ----------
+    make : callable
+        Returns the view. It is called when the browser has been told to open the page.
+    title : str
+        What is looked at.
+    wait : bool, optional
+        Return when the page was closed, or Ctrl-C; by default everywhere but in a notebook, which shows the
+        page below the cell and goes on.
+    browser : bool
+        Open it; else its address is told only.
+    say : callable
+        Receives the lines that are told.
+
+    Raises
+    ------
+    MissingDependencyError
+        bokeh is not installed.
+    """
+    inline = in_notebook()
+    wait = not inline if wait is None else wait
+    page = Page(ends_with_page=wait or not inline)
+    page.start()
+    try:
+        if inline:
+            _inline(page.url)
+        else:
+            say(f"looking at {title}: {page.url}")
+            if browser and not webbrowser.open(page.url):
+                say("No browser was found; open that address.")
+        page.show(make())
+    except BaseException as exc:
+        if isinstance(exc, AntiresError):
+            page.show(Refused(title, exc))
+            time.sleep(LAST_WORD_S)
+        page.stop()
+        raise
+    if wait:
+        try:
+            page.wait()
+        except KeyboardInterrupt:
+            print(file=sys.stderr)
+        finally:
+            kept = page.keep_unsaved()
+            if kept is not None:
+                say(f"Edits that were not saved are in {kept}")
+    return page
+
+
+def of_set(
+    zeros: Any, source: Any, save_to: Any, options: Mapping[str, Any], *, wait: bool | None, browser: bool
+) -> Page:
+    """What :meth:`~antires_rs.AntiresonanceSet.look` does."""
+    require_bokeh()
+    from ..signals.repeats import one_source
+    from .page_session import Session, SetView
+
+    given = dict(options)
+    session = Session(
+        zeros,
+        None if source is None else one_source(source),
+        band_hz=given.pop("band_hz", None),
+        max_order=given.pop("max_order", None),
+        options=given,
+        save_to=save_to,
+    )
+    title = f"antiresonances, force at {zeros.excitation}"
+    return opened(lambda: SetView(session, title), title, wait=wait, browser=browser)
+
+
+def _inline(url: str) -> None:
+    """The page below the cell of a notebook."""
+    from IPython.display import IFrame, display
+
+    display(IFrame(url, width="100%", height=INLINE_PX))
+
+
+# -- The page of a result: its figures, its answer and its tables; nothing can be changed there
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure, made when it is asked for, and what stands under it."""
+
+    make: Callable[[], Any]
+    caption: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """Heads and rows as text; heads with a unit are those of numbers."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: list[list[str]]
+
+
+class ResultView:
+    """What the server shows of a result.
+
+    Parameters
+    ----------
+    title : str
+    answer : sequence of str
+        Sentences, the first one in large letters.
+    figures : sequence of Drawn
+    tables : sequence of Table
+    """
+
+    slow: frozenset[str] = frozenset()
+
+    def __init__(
+        self, title: str, answer: Sequence[str], figures: Sequence[Drawn], tables: Sequence[Table]
+    ) -> None:
+        self.title, self.answer, self.figures, self.tables = title, answer, figures, tables
+        self._item = cache(lambda shown: item(self.figures[shown].make()))
+
+    def state(self, shown: int) -> dict[str, Any]:
+        """Everything but the figures."""
+        return {
+            "kind": "result",
+            "answer": list(self.answer),
+            "figures": [{"caption": one.caption} for one in self.figures],
+            "tables": [asdict(one) for one in self.tables],
+        }
+
+    def figure(self, shown: int) -> dict[str, Any]:
+        """One of the figures."""
+        if not 0 <= shown < len(self.figures):
+            reject("shown", shown, f"a figure from 0 to {len(self.figures) - 1}", "Load the page again.")
+        return dict(self._item(shown))
+
+    def do(self, command: str, arguments: Arguments) -> str:
+        """Nothing: a result follows from its data and its job."""
+        reject("command", command, "nothing: a result is looked at", "Change the job, and run it again.")
+
+    def file(self) -> None:
+        """There is nothing to download that the folder of the result does not have."""

@@ -1,0 +1,904 @@
+"""A set of antiresonances on the desk: edited, identified again, undone, saved."""
+
+from __future__ import annotations
+
+import math
+import os
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import count
+from pathlib import Path
+from threading import Lock, RLock
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..exceptions import AntiresError, AntiresWarning, InvalidInputError
+from ..identification.identify import Hit, identify_antiresonances, identify_roving
+from ..measured.antiresonance_set import AntiresonanceSet, doubts_of
+from ..measured.edits import NAMED_WITHIN
+from ..measured.replay import Asked, asked_of, replayed, to_json
+from ..signals.averaging import Averages, Averaging, average
+from ..signals.frequency_response import FrequencyResponse, covered_hz
+from ..signals.recording import Recording
+from ..support.checks import FloatArray, frequency_band, integer, reject
+from ..support.files import write_atomically
+from .identification import pole_table
+from .live_canvas import item
+from .live_identification import Curve, curve_of, evidence_figure, mark_columns
+
+# -- What is on the desk at one moment
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What is on the desk at one moment; undo goes back to an earlier one.
+
+    Attributes
+    ----------
+    zeros : AntiresonanceSet
+        With the edits that it can take.
+    asked : tuple of Asked
+        All edits, in order.
+    waits : tuple of str or None
+        For each edit why it waits, None where it was made.
+    band_hz : (low, high) or None
+        None where there is nothing to identify from.
+    max_order : int or None
+        None for the default.
+    warned : tuple of str
+        What the identification warned of.
+    """
+
+    zeros: AntiresonanceSet
+    asked: tuple[Asked, ...] = ()
+    waits: tuple[str | None, ...] = ()
+    band_hz: tuple[float, float] | None = None
+    max_order: int | None = None
+    warned: tuple[str, ...] = ()
+
+    def on(self, base: AntiresonanceSet, asked: Sequence[Asked]) -> Sight:
+        """The same edits, or others, on a set without any."""
+        zeros, waits = replayed(base, asked)
+        return replace(self, zeros=zeros, asked=tuple(asked), waits=tuple(waits))
+
+
+# -- The file of a session: nothing of others is replaced unasked, and what was not saved finds a place
+
+
+#: What the error is about where there is a file that this session has not written, or has changed since.
+TAKEN = "file"
+
+
+class SessionFile:
+    """Where a session is saved.
+
+    Attributes
+    ----------
+    path : pathlib.Path or None
+        None where the set can only be downloaded, or taken from Python.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self.path = path
+        self._own: tuple[int, int, int] | None = None
+
+    def opened(self) -> None:
+        """Say that what stands in the file now is known to the session, which may replace it."""
+        self._own = None if self.path is None else _mark(self.path)
+
+    def write(self, text: str, *, replace_file: bool = False) -> str:
+        """Write the text; the name of the file.
+
+        Raises
+        ------
+        InvalidInputError
+            There is no name, or the file cannot be written; or what stands there is not this session's, and
+            ``replace_file`` is False: then the error is about :data:`TAKEN`.
+        """
+        if self.path is None:
+            reject("path", None, "a file to write", "Download the set instead.")
+        found = _mark(self.path)
+        if found is not None and found != self._own and not replace_file:
+            how = "is there already" if self._own is None else "something else has changed meanwhile"
+            reject(
+                TAKEN,
+                f"{self.path}, which {how}",
+                "a file that is not there yet, or as this page left it",
+                "Replace it, or download the set.",
+            )
+        _write(self.path, text)
+        self.opened()
+        return self.path.name
+
+    def write_beside(self, text: str) -> Path | None:
+        """Write to a new file beside, or where that cannot be in the folder for temporary files; its path."""
+        if self.path is None:
+            return None
+        for folder in (self.path.parent, Path(tempfile.gettempdir())):
+            with suppress(AntiresError):
+                free = next(path for path in _names(folder, self.path.stem) if not path.exists())
+                _write(free, text)
+                return free
+        reject(
+            "path",
+            f"{self.path.parent} and {tempfile.gettempdir()}, in neither of which a file can be written",
+            "a folder for edits that were not saved",
+            "Make room there.",
+        )
+
+
+def _names(folder: Path, stem: str) -> Iterator[Path]:
+    """Names for what was not saved, so that an earlier one is not replaced."""
+    yield folder / f"{stem}_unsaved.json"
+    yield from (folder / f"{stem}_unsaved_{i}.json" for i in count(2))
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        write_atomically(path, text.encode())
+    except OSError as exc:
+        raise InvalidInputError(
+            "path",
+            f"{path}, which cannot be written ({exc.strerror or exc})",
+            "a file in a folder in which you may write, on a disk with room",
+            "Download the set to another place.",
+        ) from exc
+
+
+def _mark(path: Path) -> tuple[int, int, int] | None:
+    """Tells a version of a file from another; None for no file."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+# -- What a set on the desk was identified from, and can be again
+
+
+Band = tuple[float, float]
+
+
+class Source(Protocol):
+    """A measurement, or several that make one set."""
+
+    @property
+    def dofs(self) -> tuple[Any, ...]:
+        """Those of the set."""
+
+    @property
+    def covered_hz(self) -> Band:
+        """Frequencies of which it can tell."""
+
+    @property
+    def whole_band(self) -> Band:
+        """A band to begin with."""
+
+    @property
+    def response(self) -> FrequencyResponse | None:
+        """Curves of all responses under one force, where it has them."""
+
+    def identify(self, excitation: Any, band_hz: Band, options: Mapping[str, Any]) -> AntiresonanceSet:
+        """The set, in a band."""
+
+    def curve(self, dof: Any, band_hz: Band, options: Mapping[str, Any]) -> Curve | None:
+        """What was measured at a dof, on the lines of the band."""
+
+
+class OneMeasurement:
+    """A record, or FRFs; repeated ones as one."""
+
+    def __init__(self, signal: Recording | FrequencyResponse) -> None:
+        self._signal = signal
+        self._averages: dict[Band, Averages] = {}
+
+    @property
+    def dofs(self) -> tuple[Any, ...]:
+        """Those of the channels."""
+        return self._signal.dofs
+
+    @property
+    def covered_hz(self) -> Band:
+        """Of records up to half the sampling rate."""
+        return covered_hz(self._signal)
+
+    @property
+    def whole_band(self) -> Band:
+        """All lines of curves; of records up to 80 % of the highest frequency."""
+        signal = self._signal
+        if isinstance(signal, FrequencyResponse):
+            positive = signal.freq_hz[signal.freq_hz > 0.0]
+            return float(positive[0]), float(signal.freq_hz[-1])
+        return 0.005 * signal.fs_hz, 0.4 * signal.fs_hz
+
+    @property
+    def response(self) -> FrequencyResponse | None:
+        """None of a record."""
+        return self._signal if isinstance(self._signal, FrequencyResponse) else None
+
+    def identify(self, excitation: Any, band_hz: Band, options: Mapping[str, Any]) -> AntiresonanceSet:
+        """As :func:`~antires_rs.identify_antiresonances`."""
+        return identify_antiresonances(
+            self._signal, excitation=excitation, band_hz=band_hz, progress=False, **options
+        )
+
+    def curve(self, dof: Any, band_hz: Band, options: Mapping[str, Any]) -> Curve | None:
+        """That of the channel."""
+        signal, averages = self._signal, None
+        if isinstance(signal, Recording):
+            if band_hz not in self._averages:
+                names = ("nperseg", "noverlap", "window", "method")
+                chosen = Averaging(**{name: options[name] for name in names if name in options})
+                with_force = signal.force is not None
+                self._averages = {band_hz: average(signal, band_hz, chosen, include_force=with_force)}
+            averages = self._averages[band_hz]
+        return curve_of(signal, averages, dof)
+
+
+def source_of(given: Any) -> Source | None:
+    """What was given, as a source."""
+    return OneMeasurement(given) if isinstance(given, Recording | FrequencyResponse) else given
+
+
+# -- What a click means: the value, pole or dip that is nearest to it
+
+
+#: How far from a thing a click may be, in pixels.
+REACH_PX = 9.0
+
+
+@dataclass(frozen=True)
+class Click:
+    """Where in a figure: its name, the place in units of the axes, and how much of them a pixel is."""
+
+    figure: str
+    x: float
+    y: float
+    x_per_px: float
+    y_per_px: float
+
+
+@dataclass(frozen=True)
+class Pick:
+    """What to do: "drop" or "add" a value, or "restore" one that was dropped."""
+
+    action: str
+    freq_hz: float
+    damping_ratio: float | None = None
+    std_hz: float | None = None
+
+
+def picked(zeros: AntiresonanceSet, dof: Any, click: Click, curve: Curve | None = None) -> Pick | None:
+    """What a click at a response asks for; None where nothing is near.
+
+    On a pole it adds it, on a value it drops it, on the place of a dropped one it brings that back. On a
+    curve it adds the dip. The line of a value goes before what lies beside it: zoom in to tell them apart.
+    """
+    now, gone = zeros[dof], _gone(zeros, dof)
+    for values, action in ((now, "drop"), (gone, "restore")):
+        at = _nearest(values, click)
+        if at is not None:
+            return Pick(action, float(values[at]))
+    if click.figure == "stabilization" and dof in zeros.diagrams:
+        return _seen(zeros, dof, click) or _pole(zeros, dof, click)
+    if click.figure == "curve" and curve is not None:
+        return _dip(curve, click)
+    return None
+
+
+def _gone(zeros: AntiresonanceSet, dof: Any) -> FloatArray:
+    before = zeros.original()[dof]
+    return before[~np.isin(before, zeros[dof])]
+
+
+def _nearest(values: FloatArray, click: Click) -> int | None:
+    if not values.size:
+        return None
+    off = np.abs(values - click.x)
+    at = int(np.argmin(off))
+    return at if off[at] <= REACH_PX * click.x_per_px else None
+
+
+def _pole(zeros: AntiresonanceSet, dof: Any, click: Click) -> Pick | None:
+    order, freq, damping, stable = pole_table(zeros.diagrams[dof])
+    if not freq.size:
+        return None
+    off = np.hypot((freq - click.x) / click.x_per_px, (order - click.y) / click.y_per_px)
+    # Of two that are nearly as near, the stable one is meant.
+    at = int(np.argmin(off + np.where(stable, 0.0, 0.3 * REACH_PX)))
+    return Pick("add", float(freq[at]), float(damping[at])) if off[at] <= REACH_PX else None
+
+
+def _seen(zeros: AntiresonanceSet, dof: Any, click: Click) -> Pick | None:
+    """What fits saw and did not accept; its marks stand above the poles."""
+    diagram = zeros.diagrams[dof]
+    table = diagram.left_out
+    at = _nearest(table.freq_hz, click)
+    if at is None or click.y < float(diagram.orders[-1]) + 0.2 - REACH_PX * click.y_per_px:
+        return None
+    damping, std = float(table.damping_ratio[at]), float(table.std_hz[at])
+    return Pick(
+        "add",
+        float(table.freq_hz[at]),
+        None if np.isnan(damping) else damping,
+        None if np.isnan(std) else std,
+    )
+
+
+def _dip(curve: Curve, click: Click) -> Pick | None:
+    """The lowest line near the click, if it is lower than its neighbours on both sides."""
+    near = np.flatnonzero(np.abs(curve.freq_hz - click.x) <= REACH_PX * click.x_per_px)
+    if not near.size:
+        near = np.array([int(np.argmin(np.abs(curve.freq_hz - click.x)))])
+    at = int(near[np.argmin(curve.size[near])])
+    if at in (0, curve.size.size - 1) or curve.size[at] > min(curve.size[at - 1], curve.size[at + 1]):
+        return None
+    return Pick("add", float(curve.freq_hz[at]))
+
+
+class Session:
+    """A set and what may be done with it. Calls may come from several threads.
+
+    Parameters
+    ----------
+    zeros : AntiresonanceSet or None
+        None: :meth:`identify` makes it, and until then there are curves without values.
+    source : Recording, FrequencyResponse or Source, optional
+        What it was identified from: curves are shown, and band and orders may be changed.
+    excitation : int or str, optional
+        Of a source without a set.
+    band_hz, max_order, options : optional
+        With which the set was identified, and the other options of the identification.
+    save_to : path-like, optional
+        Where :meth:`save` writes.
+    """
+
+    def __init__(
+        self,
+        zeros: AntiresonanceSet | None,
+        source: Recording | FrequencyResponse | Source | None = None,
+        *,
+        excitation: Any = None,
+        band_hz: Sequence[float] | None = None,
+        max_order: int | None = None,
+        options: Mapping[str, Any] | None = None,
+        save_to: str | os.PathLike[str] | None = None,
+    ) -> None:
+        self.source, self.options = source_of(source), dict(options or {})
+        self.identified = zeros is not None
+        if zeros is None:
+            assert self.source is not None
+            dofs = self.source.dofs
+            zeros = AntiresonanceSet(excitation, {dof: [] for dof in dofs}, channels=dofs)
+        if self.source is not None:
+            diagram = next(iter(zeros.diagrams.values()), None)
+            if band_hz is None:
+                band_hz = self.source.whole_band if diagram is None else diagram.band_hz
+            band_hz = _inside(self.source, band_hz)
+        asked = asked_of(zeros)
+        self._now = Sight(
+            zeros,
+            asked,
+            (None,) * len(asked),
+            None if band_hz is None else (band_hz[0], band_hz[1]),
+            max_order,
+        )
+        self._past: list[Sight] = []
+        self._future: list[Sight] = []
+        self._saved: tuple[AntiresonanceSet | None, tuple[Asked, ...]] = (None, asked)
+        self.file = SessionFile(None if save_to is None else Path(save_to))
+        self._lock = RLock()
+        #: Grows with every change, of what is saved too.
+        self.turn = 0
+
+    @property
+    def now(self) -> Sight:
+        """What is on the desk."""
+        return self._now
+
+    @property
+    def zeros(self) -> AntiresonanceSet:
+        """The set as it is now."""
+        return self._now.zeros
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is something to undo."""
+        return bool(self._past)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is something to do again."""
+        return bool(self._future)
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether there are edits that the file does not have, or values that are others than those saved."""
+        zeros, asked = self._saved
+        other = zeros is not None and self.zeros != zeros
+        return self.identified and (other or self._now.asked != asked)
+
+    @property
+    def text(self) -> str:
+        """What the file is to hold: the set, and the edits that wait."""
+        now = self._now
+        waiting = [each for each, why in zip(now.asked, now.waits, strict=True) if why is not None]
+        return to_json(now.zeros, waiting)
+
+    def click(self, dof: Any, click: Click, reason: str = "") -> str | None:
+        """Do what a click means; what was done, in words, None where it hit nothing."""
+        with self._lock:
+            pick = picked(self.zeros, dof, click, self.curve(dof))
+            if pick is None:
+                return None
+            if pick.action == "drop":
+                return self.drop(dof, pick.freq_hz, reason)
+            if pick.action == "restore":
+                return self.restore(dof, pick.freq_hz)
+            return self.add(dof, pick.freq_hz, reason, pick.damping_ratio, pick.std_hz)
+
+    def drop(self, dof: Any, freq_hz: float, reason: str = "") -> str:
+        """Drop a value; one that was added by hand is taken back instead."""
+        with self._lock:
+            for i, each in enumerate(self._now.asked):
+                same = each.edit.dof == dof and each.edit.freq_hz == freq_hz
+                if same and each.edit.action == "add" and self._now.waits[i] is None:
+                    return self.take_back(i)
+            return self._edited(self.zeros.drop(dof, freq_hz, reason=reason))
+
+    def add(
+        self,
+        dof: Any,
+        freq_hz: float,
+        reason: str = "",
+        damping_ratio: float | None = None,
+        std_hz: float | None = None,
+    ) -> str:
+        """Add a value; one outside the band is told, one that the measurement cannot reach is refused."""
+        with self._lock:
+            added = self.zeros.add(dof, freq_hz, damping_ratio=damping_ratio, std_hz=std_hz, reason=reason)
+            if self.source is not None:
+                _reached(self.source, freq_hz)
+            band = self._now.band_hz
+            outside = band is not None and not band[0] <= freq_hz <= band[1]
+            seen = f", outside of the band of {band[0]:g} to {band[1]:g} Hz" if band and outside else ""
+            return f"{self._edited(added)}{seen}"
+
+    def restore(self, dof: Any, freq_hz: float) -> str:
+        """Bring back a value that was dropped, as it was."""
+        with self._lock:
+            off = {
+                i: abs(each.edit.freq_hz / freq_hz - 1.0)
+                for i, each in enumerate(self._now.asked)
+                if (each.edit.dof, each.edit.action, self._now.waits[i]) == (dof, "drop", None)
+            }
+            nearest = min(off, key=off.__getitem__, default=None)
+            if nearest is not None and off[nearest] < NAMED_WITHIN:
+                return self.take_back(nearest)
+            reject("freq_hz", f"{freq_hz:g} Hz at dof {dof!r}", "a value that was dropped", "Name another.")
+
+    def take_back(self, number: int) -> str:
+        """Take an edit back, by its place in the list; the others stay."""
+        with self._lock:
+            asked = self._edits(number)
+            undone = asked[number].edit
+            rest = [each for i, each in enumerate(asked) if i != number]
+            self._step(self._now.on(self.zeros.original(), rest))
+            verb = "brought back" if undone.action == "drop" else "took back"
+            return f"{verb} {undone.freq_hz:.2f} Hz at dof {undone.dof}"
+
+    def reword(self, number: int, reason: str) -> str:
+        """Give an edit another reason."""
+        with self._lock:
+            asked = list(self._edits(number))
+            if asked[number].edit.reason == reason:
+                return ""
+            asked[number] = asked[number].reworded(reason)
+            self._step(self._now.on(self.zeros.original(), asked))
+            return "reason kept"
+
+    def identify(self, band_hz: Sequence[float] | None = None, max_order: int | None = None) -> str:
+        """Identify again, and make all edits again; what became of those that wait is told by :attr:`now`.
+
+        It takes as long as it takes; until then the set stays as it was.
+        """
+        if self.source is None:
+            reject("source", "a set alone", "the measurement too", "Open the measurement to identify again.")
+        band = self._now.band_hz if band_hz is None else band_hz
+        band = _inside(self.source, band)
+        if max_order is not None:
+            max_order = integer("max_order", max_order, low=2)
+        options = {**self.options, **({} if max_order is None else {"max_order": max_order})}
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always", AntiresWarning)
+            made = self.source.identify(self.zeros.excitation, band, options)
+        with self._lock:
+            said = tuple(line for each in heard for line in str(each.message).splitlines())
+            seen = replace(self._now, band_hz=(band[0], band[1]), max_order=max_order, warned=said)
+            seen = seen.on(made, self._now.asked)
+            if self.identified:
+                self._step(seen)
+            else:  # the first one is where undo ends
+                self.identified = True
+                self._show(seen)
+            count = sum(len(each) for each in made.values())
+            return f"identified {count} values in {band[0]:g} to {band[1]:g} Hz"
+
+    def undo(self) -> str:
+        """Go back to what was before the last change, of edits, band or orders."""
+        return self._moved(self._past, self._future, "undone")
+
+    def redo(self) -> str:
+        """Do again what was undone."""
+        return self._moved(self._future, self._past, "done again")
+
+    def save(self, *, replace_file: bool = False) -> str:
+        """Write the set, and the edits that wait, where it belongs.
+
+        Raises
+        ------
+        InvalidInputError
+            A file of that name is there that this session has not written, and ``replace_file`` is False;
+            there is no name; or the file cannot be written.
+        """
+        with self._lock:
+            name = self.file.write(self.text, replace_file=replace_file)
+            self._saved = (self.zeros, self._now.asked)
+            self.turn += 1
+            waiting = sum(why is not None for why in self._now.waits)
+            kept = f"; of its edits {waiting} still wait{'s' * (waiting == 1)}" if waiting else ""
+            return f"saved {name}{kept}"
+
+    def keep_unsaved(self) -> Path | None:
+        """Write what was not saved beside the file; where it is, None if there was nothing or no file."""
+        with self._lock:
+            return self.file.write_beside(self.text) if self.unsaved else None
+
+    def opened(self, asked: Sequence[Asked], path: Path | None = None) -> None:
+        """Say that the set came from a file with these edits: ``path``, where it may be written back."""
+        self._now = self._now.on(self.zeros.original(), asked)
+        self._saved = (None, self._now.asked)
+        if path is not None:
+            self._saved = (self.zeros, self._now.asked)
+            self.file = SessionFile(path)
+            self.file.opened()
+
+    def make_again(self, edits: Sequence[Asked]) -> None:
+        """Make the edits of another set, as far as this one can take them; the others wait."""
+        now = self._now
+        if edits and self.identified:
+            self._step(now.on(self.zeros.original(), [*now.asked, *edits]))
+        elif edits:
+            self._now = replace(now, asked=tuple(edits), waits=("not identified yet",) * len(edits))
+
+    def curve(self, dof: Any) -> Curve | None:
+        """What was measured at a response, on the lines of the band."""
+        source, band = self.source, self._now.band_hz
+        return None if source is None or band is None else source.curve(dof, band, self.options)
+
+    def _edits(self, number: int) -> tuple[Asked, ...]:
+        asked = self._now.asked
+        if not 0 <= number < len(asked):
+            reject(
+                "number", number, f"an edit from 0 to {len(asked) - 1}", "Look again: the list has changed."
+            )
+        return asked
+
+    def _edited(self, zeros: AntiresonanceSet) -> str:
+        edit = zeros.edits[-1]
+        now = self._now
+        asked = (*now.asked, Asked.on(zeros.original(), edit))
+        self._step(replace(now, zeros=zeros, asked=asked, waits=(*now.waits, None)))
+        return str(edit)
+
+    def _step(self, sight: Sight) -> None:
+        self._past.append(self._now)
+        self._future.clear()
+        self._show(sight)
+
+    def _show(self, sight: Sight) -> None:
+        self._now = sight
+        self.turn += 1
+
+    def _moved(self, source: list[Sight], target: list[Sight], said: str) -> str:
+        with self._lock:
+            if not source:
+                return f"nothing to be {said}"
+            target.append(self._now)
+            self._show(source.pop())
+            return said
+
+
+def _inside(source: Source, band_hz: Any) -> tuple[float, float]:
+    """A band inside what the source covers."""
+    low, high = source.covered_hz
+    return frequency_band("band_hz", band_hz, low_hz=low, high_hz=high)
+
+
+def _reached(source: Source, freq_hz: float) -> None:
+    """Refuse a frequency of which the measurement cannot tell."""
+    low, high = source.covered_hz
+    if not low <= freq_hz <= high:
+        wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
+        reject("freq_hz", f"{freq_hz:g} Hz", wanted, "Correct it.")
+
+
+# -- The hits of a roving hammer as one source, whose force is at another place for each response
+
+
+class RovingHammer:
+    """A measurement for each place that was hit, and the sensor that stayed: by reciprocity its responses."""
+
+    def __init__(self, hits: Sequence[Hit], sensor: Any) -> None:
+        self._hits, self._sensor = tuple(hits), sensor
+        self._places: dict[Any, tuple[OneMeasurement, Any]] = {}
+        for hit in hits:
+            one = OneMeasurement(hit.signal)
+            # A hit at the sensor itself shows all responses.
+            own = {dof: dof for dof in one.dofs} if hit.force == sensor else {hit.force: sensor}
+            for dof, channel in own.items():
+                self._places.setdefault(dof, (one, channel))
+
+    @property
+    def dofs(self) -> tuple[Any, ...]:
+        """Places that were hit, and responses under a hit at the sensor."""
+        return tuple(self._places)
+
+    @property
+    def covered_hz(self) -> Band:
+        """Of all measurements."""
+        return self._common("covered_hz")
+
+    @property
+    def whole_band(self) -> Band:
+        """That of all measurements."""
+        return self._common("whole_band")
+
+    @property
+    def response(self) -> None:
+        """There is none: each has a force of its own."""
+
+    def identify(self, excitation: Any, band_hz: Band, options: Mapping[str, Any]) -> AntiresonanceSet:
+        """Each by itself, joined."""
+        return identify_roving(self._hits, self._sensor, band_hz, progress=False, **options)
+
+    def curve(self, dof: Any, band_hz: Band, options: Mapping[str, Any]) -> Curve | None:
+        """That of the sensor under the hit there."""
+        one, channel = self._places.get(dof, (None, None))
+        return None if one is None else one.curve(channel, band_hz, options)
+
+    def _common(self, name: str) -> Band:
+        bands = [getattr(one, name) for one, _ in self._places.values()]
+        return max(low for low, _ in bands), min(high for _, high in bands)
+
+
+# -- A session as plain data: what the page shows beside its figures
+
+
+def told(session: Session, dof: Any) -> dict[str, Any]:
+    """Table, edits and what may be done, and the marks of the response that is shown."""
+    turn = session.turn  # before what it is of: never newer than that
+    now = session.now
+    zeros, band = now.zeros, now.band_hz
+    shown = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band
+    return {
+        "kind": "set",
+        "turn": turn,
+        "excitation": str(zeros.excitation),
+        "dofs": [str(each) for each in zeros],
+        "dof": list(zeros).index(dof),
+        "rows": rows_of(zeros),
+        "edits": [
+            {
+                "text": _said(each.edit.action, each.edit.freq_hz, each.edit.dof),
+                "reason": each.edit.reason,
+                "waits": why,
+            }
+            for each, why in zip(now.asked, now.waits, strict=True)
+        ],
+        "marks": mark_columns(zeros, dof, shown or (0.0, 1.0)),
+        "band_hz": None if band is None else list(band),
+        "max_order": now.max_order,
+        "identified": session.identified,
+        "can_identify": session.source is not None,
+        "can_undo": session.can_undo,
+        "can_redo": session.can_redo,
+        "unsaved": session.unsaved,
+        "file": None if session.file.path is None else str(session.file.path),
+        "warnings": list(now.warned) or _warnings(zeros),
+    }
+
+
+def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
+    """One row a value: what the table of the page says."""
+    rows = []
+    for at, (dof, table) in enumerate(zeros.tables.items()):
+        words = doubts_of(dof, table, zeros.cross_check)
+        grades = table.scores.get("grade", np.full(len(table), ""))
+        for i, freq in enumerate(table.freq_hz.tolist()):
+            std, damping = float(table.std_hz[i]), float(table.damping_ratio[i])
+            rows.append(
+                {
+                    "dof": at,
+                    "freq_hz": freq,
+                    "std_hz": None if np.isnan(std) else std,
+                    "damping_percent": None if np.isnan(damping) else 100.0 * damping,
+                    "grade": "by hand" if table.by_hand[i] else str(grades[i]),
+                    "doubts": "" if table.by_hand[i] else ", ".join(words[i]),
+                }
+            )
+    return rows
+
+
+def _said(action: str, freq_hz: float, dof: Any) -> str:
+    return f"{'dropped' if action == 'drop' else 'added'} {freq_hz:.2f} Hz at dof {dof}"
+
+
+def _warnings(zeros: AntiresonanceSet) -> list[str]:
+    return [] if zeros.data_check is None else [f"data check: {line}" for line in zeros.data_check.warnings]
+
+
+# -- What a server asks of what it shows
+
+
+Arguments = Mapping[str, Any]
+
+
+class View(Protocol):
+    """What the server shows: a set that is edited, or a result."""
+
+    title: str
+    #: Commands that take long; the others are answered at once.
+    slow: frozenset[str]
+
+    def state(self, shown: int) -> dict[str, Any]:
+        """What stands beside the figures, as plain data."""
+
+    def figure(self, shown: int) -> dict[str, Any]:
+        """A figure as ``Bokeh.embed.embed_item`` takes it."""
+
+    def do(self, command: str, arguments: Arguments) -> str:
+        """Carry out a command; what was done, in words."""
+
+    def file(self) -> tuple[str, str] | None:
+        """Name and text of what can be downloaded."""
+
+
+class Refused:
+    """In place of a view: why there is none."""
+
+    slow: frozenset[str] = frozenset()
+
+    def __init__(self, title: str, why: Exception) -> None:
+        self.title, self._why = title, why
+
+    def state(self, shown: int) -> dict[str, Any]:
+        """Says why."""
+        raise self._why
+
+    def figure(self, shown: int) -> dict[str, Any]:
+        """Says why."""
+        raise self._why
+
+    def do(self, command: str, arguments: Arguments) -> str:
+        """Says why."""
+        raise self._why
+
+    def file(self) -> None:
+        """There is none."""
+
+
+# -- What the page may ask for: each command by name, its arguments checked, in plain data both ways
+
+
+#: No number of a response, an edit or an order is larger.
+MOST = 1_000_000
+
+
+class SetView:
+    """The page of a set."""
+
+    slow = frozenset({"identify"})
+
+    def __init__(self, session: Session, title: str) -> None:
+        self.session, self.title = session, title
+        self._drawing = Lock()
+        self._drawn: tuple[Sight, int, dict[str, Any]] | None = None
+        self._commands: dict[str, Callable[[Arguments], str | None]] = {
+            "click": self._click,
+            "drop": lambda a: session.drop(self._dof(a), _number(a, "freq_hz"), _text(a, "reason")),
+            "add": lambda a: session.add(self._dof(a), _number(a, "freq_hz"), _text(a, "reason")),
+            "take_back": lambda a: session.take_back(_whole(a, "number")),
+            "reword": lambda a: session.reword(_whole(a, "number"), _text(a, "reason")),
+            "identify": self._identify,
+            "undo": lambda a: session.undo(),
+            "redo": lambda a: session.redo(),
+            "save": lambda a: session.save(replace_file=a.get("replace") is True),
+        }
+
+    def state(self, shown: int) -> dict[str, Any]:
+        """See :func:`~antires_rs.figures.page_session.told`."""
+        return told(self.session, self._at(shown))
+
+    def figure(self, shown: int) -> dict[str, Any]:
+        """Everything that speaks for the values of a response."""
+        with self._drawing:
+            now = self.session.now
+            if self._drawn is None or self._drawn[0] is not now or self._drawn[1] != shown:
+                self._drawn = (now, shown, self._figure(shown))
+            return self._drawn[2]
+
+    def _figure(self, shown: int) -> dict[str, Any]:
+        session, dof = self.session, self._at(shown)
+        response = None if session.source is None else session.source.response
+        return item(
+            evidence_figure(
+                session.zeros, dof, session.curve(dof), response, session.now.band_hz, every_kind=True
+            )
+        )
+
+    def do(self, command: str, arguments: Arguments) -> str:
+        """One of the commands above.
+
+        Raises
+        ------
+        AntiresError
+            What the command itself refuses; a command or an argument that is none.
+        """
+        if command not in self._commands:
+            reject("command", command, f"one of {', '.join(self._commands)}", "Load the page again.")
+        return self._commands[command](arguments) or ""
+
+    def file(self) -> tuple[str, str]:
+        """What :meth:`~antires_rs.figures.page_session.Session.save` writes."""
+        path = self.session.file.path
+        return "antiresonances.json" if path is None else path.name, self.session.text
+
+    def _click(self, a: Arguments) -> str:
+        names = ("x", "y", "x_per_px", "y_per_px")
+        click = Click(_text(a, "figure"), *(_number(a, name) for name in names))
+        said = self.session.click(self._dof(a), click, _text(a, "reason"))
+        return said or "nothing there: click a pole, a dip or the line of a value"
+
+    def _identify(self, a: Arguments) -> str:
+        order = a.get("max_order")
+        band = None if a.get("low_hz") is None else (_number(a, "low_hz"), _number(a, "high_hz"))
+        return self.session.identify(band, None if order is None else _whole(a, "max_order"))
+
+    def _dof(self, a: Arguments) -> Any:
+        return self._at(_whole(a, "dof"))
+
+    def _at(self, number: int) -> Any:
+        dofs = list(self.session.zeros)
+        if not 0 <= number < len(dofs):
+            reject("dof", number, f"a response from 0 to {len(dofs) - 1}", "Load the page again.")
+        return dofs[number]
+
+
+def _number(a: Arguments, name: str) -> float:
+    value = a.get(name)
+    try:
+        if not isinstance(value, bool) and isinstance(value, int | float) and math.isfinite(value):
+            return float(value)
+    except OverflowError:  # a whole number beyond all floats
+        value = "a number of hundreds of digits"
+    reject(name, value, "a finite number", "Type a number.")
+
+
+def _whole(a: Arguments, name: str) -> int:
+    value = a.get(name)
+    if isinstance(value, bool) or not isinstance(value, int) or abs(value) > MOST:
+        reject(name, value, f"a whole number of at most {MOST:,}", "Type a smaller one.")
+    return value
+
+
+def _text(a: Arguments, name: str) -> str:
+    value = a.get(name, "")
+    if not isinstance(value, str) or len(value) > 1000:
+        reject(name, type(value).__name__, "a text of at most 1,000 characters", "Shorten it.")
+    return value

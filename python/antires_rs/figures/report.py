@@ -1,0 +1,414 @@
+"""Reports: one self-contained HTML file for a result (``pip install "antires-rs[report]"``).
+
+Style and pictures are inside the file and nothing is fetched when it is opened, so it can be mailed, archived
+and printed. Uses results, ``plotting`` and jinja2; ``facts`` finds the words, ``rows`` the tables,
+``figures`` the pictures, ``template.html`` the page.
+"""
+
+from __future__ import annotations
+
+import base64
+import os
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from platform import platform, python_version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._core import __version__
+from ..damage.result import DamageResult
+from ..damage.words import without_idle
+from ..exceptions import MissingDependencyError
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
+from ..support.checks import reject
+from ..support.files import write_atomically
+from ..updating.result import UpdateResult
+from ..watch.watched import alarm_lines, fault_lines, rate_lines
+from .canvas import picture
+from .live_watch import watched_figure
+from .report_parts import (
+    Drawings,
+    Facts,
+    damage_rows,
+    dof_name,
+    drawings_of,
+    fitting,
+    frequency_rows,
+    hypothesis_rows,
+    largest,
+    library,
+    of_model,
+    of_search,
+    of_set,
+    of_signal,
+    packed,
+    parameter_rows,
+    policy,
+    script,
+    states,
+)
+from .watch import draw_monitor, panels, size_in
+
+if TYPE_CHECKING:
+    from ..identification.stabilization import StabilizationDiagram
+    from ..watch.watched import Watched
+
+#: What one measured set may be described by.
+Measurement = Recording | FrequencyResponse | Mapping[str, str | Sequence[str]]
+
+
+def write_report(
+    result: UpdateResult,
+    path: str | os.PathLike[str],
+    *,
+    title: str | None = None,
+    measurement: Measurement | Sequence[Measurement] | None = None,
+    diagrams: Mapping[Any, StabilizationDiagram] | None = None,
+    response: FrequencyResponse | None = None,
+    truth: Mapping[int, float] | None = None,
+    origin: Mapping[str, str | Sequence[str]] | None = None,
+    warnings: Sequence[str] | None = None,
+    baseline: Sequence[Mapping[str, str | Sequence[str]]] | None = None,
+    drawn: Drawings | None = None,
+) -> Path:
+    """Write a result with its tables, pictures and caveats into one HTML file below 3 MB.
+
+    Parameters
+    ----------
+    result : UpdateResult or DamageResult
+    path : path-like
+        Replaced if it exists, in one step: a reader never sees half a report.
+    title : str, optional
+        Heading; what was done by default.
+    measurement : Recording, FrequencyResponse or mapping of str to str, or a sequence of these, optional
+        What was measured, one for each measured set: the signal itself, or facts by name. What a set knows of
+        its own identification is shown in any case.
+    diagrams : mapping of dof to StabilizationDiagram, optional
+        Evidence of the identification, by response dof or by any name. Default: those that the measured sets
+        carry.
+    response : FrequencyResponse, optional
+        Measured transmissibilities, drawn beside the model's before and after. With several positions of the
+        force they belong to the first. Not with modes, which do not tell where the force was.
+    truth : mapping of int to float, optional
+        True stiffness loss by element, for a virtual test; shown beside what was found.
+    origin : mapping of str to str or sequence of str, optional
+        What repeats the run, such as its command and the checksums of its files; shown beside the seed.
+    warnings : sequence of str, optional
+        What was warned of in the run. Default: what the data checks of the measured sets say.
+    baseline : sequence of mapping of str to str, optional
+        Facts by name about each measurement of the intact structure.
+    drawn : Drawings, optional
+        Pictures that are wanted elsewhere too, so that none is drawn twice. Default: those of ``diagrams``,
+        ``response`` and ``truth``.
+
+    Returns
+    -------
+    pathlib.Path
+        The file written.
+
+    Raises
+    ------
+    InvalidInputError
+        The folder does not exist, or something that is not a result.
+    MissingDependencyError
+        jinja2 or matplotlib is not installed.
+
+    Notes
+    -----
+    The file asks nothing of any network. Where bokeh is installed (``pip install "antires-rs[look]"``), its
+    figures can be zoomed, hovered and their lines switched off; printed, without scripts, or without bokeh
+    pictures stand there. Where all stabilization diagrams together would
+    make it larger, the last are left out, and it says how many.
+
+    Examples
+    --------
+    >>> import tempfile, antires_rs as ar
+    >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
+    >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)),
+    ...                              ar.AntiresonanceSet(0, {0: [2.1, 5.6], 1: [3.5]}))
+    >>> result = ar.update(problem, rng=0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     result.report(folder + "/run.html")
+    """
+    if not isinstance(result, UpdateResult):
+        reject(
+            "result",
+            type(result).__name__,
+            "an UpdateResult or a DamageResult",
+            "Pass what update or assess_damage returned.",
+        )
+    try:
+        import matplotlib  # noqa: F401 - only asked whether it is there
+        from jinja2 import Environment, StrictUndefined
+    except ImportError as exc:
+        raise MissingDependencyError(
+            'reports need jinja2 and matplotlib; install them with: pip install "antires-rs[report]"'
+        ) from exc
+    if not Path(path).parent.is_dir():  # known before any picture is drawn
+        reject(
+            "path",
+            str(path),
+            "a file in a folder that exists",
+            f"Make the folder {str(Path(path).parent)!r} first.",
+        )
+    damage = result if isinstance(result, DamageResult) else None
+    judged = damage if damage is not None and damage.has_baseline else None
+    problem = result.problem
+    modal = problem.objective == "modal"
+    if modal and response is not None:
+        reject(
+            "response",
+            "transmissibilities with measured modes",
+            "None",
+            "A ModalSet does not tell where the force was, which the model's transmissibilities need.",
+        )
+    measured = _measured(result, measurement)
+    drawn = drawings_of(result, response, truth, diagrams) if drawn is None else drawn
+    shown, left_out = fitting(drawn)
+    if warnings is None:
+        warnings = [
+            said
+            for each in problem.measured
+            for said in getattr(getattr(each, "data_check", None), "warnings", ())
+        ]
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    template = files(__package__).joinpath("assets", "report.html").read_text(encoding="utf-8")
+    html = environment.from_string(template).render(
+        title=title
+        or ("Damage assessment" if damage else "Model updating")
+        + (" with resonances and mode shapes" if modal else " with antiresonances"),
+        answer=damage._headline() if damage else [_answer_update(result)],
+        lead=_lead(result),
+        result=result,
+        damage=damage is not None,
+        modal=modal,
+        states=states(result),
+        parameters=damage_rows(damage, truth) if damage else parameter_rows(result),
+        judged=judged is not None,
+        hypotheses=None if judged is None else hypothesis_rows(without_idle(judged.assessment)),
+        intact=[_lines(each) for each in baseline or ()],
+        known=truth is not None,
+        rows=frequency_rows(result),
+        figures=drawn.figures,
+        measured=measured,
+        diagrams=shown,
+        left_out=left_out,
+        library=library(),
+        script=script(),
+        policy=policy(),
+        warnings=list(warnings),
+        model=of_model(problem.model),
+        run=of_search(result) | _lines(origin or {}) | _versions(),
+    )
+    return write_atomically(path, html.encode("utf-8"))
+
+
+def _answer_update(result: UpdateResult) -> str:
+    what = "resonance" if result.problem.objective == "modal" else "antiresonance"
+    return (
+        f"Largest {what} difference: {largest(result.table.largest_before_percent)} before, "
+        f"{largest(result.table.largest_after_percent)} after."
+    )
+
+
+def _lead(result: UpdateResult) -> str:
+    """What was measured, what was unknown, and for damage what was reached."""
+    problem = result.problem
+    sets, count = problem.measured, problem.measured_hz.size
+    if problem.objective == "modal":
+        what, dofs = "resonance", ", ".join(f"{len(each.dofs)} dofs" for each in sets)
+        given = f"{count} measured resonances with shapes at {dofs}"
+    else:
+        what, names = "antiresonance", [dof_name(problem.model, each.excitation) for each in sets]
+        kind = names[0].split()[0]  # "dof" or "node", once
+        forces = ", ".join(name.removeprefix(f"{kind} ") for name in names)
+        given = f"{count} measured antiresonances, force at {kind} {forces}"
+    if not isinstance(result, DamageResult):
+        return f"{given}; {len(result.x)} parameters."
+    if result.has_baseline:
+        seen = [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]
+        would = (
+            f" Smallest loss that nine of ten such tests would show: {min(seen):.2g} to {max(seen):.2g} %, "
+            "depending on the element."
+            if seen
+            else ""
+        )
+        among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}"
+        return f"{given}, compared with those of the intact structure; {among}.{would}"
+    before, after = (
+        largest(p) for p in (result.table.largest_before_percent, result.table.largest_after_percent)
+    )
+    return (
+        f"{given}; {len(result.x)} candidate elements. Largest {what} difference {before} without "
+        f"damage, {after} with the damage found."
+    )
+
+
+def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
+    """Facts about each measured set; what was given leads."""
+    sets = result.problem.measured
+    given = (
+        []
+        if measurement is None
+        else [measurement]
+        if isinstance(measurement, Recording | FrequencyResponse | Mapping)
+        else list(measurement)
+    )
+    if given and len(given) != len(sets):
+        reject(
+            "measurement",
+            f"{len(given)} of them",
+            f"{len(sets)}, one for each measured set",
+            "Pass a list with one for each, None where there is none.",
+        )
+    for one in given:
+        if one is not None and not isinstance(one, Recording | FrequencyResponse | Mapping):
+            reject(
+                "measurement",
+                type(one).__name__,
+                "a Recording, a FrequencyResponse or facts by name",
+                "Pass what was read from the file, or None.",
+            )
+    told = [
+        {} if one is None else _lines(one) if isinstance(one, Mapping) else of_signal(one) for one in given
+    ]
+    return [(told[i] if told else {}) | of_set(each, result.problem.model) for i, each in enumerate(sets)]
+
+
+def _lines(facts: Mapping[str, str | Sequence[str]]) -> Facts:
+    return {name: [value] if isinstance(value, str) else list(value) for name, value in facts.items()}
+
+
+def _versions() -> Facts:
+    import scipy
+
+    made = {
+        "antires_rs": __version__,
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "python": python_version(),
+        "system": platform(),
+    }
+    return {
+        "Report made with": [
+            ", ".join(f"{name} {version}" for name, version in made.items()),
+            datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        ]
+    }
+
+
+# -- The page of a watch: what it found, its charts, its alarms; small enough to be written after every test
+
+
+#: So many of the latest alarms are in the table.
+_LATEST = 50
+
+
+def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None:
+    """Write the page, whole or not at all.
+
+    Parameters
+    ----------
+    watched : Watched
+    path : path-like
+        Replaced if it exists.
+    """
+    drawn = picture(
+        lambda axes: draw_monitor(np.atleast_1d(axes), watched),
+        size_in(watched),
+        rows=len(panels(watched)),
+        dpi=130,
+    )
+    image = base64.b64encode(drawn).decode()
+    rest = watched.outside_baseline
+    count, alarms = int(rest.sum()), int(watched.alarm[rest].sum())
+    last = np.flatnonzero(~np.isnan(watched.statistic))
+    state = "no test"
+    if last.size:
+        now = int(last[-1])
+        state = f"test {watched.names[now]}, the latest: {'ALARM' if watched.alarm[now] else 'no alarm'}"
+    notes = [*rate_lines(watched), *fault_lines(watched)]
+    if watched.failed:
+        notes.append(f"failed, not judged: {len(watched.failed)} tests")
+    page = f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy()}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>Watch: {alarms} of {count} tests alarm</title><link rel="icon" href="data:,">
+<style>{_style()}</style></head><body>
+<h1>antires_rs watch</h1>
+<p class="answer">{alarms:,} of {count:,} tests outside the baseline alarm</p>
+<p class="lead">{escape(state)}. Baseline: {watched.baseline.size} tests,
+{watched.dof.size} antiresonances.</p>
+<figure><img alt="Charts of all tests over their limits, and the first condition"
+src="data:image/png;base64,{image}">{_live(watched)}
+<figcaption>Each chart over its limit: crosses above 1 are alarms. The baseline is shaded; its tests are
+judged by the others.</figcaption></figure>
+<h2>Alarms</h2>
+{_paragraphs(alarm_lines(watched)) or "<p>None.</p>"}
+{_table(watched)}
+<h2>Rate and conditions</h2>
+<ul class="notes">{"".join(f"<li>{escape(line)}</li>" for line in notes)}</ul>
+<p class="lead">antires_rs {escape(__version__)}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC</p>
+{_script()}</body></html>
+"""
+    write_atomically(path, page.encode())
+
+
+def _live(watched: Watched) -> str:
+    """The charts to be explored, where they can be made."""
+    block = packed(lambda: watched_figure(watched))
+    if not block:
+        return ""
+    return (
+        '<div class="live" id="figure-charts"></div>'
+        f'<script type="text/plain" class="packed">{block}</script>'
+    )
+
+
+def _script() -> str:
+    """What draws them."""
+    if not library():
+        return ""
+    return f'<script type="text/plain" id="library">{library()}</script><script>{script()}</script>'
+
+
+def _style() -> str:
+    """That of the other reports."""
+    text = files(__package__).joinpath("assets", "report.html").read_text(encoding="utf-8")
+    return text.split("<style>")[1].split("</style>")[0]
+
+
+def _paragraphs(lines: list[str]) -> str:
+    """Indented lines belong to the one above."""
+    made: list[str] = []
+    for line in lines:
+        if line.startswith("  ") and made:
+            made[-1] += "<br>" + escape(line.strip())
+        else:
+            made.append(escape(line))
+    return "".join(f"<p>{line}</p>" for line in made)
+
+
+def _table(watched: Watched) -> str:
+    """The latest alarms outside the baseline."""
+    at = np.flatnonzero(watched.alarm & watched.outside_baseline)[::-1]
+    if not at.size:
+        return ""
+    rows = "".join(
+        f"<tr><th scope='row' class='name'>{escape(watched.names[i])}</th>"
+        f"<td>{watched.statistic[i]:.2f}</td><td>{escape(', '.join(watched.why(i)))}</td></tr>"
+        for i in at[:_LATEST].tolist()
+    )
+    what = f"The latest {min(at.size, _LATEST)} of {at.size:,} alarms" if at.size > _LATEST else "All alarms"
+    return (
+        f"<div class='scroll'><table><caption>{what}</caption><thead><tr><th class='name'>test</th>"
+        f"<th>statistic / limit</th><th>charts</th></tr></thead><tbody>{rows}</tbody></table></div>"
+    )

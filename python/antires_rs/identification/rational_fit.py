@@ -1,0 +1,520 @@
+r"""Rational fraction polynomials with a common denominator, fitted in orthogonal bases.
+
+Model: Y_o(s) = N_o(s) / D(s) for every output o, numerators and denominator of one order, real
+coefficients in s. The residual w_n (N_o - Y_o D) is linear in the coefficients. With the numerators on a
+Forsythe basis for w^2 and the denominator on one for w^2 sum_o abs(Y_o)^2, all numerators are eliminated
+at no cost and the denominator minimises d' G d, G = I - sum_o X_o' X_o (Richardson & Formenti 1982).
+The X_o are computed once: their leading blocks serve every lower order.
+
+d = 0 is excluded in one of two ways. "low" sets the lowest coefficient to one: spurious poles then go to
+the right half plane, where they are told from physical ones. "norm" takes the eigenvector of the smallest
+eigenvalue of G: more accurate where it finds a pole. A monic denominator would be wrong here: a
+transmissibility of two dofs can have a numerator of higher order than its denominator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..exceptions import NumericalError
+from ..signals.frequency_response import check_freq
+from ..support.checks import (
+    ComplexArray,
+    FloatArray,
+    complex_rows,
+    frequency_band,
+    integer,
+    real_array,
+    reject,
+)
+from .forsythe import Basis, forsythe_basis, roots
+
+# -- Where to start a rational fit: weights from a denominator guessed by eye
+#
+# The linear residual N - Y D carries the weight abs(D)^2 of a denominator that is not known yet. Over a
+# wide band, or at high order, abs(D) spans tens of decades and the first fit is lost in rounding, whatever
+# is reweighted afterwards. A coarse guess is enough: poles a third off bring the span down from 1e60 to a
+# few decades. So half as many pole pairs as the order are laid where the curve moves, at equal steps of the
+# integral of abs(d log P / d f), P the power of all curves, each as wide as its distance from the next.
+# Curves that are rough with noise move evenly: then the guess is even, too.
+
+
+# Share of the poles that is laid evenly, wherever the curve moves.
+EVEN = 0.25
+# Exponents beyond this would leave the range of floating point.
+MOST_EXPONENT = 300.0
+
+
+def guessed_poles(freq_hz: FloatArray, power: FloatArray, count: int) -> ComplexArray:
+    """``count`` poles in the upper left quarter of the plane, rad/s.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.identification.rational_fit import guessed_poles
+    >>> f = np.linspace(1.0, 100.0, 1000)
+    >>> power = 1.0 / np.abs((3.0**2 - f**2 + 0.1j * f) * (9.0**2 - f**2 + 0.1j * f))**2
+    >>> (guessed_poles(f, power, 4).imag / (2 * np.pi)).round().tolist()
+    [3.0, 9.0, 24.0, 69.0]
+    """
+    size = np.maximum(power, 1e-30 * power.max())
+    moved = np.abs(np.diff(np.log(size)))
+    even = np.diff(freq_hz) / (freq_hz[-1] - freq_hz[0])
+    total = moved.sum()
+    share = even if total == 0.0 else EVEN * even + (1.0 - EVEN) * moved / total
+    climbed = np.concatenate([[0.0], np.cumsum(share)])
+    hz = np.interp((np.arange(count) + 0.5) / count, climbed / climbed[-1], freq_hz)
+    width = np.gradient(hz) if count > 1 else hz
+    return np.asarray(2 * np.pi * (-0.5 * width + 1j * hz), dtype=np.complex128)
+
+
+def guessed_weights(freq_hz: FloatArray, power: FloatArray, order: int) -> FloatArray:
+    """1 / abs(D)^2 of a guessed denominator of even order up to ``order``, one in the geometric mean."""
+    if order < 2:
+        return np.ones(freq_hz.size)
+    poles = guessed_poles(freq_hz, power, order // 2)
+    s = 2j * np.pi * freq_hz[:, None]
+    exponent = -2.0 * (np.log(np.abs(s - poles)) + np.log(np.abs(s - poles.conj()))).sum(axis=1)
+    exponent -= exponent.mean()
+    return np.asarray(np.exp(np.clip(exponent, -MOST_EXPONENT, MOST_EXPONENT)), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class RootSet:
+    """Roots of a polynomial in s, one of each conjugate pair, by ascending frequency.
+
+    Attributes
+    ----------
+    s : (n,) complex
+        rad/s, imaginary part not negative.
+    freq_hz : (n,)
+        ``abs(s) / (2 pi)``.
+    damping_ratio : (n,)
+        ``-Re(s) / abs(s)``; negative in the right half plane, +-1 for a real root.
+    """
+
+    s: ComplexArray
+    freq_hz: FloatArray = field(init=False)
+    damping_ratio: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        s = self.s[self.s.imag >= 0.0]
+        s = s[np.argsort(np.abs(s), kind="stable")]
+        size = np.abs(s)
+        put = object.__setattr__
+        put(self, "s", s)
+        put(self, "freq_hz", size / (2 * np.pi))
+        put(self, "damping_ratio", np.divide(-s.real, size, out=np.zeros(s.size), where=size > 0))
+
+    def __len__(self) -> int:
+        return int(self.s.size)
+
+
+class CommonDenominator:
+    """What fits of every order share once the numerators are eliminated.
+
+    ``x``, (n_outputs, max_order + 1, max_order + 1), couples the orthonormal bases of numerators and
+    denominator; its leading blocks serve the lower orders.
+    """
+
+    x: FloatArray
+
+    def gram(self, order: int) -> FloatArray:
+        """G of one order: the denominator minimises d' G d."""
+        block = self.x[:, : order + 1, : order + 1].reshape(-1, order + 1)
+        return np.eye(order + 1) - block.T @ block
+
+    def denominator(self, gram: FloatArray) -> FloatArray:
+        """Coefficients under the constraint "low"."""
+        try:
+            rest = np.linalg.solve(gram[1:, 1:], -gram[1:, 0])
+        except np.linalg.LinAlgError:
+            rest = np.linalg.lstsq(gram[1:, 1:], -gram[1:, 0], rcond=None)[0]
+        return np.concatenate([[1.0], rest])
+
+
+class NestedFit(CommonDenominator):
+    """The one factorisation behind every order up to ``max_order``.
+
+    ``weights`` multiply squared residuals and are (n_freq,). Solutions are asked for by order.
+    """
+
+    def __init__(
+        self, freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, max_order: int
+    ) -> None:
+        self.scale_hz = float(freq_hz[-1])
+        self.values = values
+        self.weights = weights / weights.sum()
+        self.max_order = max_order
+        x = freq_hz / self.scale_hz
+        power = np.sum(values.real**2 + values.imag**2, axis=0)
+        self.numerator_basis = forsythe_basis(x, self.weights, max_order)
+        self.denominator_basis = forsythe_basis(x, self.weights * power, max_order)
+        self.x = self._couplings()
+
+    def _couplings(self) -> FloatArray:
+        """X_o[a, b] = Re sum_n w^2 conj(phi_a) Y_o psi_b, shape (n_outputs, order + 1, order + 1)."""
+        m, n1 = self.values.shape[0], self.max_order + 1
+        x = np.empty((m, n1, n1))
+        # i^(b-a): equal parities see the real part of Y only, unequal ones the imaginary part only.
+        for odd_a in (0, 1):
+            left = np.ascontiguousarray((self.numerator_basis.p[:, odd_a::2] * self.weights[:, None]).T)
+            for odd_b in (0, 1):
+                right = self.denominator_basis.p[:, odd_b::2]
+                part = self.values.real if odd_a == odd_b else self.values.imag
+                for o in range(m):
+                    x[o, odd_a::2, odd_b::2] = left @ (part[o][:, None] * right)
+        index = np.arange(n1)
+        # Re(i^m) z for even m, Re(i^m i) z for odd m.
+        sign = np.array([1.0, -1.0, -1.0, 1.0])[(index[None, :] - index[:, None]) % 4]
+        return np.asarray(x * sign, dtype=np.float64)
+
+    def poles(self, coefficients: FloatArray) -> ComplexArray:
+        """Roots of the denominator in rad/s."""
+        return roots(coefficients, self.denominator_basis.b) * (2 * np.pi * self.scale_hz)
+
+    def zeros(self, coefficients: FloatArray, output: int) -> ComplexArray:
+        """Roots of one numerator in rad/s."""
+        n1 = coefficients.size
+        numerator = self.x[output, :n1, :n1] @ coefficients
+        return roots(numerator, self.numerator_basis.b) * (2 * np.pi * self.scale_hz)
+
+    def numerators(self, coefficients: FloatArray) -> FloatArray:
+        """Coefficients of every numerator, (n_outputs, order + 1)."""
+        n1 = coefficients.size
+        return self.x[:, :n1, :n1] @ coefficients
+
+    def low_and_norm(self, order: int) -> FloatArray:
+        """Both solutions of one order without squaring the condition, (2, order + 1).
+
+        The sweep over orders can live with the normal equations, whose floor of 1e-8 lies far below any
+        measurement; a single fit of exact data need not.
+        """
+        n1 = order + 1
+        root_w = np.sqrt(self.weights)[:, None]
+        k = 1j ** np.arange(n1)
+        phi = root_w * self.numerator_basis.p[:, :n1] * k
+        psi = root_w * self.denominator_basis.p[:, :n1] * k
+        rows = []
+        for value, x in zip(self.values, self.x, strict=True):
+            rest = value[:, None] * psi - phi @ x[:n1, :n1]
+            rows += [rest.real, rest.imag]
+        r = np.asarray(np.linalg.qr(np.concatenate(rows), mode="r"))
+        low = np.linalg.lstsq(r[:, 1:], -r[:, 0], rcond=None)[0]
+        return np.stack([np.concatenate([[1.0], low]), np.linalg.svd(r)[2][-1]])
+
+
+@dataclass(frozen=True, repr=False)
+class RationalFit:
+    """A fitted rational function, one denominator for all outputs.
+
+    Attributes
+    ----------
+    order : int
+        Order of numerators and denominator.
+    poles : RootSet
+        Roots of the denominator.
+    zeros : RootSet or tuple of RootSet
+        Roots of the numerator; one set an output when the values were two-dimensional.
+    residual : float
+        Weighted rms of ``fit - values`` over the weighted rms of ``values``.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> f = np.linspace(1.0, 20.0, 400)
+    >>> fit = ar.fit_rational(f, 1.0 / (10.0**2 - f**2 + 0.4j * f), 2)
+    >>> fit.poles.freq_hz.round(6), abs(fit.evaluate([10.0])).round(6)
+    (array([10.]), array([0.25]))
+    """
+
+    order: int
+    poles: RootSet
+    zeros: RootSet | tuple[RootSet, ...]
+    residual: float
+    _bases: tuple[Basis, Basis]
+    _coefficients: tuple[FloatArray, FloatArray]
+    _scale_hz: float
+    _single: bool
+
+    def evaluate(self, freq_hz: Any) -> ComplexArray:
+        """Value of the fit at other frequencies.
+
+        Parameters
+        ----------
+        freq_hz : array_like, (n,)
+
+        Returns
+        -------
+        (n,) complex, or (n_outputs, n) where the fitted values had two dimensions.
+        """
+        freq = real_array("freq_hz", freq_hz, ndim=1, wanted="a real array (n,) in Hz")
+        s = np.asarray(1j * freq / self._scale_hz, dtype=np.complex128)
+        numerators, denominator = self._coefficients
+        below = self._bases[1].at(s, self.order) @ denominator
+        values = np.asarray((self._bases[0].at(s, self.order) @ numerators.T).T / below, dtype=np.complex128)
+        return values[0] if self._single else values
+
+    def __repr__(self) -> str:
+        n_outputs = self._coefficients[0].shape[0]
+        return (
+            f"RationalFit(order {self.order}, {n_outputs} output{'s' if n_outputs > 1 else ''}, "
+            f"{len(self.poles)} poles, relative residual {self.residual:.2g})"
+        )
+
+
+def prepare(
+    freq_hz: Any, values: Any, order: int, band_hz: Any, weights: Any, order_name: str
+) -> tuple[FloatArray, ComplexArray, FloatArray]:
+    """Checked lines in the band: frequencies, values (n_outputs, n), weights of squared residuals."""
+    freq = check_freq("freq_hz", freq_hz)
+    wanted = f"a complex array ({freq.size},) or (n_outputs, {freq.size}), one column a frequency"
+    array = complex_rows("values", values, freq.size, wanted=wanted)
+    low, high = frequency_band(
+        "band_hz",
+        (freq[0], freq[-1]) if band_hz is None else band_hz,
+        low_hz=float(freq[0]),
+        high_hz=float(freq[-1]),
+    )
+    inside = (freq >= low) & (freq <= high)
+    power = np.sum(np.abs(array) ** 2, axis=0)
+    if not power[inside].any():
+        reject(
+            "values",
+            "zeros only inside the band",
+            "at least one value that is not zero",
+            "Check the channel, or the band.",
+        )
+    if weights is None:
+        # A line's weight falls where a transmissibility peaks: there its own reference is mostly noise.
+        weight = 1.0 / (np.median(power[inside]) + power)
+    else:
+        wanted = f"a real array ({freq.size},) of positive weights, one a line"
+        weight = real_array("weights", weights, ndim=1, wanted=wanted)
+        if weight.size != freq.size or weight.min() < 0.0 or not weight[inside].any():
+            reject(
+                "weights",
+                f"an array of shape {weight.shape} from {weight.min():g} to {weight.max():g}",
+                wanted,
+                "Leave them out to count all lines alike.",
+            )
+    n_lines = int(inside.sum())
+    if n_lines <= order:
+        reject(
+            order_name,
+            f"{order} with {n_lines} lines in band_hz = ({low:g}, {high:g})",
+            "fewer orders than lines",
+            "Widen the band, use longer segments, or lower the order.",
+        )
+    return freq[inside], array[:, inside], weight[inside]
+
+
+def fit_rational(
+    freq_hz: Any,
+    values: Any,
+    order: int,
+    *,
+    band_hz: Sequence[float] | None = None,
+    weights: Any | None = None,
+    constraint: str = "low",
+    reweightings: int = 2,
+) -> RationalFit:
+    """Fit rational functions with a common denominator to complex frequency data.
+
+    Parameters
+    ----------
+    freq_hz : array_like, (n_freq,)
+        Ascending, Hz.
+    values : array_like, (n_freq,) or (n_outputs, n_freq)
+        Complex data, e.g. FRFs or transmissibilities.
+    order : int
+        Order in s of numerators and denominator, at least 1; two for each resonance.
+    band_hz : (low, high), optional
+        Only lines inside are used. Default: all.
+    weights : array_like, (n_freq,), optional
+        Weights of squared residuals. Default ``1 / (median(P) + P)``, P the sum of ``abs(values)**2``.
+    constraint : {"low", "norm"}
+        What excludes the zero solution: lowest Forsythe coefficient of the denominator one, or unit norm.
+    reweightings : int
+        Repetitions with the weights over ``abs(D)**2`` of the fit before (Sanathanan & Koerner 1963), so that
+        the residual becomes that of the curve itself. One is enough for exact data: it takes the error of
+        the poles at order 50 from 1e-2 to 1e-14.
+
+    Returns
+    -------
+    RationalFit
+
+    Raises
+    ------
+    InvalidInputError
+        Wrong shapes, NaN, band outside the data, or no more lines than the order.
+    NumericalError
+        The data leave the fit undefined.
+
+    Notes
+    -----
+    Orthogonal Forsythe bases and comrade-matrix roots, see the module. Source: M. H. Richardson and
+    D. L. Formenti, Proc. IMAC 1 (1982) 167-181; C. K. Sanathanan and J. Koerner, IEEE Trans. Autom. Control 8
+    (1963) 56-58.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.identification.rational_fit import fit_rational
+    >>> f = np.linspace(1.0, 20.0, 400)
+    >>> h = (7.0**2 - f**2 + 2j * 0.01 * 7.0 * f) / (10.0**2 - f**2 + 2j * 0.02 * 10.0 * f)
+    >>> fit = fit_rational(f, h, 2)
+    >>> print(fit.poles.freq_hz.round(6), fit.poles.damping_ratio.round(6), fit.zeros.freq_hz.round(6))
+    [10.] [0.02] [7.]
+    """
+    order = integer("order", order, low=1)
+    if constraint not in ("low", "norm"):
+        reject("constraint", constraint, "'low' or 'norm'", "Leave it out for 'low'.")
+    single = np.ndim(values) == 1
+    freq, array, weight = prepare(freq_hz, values, order, band_hz, weights, "order")
+    first, fits = weight, []
+    weight = first * guessed_weights(freq, np.sum(np.abs(array) ** 2, axis=0), order)
+    for _ in range(integer("reweightings", reweightings, low=0) + 1):
+        nested = NestedFit(freq, array, weight, order)
+        try:
+            d = nested.low_and_norm(order)[0 if constraint == "low" else 1]
+        except np.linalg.LinAlgError as exc:
+            raise NumericalError(
+                f"the least-squares problem of order {order}",
+                f"no convergence ({exc}); lower the order or narrow the band",
+            ) from exc
+        fits.append(_fit_of(nested, freq, d, first, single))
+        terms = nested.denominator_basis.p * d
+        # A line on a pole must not get all the weight there is: less than this is rounding.
+        below = np.maximum(np.abs(terms @ 1j ** np.arange(order + 1)), 1e-15 * np.abs(terms).sum(axis=1))
+        weight = first / below**2
+    # Reweighting need not converge: where the last fit is much worse than an earlier one, that one counts.
+    best = min(fits, key=lambda fit: fit.residual)
+    return fits[-1] if fits[-1].residual <= 2.0 * best.residual else best
+
+
+def _fit_of(
+    nested: NestedFit, freq_hz: FloatArray, d: FloatArray, weight: FloatArray, single: bool
+) -> RationalFit:
+    """The fit with denominator coefficients ``d``, its residual taken with the user's own weight."""
+    zeros = tuple(RootSet(nested.zeros(d, o)) for o in range(nested.values.shape[0]))
+    bases = (nested.numerator_basis, nested.denominator_basis)
+    fit = RationalFit(
+        len(d) - 1,
+        RootSet(nested.poles(d)),
+        zeros[0] if single else zeros,
+        0.0,
+        bases,
+        (nested.numerators(d), d),
+        nested.scale_hz,
+        single,
+    )
+    difference = np.atleast_2d(fit.evaluate(freq_hz)) - nested.values
+    rms = np.sqrt((weight * np.abs(difference) ** 2).sum() / (weight * np.abs(nested.values) ** 2).sum())
+    object.__setattr__(fit, "residual", float(rms))
+    return fit
+
+
+# -- How much of a rational curve one of its poles owns
+
+
+def dominance(
+    above: tuple[Basis, FloatArray], below: tuple[Basis, FloatArray], s: ComplexArray
+) -> FloatArray:
+    """Norm of residues / abs(Re s), over the norm of above/below at i Im s.
+
+    ``above`` holds the coefficients of one or more numerators, (n_outputs, order + 1), ``below`` those of the
+    denominator, (order + 1,), or both for each root, with its number in front; ``s`` are roots of the latter
+    in units of 2 pi f_max.
+    """
+    order = below[1].shape[-1] - 1
+    step = 1e-6 * np.abs(s)  # central difference: error 1e-12 of a derivative that needs two digits
+    points = np.stack([s + step, s - step, s, 1j * s.imag], axis=1)
+    phi = below[0].at(points.ravel(), order).reshape(*points.shape, order + 1)
+    denominator = (phi @ below[1][..., None])[..., 0]
+    if above[0] is not below[0]:
+        phi = above[0].at(points.ravel(), order).reshape(phi.shape)
+    numerator = np.linalg.norm(phi[:, 2:] @ above[1].swapaxes(-1, -2), axis=2)
+    slope = np.abs(denominator[:, 0] - denominator[:, 1]) / (2 * step)
+    residue = numerator[:, 0] / np.maximum(slope, 1e-300)
+    curve = numerator[:, 1] / np.maximum(np.abs(denominator[:, 3]), 1e-300)
+    return share_of_curve(residue, s.real, curve)
+
+
+def share_of_curve(residue: FloatArray, distance: FloatArray, curve: FloatArray) -> FloatArray:
+    """Peak of a pole at its ``distance`` from the lines, over the curve there."""
+    return np.asarray(residue / np.maximum(np.abs(distance) * curve, 1e-300))
+
+
+# -- Shapes from curves whose poles are known: least squares in the frequency domain (LSFD)
+#
+#     Y_o(f) = sum_r [ A_ro / (s - s_r) + conj(A_ro) / (s - conj(s_r)) ] + sum_m C_om s^m,      s = 2 pi i f
+#
+# The powers m = -2 ... 2 with real coefficients stand for what lies outside the band (lower and upper
+# residuals) and for the quantity measured: s^2 / (s - s_r) of an accelerance is s + s_r plus the fraction
+# of a receptance times s_r^2, so the shape is the same for receptance, mobility and accelerance, up to one
+# factor for each mode.
+#
+# Reference: W. Heylen, S. Lammens, P. Sas, Modal Analysis Theory and Testing, KU Leuven, 1997 (LSFD).
+
+
+RESIDUAL_POWERS = (-2, -1, 0, 1, 2)
+
+
+def residues(
+    freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, poles: ComplexArray
+) -> ComplexArray:
+    """Residues A of every pole in every curve.
+
+    Parameters
+    ----------
+    freq_hz : (n_freq,)
+    values : (n_outputs, n_freq) complex
+    weights : (n_freq,)
+        Of squared residuals.
+    poles : (n_poles,) complex
+        rad/s, one of each pair.
+
+    Returns
+    -------
+    (n_poles, n_outputs) complex
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from antires_rs.identification.rational_fit import residues
+    >>> f = np.linspace(1.0, 20.0, 200)
+    >>> s, pole = 2j * np.pi * f, -1.0 + 60.0j
+    >>> y = (2 - 1j) / (s - pole) + (2 + 1j) / (s - pole.conjugate()) + 3.0 - 0.2 * s
+    >>> residues(f, y[None], np.ones(200), np.array([pole])).round(9).tolist()
+    [[(2-1j)]]
+    """
+    s = 2j * np.pi * freq_hz
+    top = np.abs(s).max()
+    near, far = 1.0 / (s[:, None] - poles), 1.0 / (s[:, None] - poles.conj())
+    columns = np.concatenate(
+        [near + far, 1j * (near - far), np.stack([(s / top) ** m for m in RESIDUAL_POWERS], axis=1)], axis=1
+    )
+    root_w = np.sqrt(weights / weights.max())[:, None]
+    columns, right = columns * root_w, values.T * root_w
+    # Columns of very different size (far residuals, light damping) would spoil the rank decision.
+    size = np.linalg.norm(columns, axis=0)
+    stacked = np.concatenate([(columns / size).real, (columns / size).imag])
+    solution = np.linalg.lstsq(stacked, np.concatenate([right.real, right.imag]), rcond=None)[0]
+    solution /= size[:, None]
+    n = poles.size
+    return np.asarray(solution[:n] + 1j * solution[n : 2 * n], dtype=np.complex128)
+
+
+def dominant_shapes(residue: ComplexArray) -> ComplexArray:
+    """Shapes (n_modes, n_dofs) from residues (n_modes, n_references, n_dofs), of unit norm.
+
+    The residues of one mode to several references have rank one; with one reference they are the shape.
+    """
+    if not residue.size:
+        return np.empty((residue.shape[0], residue.shape[2]), dtype=np.complex128)
+    return np.asarray(np.linalg.svd(residue, full_matrices=False)[2][:, 0], dtype=np.complex128)

@@ -1,0 +1,176 @@
+"""What all readers share: files named in errors, what is missing counted, optional packages named."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from ..exceptions import MissingDependencyError, UnsuitableDataError
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
+from ..support.checks import reject
+from ..support.messages import Passed, Wording, warn
+
+#: Parts of a record whose mean steps are compared, and by how much they may differ relatively.
+_PARTS, _DRIFT = 32, 1e-3
+
+
+Signal = Recording | FrequencyResponse
+
+
+def existing_file(path: str | os.PathLike[str]) -> Path:
+    """The path of a file that is there and not empty."""
+    if not isinstance(path, str | os.PathLike):
+        reject("path", path, "the path of a file", "Pass a text or a pathlib.Path.")
+    file = Path(path)
+    if file.is_dir():
+        reject("path", str(file), "a file, not a folder", "Name one of the files in it.")
+    if file.stat().st_size == 0:
+        unsuitable(file, "which is empty", "a file with data", "Copy or export it again.")
+    return file
+
+
+def unsuitable(path: Path, found: str, wanted: str, remedy: str) -> NoReturn:
+    """Raise for a file that is damaged or of another kind."""
+    raise UnsuitableDataError("path", f"{str(path)!r}, {found}", wanted, remedy)
+
+
+def brief(exc: BaseException) -> str:
+    """The first line of an error of another package, at most so long that it can be read."""
+    said = (str(exc).splitlines() or [""])[0]
+    return said[:120] if said and said.isprintable() else type(exc).__name__
+
+
+def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) -> None:
+    """A file of which a part is missing: an error, or with ``partial`` a warning that counts it."""
+    if partial and kept:
+        warn("incomplete_file", f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
+        return
+    remedy = (
+        Wording("Copy or export it again, or pass {} to read what is whole.", Passed("partial", True))
+        if kept
+        else "Copy or export it again."
+    )
+    unsuitable(path, found, wanted, remedy)
+
+
+def refuse_real(path: Path, rows: Any) -> None:
+    """Refuse complex responses whose imaginary parts all vanish; rows of ones are references."""
+    made = [np.asarray(row) for row in rows]
+    if made and all(not np.any(row.imag) for row in made) and any((row != row[:1]).any() for row in made):
+        unsuitable(
+            path,
+            "whose responses have no imaginary part at all",
+            "complex FRFs or transmissibilities",
+            "Magnitudes alone have lost the phase: export real and imaginary part, or magnitude and phase.",
+        )
+
+
+def missing_package(what: str, package: str, extra: str, cause: ImportError) -> MissingDependencyError:
+    """The error that names the extra to install."""
+    error = MissingDependencyError(
+        f"{what} needs {package}; install it with: "
+        f'pip install "antires-rs[{extra}]", or: pip install {package}'
+    )
+    error.__cause__ = cause
+    return error
+
+
+def signal_given(signal: Any) -> Signal:
+    """What a writer takes."""
+    if not isinstance(signal, Signal):
+        reject(
+            "signal",
+            type(signal).__name__,
+            "a Recording or a FrequencyResponse",
+            "Make one of the arrays first: Recording(responses, fs_hz).",
+        )
+    return signal
+
+
+def simplest_rate(low: float, high: float) -> float:
+    """The rate in [low, high] that is the simplest number, or whose step is."""
+    rate, step = _simplest(low, high), _simplest(1.0 / high, 1.0 / low)
+    # Of equally simple ones, the nearer to the middle.
+    found = [
+        (_digits(rate), abs(rate - 0.5 * (low + high)), rate),
+        (_digits(step), abs(1.0 / step - 0.5 * (low + high)), 1.0 / step),
+    ]
+    return min(found)[2]
+
+
+def _simplest(low: float, high: float) -> float:
+    """The number of fewest decimal digits in [low, high]; both positive."""
+    middle = 0.5 * (low + high)
+    for digits in range(1, 17):
+        number = float(f"{middle:.{digits - 1}e}")
+        if low <= number <= high:
+            return number
+    return middle
+
+
+def _digits(number: float) -> int:
+    return len(f"{number:.15e}".partition("e")[0].rstrip("0"))
+
+
+def _no_drift(path: Path, times: Any, step: float, rounding: float) -> None:
+    """Refuse steps that change in the course of the record, each by less than counts as a gap."""
+    width = max(times.size // _PARTS, 16)
+    edges = np.arange(0, times.size - 1, width)
+    if edges.size < 3:
+        return
+    steps = np.diff(times[edges]) / width
+    # Jitter of single instants averages out over a part; its two ends have at most a tenth of a step each.
+    allowed = _DRIFT * step + (2.0 * rounding + 0.2 * step) / width
+    odd = np.flatnonzero(np.abs(steps - step) > allowed)
+    if odd.size:
+        i = int(odd[np.argmax(np.abs(steps[odd] - step))])
+        unsuitable(
+            path,
+            f"whose steps are {steps[i]:.6g} s on average from {times[edges[i]]:.9g} to "
+            f"{times[edges[i + 1]]:.9g} s, and {step:.6g} s in all",
+            "instants in s, evenly spaced and ascending",
+            "The sampling rate drifts: resample it to even steps, or cut out a part with an even rate.",
+        )
+
+
+def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
+    """Sampling rate of evenly spaced instants in s; refuses gaps.
+
+    ``digits`` is the relative rounding of the instants as they were written, which hides the last digits of
+    the rate: among the rates that fit, the one of fewest digits is taken, or the one whose step has fewest.
+    """
+    wanted = "instants in s, evenly spaced and ascending"
+    if times.size < 2 or not np.isfinite(times).all():
+        unsuitable(
+            path,
+            f"whose {times.size} instants are too few or not finite",
+            wanted,
+            "Correct the instants, or leave them out and pass the rate.",
+        )
+    span, rounding = float(times[-1] - times[0]), digits * float(np.abs(times).max())
+    step = span / (times.size - 1)
+    if span <= 0.0:
+        unsuitable(
+            path,
+            "whose time does not ascend",
+            wanted,
+            "Sort the rows by time, or leave the instants out and pass the rate.",
+        )
+    # A lost sample moves its neighbour by a whole step; a tenth is jitter no writer makes by rounding.
+    late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
+    if late.size:
+        i = int(late[0])
+        unsuitable(
+            path,
+            f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of "
+            f"{step:.6g} s ({late.size} such gaps)",
+            wanted,
+            "Samples are missing, or the sampling was uneven.",
+        )
+    _no_drift(path, times, step, rounding)
+    count = times.size - 1
+    return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))

@@ -1,0 +1,558 @@
+"""A matrix as a file holds it, and what its rows are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..support.messages import warn
+from .child_process import Asked, in_a_child
+from .common import brief, missing_package, unsuitable
+from .npz import read_archive
+
+#: Node and direction code, 1 to 6; 0 is a scalar.
+Point = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Labelled:
+    """A matrix (n, n), sparse or dense, and the node and direction of each row where the file tells them."""
+
+    matrix: Any
+    points: tuple[Point, ...] | None = None
+
+
+def completed(rows: Any, columns: Any, values: Any, n: int) -> Any:
+    """A symmetric matrix from its entries, of which the file may hold one triangle only."""
+    from scipy.sparse import coo_array
+
+    rows, columns = np.asarray(rows, dtype=np.int64), np.asarray(columns, dtype=np.int64)
+    values = np.asarray(values, dtype=np.float64)
+    beside = rows != columns
+    if not ((rows > columns).any() and (rows < columns).any()):
+        rows, columns, values = (
+            np.concatenate([rows, columns[beside]]),
+            np.concatenate([columns, rows[beside]]),
+            np.concatenate([values, values[beside]]),
+        )
+    return coo_array((values, (rows, columns)), shape=(n, n))
+
+
+def by_points(
+    file: Path, entries: Sequence[tuple[Point, Point, float]], points: Sequence[Point] | None = None
+) -> Labelled:
+    """A matrix whose entries name node and direction; rows in ascending order of these."""
+    if not entries:
+        unsuitable(file, "without an entry", "a matrix", "Export it again.")
+    found = sorted(set(points or ()) | {p for row, column, _ in entries for p in (row, column)})
+    number = {point: nth for nth, point in enumerate(found)}
+    rows = [number[row] for row, _, _ in entries]
+    columns = [number[column] for _, column, _ in entries]
+    values = [value for _, _, value in entries]
+    return Labelled(completed(rows, columns, values, len(found)), tuple(found))
+
+
+# -- Matrices that Abaqus writes with ``*MATRIX GENERATE`` and ``*MATRIX OUTPUT``: node, dof, node, dof, value
+#
+# Written as matrix input (with a line ``*MATRIX``) or as labels. A dof with a boundary condition has 1e36 on
+# its diagonal: it is left out, with a warning.
+
+
+#: What stands on the diagonal of a dof with a boundary condition.
+_FIXED = 1e35
+
+
+def is_abaqus(file: Path) -> bool:
+    """Whether the first line with data has node, dof, node, dof, value."""
+    with file.open(encoding="ascii", errors="replace") as opened:
+        for line in opened:
+            if line.strip() and not line.startswith("*"):
+                parts = line.split(",")
+                return len(parts) == 5 and all(p.strip().lstrip("-").isdigit() for p in parts[:4])
+    return False
+
+
+def read_abaqus(file: Path) -> dict[str, Labelled]:
+    """The matrix of a file, under its stem."""
+    entries: list[tuple[Point, Point, float]] = []
+    for number, line in enumerate(file.read_text(encoding="ascii", errors="replace").splitlines(), 1):
+        if not line.strip() or line.startswith("*"):
+            continue
+        try:
+            node, dof, other, other_dof, value = line.split(",")
+            entries.append(((int(node), int(dof)), (int(other), int(other_dof)), float(value)))
+        except ValueError:
+            unsuitable(
+                file,
+                f"with the line {number}: {line.strip()[:40]!r}",
+                "node, dof, node, dof, value",
+                "Export it again with FORMAT=MATRIX INPUT or LABELS.",
+            )
+    fixed = {row for row, column, value in entries if row == column and value >= _FIXED}
+    if fixed:
+        first = ", ".join(f"{node}:{dof}" for node, dof in sorted(fixed)[:5])
+        more = ", ..." if len(fixed) > 5 else ""
+        warn(
+            "dofs_on_supports",
+            f"path: {str(file)!r} has {len(fixed)} dof(s) with a boundary condition, 1e36 on the diagonal "
+            f"({first}{more}); they are left out.",
+        )
+    return {file.stem: by_points(file, [e for e in entries if e[0] not in fixed and e[1] not in fixed])}
+
+
+# -- Files of ``scipy.sparse.save_npz``, every checksum compared before SciPy sees them
+
+
+def read_sparse_npz(file: Path) -> dict[str, Labelled]:
+    """The matrix of a file, under its stem."""
+    from scipy.sparse import load_npz
+
+    arrays = read_archive(file)
+    if "format" not in arrays or "shape" not in arrays:
+        unsuitable(
+            file,
+            f"with the arrays {', '.join(arrays)}",
+            "a file of scipy.sparse.save_npz",
+            "Save it by scipy.sparse.save_npz.",
+        )
+    return {file.stem: Labelled(load_npz(file))}
+
+
+# -- Matrices as Nastran writes them into punch files and bulk data: the DMIG card
+#
+# The first card of a matrix tells its form (6 is symmetric, one triangle given) and type (1 and 2 are real);
+# each other card is a column: grid and component, then grid, component and value of its entries. Fields are 8
+# wide, 16 where the first ends in ``*``, or divided by commas.
+
+
+_WANTED = "a punch file or bulk data with DMIG cards of real matrices"
+_SHORT = re.compile(r"(?<=[\d.])([+-]\d+)$")
+
+
+def read_dmig(file: Path) -> dict[str, Labelled]:
+    """All matrices of a file, by name."""
+    heads: set[str] = set()
+    entries: dict[str, list[tuple[Point, Point, float]]] = {}
+    columns: dict[str, list[Point]] = {}
+    for line, fields in _cards(file.read_text(encoding="ascii", errors="replace").splitlines()):
+        try:
+            name = fields[1].upper()
+            if fields[2] == "0" and name not in heads:
+                if fields[4] not in ("1", "2"):
+                    raise ValueError(f"matrix {name} of type {fields[4]}; 1 and 2 are real")
+                heads.add(name)
+                continue
+            column = (int(fields[2]), int(fields[3] or 0))
+            columns.setdefault(name, []).append(column)
+            own = entries.setdefault(name, [])
+            for i in range(5, len(fields) - 2, 4):
+                if fields[i]:
+                    own.append(((int(fields[i]), int(fields[i + 1] or 0)), column, _number(fields[i + 2])))
+        except (ValueError, IndexError) as exc:
+            unsuitable(
+                file, f"with the card in line {line} that cannot be read ({exc})", _WANTED, "Correct it."
+            )
+    if not entries:
+        unsuitable(file, "without a DMIG card", _WANTED, "Export with PARAM,EXTOUT,DMIGPCH.")
+    return {name: by_points(file, own, columns[name]) for name, own in entries.items()}
+
+
+def _number(text: str) -> float:
+    """1.5, 1.5E+3, 1.5D+3 or 1.5+3."""
+    plain = text.upper().replace("D", "E")
+    return float(plain if "E" in plain else _SHORT.sub(r"E\1", plain))
+
+
+def _cards(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
+    """DMIG cards: the number of their first line, and all fields without those of continuations."""
+    card: list[str] | None = None
+    begun = 0
+    for number, raw in enumerate(lines, 1):
+        line = raw.split("$")[0].rstrip()
+        if not line:
+            continue
+        fields = _fields(line)
+        if fields[0][:1] in ("", "*", "+"):
+            if card is not None:
+                card += fields[1:]
+            continue
+        if card is not None:
+            yield begun, card
+        is_dmig = fields[0].rstrip("*").upper() == "DMIG"
+        card, begun = (fields if is_dmig else None), number
+    if card is not None:
+        yield begun, card
+
+
+def _fields(line: str) -> list[str]:
+    """The first field, and four of 16 or eight of 8 of the card itself."""
+    if "," in line:
+        parts = [part.strip() for part in line.split(",")]
+        count = 4 if parts[0].endswith("*") else 8
+        return [*parts[: count + 1], *[""] * (count + 1 - len(parts))]
+    first = line[:8].strip()
+    width, count = (16, 4) if first.startswith("*") or first.endswith("*") else (8, 8)
+    return [first, *(line[8 + i * width : 8 + (i + 1) * width].strip() for i in range(count))]
+
+
+# -- Stiffness and mass of an ANSYS ``.full`` file, read by ansys-mapdl-reader in a child process
+
+
+_WANTED_FULL = "a .full file with matrices, written by WRFULL"
+_TIME_LIMIT_S, _MEMORY_LIMIT_GB = 600.0, 16.0
+
+
+def read_full(file: Path) -> dict[str, Labelled]:
+    """``K`` and ``M`` of a file, of the dofs without constraints."""
+    try:
+        there = find_spec("ansys.mapdl.reader") is not None
+    except ModuleNotFoundError:  # of a package above it
+        there = False
+    if not there:
+        raise missing_package(
+            "Reading .full files", "ansys-mapdl-reader", "ansys", ImportError("ansys-mapdl-reader")
+        )
+    # The package is compiled: a damaged file can end or fill the interpreter that reads it.
+    arrays = in_a_child(
+        "full", file, Asked(), _WANTED_FULL, time_limit_s=_TIME_LIMIT_S, memory_limit_gb=_MEMORY_LIMIT_GB
+    ).arrays
+    points = arrays["points"]
+    rows, columns = ([arrays[f"{name}.{axis}"] for name in "KM"] for axis in ("row", "col"))
+    if any(each.size and not 0 <= each.min() <= each.max() < len(points) for each in (*rows, *columns)):
+        unsuitable(
+            file,
+            f"with entries beyond its {len(points)} dofs",
+            _WANTED_FULL,
+            "It was damaged: write it again.",
+        )
+    # Dofs with constraints are there, without an entry.
+    kept = np.flatnonzero(np.isin(np.arange(len(points)), [*rows[0], *rows[1]]))
+    # The directions of ANSYS count from 0: UX, UY, UZ, ROTX, ROTY, ROTZ.
+    named: tuple[Point, ...] = tuple((int(node), int(code) + 1) for node, code in points[kept])
+    place = np.cumsum(np.isin(np.arange(len(points)), kept)) - 1
+    return {
+        name: Labelled(completed(place[row], place[column], arrays[f"{name}.data"], len(named)), named)
+        for name, row, column in zip("KM", rows, columns, strict=True)
+    }
+
+
+# -- Matrices in the Harwell-Boeing form, as ANSYS writes them with HBMAT: real, assembled
+#
+# Four lines of head (title; counts of lines; type and sizes; forms of numbers), a fifth where a right-hand
+# side follows; then the pointers to columns, the rows and the values, each in a form of Fortran. Reference:
+# I. S. Duff, R. G. Grimes, J. G. Lewis, ACM Trans. Math. Softw. 15 (1989) 1-14.
+
+
+_WANTED_HARWELL_BOEING = "a real assembled square matrix in the Harwell-Boeing form (RSA or RUA)"
+_FORM = re.compile(r"(\d*)[IEDFG](\d+)", re.IGNORECASE)
+
+
+def read_harwell_boeing(file: Path) -> dict[str, Labelled]:
+    """The matrix of a file, under its stem."""
+    lines = file.read_text(encoding="ascii", errors="replace").splitlines()
+    try:
+        counts = [int(word) for word in lines[1].split()]
+        kind, sizes = lines[2][:3].upper(), [int(word) for word in lines[2][3:].split()]
+        if kind not in ("RSA", "RUA"):
+            raise ValueError(f"matrix of type {kind!r}")
+        n, n_entries = sizes[1], sizes[2]
+        if sizes[0] != n or n < 1:
+            raise ValueError(f"matrix of {sizes[0]} by {n}")
+        at = 5 if len(counts) > 4 and counts[4] > 0 else 4
+        pointers = _numbers(lines[at : at + counts[1]], lines[3][:16], n + 1).astype(np.int64)
+        at += counts[1]
+        rows = _numbers(lines[at : at + counts[2]], lines[3][16:32], n_entries).astype(np.int64) - 1
+        at += counts[2]
+        values = _numbers(lines[at : at + counts[3]], lines[3][32:52], n_entries)
+        if pointers[0] != 1 or pointers[-1] != n_entries + 1 or rows.min() < 0 or rows.max() >= n:
+            raise ValueError("pointers or rows out of range")
+        columns = np.repeat(np.arange(n), np.diff(pointers))
+    except (ValueError, IndexError) as exc:
+        unsuitable(
+            file,
+            f"which is cut, damaged or of another kind ({exc})",
+            _WANTED_HARWELL_BOEING,
+            "Export it again.",
+        )
+    return {file.stem: Labelled(completed(rows, columns, values, n))}
+
+
+def _numbers(lines: list[str], form: str, count: int) -> np.ndarray:
+    """Numbers of lines, each of the width that the form states."""
+    stated = _FORM.search(re.sub(r"\d*P,?", "", form.upper()))
+    if stated is None:
+        raise ValueError(f"form {form.strip()!r}")
+    width, most = int(stated[2]), int(stated[1] or 1)
+    apart = [part for line in lines for part in line.split()]
+    # Numbers may touch; those that do not are not always as wide as it is stated.
+    touching = (line[i : i + width] for line in lines for i in range(0, min(len(line), width * most), width))
+    parts = apart if len(apart) == count else [part for part in touching if part.strip()]
+    if len(parts) != count:
+        raise ValueError(f"{len(parts)} of {count} numbers")
+    return np.array([float(part.upper().replace("D", "E")) for part in parts])
+
+
+# -- Matrix Market files, read here and not by SciPy, whose reader ends the process at some damaged ones
+
+
+def is_matrix_market(file: Path) -> bool:
+    """Whether a plain file says so of itself."""
+    with file.open("rb") as opened:
+        return opened.read(14).lower() == b"%%matrixmarket"
+
+
+def read_matrix_market(file: Path) -> dict[str, Labelled]:
+    """The matrix of a file, under its stem; its entries are counted against its header."""
+    import gzip
+    import zlib
+
+    wanted = "a whole Matrix Market file"
+    try:
+        with (gzip.open if file.suffix == ".gz" else open)(file, "rb") as opened:
+            text = opened.read()
+    except (OSError, EOFError, zlib.error) as exc:
+        unsuitable(file, f"which cannot be unpacked ({exc})", wanted, "It was cut or damaged.")
+    lines = [line for line in text.splitlines() if line.strip()]
+    numbers = [line for line in lines if not line.startswith(b"%")]
+    if not lines or not lines[0].lower().startswith(b"%%matrixmarket") or not numbers:
+        unsuitable(
+            file,
+            "which is cut in its head or of another kind",
+            wanted,
+            "Export it again as MatrixMarket, .mtx.",
+        )
+    try:
+        head, stated = _head(lines[0].lower().split(), numbers[0].split())
+    except ValueError:
+        unsuitable(
+            file, f"with the sizes {numbers[0]!r}", wanted, "Export it again: the matrix must be square."
+        )
+    if len(numbers) - 1 != stated or not text.endswith((b"\n", b"\r")):
+        end = "" if text.endswith((b"\n", b"\r")) else ", the last without a line end"
+        unsuitable(file, f"with {len(numbers) - 1} of {stated} entries{end}", wanted, "Copy it again.")
+    entry = _entry(head[0].split())
+    wrong = next((line for line in numbers[1:] if not entry.fullmatch(line)), None)
+    if wrong is not None:
+        unsuitable(file, f"with the entry {wrong[:40]!r}", wanted, "Export it again, as real numbers.")
+    try:
+        whole = _matrix(head, b"\n".join(numbers[1:]).decode("ascii"))
+    except (ValueError, OverflowError, MemoryError) as exc:
+        unsuitable(
+            file,
+            f"which cannot be read ({brief(exc)})",
+            wanted,
+            "Export it again, as real numbers in MatrixMarket format.",
+        )
+    return {file.stem: Labelled(whole)}
+
+
+def _matrix(head: Sequence[bytes], entries: str) -> Any:
+    """The matrix of entries that were counted and looked at, the other triangle filled in."""
+    _, _, form, field, symmetry = head[0].lower().split()
+    n = int(head[1].split()[0])
+    numbers = np.array(entries.split(), dtype=np.float64)
+    width = {b"pattern": 0, b"complex": 2}.get(field, 1)
+    table = numbers.reshape(-1, width + 2 * (form == b"coordinate"))
+    at, parts = table[:, : table.shape[1] - width], table[:, table.shape[1] - width :]
+    values: Any = parts[:, 0] + 1j * parts[:, 1] if width == 2 else parts[:, 0] if width else np.ones(len(at))
+    if form == b"coordinate":
+        rows, columns = (at.astype(np.int64) - 1).T
+        if at.size and (at.min() < 1 or at.max() > n or (at != np.round(at)).any()):
+            raise ValueError("a row or column outside of the matrix")
+    elif symmetry == b"general":
+        columns, rows = np.divmod(np.arange(n * n), n)
+    else:
+        skew = int(symmetry == b"skew-symmetric")
+        columns, rows = np.triu_indices(n, skew)  # lower triangle, column by column
+    if symmetry != b"general":
+        below = rows != columns
+        other = {b"skew-symmetric": -values, b"hermitian": np.conj(values)}.get(symmetry, values)[below]
+        rows, columns = np.append(rows, columns[below]), np.append(columns, rows[below])
+        values = np.append(values, other)
+    from scipy.sparse import coo_array
+
+    whole = coo_array((values, (rows, columns)), shape=(n, n))
+    return whole if form == b"coordinate" else whole.toarray()
+
+
+def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[list[bytes], int]:
+    """Both lines of the head, and the entries that they state; ValueError for any other head."""
+    if len(words) != 5 or words[1] != b"matrix":
+        raise ValueError("unknown head")
+    if len(sizes) != {b"coordinate": 3, b"array": 2}.get(words[2]) or not all(map(bytes.isdigit, sizes)):
+        raise ValueError("no sizes")
+    n, columns, *entries = map(int, sizes)
+    if n != columns or not 0 < n < 2**31:
+        raise ValueError("not square")
+    half = n * (n + 1) // 2
+    stored = {b"general": n * n, b"symmetric": half, b"hermitian": half, b"skew-symmetric": half - n}
+    if words[4] not in stored or words[3] not in (b"real", b"integer", b"double", b"pattern", b"complex"):
+        raise ValueError("unknown symmetry or kind of numbers")
+    if words[2] == b"array" and words[3] == b"pattern":
+        raise ValueError("a pattern without places")
+    lines = [b" ".join([b"%%MatrixMarket", *words[1:]]), b" ".join(sizes)]
+    return lines, entries[0] if entries else stored[words[4]]
+
+
+def _entry(words: Sequence[bytes]) -> re.Pattern[bytes]:
+    """A line of numbers."""
+    places = 2 * (words[2] == b"coordinate") + {b"pattern": 0, b"complex": 2}.get(words[3], 1)
+    number = rb"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|inf|infinity|nan)"
+    return re.compile(rb"[ \t\r]*" + rb"[ \t]+".join([number] * places) + rb"[ \t\r]*", re.IGNORECASE)
+
+
+# -- Matrices that Nastran's OUTPUT4 writes: text or binary, dense or sparse, of single or double precision
+#
+# A matrix is a header (columns, rows, form, type, name) and a record for each column that is not empty: its
+# number, its first row or 0 where it is made of strings, and the count of words that follow. A string is a
+# run of rows: its length and first row are two words where the header's rows are negative, else packed into
+# one as row + 65536 (length + 1).
+
+
+_WANTED_OP4 = "a whole file of OUTPUT4, of real matrices"
+_CUT = "Export it again; complex matrices have no place in an undamped model."
+_HEADER = re.compile(r"^([ \d-]{8})([ \d-]{8})([ \d-]{8})([ \d-]{8})(.{8})(.*)$")
+_WIDTH = re.compile(r"[EDG](\d+)\.\d+")
+_PACKED = 65536
+
+#: Column, first row, values.
+Run = tuple[int, int, NDArray[np.float64]]
+
+
+def read_op4(file: Path) -> dict[str, Labelled]:
+    """All matrices of a file, by name."""
+    content = file.read_bytes()
+    binary = content[:4] in (b"\x18\0\0\0", b"\0\0\0\x18")
+    found: dict[str, Labelled] = {}
+    try:
+        matrices = _binary(content) if binary else _text(content.decode("ascii").splitlines())
+        for name, n_rows, n_columns, runs in matrices:
+            found[name] = Labelled(_matrix_op4(runs, n_rows, n_columns))
+    except (ValueError, IndexError, StopIteration, UnicodeDecodeError, RuntimeError) as exc:
+        unsuitable(file, f"which is cut, damaged or of another kind ({exc})", _WANTED_OP4, _CUT)
+    if not found:
+        unsuitable(file, "without a matrix", _WANTED_OP4, _CUT)
+    return found
+
+
+def _matrix_op4(runs: list[Run], n_rows: int, n_columns: int) -> object:
+    from scipy.sparse import coo_array
+
+    rows = [np.arange(first, first + values.size) for _, first, values in runs]
+    columns = [np.full(values.size, column) for column, _, values in runs]
+    if not runs:
+        return coo_array((n_rows, n_columns))
+    values = np.concatenate([values for _, _, values in runs])
+    return coo_array((values, (np.concatenate(rows), np.concatenate(columns))), shape=(n_rows, n_columns))
+
+
+def _checked(kind: int) -> None:
+    if kind not in (1, 2):
+        raise ValueError(f"matrix of type {kind}; 1 and 2 are real")
+
+
+def _text(lines: list[str]) -> Iterator[tuple[str, int, int, list[Run]]]:
+    """Lines of whole numbers are headers; all others are values of the form that the header states."""
+    at = 0
+    while at < len(lines):
+        head = _HEADER.match(lines[at])
+        if head is None:
+            raise ValueError(f"line {at + 1} is no header")
+        n_columns, n_rows, _, kind = (int(head[i]) for i in range(1, 5))
+        _checked(kind)
+        stated = _WIDTH.search(head[6])
+        width = int(stated[1]) if stated else 16
+        runs: list[Run] = []
+        column, first, at = 0, 0, at + 1
+        while True:
+            words = lines[at].split()
+            if len(words) == 3 and _whole(words):
+                column, first = int(words[0]), int(words[1])
+                if column > n_columns:
+                    at += 2  # the record that ends the matrix has one value
+                    break
+                at += 1
+                if first == 0:
+                    continue
+                start = first
+            elif _whole(words) and len(words) == 2:
+                start, at = int(words[1]), at + 1
+            elif _whole(words) and len(words) == 1:
+                start, at = int(words[0]) % _PACKED, at + 1
+            else:
+                raise ValueError(f"line {at + 1} is neither a header nor expected")
+            values: list[float] = []
+            while at < len(lines) and not _whole(lines[at].split()):
+                line = lines[at].rstrip()
+                values += [_number_op4(line[i : i + width]) for i in range(0, len(line), width)]
+                at += 1
+            if not values:
+                raise ValueError(f"no values above line {at + 1}")
+            runs.append((column - 1, start - 1, np.array(values)))
+        yield head[5].strip(), abs(n_rows), n_columns, runs
+
+
+def _whole(words: list[str]) -> bool:
+    return bool(words) and all(word.lstrip("-").isdigit() for word in words)
+
+
+def _number_op4(text: str) -> float:
+    return float(text.replace("D", "E").replace("d", "e"))
+
+
+def _binary(content: bytes) -> Iterator[tuple[str, int, int, list[Run]]]:
+    order = "<" if content[0] else ">"
+    records = _records(content, order)
+    for record in records:
+        if len(record) != 24:
+            raise ValueError("no header of 24 bytes")
+        n_columns, n_rows, _, kind = (int(i) for i in np.frombuffer(record[:16], f"{order}i4"))
+        _checked(kind)
+        name = record[16:].decode("ascii").strip()
+        runs: list[Run] = []
+        while True:
+            record = next(records)
+            column, first, _ = (int(i) for i in np.frombuffer(record[:12], f"{order}i4"))
+            if column > n_columns:
+                break
+            runs += [
+                (column - 1, start - 1, values.astype(np.float64))
+                for start, values in _strings(record[12:], first, n_rows < 0, f"{order}f{4 * kind}")
+            ]
+        yield name, abs(n_rows), n_columns, runs
+
+
+def _strings(data: bytes, first: int, apart: bool, kind: str) -> Iterator[tuple[int, NDArray[np.floating]]]:
+    """First row and values of each run in a column."""
+    size = np.dtype(kind).itemsize
+    if first:
+        yield first, np.frombuffer(data[: len(data) // size * size], kind)
+        return
+    order, at = kind[0], 0
+    while at < len(data):
+        word = int(np.frombuffer(data[at : at + 4], f"{order}i4")[0])
+        if apart:
+            words, start, at = word - 1, int(np.frombuffer(data[at + 4 : at + 8], f"{order}i4")[0]), at + 8
+        else:
+            words, start, at = word // _PACKED - 1, word % _PACKED, at + 4
+        yield start, np.frombuffer(data[at : at + 4 * words], kind)
+        at += 4 * words
+
+
+def _records(content: bytes, order: str) -> Iterator[bytes]:
+    """Records of a Fortran program: the length in bytes before and behind each."""
+    at = 0
+    while at < len(content):
+        length = int(np.frombuffer(content[at : at + 4], f"{order}i4")[0])
+        end = at + 4 + length
+        if length < 0 or content[end : end + 4] != content[at : at + 4]:
+            raise ValueError(f"the record at byte {at} does not end as it begins")
+        yield content[at + 4 : end]
+        at = end + 4

@@ -1,0 +1,771 @@
+"""The text of a CSV or TSV file as names, units and numbers."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..exceptions import UnsuitableDataError
+from ..signals.frequency_response import FrequencyResponse
+from ..support.checks import FloatArray, choice, finite_scalar, reject
+from ..support.messages import Passed, Wording, warn
+from .channels import Channel, Dofs, in_si, kept, recording_of, renamed, unit_or_warning
+from .common import Signal, rate_of, refuse_real, unsuitable
+from .raw_arrays import GivenAxis
+from .units import abscissa_factor, is_abscissa, is_frequency, named_unit, parse_unit
+
+# -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
+
+
+#: What two neighbouring columns may be.
+PAIRS = ("real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad")
+_WORDS = {
+    "re": ("re", "real"),
+    "im": ("im", "imag", "imaginary"),
+    "mag": ("mag", "magnitude", "amp", "ampl", "amplitude", "abs", "modulus"),
+    "phase": ("phase", "angle", "arg"),
+}
+_PART = {word: part for part, words in _WORDS.items() for word in words}
+_ANY = "|".join(sorted(_PART, key=len, reverse=True))
+_NAME = re.compile(
+    rf"^(?:(?P<w1>{_ANY})(?: part)?(?:[ _.(]+(?P<b1>.+?)\)?)?|(?P<b2>.+?)[ _.]+(?P<w2>{_ANY})(?: part)?)$",
+    re.IGNORECASE,
+)
+_ANGLES = {
+    **dict.fromkeys(("deg", "degree", "degrees", "°"), "deg"),
+    **dict.fromkeys(("rad", "radian", "radians"), "rad"),
+}
+_LINEAR = ("lin", "linear", "abs")
+_PER_TURN = {"deg": np.pi / 180.0, "rad": 1.0}
+
+
+class Part(NamedTuple):
+    """One column: which part it is, of which response, in which unit."""
+
+    part: str
+    base: str
+    unit: str
+
+
+def is_part_unit(text: str) -> bool:
+    """Whether the text is a unit that only magnitudes and phases have."""
+    return text.strip().lower() in _ANGLES or _is_level(text)
+
+
+def part_of(name: str, unit: str = "") -> Part | None:
+    """What the name of a column says; None for any other."""
+    match = _NAME.match(name.strip())
+    if match is None:
+        return None
+    base = (match["b1"] or match["b2"] or "").strip()
+    if base and not unit and is_part_unit(base):
+        base, unit = "", base
+    return Part(_PART[(match["w1"] or match["w2"]).lower()], base, unit)
+
+
+def joined(
+    file: Path, names: list[str], units: list[str], columns: list[Any], pairs: str | None, over_freq: bool
+) -> tuple[list[str], list[str], list[Any]]:
+    """Names, units and values with every pair made one column; its name is '' where the pair has none.
+
+    ``pairs``, one of ``PAIRS``, says what all columns but the first are. Without it the names have to; a
+    magnitude and a phase are one response only ``over_freq``.
+    """
+    if pairs is not None:
+        choice("pairs", pairs, PAIRS)
+        if len(columns) % 2 == 0:
+            unsuitable(
+                file,
+                f"with {len(columns) - 1} columns beside the first",
+                Wording("two for each response, as {} says", Passed("pairs", pairs)),
+                "Export both parts of every response.",
+            )
+    out: tuple[list[str], list[str], list[Any]] = ([], [], [])
+    i = 0
+    while i < len(columns):
+        here, after = (part_of(names[j], units[j]) if j < len(names) else None for j in (i, i + 1))
+        named = here is not None and after is not None and here.base == after.base
+        kinds = (here.part, after.part) if named and here and after else None
+        name, unit, column, step = names[i], units[i], columns[i], 1
+        if pairs is not None and i > 0:
+            made = pairs
+        elif kinds == ("re", "im"):
+            made = "real_imag"
+        elif kinds == ("mag", "phase") and over_freq and here and after:
+            made = _said(file, names[i : i + 2], here.unit, after.unit)
+        else:
+            made = ""
+        if made:
+            name = here.base if here is not None and named else ("" if here else names[i])
+            plain = here is not None and (is_part_unit(here.unit) or here.unit.lower() in _LINEAR)
+            unit = "" if made.startswith("db") or plain else unit
+            column, step = _complex(made, columns[i], columns[i + 1]), 2
+        for one, value in zip(out, (name, unit, column), strict=True):
+            one.append(value)
+        i += step
+    return out
+
+
+def _said(file: Path, names: list[str], level: str, angle: str) -> str:
+    """Which of ``PAIRS`` a magnitude and a phase are, by their units."""
+    turn = _ANGLES.get(angle.strip().lower())
+    unit = parse_unit(level)
+    if _is_level(level):
+        size = "db"
+    elif level.strip().lower() in _LINEAR or (unit is not None and unit.quantity):
+        size = "magnitude"
+    else:
+        size = ""
+    if not turn or not size:
+        lacks = [f"the unit of {names[1]!r}"] * (not turn) + [f"whether {names[0]!r} is in dB"] * (not size)
+        unsuitable(
+            file,
+            f"which does not tell {' nor '.join(lacks)}",
+            "headers such as 'Magnitude [g/N]' or 'Magnitude [dB]' and 'Phase [deg]' or 'Phase [rad]'",
+            Wording(
+                "Pass {}, {}, {} or {}.", *(Passed("pairs", kind) for kind in PAIRS if kind != "real_imag")
+            ),
+        )
+    return f"{size}_{turn}"
+
+
+def _complex(kind: str, first: Any, second: Any) -> Any:
+    if kind == "real_imag":
+        return first + 1j * second
+    size, turn = kind.split("_")
+    magnitude = 10.0 ** (first / 20.0) if size == "db" else first
+    return magnitude * np.exp(1j * _PER_TURN[turn] * second)
+
+
+def _is_level(text: str) -> bool:
+    return text.strip().lower().startswith("db")
+
+
+# -- Rows of text that begin with an instant, or with a count before it
+
+
+#: Lines in which the first row of numbers is looked for.
+_HEAD = 200
+
+#: An instant, as ISO 8601 has it, or with slashes.
+_INSTANT = re.compile(
+    r"^\"?(\d{4})[-/](\d\d)[-/](\d\d)(?:[T ](\d\d):(\d\d)(?::(\d\d)(?:[.,](\d{1,9}))?)?)?"
+    r"(Z|[+-]\d\d:?\d\d)?\"?$"
+)
+
+
+def without_count(body: list[str], between: str | None) -> list[str]:
+    """Rows without the number of the row where that stands before an instant; others stay as they are."""
+    start = next((i for i, line in enumerate(body[:_HEAD]) if _second_is_instant(line, between)), None)
+    if start is None:
+        return body
+    split = [_first_field(line, between) for line in body]
+    numbers = [field for field, _ in split[start:]]
+    if not all(number.isdecimal() for number in numbers[:-1]):  # the last row may be cut
+        return body
+    steps = zip(numbers[:-1], numbers[1:-1], strict=False)
+    if any(int(after) != int(before) + 1 for before, after in steps):
+        return body
+    width = body[start].count(between or " ")
+    headed = [line.count(between or " ") == width for line in body[:start]]
+    return [
+        _bare_instants(rest, between) if i >= start or headed[i] else line
+        for i, (line, (_, rest)) in enumerate(zip(body, split, strict=True))
+    ]
+
+
+def _second_is_instant(line: str, between: str | None) -> bool:
+    field, rest = _first_field(line, between)
+    return field.isdecimal() and bool(_INSTANT.match(_first_field(_bare_instants(rest, between), between)[0]))
+
+
+def _bare_instants(rest: str, between: str | None) -> str:
+    """What follows a field, without its delimiter."""
+    return rest.lstrip() if between is None else rest[len(between) :]
+
+
+def without_instants(file: Path, body: list[str], between: str | None) -> tuple[list[str], str]:
+    """Rows with an instant in front with the time since the first of them in its place, and the unit of that.
+
+    The unit is as fine as the instants were written, so that their rounding is known.
+    """
+    rows = [(i, *_first_field(line, between)) for i, line in enumerate(body)]
+    found = [(i, match, rest) for i, field, rest in rows if (match := _INSTANT.match(field))]
+    if not found:
+        return body, ""
+    start = found[0][0]
+    there = {i for i, _, _ in found}
+    odd = next((i for i in range(start, len(body) - 1) if i not in there), None)
+    if odd is not None:
+        unsuitable(
+            file,
+            f"whose row {odd - start + 1} has {rows[odd][1][:40]!r} where others have an instant",
+            "instants in the first column",
+            "Correct or remove that row.",
+        )
+    digits = max(len(match[7] or "") for _, match, _ in found)
+    unit, per_s = next((u, n) for u, n in (("s", 0), ("ms", 3), ("us", 6), ("ns", 9)) if digits <= n)
+    made, first = list(body), None
+    for i, match, rest in found:
+        try:
+            at = _instant(match)
+        except ValueError:
+            unsuitable(
+                file, f"with the instant {match[0]!r}", "days and times that exist", "Correct that row."
+            )
+        first = at if first is None else first
+        made[i] = f"{int((at - first) / np.timedelta64(1, 'ns')) // 10 ** (9 - per_s)}{rest}"
+    return made, unit
+
+
+def _first_field(line: str, between: str | None) -> tuple[str, str]:
+    """The first field of a line, and what follows it with its delimiter."""
+    if between is None:
+        field, _, rest = line.strip().partition(" ")
+        return field, f" {rest}"
+    field, sign, rest = line.partition(between)
+    return field.strip(), sign + rest
+
+
+def _instant(match: re.Match[str]) -> np.datetime64:
+    year, month, day, hour, minute, second, part, zone = match.groups()
+    clock = f"{hour or '00'}:{minute or '00'}:{second or '00'}.{(part or '0').ljust(9, '0')}"
+    at = np.datetime64(f"{year}-{month}-{day}T{clock}", "ns")
+    if zone and zone != "Z":
+        shift = np.timedelta64(int(zone[1:3]) * 60 + int(zone[-2:]), "m")
+        at = at - shift if zone[0] == "+" else at + shift
+    return at
+
+
+#: First line of our files.
+MARK, VERSION = "# antires_rs csv", 1
+_COMMENT = ("#", "%", "//")
+_UNIT = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]$")
+
+
+#: The sign of an imaginary part between blanks, 1 + 2i, or its unit after one.
+_SPACED = re.compile(r"[ \t]*([+-])[ \t]*([0-9.,]+(?:[eE][+-]?\d+)?[ij])\b")
+
+
+@dataclass
+class Table:
+    """Numbers of a file, one row a line.
+
+    Attributes
+    ----------
+    header : dict
+        The JSON values of ``# name: value`` lines; empty for files of other programs.
+    names, units : list of str
+        By column; ``names`` is empty where the file has none.
+    values : (n_rows, n_columns)
+        Real or complex.
+    problem : str
+        What is cut; empty for a whole file.
+    digits : (float, float)
+        Relative rounding of the first two columns, by their digits.
+    """
+
+    header: dict[str, Any] = field(default_factory=dict)
+    names: list[str] = field(default_factory=list)
+    units: list[str] = field(default_factory=list)
+    values: NDArray[Any] = field(default_factory=lambda: np.empty((0, 0)))
+    problem: str = ""
+    digits: tuple[float, float] = (1e-9, 1e-9)
+
+    def columns(self) -> tuple[list[str], list[str], list[Any]]:
+        """Names, units and values of the columns as they stand."""
+        n = self.values.shape[1]
+        columns = [c if np.any(c.imag) else c.real for c in self.values.T]
+        if np.iscomplexobj(self.values):
+            # A column of complex text is complex even where its imaginary part vanishes; the first is not.
+            columns = [columns[0], *self.values.T[1:]]
+        return self.names or [f"column {i + 1}" for i in range(n)], self.units or [""] * n, columns
+
+
+def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
+    """Comments, names and numbers; a last row that is cut is left out and told of."""
+    text = _decoded(file)
+    if "\x00" in text:
+        unsuitable(
+            file, "with bytes that are no text", "a text file", "Export it as text: numbers in columns."
+        )
+    table, ended = Table(), text.endswith(("\n", "\r"))
+    lines = text.splitlines()
+    if text.startswith(MARK):
+        _header(file, lines, table)
+    body = [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENT)]
+    trailing = (
+        delimiter is None and len(body) > 1 and all(map(_trails, body[len(body) // 2 : -1] or body[:1]))
+    )
+    if trailing:  # some programs end every row with a delimiter, and with it the names or not
+        whole = _trails(body[-1])
+        body = [line.rstrip()[:-1] if _trails(line) else line for line in body]
+        ended, trailing = ended and whole, not whole
+    between = delimiter if delimiter is not None else _delimiter(body)
+    body, instants = without_instants(file, without_count(body, between), between)
+    point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
+    start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
+    if start == len(body):
+        unsuitable(
+            file,
+            f"without a row of numbers{_first_odd(body, between, point)}",
+            "columns of numbers",
+            Wording("Name the {} and {}.", Passed("delimiter"), Passed("decimal")),
+        )
+    rows = body[start:]
+    width = len(_split(rows[0], between))
+    for line in body[:start]:
+        parts = _split(line, between)
+        if len(parts) == width > 1 and _numeric(parts[0], None, point):  # a row, not names
+            unsuitable(
+                file,
+                f"whose row {line.strip()[:60]!r} is not numeric throughout",
+                "numbers in every column",
+                "Mend or remove that row.",
+            )
+    _names(table, body[:start] or _commented_names(lines, between, width), between)
+    if not ended:
+        # A number that lost its last digits still is one, so that only a line end proves the row whole.
+        cut = len(_split(rows[-1], between)) != width or "rows" in table.header or trailing
+        stated = f" of {table.header['rows']}" if "rows" in table.header else ""
+        if cut:
+            rows.pop()
+            table.problem = f"row {len(rows) + 1}{stated} is cut, {len(rows)} are whole"
+        else:
+            _warn_end(file)
+    _fill(file, table, rows, between, point, width)
+    if instants:
+        table.names[:1] = ["time"] if table.names else []
+        table.units = [instants, *(table.units[1:] or [""] * (width - 1))]
+    return table
+
+
+def _fill(file: Path, table: Table, rows: list[str], between: str | None, point: str, width: int) -> None:
+    if table.names and len(table.names) != width:
+        unsuitable(
+            file,
+            f"with {len(table.names)} names over {width} columns",
+            "a name for each column",
+            "Put names that hold the delimiter in double quotes.",
+        )
+    for i, row in enumerate(rows):
+        got = len(_split(row, between))
+        if got != width:
+            missing = ", ".join(map(repr, table.names[got : got + 5]))
+            unsuitable(
+                file,
+                f"whose row {i + 1} of numbers, {row.strip()[:60]!r}, has {got} columns",
+                f"{width}, as the first row" + (f", with {missing}" if missing else ""),
+                "It was cut or damaged: complete or remove that row.",
+            )
+    if not rows:
+        table.values = np.empty((0, width))
+        return
+    plain = "\n".join(between.join(_split(row, between)) if between and '"' in row else row for row in rows)
+    if point == ",":
+        plain = plain.replace(",", ".")
+    is_complex = bool(re.search(r"[0-9.] ?\*?[ij]\b", plain[:2000]))
+    if is_complex:
+        if between is not None:
+            plain = _SPACED.sub(r"\1\2", plain)
+        plain = re.sub(r"(?<=[0-9.])i\b", "j", plain)
+    try:
+        values = np.loadtxt(
+            plain.splitlines(),
+            delimiter=between,
+            ndmin=2,
+            comments=None,
+            dtype=np.complex128 if is_complex else np.float64,
+        )
+    except ValueError as exc:
+        unsuitable(
+            file,
+            f"with a value that is no number ({exc})",
+            "numbers in every column",
+            "Correct or remove that value.",
+        )
+    table.values = values
+    digits = [_rounding(rows, c, table.values[:, c], between, point) for c in range(min(width, 2))]
+    table.digits = (digits[0], digits[-1])
+
+
+def _rounding(rows: list[str], c: int, values: NDArray[Any], between: str | None, point: str) -> float:
+    """Half a unit in the last decimal place that a column ever shows, relative to its largest number."""
+    places = max(_places(_split(row, between)[c], point) for row in rows[:1000])
+    largest = float(np.abs(values).max()) or 1.0
+    return max(0.5 * 10.0**-places / largest, 1e-15)
+
+
+def _places(number: str, point: str) -> int:
+    """Decimal places of a number; of the real part of a complex one."""
+    match = re.match(r"\(?[-+]?([\d.,]*)(?:[eE]([-+]?\d+))?", number.strip())
+    mantissa, exponent = (match[1], match[2]) if match else ("", None)
+    return len(mantissa.partition(point)[2]) - int(exponent or 0)
+
+
+def _header(file: Path, lines: list[str], table: Table) -> None:
+    """Our own ``# name: JSON`` lines."""
+    version = lines[0][len(MARK) :].strip()
+    if version != str(VERSION):
+        unsuitable(file, f"of version {version!r}", f"version {VERSION} or older", "Update antires_rs.")
+    for line in lines[1:]:
+        if not line.startswith("# "):
+            break
+        name, _, value = line[2:].partition(": ")
+        try:
+            table.header[name] = json.loads(value)
+        except ValueError:
+            unsuitable(
+                file,
+                f"whose header is damaged at {name!r}",
+                "a whole file of write_csv",
+                "Write it again; leave the lines at the top as they are.",
+            )
+    if not isinstance(table.header.get("rows"), int):
+        unsuitable(file, "whose header does not state its rows", "a whole file of write_csv", "It was cut.")
+
+
+def _delimiter(body: list[str]) -> str | None:
+    """The sign that splits most lines in the middle of the file; None for spaces."""
+    middle = len(body) // 2
+    sample = body[max(middle - 2, 0) : middle + 3]  # one of them may be damaged
+    often = (sign for sign in ("\t", ";", ",") if 2 * sum(sign in line for line in sample) > len(sample))
+    return next(often, None)
+
+
+def _decoded(file: Path) -> str:
+    """The text: UTF-8, UTF-16 by its mark (Excel's "Unicode text"), or else Latin-1."""
+    raw = file.read_bytes()
+    names = ("utf-16",) if raw.startswith((b"\xff\xfe", b"\xfe\xff")) else ("utf-8-sig",)
+    for name in (*names, "latin-1"):
+        try:
+            return raw.decode(name).replace("\r\n", "\n").replace("\r", "\n")
+        except UnicodeDecodeError:
+            continue
+    raise AssertionError("Latin-1 has every byte")
+
+
+def _trails(line: str) -> bool:
+    return line.rstrip()[-1] in ",;"
+
+
+def _first_odd(body: list[str], between: str | None, point: str) -> str:
+    """The field that is no number in the middle of the file, for an error."""
+    line = body[len(body) // 2] if body else ""
+    odd = next((part for part in _split(line, between) if not _numeric(part, None, point)), "")
+    return f": {odd.strip()[:40]!r} in {line.strip()[:60]!r} is none" if odd.strip() else ""
+
+
+def _decimal_commas(body: list[str], between: str | None) -> bool:
+    """Whether the numbers have commas and no points; every row is asked, as some programs print 1 for 1,0."""
+
+    def any_with(sign: str) -> bool:
+        return any(sign in line and _numeric(line, between, ",") for line in body)
+
+    return between != "," and any_with(",") and not any_with(".")
+
+
+def _split(line: str, between: str | None) -> list[str]:
+    if between is None:
+        return line.split()
+    return next(csv.reader([line], delimiter=between)) if '"' in line else line.split(between)
+
+
+def _numeric(line: str, between: str | None, point: str) -> bool:
+    parts = [p.strip().replace("i", "j") for p in _split(line, between)]
+    if between is not None and "j" in line.replace("i", "j"):
+        parts = [_SPACED.sub(r"\1\2", p) for p in parts]
+    try:
+        for part in parts:
+            complex(part.replace(",", ".") if point == "," else part)
+    except ValueError:
+        return False
+    return bool(parts)
+
+
+def _names(table: Table, head: list[str], between: str | None) -> None:
+    """Names and units of the lines of text above the numbers."""
+    if between is None:  # "Frequency [Hz]" is one name
+        head = [re.sub(r"(?<=\w)\s+([\[(])", r"\1", line) for line in head]
+    rows = [[part.strip().strip('"') for part in _split(line, between)] for line in head]
+    named(table, rows)
+
+
+def named(table: Table, rows: list[list[str]]) -> None:
+    """Put names and units, as the lines above the numbers have them, into the table."""
+    if not rows:
+        return
+    names = rows[-1]
+    second = rows[-2] if len(rows) > 1 else []
+    bracketed = [_UNIT.match(part) for part in names]
+    # A line of units under the names: every part is one, in brackets or not.
+    if (
+        second
+        and len(second) == len(names)
+        and (
+            is_abscissa(names[0])  # the others may be in V or in units that are not known
+            or all(parse_unit(part) is not None or is_abscissa(part) for part in names)
+        )
+    ):
+        table.names, table.units = second, [_bare(part) for part in names]
+        return
+    # "re(tip)" is a part of tip; "Phase (deg)" and "Real [g/N]" have a unit.
+    has_unit = [
+        bool(m and m[1]) and (part_of(part) is None or "[" in part or _is_unit(m[2] if m else ""))
+        for m, part in zip(bracketed, names, strict=True)
+    ]
+    table.names = [
+        m[1] if m and has else part for m, has, part in zip(bracketed, has_unit, names, strict=True)
+    ]
+    table.units = [m[2] if m and has else "" for m, has in zip(bracketed, has_unit, strict=True)]
+
+
+def _is_unit(text: str) -> bool:
+    known = parse_unit(text)
+    return is_part_unit(text) or (known is not None and bool(known.quantity))
+
+
+def _commented_names(lines: list[str], between: str | None, width: int) -> list[str]:
+    """Names in the last comment above the numbers, as numpy.savetxt writes them; only if they fit."""
+    first = next(i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(_COMMENT))
+    above = lines[first - 1].lstrip().lstrip("#%/").strip() if first else ""
+    fits = len(_split(above, between)) == width and width > 1
+    return [above] if fits and not any(_numeric(part, None, ".") for part in _split(above, between)) else []
+
+
+def _bare(part: str) -> str:
+    return part.strip("[]() ")
+
+
+def _warn_end(file: Path) -> None:
+    warn(
+        "cut_line",
+        f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
+        "If it is whole, add one.",
+    )
+
+
+# -- Columns of text as responses over frequency
+
+
+_FREQ = ("freq", "f", "hz", "frequency", "freq_hz")
+
+
+def says_frequency(table: Table, name: str, unit: str) -> bool:
+    """Whether name or unit of a column say that it is a frequency."""
+    return (bool(table.names) and name.lower() in _FREQ) or is_frequency(unit)
+
+
+def response_of(
+    file: Path,
+    lines: FloatArray,
+    columns: list[Any],
+    labels: list[Any],
+    units: list[str],
+    dofs: Dofs,
+    unit: str | None,
+    kind: str,
+    reference: Any,
+) -> FrequencyResponse:
+    """Complex columns over ``lines``, in SI."""
+    choice("kind", kind, ("frf", "transmissibility"))
+    if not all(np.iscomplexobj(c) for c in columns):
+        unsuitable(
+            file,
+            "with real columns over frequency",
+            "complex ones, or pairs such as re(x), im(x) or 'Magnitude [dB]', 'Phase [deg]'",
+            Wording(
+                "Pass {} or another of its kinds if two columns are one response; magnitudes alone have lost "
+                "the phase.",
+                Passed("pairs", PAIRS[0]),
+            ),
+        )
+    named = renamed("dofs", labels, dofs)
+    chosen = kept(named)
+    rows = []
+    for i in chosen:
+        own = named_unit("unit", unit) if unit is not None else unit_or_warning(file, units[i])
+        rows.append(in_si(columns[i], own))
+    refuse_real(file, rows)
+    return FrequencyResponse(
+        lines,
+        np.stack(rows),
+        [named[i] for i in chosen],
+        "frf" if kind == "frf" else "transmissibility",
+        reference,
+    )
+
+
+def response_without_axis(
+    file: Path,
+    table: Table,
+    axis: GivenAxis,
+    first: str | None,
+    pairs: str | None,
+    dofs: Dofs,
+    unit: str | None,
+    kind: str,
+    reference: Any,
+) -> FrequencyResponse:
+    """All columns as responses over a given axis."""
+    names, units, columns = table.columns()
+    given = "freq_hz" if axis.size is not None else "df_hz"
+    if first not in (None, "channel"):
+        reject(given, f"it beside first={first!r}", "it where no column is an axis", "Leave one of them out.")
+    if says_frequency(table, names[0], units[0]):
+        reject(
+            given,
+            f"it for a file with the column {names[0]!r}",
+            "it where no column is an axis",
+            "Leave it out.",
+        )
+    # An empty column in front: every one of the file is a value.
+    names, units, columns = joined(
+        file, ["", *names], ["", *units], [np.zeros(len(columns[0])), *columns], pairs, True
+    )
+    if np.iscomplexobj(table.values):
+        columns = [columns[0], *(np.asarray(c, dtype=np.complex128) for c in columns[1:])]
+    labels = [name if table.names and name else i for i, name in enumerate(names[1:])]
+    lines = axis.lines(file, len(columns[0]))
+    return response_of(file, lines, columns[1:], labels, units[1:], dofs, unit, kind, reference)
+
+
+# -- Columns of a table by their names: a record over time, or responses over frequency
+
+
+_TIME = ("time", "t", "time_s", "s", "seconds", "timestamp", "datetime", "date", "date/time", "x_value")
+#: What programs call the number of a row.
+_INDEX = ("", "index", "unnamed: 0", "sample", "samples", "no", "no.", "nr", "nr.", "#", "row", "point")
+#: First instants from which on they are in ns, us or ms since 1970.
+_SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
+# Instants with few digits may differ so much from the rate that they were sampled at.
+_SAME_RATE = 1e-3
+
+
+def signal_of_columns(
+    file: Path,
+    table: Table,
+    first: str | None,
+    pairs: str | None,
+    fs_hz: float | None,
+    dofs: Dofs,
+    force: Any,
+    unit: str | None,
+    kind: str,
+    reference: Any,
+) -> Signal:
+    """The signal that the columns of a table are; options as those of ``read_csv``."""
+    names, units, columns = table.columns()
+    digits = table.digits[0]
+    if first is None and _counts(columns[0]) and (names[0].lower() in _INDEX or not table.names):
+        timed = len(names) > 1 and (names[1].lower() in _TIME or says_frequency(table, names[1], units[1]))
+        if timed or fs_hz is not None:
+            names, units, columns = names[1:], units[1:], columns[1:]
+            digits = table.digits[1]
+            first = None if timed else "channel"
+        else:
+            unsuitable(
+                file,
+                f"whose first column, {names[0]!r}, counts the rows, and no column is a time or a frequency",
+                "a sampling rate or a column of time",
+                Wording("Pass {}, or {} if it is the time in s.", Passed("fs_hz"), Passed("first", "time")),
+            )
+    hertz = first == "freq" or pairs is not None or says_frequency(table, names[0], units[0])
+    names, units, columns = joined(file, names, units, columns, pairs, hertz)
+    if first is None:
+        seconds = not hertz and is_abscissa(units[0])
+        first = (
+            "time"
+            if (bool(table.names) and names[0].lower() in _TIME) or seconds
+            else "freq"
+            if hertz or any(np.iscomplexobj(c) for c in columns)
+            else "channel"
+            if table.names and fs_hz is not None
+            else None
+        )
+    if first is None:
+        unsuitable(
+            file,
+            f"whose first column, {names[0]!r}, is neither called time nor frequency",
+            "to know what it is",
+            Wording(
+                "Pass {}, {} or, with {}, {}.",
+                Passed("first", "time"),
+                Passed("first", "freq"),
+                Passed("fs_hz"),
+                Passed("first", "channel"),
+            ),
+        )
+    skip = 0 if first == "channel" else 1
+    if len(columns) <= skip:
+        unsuitable(
+            file,
+            "with no column of values",
+            "at least one beside the first",
+            "Export the channels beside the first column.",
+        )
+    labels = [name if table.names and name else i - skip for i, name in enumerate(names)]
+    if first == "freq":
+        lines = columns[0].real * _into_si(file, names[0], units[0])
+        return response_of(file, lines, columns[1:], labels[1:], units[1:], dofs, unit, kind, reference)
+    if any(np.iscomplexobj(c) for c in columns):
+        unsuitable(
+            file, "with complex columns over time", "real ones", Wording("Pass {}.", Passed("first", "freq"))
+        )
+    instants = columns[0] * _into_si(file, names[0], units[0], columns[0]) if first == "time" else None
+    if instants is not None and fs_hz is None:
+        rate = rate_of(file, instants, digits=digits)
+    else:
+        rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
+        if instants is not None:
+            _warn_other_rate(file, instants, rate, digits)
+    channels = [
+        Channel(name, values, its, "force" if str(name).lower() == "force" else "")
+        for name, values, its in zip(labels[skip:], columns[skip:], units[skip:], strict=True)
+    ]
+    return recording_of(file, channels, rate, dofs=dofs, force=force, unit=unit)
+
+
+def _into_si(file: Path, name: str, unit: str, instants: Any = None) -> float:
+    """Factor of the first column into s or Hz; a unit that is not known would move every frequency."""
+    text = unit.strip()
+    if is_abscissa(text):
+        return abscissa_factor(text)
+    known = parse_unit(text)
+    if known is None or known.quantity:
+        unsuitable(
+            file,
+            f"whose first column, {name!r}, is in {text!r}",
+            "a unit of time or frequency: s, ms, us, min, h, Hz, kHz, rad/s",
+            "Correct the unit in the header.",
+        )
+    # Seconds since 1970 stay below 1e11 for 3,000 years, so that larger ones are in a smaller unit.
+    largest = 0.0 if instants is None else float(np.abs(instants[0]))
+    return next((factor for least, factor in _SINCE_1970 if largest >= least), 1.0)
+
+
+def _counts(values: Any) -> bool:
+    """Whether a column is 0, 1, 2, ... or 1, 2, 3, ..."""
+    if np.iscomplexobj(values) or values.size < 3 or values[0] not in (0.0, 1.0):
+        return False
+    return bool(np.array_equal(values, values[0] + np.arange(values.size)))
+
+
+def _warn_other_rate(file: Path, times: Any, rate: float, digits: float) -> None:
+    """A rate that the caller gives and the column of time denies moves every frequency."""
+    with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
+        own = rate_of(file, times, digits=digits)
+        if abs(own - rate) > _SAME_RATE * rate:
+            warn(
+                "other_rate",
+                f"path: {str(file)!r} has instants at {own:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
+                "Leave fs_hz= out if the file is right.",
+            )

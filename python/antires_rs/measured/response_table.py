@@ -1,0 +1,395 @@
+"""One table for the antiresonances of one response, from the order sweep to the saved set.
+
+The sweep makes it, selection and the joining of windows take rows out of it, an
+:class:`~antires_rs.AntiresonanceSet` holds one for each response, and files, data frames and reports are
+written from it. It is never changed: whoever wants other rows or columns makes another table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..support.checks import FloatArray, part, real_array, reject
+from ..support.values import FrozenDict, ReadOnly, frozen
+
+# The five tests of a grade.
+MORE_ROWS, MOST_SPREAD, LEAST_DOMINANCE, MOST_RESIDUAL, LEAST_PROMINENCE_DB = 20, 1e-3, 0.9, 0.1, 6.0
+
+# Of fits over windows: what a value that is sure has.
+SURE_SHARE, SURE_SPREAD, SURE_DEPTH_DB = 0.9, 3e-3, 6.0
+
+
+def _score(name: str, says: str) -> Any:
+    """A column of ``scores`` as an attribute."""
+    return property(lambda table: table.scores[name], doc=says)
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class ResponseTable(ReadOnly):
+    """The antiresonances of one response, a row each, ascending in frequency, with what is known of them.
+
+    Parameters
+    ----------
+    freq_hz : array_like, (n,)
+        In any order; the other columns follow it.
+    damping_ratio, std_hz : array_like, (n,), optional
+        NaN where not known, which is the default.
+    scores : mapping of name to array_like, (n,), optional
+        What speaks for each, see :mod:`~antires_rs.identification.scores`.
+    by_hand : array_like of bool, (n,), optional
+        Whether a person added it; by default none was.
+
+    Attributes
+    ----------
+    freq_hz, damping_ratio, std_hz, by_hand : (n,)
+    scores : dict of name to (n,)
+        Empty for antiresonances that no order sweep found. Those below are attributes of the table too.
+    rows, orders : (n,) int
+        Model orders of the chain, or those in which a persistent one was seen ("rows" in ``scores``).
+    spread : (n,)
+        Relative standard deviation of the frequency over those orders.
+    dominance : (n,)
+        Share of the curve that the pole owns at its frequency.
+    how : (n,) str
+        "chain": stable over consecutive orders; "persistent": in most orders, though it does not stand still;
+        "likeliest order": accepted at once from the fit of the order that the data support; "windows": seen
+        by most of the fits over windows.
+    residual, prominence_db : (n,)
+        Misfit around it and height of its peak; NaN where not known.
+
+    Examples
+    --------
+    >>> from antires_rs.measured.response_table import ResponseTable
+    >>> table = ResponseTable([14.2, 8.7], std_hz=[0.1, 0.2], scores={"how": ["chain", "persistent"]})
+    >>> table.freq_hz.tolist(), table.std_hz.tolist(), table.how.tolist(), table.damping_ratio.tolist()
+    ([8.7, 14.2], [0.2, 0.1], ['persistent', 'chain'], [nan, nan])
+    """
+
+    freq_hz: FloatArray
+    damping_ratio: FloatArray
+    std_hz: FloatArray
+    scores: Mapping[str, NDArray[Any]]
+    by_hand: NDArray[np.bool_]
+
+    rows = orders = _score("rows", "Model orders that have it.")
+    spread = _score("spread", "Relative standard deviation of its frequency over the orders.")
+    dominance = _score("dominance", "Share of the curve at its frequency.")
+    how = _score("how", "Why it was accepted: chain, persistent, likeliest order or windows.")
+    residual = _score("residual", "Relative misfit of the fit around it.")
+    prominence_db = _score("prominence_db", "Height of its peak.")
+
+    def __init__(
+        self,
+        freq_hz: ArrayLike,
+        damping_ratio: ArrayLike | None = None,
+        std_hz: ArrayLike | None = None,
+        scores: Mapping[str, ArrayLike] | None = None,
+        by_hand: ArrayLike | None = None,
+    ) -> None:
+        freq = np.asarray(freq_hz, dtype=np.float64)
+        rank = np.argsort(freq, kind="stable")
+
+        def column(name: str, values: Any, default: float | bool | None = None) -> NDArray[Any]:
+            kind = None if default is None else type(default)
+            array = np.full(freq.size, default) if values is None else np.asarray(values, dtype=kind)
+            if array.shape != freq.shape:
+                reject(
+                    name,
+                    f"an array of shape {array.shape}",
+                    f"{freq.size}, one for each frequency",
+                    "Give a value for each frequency.",
+                )
+            return frozen(array[rank])
+
+        self._fill(
+            freq_hz=frozen(freq[rank]),
+            damping_ratio=column("damping_ratio", damping_ratio, np.nan),
+            std_hz=column("std_hz", std_hz, np.nan),
+            scores=FrozenDict({name: column(name, values) for name, values in (scores or {}).items()}),
+            by_hand=column("by_hand", by_hand, False),
+        )
+
+    @classmethod
+    def of_sweep(
+        cls,
+        freq_hz: ArrayLike,
+        damping_ratio: ArrayLike,
+        std_hz: ArrayLike | None = None,
+        *,
+        rows: Sequence[int] | NDArray[Any],
+        spread: ArrayLike,
+        dominance: ArrayLike,
+        how: str | Sequence[str] | NDArray[Any],
+    ) -> ResponseTable:
+        """What an order sweep tells; ``how`` is one for all, or one each. The other scores are not known."""
+        n = len(rows)
+        scores = {
+            "rows": np.array(rows, dtype=np.int64),
+            "spread": np.array(spread, dtype=np.float64),
+            "dominance": np.array(dominance, dtype=np.float64),
+            "how": np.full(n, how) if isinstance(how, str) else np.array(how, dtype=np.str_),
+            "residual": np.full(n, np.nan),
+            "prominence_db": np.full(n, np.nan),
+        }
+        return cls(freq_hz, damping_ratio, std_hz, scores)
+
+    @classmethod
+    def concatenated(cls, tables: Sequence[ResponseTable]) -> ResponseTable:
+        """All rows of some tables with the same scores."""
+
+        def stacked(column: Callable[[ResponseTable], NDArray[Any]]) -> NDArray[Any]:
+            return np.concatenate([column(table) for table in tables])
+
+        return cls(
+            stacked(lambda table: table.freq_hz),
+            stacked(lambda table: table.damping_ratio),
+            stacked(lambda table: table.std_hz),
+            {name: np.concatenate([table.scores[name] for table in tables]) for name in tables[0].scores},
+            stacked(lambda table: table.by_hand),
+        )
+
+    def take(self, chosen: Sequence[int] | NDArray[Any]) -> ResponseTable:
+        """Some of the rows, by index or by mask."""
+        at = np.asarray(chosen, dtype=None if len(chosen) else np.intp)
+        return ResponseTable(
+            self.freq_hz[at],
+            self.damping_ratio[at],
+            self.std_hz[at],
+            {name: values[at] for name, values in self.scores.items()},
+            self.by_hand[at],
+        )
+
+    def with_scores(self, **columns: Any) -> ResponseTable:
+        """The same rows with more scores, or others."""
+        return replace(self, scores={**self.scores, **columns})
+
+    def same_as(self, other: ResponseTable) -> bool:
+        """Same frequencies, damping ratios and standard deviations, bit for bit; scores do not count."""
+        return all(
+            np.array_equal(getattr(self, name), getattr(other, name), equal_nan=True)
+            for name in ("freq_hz", "damping_ratio", "std_hz")
+        )
+
+    def __len__(self) -> int:
+        return int(self.freq_hz.size)
+
+
+# -- What a caller or a file gives by dof, checked: one :class:`ResponseTable` for each response
+
+
+def label(name: str, value: Any) -> Any:
+    """An integer or a string; numpy's integers become Python's."""
+    if isinstance(value, np.integer):
+        return int(value)
+    if isinstance(value, bool) or not isinstance(value, int | str):
+        reject(name, value, "a dof named by an integer or a string", "Name the dof by a number or a text.")
+    return value
+
+
+def tables_of(
+    freq_hz: Any, damping_ratio: Any, std_hz: Any, scores: Mapping[Any, Mapping[str, Any]] | None
+) -> dict[Any, ResponseTable]:
+    """Tables by dof; the companions follow their frequencies."""
+    if not isinstance(freq_hz, Mapping) or not freq_hz:
+        got = "an empty mapping" if isinstance(freq_hz, Mapping) else type(freq_hz).__name__
+        reject(
+            "freq_hz",
+            got,
+            "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}",
+            "Pass a dict, with an empty list for a response without antiresonances.",
+        )
+    frequencies: dict[Any, FloatArray] = {}
+    for key, value in freq_hz.items():
+        dof = label("freq_hz", key)
+        if dof in frequencies:
+            reject("freq_hz", f"dof {dof!r} more than once", "each dof once", "Join its values in one list.")
+        frequencies[dof] = frequencies_hz(part("freq_hz", dof), value)
+    sizes = {dof: values.size for dof, values in frequencies.items()}
+    damping, std = _companions("damping_ratio", damping_ratio, sizes), _companions("std_hz", std_hz, sizes)
+    known = _scores(scores, sizes)
+    return {
+        dof: ResponseTable(values, damping.get(dof), std.get(dof), known.get(dof))
+        for dof, values in frequencies.items()
+    }
+
+
+def frequencies_hz(name: str, value: Any) -> FloatArray:
+    """A 1-D array, possibly empty; a number is a list of one."""
+    if np.size(value) == 0:
+        return np.empty(0)
+    wanted = "positive frequencies in Hz"
+    values = np.atleast_1d(real_array(name, value, ndim=None, wanted=wanted)).ravel()
+    if values.min() <= 0.0:
+        reject(name, f"{values.min():g} Hz", wanted, "Leave out what is not above zero.")
+    return values
+
+
+def _companions(name: str, given: Any, sizes: Mapping[Any, int]) -> dict[Any, FloatArray]:
+    """One number for each frequency, NaN where not known."""
+    if given is not None and not isinstance(given, Mapping):
+        reject(
+            name,
+            type(given).__name__,
+            "a mapping of dof to one value for each frequency",
+            "Pass a dict with the keys of freq_hz.",
+        )
+    wanted = "one value for each frequency, finite or NaN for not known"
+    columns: dict[Any, FloatArray] = {}
+    for key, value in (given or {}).items():
+        dof = _of_freq_hz(name, key, sizes)
+        try:
+            array = np.atleast_1d(np.asarray(value, dtype=np.float64)).ravel()
+        except (TypeError, ValueError) as exc:
+            reject(
+                part(name, dof),
+                f"{type(value).__name__} that does not convert ({exc})",
+                wanted,
+                "Pass numbers, as a list or a numpy array.",
+            )
+        if array.size != sizes[dof]:
+            reject(
+                part(name, dof),
+                f"{array.size} values",
+                f"{sizes[dof]}, one for each frequency",
+                "Give a value for each frequency; NaN where it is not known.",
+            )
+        if np.isinf(array).any():
+            reject(part(name, dof), "an infinite value", wanted, "Pass NaN where it is not known.")
+        if name == "std_hz" and (array < 0.0).any():
+            reject(
+                part(name, dof),
+                f"{np.nanmin(array):g} Hz",
+                "standard deviations of at least 0 Hz",
+                "Pass NaN where it is not known.",
+            )
+        columns[dof] = array
+    return columns
+
+
+def _scores(
+    given: Mapping[Any, Mapping[str, Any]] | None, sizes: Mapping[Any, int]
+) -> dict[Any, dict[str, Any]]:
+    """Arrays of one score for each frequency, by dof and name."""
+    scores: dict[Any, dict[str, Any]] = {}
+    for key, columns in (given or {}).items():
+        dof = _of_freq_hz("scores", key, sizes)
+        scores[dof] = {name: np.asarray(column) for name, column in columns.items()}
+        for name, array in scores[dof].items():
+            if array.shape != (sizes[dof],):
+                reject(
+                    part("scores", dof).item(name),
+                    f"an array of shape {array.shape}",
+                    f"{sizes[dof]} scores, one for each frequency",
+                    "Give a score for each frequency; NaN where it is not known.",
+                )
+    return scores
+
+
+def _of_freq_hz(name: str, key: Any, sizes: Mapping[Any, int]) -> Any:
+    dof = label(name, key)
+    if dof not in sizes:
+        reject(
+            name,
+            f"dof {dof!r}",
+            f"dofs of freq_hz, {tuple(sizes)}",
+            "Leave that dof out, or give its frequencies too.",
+        )
+    return dof
+
+
+# -- A read-only mapping of response dofs to antiresonances, and its columns by dof
+
+
+class ResponseTables(ReadOnly, Mapping[Any, FloatArray]):
+    """One :class:`~antires_rs.measured.response_table.ResponseTable` for each response to one force.
+
+    As a mapping it gives the frequencies: ``{dof: freq_hz}``. What else it has is derived from the tables.
+    """
+
+    _excitation: Any
+    _tables: FrozenDict[Any, ResponseTable]
+
+    def __init__(self, excitation: Any, tables: Mapping[Any, ResponseTable]) -> None:
+        self._fill(_excitation=excitation, _tables=FrozenDict(tables))
+
+    @property
+    def excitation(self) -> Any:
+        """The dof of the force, int or str."""
+        return self._excitation
+
+    @property
+    def tables(self) -> Mapping[Any, ResponseTable]:
+        """By dof: all that is known of its antiresonances, a row each."""
+        return self._tables
+
+    @property
+    def damping_ratio(self) -> Mapping[Any, FloatArray]:
+        """By dof, in the order of the frequencies: NaN where not known, without the dofs with none known."""
+        return self._known(lambda table: table.damping_ratio)
+
+    @property
+    def std_hz(self) -> Mapping[Any, FloatArray]:
+        """Standard deviations by dof: NaN where not known, without the dofs with none known."""
+        return self._known(lambda table: table.std_hz)
+
+    @property
+    def scores(self) -> Mapping[Any, Mapping[str, NDArray[Any]]]:
+        """By dof: what speaks for each, arrays by name, see :mod:`antires_rs.identification.scores`."""
+        return FrozenDict({dof: table.scores for dof, table in self._tables.items() if table.scores})
+
+    def columns(self, dof: Any) -> dict[str, FloatArray]:
+        """Frequency, damping ratio and standard deviation of a dof, (n,) each; NaN where not known."""
+        table = self._tables[dof]
+        return {"freq_hz": table.freq_hz, "damping_ratio": table.damping_ratio, "std_hz": table.std_hz}
+
+    def by_hand(self) -> set[tuple[Any, float]]:
+        """(dof, frequency in Hz) of what is there because it was added by hand."""
+        return {
+            (dof, freq)
+            for dof, table in self._tables.items()
+            for freq in table.freq_hz[table.by_hand].tolist()
+        }
+
+    def __getitem__(self, dof: Any) -> FloatArray:
+        return self._tables[dof].freq_hz
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self._tables)
+
+    def __len__(self) -> int:
+        return len(self._tables)
+
+    def __eq__(self, other: object) -> bool:
+        """Same excitation, dofs and values, bit for bit; diagrams, scores and edits do not count."""
+        if not isinstance(other, ResponseTables):
+            return NotImplemented
+        return (
+            self._excitation == other._excitation
+            and self._tables.keys() == other._tables.keys()
+            and all(table.same_as(other._tables[dof]) for dof, table in self._tables.items())
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{dof!r}: {len(table)}" for dof, table in self._tables.items())
+        return f"{type(self).__name__}(excitation={self._excitation!r}, values by dof {{{counts}}})"
+
+    def _known(self, column: Callable[[ResponseTable], FloatArray]) -> FrozenDict[Any, FloatArray]:
+        """A column by dof, without the dofs that have antiresonances and nothing known of any."""
+        columns = {dof: column(table) for dof, table in self._tables.items()}
+        return FrozenDict(
+            {dof: values for dof, values in columns.items() if not values.size or not np.isnan(values).all()}
+        )
+
+    def _dof(self, dof: Any) -> Any:
+        """One of the set's dofs."""
+        dof = label("dof", dof)
+        if dof not in self._tables:
+            reject("dof", dof, f"one of {tuple(self._tables)}", "Name a dof of the set; those are its keys.")
+        return dof

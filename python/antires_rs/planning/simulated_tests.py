@@ -1,0 +1,441 @@
+"""Tests that were not made: a structure beside its model, intact and damaged, and values with errors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..damage.assess import assess_damage
+from ..damage.evidence import HIGHEST, log_between
+from ..damage.inference import STD_COMMON
+from ..damage.likelihood import ERRORS, Likelihood
+from ..damage.measured_states import Values
+from ..damage.model_error import BOUNDS, ModelError, factors_of, learned
+from ..damage.question import DamagePrior
+from ..damage.roots import FALSE, FOUND, Roots, follow, roots_at
+from ..damage.thresholds import intact_slopes, log_odds_threshold
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..models.parameters import stiffness_reduction
+from ..models.structural_model import StructuralModel
+from ..support.checks import FloatArray
+from ..support.progress import step
+from ..support.workers.door import in_order
+from .detection_curves import rising
+from .plan import Sees
+from .virtual_roots import objective
+
+#: Roots are followed so far beyond the band: damage may bring them in.
+_MARGIN = 1.5
+
+
+@dataclass(frozen=True)
+class VirtualTest:
+    """A kind of test: model, sensors and force, errors of values and of the model.
+
+    ``std`` holds for every sensor ln f and relative standard deviation of the model's roots; a value between
+    them has one between theirs. ``model_error`` is the standard deviation of the logarithm of every
+    stiffness and mass of the structure about its model's.
+    """
+
+    model: StructuralModel
+    elements: tuple[int, ...]
+    sensors: tuple[int, ...]
+    force: int
+    band_hz: tuple[float, float]
+    sees: Sees
+    std: tuple[tuple[FloatArray, FloatArray], ...]
+    model_error: float
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Without the core's objective, which each process makes again.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @cached_property
+    def numbers(self) -> list[int]:
+        """Elements in the order of the core's parameters: candidates, then the others."""
+        return [*self.elements, *(e for e in self.model._springs if e not in self.elements)]
+
+    @cached_property
+    def core(self) -> tuple[_core.Objective, int]:
+        """Roots by all severities and all factors; and the number of factors."""
+        factors = factors_of(self.model)
+        parameters = (*stiffness_reduction(self.numbers), *factors)
+        high = _MARGIN * self.band_hz[1]
+        core = objective(self.model, parameters, list(self.sensors), self.force, high, self.sees)
+        return core, len(factors)
+
+    def truth(self, rng: np.random.Generator) -> FloatArray:
+        """Factors of a structure."""
+        return np.clip(np.exp(self.model_error * rng.standard_normal(self.core[1])), *BOUNDS)
+
+    def roots(self, factors: FloatArray, damage: Sequence[tuple[int, float]], threads: int) -> list[Roots]:
+        """Roots of the structure with each damage: place of the element among the candidates, severity."""
+        rows = np.zeros((len(damage), len(self.numbers) + factors.size))
+        rows[:, len(self.numbers) :] = factors
+        for row, (place, severity) in zip(rows, damage, strict=True):
+            row[place] = severity
+        return roots_at(self.core[0], rows, slopes=False, threads=threads)
+
+    def inside(self, roots: Roots) -> Any:
+        """Which roots lie in the band, (n,) bool."""
+        low = np.log(max(self.band_hz[0], 1e-300))
+        return (roots.log_f >= low) & (roots.log_f <= np.log(self.band_hz[1]))
+
+    def error_of(self, roots: Roots) -> FloatArray:
+        """Relative standard deviation of a value of each root, (n,)."""
+        std = np.empty(roots.size)
+        every = np.concatenate([own for _, own in self.std])
+        for nth, (log_f, own) in enumerate(self.std):
+            mine = roots.response == nth
+            std[mine] = np.interp(roots.log_f[mine], log_f, own) if own.size else np.median(every)
+        return std
+
+    def values(self, roots: Roots, rng: np.random.Generator) -> Values:
+        """What a test gives of roots in its band."""
+        kept = self.inside(roots)
+        std = self.error_of(roots)[kept]
+        log_f = roots.log_f[kept] + std * rng.standard_normal(std.size)
+        return Values(roots.response[kept], log_f, std, np.zeros(std.size, dtype=np.intp))
+
+    def measured(self, roots: Roots, rng: np.random.Generator) -> AntiresonanceSet:
+        """The same as a set."""
+        values = self.values(roots, rng)
+        freq, std = {}, {}
+        for nth, dof in enumerate(self.sensors):
+            own = values.response == nth
+            order = np.argsort(values.log_f[own])
+            freq[dof] = np.exp(values.log_f[own][order])
+            std[dof] = (values.std[own] * np.exp(values.log_f[own]))[order]
+        return AntiresonanceSet(self.force, freq, std_hz=std, sees=self.sees, channels=list(self.sensors))
+
+
+def along(intact: Roots, states: Sequence[Roots]) -> list[NDArray[np.intp]]:
+    """Number of the intact root that each root of each state has been, -1 for new ones; step by step."""
+    found = []
+    before, identity = intact, np.arange(intact.size)
+    for state in states:
+        step = follow(before, state)
+        identity = np.where(step >= 0, identity[step], -1)
+        before = state
+        found.append(identity)
+    return found
+
+
+# -- A quick judge of virtual tests: the evidence of every single element, without a search
+#
+# What :func:`assess_damage` would find is decided between "nothing" and single elements. The model after
+# the baseline is evaluated once for each element on a grid of severities; there mean, covariance and slopes
+# of all values are known as :mod:`antires_rs.damage.likelihood` has them. Any number of tests is then
+# judged by linear algebra: at the points of the grid next to the best one, the evidence of the severity's
+# Gaussian within its bounds (:mod:`antires_rs.damage.evidence`). A value that one of the two states lacks
+# costs what a root missed costs there.
+
+
+#: Severities of the grid: ln(1 - beta) in steps of a tenth.
+GRID = -np.expm1(-np.array([0.0, 0.005, 0.015, 0.03, 0.05, *np.arange(0.1, 3.6, 0.1)]))
+#: Points of the grid that each element is judged at, and how far from one its linear model reaches.
+_POINTS, _LINEAR = 3, 0.12
+#: Points of each element that are judged under their own covariance to find these.
+_POOL = 6
+#: Log likelihood by which a point may lie below the best before any error is drawn: so much below this
+#: multiple of the best.
+_HOPELESS = (50.0, 3.0)
+_BLIND = 1e-6
+#: What a value costs that has no root in reach, and a root that has no value; from how many standard
+#: deviations on it is so.
+_ALONE, _MISSED, _OUTSIDE = -float(np.log(FALSE)), -float(np.log1p(-FOUND)), 5.0
+_COMMON = 0.5
+_FAR = 1e3
+
+
+@dataclass
+class Judge:
+    """After one baseline: what is known of the structure, and the grid of hypotheses.
+
+    Rows of the arrays are hypotheses, "nothing" first, then the grid of each element.
+    """
+
+    test: VirtualTest
+    prior: DamagePrior
+    baseline: Values
+    threads: int
+    false_alarm_rate: float | None
+    rng: np.random.Generator
+
+    def __post_init__(self) -> None:
+        core, n_factors = self.test.core
+        n = len(self.test.numbers)
+        error = learned(core, n, n_factors, self.baseline, None, self.threads)
+        self.n = n
+        rows = np.zeros((1 + n * GRID.size, n + n_factors))
+        rows[:, n:] = np.exp(error.theta)
+        self.element = np.repeat(np.arange(n), GRID.size)
+        self.beta = np.concatenate([[0.0], np.tile(GRID, n)])
+        rows[np.arange(1, rows.shape[0]), self.element] = self.beta[1:]
+        found = roots_at(core, rows, slopes=True, threads=self.threads)
+        self._tabulate(error, found)
+        self.threshold = None
+        if self.false_alarm_rate is not None:
+            likelihood = Likelihood(core, n, error, self.baseline, self.baseline, STD_COMMON, self.threads)
+            slopes = intact_slopes(likelihood, len(self.test.elements))
+            self.threshold = log_odds_threshold(slopes, self.prior, self.false_alarm_rate, self.rng)
+
+    def _tabulate(self, error: ModelError, found: list[Roots]) -> None:
+        """Place, covariance and slope of every value under every hypothesis."""
+        m, count = self.baseline.size, len(found)
+        kappa = error.outside * sum(multiple * p for multiple, _, p in ERRORS)
+        self.place, self.present = np.zeros((count, m)), np.zeros((count, m), dtype=bool)
+        self.white, self.raw, self.scale = np.zeros((count, m, m)), np.zeros((count, m)), np.ones((count, m))
+        self.log_det = np.zeros(count)
+        factors = np.exp(error.theta)
+        own = [0, *self.element.tolist()]
+        identities = [np.arange(error.intact.size)]
+        for states in np.split(np.arange(1, count), self.n):
+            identities += along(error.intact, [found[h] for h in states])
+        for h, (roots, identity) in enumerate(zip(found, identities, strict=True)):
+            at = _places(identity, error.intact.size)[error.partner]
+            has = np.flatnonzero((at >= 0) & (error.partner >= 0))
+            root = at[has]
+            by_theta = roots.slopes[root, self.n :] * factors
+            mean, spread = error.predicted(by_theta, identity[root])
+            change = roots.log_f[root] - error.intact.log_f[identity[root]]
+            size = change**2 + _COMMON * np.mean(change**2) if root.size else change
+            spread[np.diag_indices(root.size)] += self.baseline.std[has] ** 2 + kappa**2 * size
+            spread += STD_COMMON**2
+            triangle = np.linalg.cholesky(spread)
+            self.white[h][np.ix_(has, has)] = np.linalg.inv(triangle)
+            self.log_det[h] = float(np.log(np.diag(triangle)).sum())
+            self.place[h, has], self.present[h, has] = roots.log_f[root] + mean, True
+            self.raw[h, has] = roots.slopes[root, own[h]]
+            self.scale[h, has] = np.sqrt(np.diag(spread))
+
+    def found(self, log_f: FloatArray, there: NDArray[np.bool_], draws: int) -> tuple[FloatArray, float]:
+        """Share of tests in which each candidate is declared damaged, and in which any is.
+
+        ``log_f`` (m,) are the true values of the damaged state, where ``there``.
+        """
+        values = log_f[:, None] + self.baseline.std[:, None] * self.rng.standard_normal((log_f.size, draws))
+        paired = self._paired(log_f, there)
+        self.missed = _ALONE * (there & ~paired).sum(axis=1) + _MISSED * (self.present & ~paired).sum(axis=1)
+        at = self._near(log_f, paired)
+        evidence = np.full((self.n, _POINTS, draws), -np.inf)
+        evidence[at >= 0] = self._evidence(at[at >= 0], values, paired)
+        evidence = evidence.max(axis=1)
+        nothing = self._plain(np.array([0]), values, paired)[1][0]
+        count = len(self.test.elements)
+        evidence[:count] += self.prior.log_of(1, count)
+        evidence[count:] += self.prior.log_elsewhere(max(self.n - count, 1))
+        nothing = nothing + self.prior.log_of(0, count)
+        best = np.argmax(evidence, axis=0)
+        declared = (evidence.max(axis=0) > nothing) & (best < count)
+        if self.threshold is not None:
+            best = np.argmax(evidence[:count], axis=0)
+            declared = np.logaddexp.reduce(evidence[:count], axis=0) - nothing > self.threshold
+        share = np.bincount(best[declared], minlength=self.n)[:count] / draws
+        return share, float(declared.mean())
+
+    def _paired(self, log_f: FloatArray, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which values each hypothesis explains, (hypotheses, m), at the severity that most of them ask for.
+
+        The others count as missed, as values far from every root do in an assessment.
+        """
+        both = self.present & there
+        residual = np.where(both, log_f - self.place, 0.0)
+        weight = np.where(both, np.abs(self.raw) / self.scale, 0.0)
+        asked = np.divide(residual, self.raw, out=np.zeros_like(residual), where=weight > 0.0)
+        order = np.argsort(asked, axis=1)
+        reached = np.cumsum(np.take_along_axis(weight, order, axis=1), axis=1)
+        middle = np.take_along_axis(
+            order, np.argmax(reached >= 0.5 * reached[:, -1:], axis=1)[:, None], axis=1
+        )
+        step = np.take_along_axis(asked, middle, axis=1)
+        step = np.clip(step, -_LINEAR * (1.0 - self.beta[:, None]), _LINEAR * (1.0 - self.beta[:, None]))
+        along = self.raw * step
+        return np.asarray(both & (np.abs(residual - along) < _OUTSIDE * self.scale + _LINEAR * np.abs(along)))
+
+    def _near(self, log_f: FloatArray, paired: NDArray[np.bool_]) -> NDArray[np.intp]:
+        """The points of each element's grid that explain the true values best, (n, points); -1 for hopeless.
+
+        First under the covariance of the intact state for all; it is never larger, and where values are
+        known very well it condemns points a little beside the severity for what the linear model leaves. So
+        the best by it and those that explain most values are judged again, each under its own.
+        """
+        residual = np.where(paired, log_f - self.place, 0.0)
+        raw = np.where(paired, self.raw, 0.0)
+        white = self.white[0].T
+        intact = self._worth(residual @ white, raw @ white) - self.missed
+        shape = (self.n, GRID.size)
+        by_worth = np.argsort(-intact[1:].reshape(shape), axis=1)[:, :_POOL]
+        by_count = np.lexsort((-intact[1:].reshape(shape), self.missed[1:].reshape(shape)))[:, :_POOL]
+        at = 1 + np.hstack([by_worth, by_count]) + GRID.size * np.arange(self.n)[:, None]
+        every = np.unique(at)
+        left, slope = ((self.white[every] @ rows[every][:, :, None])[:, :, 0] for rows in (residual, raw))
+        worth = np.full(intact.size, -np.inf)
+        worth[every] = self._worth(left, slope, every) - self.missed[every] - self.log_det[every]
+        order = np.argsort(-worth[1:].reshape(shape), axis=1)[:, :_POINTS]
+        at = 1 + order + GRID.size * np.arange(self.n)[:, None]
+        return np.where(worth[at] > _HOPELESS[1] * min(worth.max(), 0.0) - _HOPELESS[0], at, -1)
+
+    def _worth(self, left: FloatArray, slope: FloatArray, at: Any = slice(None)) -> FloatArray:
+        """Log likelihood at the best severity of each point; where that is too far, very little."""
+        gain, curvature = (left * slope).sum(axis=1), (slope**2).sum(axis=1) + _BLIND
+        step = np.clip(self.beta[at] + gain / curvature, 0.0, HIGHEST) - self.beta[at]
+        worth = -0.5 * (left**2).sum(axis=1) + gain * step - 0.5 * curvature * step**2
+        return np.asarray(worth - _FAR * self._too_far(self.beta[at] + step, self.beta[at]))
+
+    def _plain(
+        self, at: NDArray[np.intp], values: FloatArray, paired: NDArray[np.bool_]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Whitened residuals at these points (points, m, draws), and log likelihood there (points, draws)."""
+        residual = np.where(paired[at][:, :, None], values - self.place[at][:, :, None], 0.0)
+        left = self.white[at] @ residual
+        likelihood = -0.5 * (left**2).sum(axis=1) - (self.log_det[at] + self.missed[at])[:, None]
+        return left, likelihood
+
+    def _evidence(self, at: NDArray[np.intp], values: FloatArray, paired: NDArray[np.bool_]) -> FloatArray:
+        """Log evidence at these points, (points, draws); where the best severity is too far, very little."""
+        left, likelihood = self._plain(at, values, paired)
+        slope = (self.white[at] @ np.where(paired[at], self.raw[at], 0.0)[:, :, None])[:, :, 0]
+        gain = (slope[:, None, :] @ left)[:, 0, :]
+        curvature, beta = (slope**2).sum(axis=1)[:, None] + _BLIND, self.beta[at][:, None]
+        mean, sd = beta + gain / curvature, 1.0 / np.sqrt(curvature)
+        inside = log_between(-mean / sd, (HIGHEST - mean) / sd)
+        volume = np.log(np.sqrt(2.0 * np.pi) * sd / HIGHEST)
+        far = self._too_far(np.clip(mean, 0.0, HIGHEST), beta)
+        return np.asarray(likelihood + 0.5 * gain**2 / curvature + volume + inside - _FAR * far)
+
+    @staticmethod
+    def _too_far(best: FloatArray, beta: FloatArray) -> FloatArray:
+        """By how much a severity lies beyond the reach of the linear model about another one."""
+        return np.asarray(np.maximum(np.abs(np.log1p(-best) - np.log1p(-beta)) - _LINEAR, 0.0))
+
+
+def _places(identity: NDArray[np.intp], n_intact: int) -> NDArray[np.intp]:
+    """Root of each intact one, -1 where it is gone; the last row stands for none."""
+    at = np.full(n_intact + 1, -1)
+    old = np.flatnonzero(identity >= 0)
+    at[identity[old]] = old
+    return at
+
+
+# -- Probability of detection by linear algebra: some structures with their baselines, many tests of each
+
+
+#: Tests of each structure and damage.
+_DRAWS = 64
+
+
+def predicted(
+    test: VirtualTest,
+    severities: Sequence[FloatArray],
+    prior: DamagePrior,
+    false_alarm_rate: float | None,
+    seeds: Sequence[np.random.SeedSequence],
+    threads: int,
+) -> tuple[list[FloatArray], float, int]:
+    """Share of tests that find each severity of each candidate, rate of false calls, structures judged.
+
+    Shares are made to rise with the severity.
+
+    After Ctrl-C those judged so far count.
+    """
+    shares, calls = [], []
+    try:
+        for nth, seed in enumerate(seeds):
+            step(f"structure {nth + 1} of {len(seeds)}")
+            share, call = _one(test, severities, prior, false_alarm_rate, seed, threads)
+            shares.append(share)
+            calls.append(call)
+    except KeyboardInterrupt:
+        if not shares:
+            raise
+    mean = [rising(np.mean([share[e] for share in shares], axis=0)) for e in range(len(severities))]
+    return mean, float(np.mean(calls)), len(shares)
+
+
+def _one(
+    test: VirtualTest,
+    severities: Sequence[FloatArray],
+    prior: DamagePrior,
+    false_alarm_rate: float | None,
+    seed: np.random.SeedSequence,
+    threads: int,
+) -> tuple[list[FloatArray], float]:
+    rng = np.random.default_rng(seed)
+    factors = test.truth(rng)
+    # Between the severities asked for there are others, so that no root goes far in one step.
+    steps = [np.unique(np.concatenate([betas, GRID[betas[-1] > GRID]])) for betas in severities]
+    damage = [(place, float(beta)) for place, betas in enumerate(steps) for beta in betas]
+    intact, *damaged = test.roots(factors, [(0, 0.0), *damage], threads)
+    judge = Judge(test, prior, test.values(intact, rng), threads, false_alarm_rate, rng)
+    kept = np.flatnonzero(test.inside(intact))
+    found, start = [], 0
+    for place, (betas, asked) in enumerate(zip(steps, severities, strict=True)):
+        states = damaged[start : start + betas.size]
+        start += betas.size
+        identities = along(intact, states)
+        shares = []
+        for nth in np.searchsorted(betas, asked):
+            log_f = np.full(intact.size, np.nan)
+            seen = (identities[nth] >= 0) & test.inside(states[nth])
+            log_f[identities[nth][seen]] = states[nth].log_f[seen]
+            there = np.isfinite(log_f[kept])
+            share, _ = judge.found(np.where(there, log_f[kept], 0.0), there, _DRAWS)
+            shares.append(share[place])
+        found.append(np.array(shares))
+    everything = np.ones(kept.size, dtype=bool)
+    _, call = judge.found(intact.log_f[kept], everything, 4 * _DRAWS)
+    return found, call
+
+
+# -- Probability of detection by whole assessments: structures drawn, values drawn, ``assess_damage`` asked
+
+
+@dataclass(frozen=True)
+class Task:
+    """One virtual test: place of the damaged element among the candidates (None: intact), its severity."""
+
+    place: int | None
+    severity: float
+    prior: DamagePrior
+    false_alarm_rate: float | None
+    seed: np.random.SeedSequence
+    threads: int
+
+
+def judged(test: VirtualTest, task: Task) -> tuple[int, ...]:
+    """Elements that ``assess_damage`` declares damaged."""
+    rng = np.random.default_rng(task.seed)
+    factors = test.truth(rng)
+    damage = (0, 0.0) if task.place is None else (task.place, task.severity)
+    intact, now = test.roots(factors, [(0, 0.0), damage], task.threads)
+    result = assess_damage(
+        test.model,
+        test.measured(now, rng),
+        baseline=test.measured(intact, rng),
+        elements=list(test.elements),
+        prior=task.prior,
+        false_alarm_rate=task.false_alarm_rate,
+        rng=int(rng.integers(2**32)),
+        workers=task.threads,
+        progress=False,
+    )
+    return result.assessment.declared
+
+
+def simulated(test: VirtualTest, tasks: Sequence[Task], workers: Any) -> list[tuple[int, ...]]:
+    """What each test declares, in order; after Ctrl-C those that are there."""
+    found: list[tuple[int, ...]] = []
+    try:
+        for one in in_order(judged, tasks, workers, shared=test, what="test"):
+            found.append(one)
+    except KeyboardInterrupt:
+        if not found:
+            raise
+    return found

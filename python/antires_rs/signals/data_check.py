@@ -1,0 +1,576 @@
+"""Ask whether data are fit for identification: the one call, and the order of its tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..exceptions import UnsuitableDataError
+from ..support.checks import ComplexArray, FloatArray, reject
+from ..support.progress import patient
+from ..support.values import frozen
+from . import channel_faults as channels
+from . import force_location, one_force, resolution
+from . import synchronization as phase
+from .averaging import LEAST_SAMPLES, SEGMENTS, Averages, Averaging, average, holds_hits, longest_segments
+from .findings import SEVERITIES, DataCheck, Finding, NotTested, Said, one_of_a_kind
+from .frequency_response import FrequencyResponse, band_of
+from .noise import roughness
+from .one_force import Evidence, of_curves, of_spectra
+from .recording import Recording
+from .repeats import one_source
+from .segments import parts_of
+from .spectra import CrossSpectra
+
+# -- Findings of several records of one test, each said once, with the records that show it
+
+
+CHANGED = (
+    "If nothing else acted, the structure has changed from record to record: identify them one by one and "
+    "compare the sets."
+)
+
+
+def grouped(each: Sequence[Said]) -> Said:
+    """What the tests say of each record, joined: one finding for a test and a place, its worst example.
+
+    Examples
+    --------
+    >>> from antires_rs.signals.findings import Finding
+    >>> from antires_rs.signals.data_check import grouped
+    >>> seen = Finding("dead_channel", "fatal", (3,), 0.0, 0.1, "Channel 3 is constant.", "Leave it out.")
+    >>> [one.text for one in grouped([[], [seen], [seen]])]
+    ['Channel 3 is constant. (In records 1 and 2 of 3, counted from 0.)']
+    """
+    found: dict[tuple[object, ...], list[tuple[int, Finding]]] = {}
+    untested: dict[str, NotTested] = {}
+    for number, said in enumerate(each):
+        for one in said:
+            if isinstance(one, NotTested):
+                untested.setdefault(one.name, one)
+            else:
+                found.setdefault((one.name, one.where), []).append((number, one))
+    joined: Said = []
+    for shown in found.values():
+        worst = min((one for _, one in shown), key=lambda one: SEVERITIES.index(one.severity))
+        where = _listed([number for number, _ in shown], len(each))
+        brief = f"{worst.brief} ({where[0].lower()}{where[1:-1]})" if worst.brief else ""
+        joined.append(replace(worst, text=f"{worst.text} ({where})", brief=brief))
+    return [*joined, *untested.values()]
+
+
+def of_repeats(said: Said, repeats: bool) -> Said:
+    """Findings of the one force: a structure that changes between repeats looks like a second one."""
+    if not repeats:
+        return said
+    return [
+        replace(one, advice=f"{one.advice} {CHANGED}") if isinstance(one, Finding) else one for one in said
+    ]
+
+
+def _listed(numbers: list[int], count: int) -> str:
+    if len(numbers) == count:
+        return f"In all {count} records."
+    if len(numbers) == 1:
+        return f"In record {numbers[0]} of {count}, counted from 0."
+    return f"In records {', '.join(map(str, numbers[:-1]))} and {numbers[-1]} of {count}, counted from 0."
+
+
+# -- All tests of a time record
+
+
+BY_LINE = (
+    channels.DEAD,
+    phase.TIME_SHIFT,
+    phase.QUADRATURE,
+    channels.NOISE,
+    resolution.RESOLUTION,
+    one_force.NAME,
+    force_location.NAME,
+)
+SINGLE_HIT, MISSED_HIT = "single_hit", "missed_hit"
+FORCE = "force"
+# The force explains so much of a response at a resonance, or its FRF there is not believed.
+LEAST_COHERENCE = 0.8
+
+
+def of_recording(
+    rec: Recording,
+    excitation: Any,
+    band: tuple[float, float],
+    options: Averaging,
+    averages: Averages | None = None,
+) -> tuple[Said, Evidence | None]:
+    """What the tests say, and the evidence of those by line, if there is any.
+
+    ``averages`` of the record, where it was averaged already.
+    """
+    hits = averages.of_hits if averages is not None else holds_hits(rec, options)
+    said, live = _in_parts(rec, hits)
+    if live is None:
+        return said + _none_by_line("no channel moves"), None
+    if averages is None:
+        try:
+            averages = _averaged(rec, band, options, hits)
+        except UnsuitableDataError as exc:
+            advice = f"{exc.got[0].upper()}{exc.got[1:]}. {exc.remedy}"
+            finding = Finding(MISSED_HIT, "fatal", (), 0.0, 0.0, "No whole impact is in the record.", advice)
+            return [*said, finding, *_none_by_line("no whole impact is in the record")], None
+    if averages is None:
+        return said + [_hopeless(live)] + _none_by_line("the record is too short for a spectrum"), None
+    spectra = averages.spectra
+    if averages.nperseg is None:
+        said += _single_hit(spectra.n_averages)
+    else:
+        said += resolution.averages(spectra.n_effective, rec.duration_s, averages.nperseg)
+    if spectra.freq_hz.size < resolution.LEAST_LINES:
+        return said + [resolution.too_few_lines(spectra.freq_hz.size, band)] + _none_by_line(
+            "too few lines in the band"
+        ), None
+    moving = [rec.dofs.index(dof) for dof in live.dofs]
+    frfs = _frfs(spectra, moving) if averages.has_force and live.force is not None else None
+    spectra = spectra.rows(moving)
+    said += _resolution(averages, spectra, band, rec)
+
+    def evidence(some: CrossSpectra, dofs: tuple[Any, ...]) -> Evidence:
+        return of_spectra(some, dofs, nperseg=averages.nperseg, fs_hz=rec.fs_hz, taper=averages.taper)
+
+    seen = evidence(spectra, live.dofs)
+    dead = channels.unrelated(seen)
+    lost = {dof for one in dead if isinstance(one, Finding) for dof in one.where}
+    rows = [p for p, dof in enumerate(live.dofs) if dof not in lost]
+    if 0 < len(rows) < len(live.dofs):
+        # What holds only noise must not speak in the other tests.
+        frfs = None if frfs is None else frfs[rows]
+        seen = evidence(spectra.rows(rows), tuple(live.dofs[p] for p in rows))
+    return [
+        *said,
+        *dead,
+        *phase.in_phase(seen),
+        *channels.buried(seen, lost),
+        *of_repeats(one_force.one_force(seen), spectra.draws is not None),
+        *force_location.force_location(seen, excitation, frfs),
+    ], seen
+
+
+def _averaged(rec: Recording, band: tuple[float, float], options: Averaging, hits: bool) -> Averages | None:
+    """Averages of the record, and of its force if it has one; None if it is too short for any segments."""
+    if not hits and options.nperseg is None and longest_segments(rec, band) < LEAST_SAMPLES:
+        return None
+    return average(rec, band, options, include_force=rec.force is not None, hits=hits)
+
+
+def _in_parts(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
+    """The tests of the samples in every one of several records; and the channels that are well in all."""
+    parts = parts_of(rec)
+    if len(parts) == 1:
+        return _in_time(rec, hits)
+    each = [_in_time(part, hits) for part in parts]
+    alive = [set(live.dofs) for _, live in each if live is not None]
+    well = set.intersection(*alive) if len(alive) == len(parts) else set()
+    rows = [p for p, dof in enumerate(rec.dofs) if dof in well]
+    said = grouped([one for one, _ in each])
+    if not rows or len(rows) == rec.n_channels:
+        return said, rec if rows else None
+    return said, Recording(rec.responses[rows], rec.fs_hz, [rec.dofs[p] for p in rows], rec.force)
+
+
+def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
+    """Tests of the samples; and the record without channels that are still or twice there."""
+    data, labels = rec.responses, rec.dofs
+    found, still = channels.constant(data, labels)
+    rows = [p for p in range(rec.n_channels) if p not in still]
+    said: Said = list(found)
+    force = rec.force
+    if force is not None and force.max() == force.min():
+        said.append(
+            Finding(
+                channels.DEAD,
+                "warning",
+                (FORCE,),
+                0.0,
+                0.0,
+                "The force is recorded as a constant.",
+                "Check its cable; antiresonances do not need it.",
+            )
+        )
+        force = None
+    if not rows:
+        return said, None
+    moving = data if not still else data[rows]
+    names = tuple(labels[p] for p in rows)
+    if force is None:
+        said += channels.clipped(moving, names)
+    else:
+        said += channels.clipped([*moving, force], (*names, FORCE))
+    if hits:
+        why = "in a record of impacts, rest and blows look like dropouts and spikes"
+        said += [NotTested(channels.DROPOUTS, why), NotTested(channels.SPIKES, why)]
+    else:
+        said += channels.interrupted(moving, names, rec.fs_hz)
+    twice, extra = channels.duplicated(moving, names)
+    said += twice
+    keep = [p for p in range(len(rows)) if p not in extra]
+    if len(keep) == rec.n_channels and force is rec.force:
+        return said, rec
+    return said, Recording(moving[keep], rec.fs_hz, [names[p] for p in keep], force)
+
+
+def _frfs(spectra: CrossSpectra, rows: list[int]) -> ComplexArray:
+    """FRFs of some channels to the force, which is the last; zero where it does not explain the response."""
+    auto = np.einsum("fii->if", spectra.matrix).real
+    to_force = spectra.matrix[:, -1, rows].T
+    power = np.maximum(auto[-1], 1e-300)
+    coherence = np.abs(to_force) ** 2 / np.maximum(power * auto[rows], 1e-300)
+    return np.where(coherence >= LEAST_COHERENCE, to_force / power, 0.0)
+
+
+def _resolution(averages: Averages, spectra: CrossSpectra, band: tuple[float, float], rec: Recording) -> Said:
+    """Lines per bandwidth, the bandwidth being measured at the longest segments' resolution if need be."""
+    length = averages.nperseg
+    spacing = float(spectra.freq_hz[1] - spectra.freq_hz[0])
+    lines = resolution.sharpest_lines(_power(spectra), leakage=length is not None)
+    if length is None:
+        # An exponential window has widened the resonances by a known amount.
+        widened = spectra.added_decay_per_s / np.pi
+        return resolution.without_leakage(
+            None if lines is None else max(lines * spacing - widened, 0.0), spacing, hit=True
+        )
+    longest, bandwidth = averages.correlation.longest, None
+    if lines is not None:
+        bandwidth = lines * spacing
+    if longest > length and (lines is None or lines < resolution.TRUSTED):
+        finer = resolution.sharpest_lines(averages.correlation.power(longest, band))
+        if finer is not None:
+            lines, bandwidth = finer, finer * rec.fs_hz / longest
+    return resolution.of_segments(
+        bandwidth,
+        spacing,
+        rec.duration_s,
+        longer=longest > length,
+        chosen=averages.options.nperseg is None,
+        known=lines is not None and lines >= 1.0,
+    )
+
+
+def _power(spectra: CrossSpectra) -> FloatArray:
+    """All channels at equal weight, by line."""
+    auto = np.einsum("fii->if", spectra.matrix).real
+    mean = np.maximum(auto.mean(axis=1, keepdims=True), 1e-300)
+    return np.asarray((auto / mean).sum(axis=0), dtype=np.float64)
+
+
+def _single_hit(n_hits: int) -> Said:
+    if n_hits > 1:
+        return []
+    return [
+        Finding(
+            SINGLE_HIT,
+            "note",
+            (),
+            1.0,
+            2.0,
+            "A single impact: no averages. Coherence, the noise by line and whether one force is enough "
+            "cannot be told.",
+            "Hit the same point several times and record all impacts together.",
+        )
+    ]
+
+
+def _hopeless(rec: Recording) -> Finding:
+    least = LEAST_SAMPLES * SEGMENTS
+    return Finding(
+        resolution.LENGTH,
+        "fatal",
+        (),
+        float(rec.n_samples),
+        least,
+        f"The record of {rec.n_samples} samples ({rec.duration_s:.3g} s) is too short for "
+        f"averaged spectra, which need {least:.0f}.",
+        "Record for longer, or give nperseg.",
+    )
+
+
+def _none_by_line(why: str) -> Said:
+    return [NotTested(name, why) for name in BY_LINE]
+
+
+# -- The tests that measured frequency responses allow
+
+
+# Roughness from line to line over the power of a curve above which it is noise, white noise having one; if
+# another curve is smooth: lines too far apart make all of them rough.
+ROUGH, SMOOTH = 0.5, 0.1
+# Coherence below which a line is more noise than response.
+COHERENT = 0.5
+
+
+def of_response(
+    resp: FrequencyResponse, excitation: Any, band: tuple[float, float]
+) -> tuple[Said, Evidence | None]:
+    """What the tests say, and the evidence of those by line, if there is any."""
+    why = "needs time records"
+    said: Said = [NotTested(name, why) for name in (channels.CLIPPED, channels.DROPOUTS, channels.SPIKES)]
+    inside = (resp.freq_hz >= band[0]) & (resp.freq_hz <= band[1]) & (resp.freq_hz > 0.0)
+    by_line = (
+        phase.TIME_SHIFT,
+        phase.QUADRATURE,
+        channels.NOISE,
+        resolution.RESOLUTION,
+        one_force.NAME,
+        force_location.NAME,
+    )
+    if inside.sum() < resolution.LEAST_LINES:
+        said.append(resolution.too_few_lines(int(inside.sum()), band))
+        return said + [NotTested(name, "too few lines in the band") for name in by_line], None
+    values = resp.values[:, inside]
+    rough = np.array([roughness(curve) for curve in values])
+    live = []
+    for p, dof in enumerate(resp.dofs):
+        if not values[p].any():
+            said.append(
+                Finding(
+                    channels.DEAD,
+                    "fatal",
+                    (dof,),
+                    0.0,
+                    0.0,
+                    f"Dof {dof!r} is zero throughout the band.",
+                    channels.DEAD_ADVICE,
+                    "zero throughout the band",
+                )
+            )
+        elif rough[p] > ROUGH and rough.min() < SMOOTH:
+            text = (
+                f"Dof {dof!r} holds only noise in the band: from line to line it changes as much as "
+                f"white noise does ({rough[p]:.2f} of its power, limit {ROUGH:g})."
+            )
+            said.append(
+                Finding(
+                    channels.DEAD,
+                    "fatal",
+                    (dof,),
+                    float(rough[p]),
+                    ROUGH,
+                    text,
+                    channels.DEAD_ADVICE,
+                    f"only noise in the band ({rough[p]:.2f} of its power)",
+                )
+            )
+        else:
+            live.append(p)
+    if rough.min() >= SMOOTH and np.median(rough) > ROUGH:
+        text = (
+            f"The curves change from line to line as white noise does ({np.median(rough):.2f} of their "
+            f"power, limit {ROUGH:g}): they are noise, or their lines too far apart."
+        )
+        said.append(
+            Finding(
+                resolution.RESOLUTION,
+                "fatal",
+                (),
+                float(np.median(rough)),
+                ROUGH,
+                text,
+                "Measure with a finer resolution, or force harder.",
+            )
+        )
+    if not live:
+        return said + [NotTested(name, "no channel holds a response") for name in by_line], None
+    dofs = tuple(resp.dofs[p] for p in live)
+    seen = of_curves(
+        resp.freq_hz[inside],
+        values[live],
+        dofs,
+        None if resp.coherence is None else resp.coherence[live][:, inside],
+    )
+    twice, _ = channels.duplicated(np.hstack([values[live].real, values[live].imag]), dofs)
+    said += [*twice, *phase.in_phase(seen), *_incoherent(seen), *one_force.one_force(seen)]
+    if resp.kind == "transmissibility":
+        why = (
+            "peaks of transmissibilities are antiresonances of the reference, as sharp as noise lets them be"
+        )
+        said.append(NotTested(resolution.RESOLUTION, why))
+        said.append(NotTested(force_location.NAME, "transmissibilities do not show the resonances"))
+        return said, seen
+    spacing = float(np.median(np.diff(seen.freq_hz)))
+    power = np.abs(values[live]) ** 2
+    lines = resolution.sharpest_lines(
+        np.sum(power / power.mean(axis=1, keepdims=True), axis=0), leakage=False
+    )
+    said += resolution.without_leakage(None if lines is None else lines * spacing, spacing, hit=False)
+    said += force_location.force_location(seen, excitation, values[live])
+    return said, seen
+
+
+def _incoherent(seen: Evidence) -> Said:
+    if seen.coherence is None:
+        return [NotTested(channels.NOISE, "no coherence is given with the responses")]
+    share = np.mean(seen.coherence < COHERENT, axis=1)
+    return [
+        Finding(
+            channels.NOISE,
+            "note",
+            (dof,),
+            float(part),
+            channels.BURIED,
+            f"Dof {dof!r} has a coherence under {COHERENT:g} in {100 * part:.0f} % of the band.",
+            channels.BURIED_ADVICE,
+            f"coherence under {COHERENT:g} in {100 * part:.0f} % of the band",
+        )
+        for dof, part in zip(seen.dofs, share, strict=True)
+        if part > channels.BURIED
+    ]
+
+
+#: The order in which the tests that could not be made are listed.
+TESTS = (
+    channels.DEAD,
+    channels.CLIPPED,
+    channels.DUPLICATED,
+    channels.DROPOUTS,
+    channels.SPIKES,
+    phase.TIME_SHIFT,
+    phase.QUADRATURE,
+    channels.NOISE,
+    resolution.RESOLUTION,
+    one_force.NAME,
+    force_location.NAME,
+)
+
+
+@patient("checking the data")
+def check_data(
+    source: Recording | FrequencyResponse | Sequence[Recording] | Sequence[FrequencyResponse],
+    *,
+    excitation: Any = None,
+    band_hz: Sequence[float],
+    nperseg: int | None = None,
+    noverlap: int | None = None,
+    window: Any = "hann",
+    method: str = "auto",
+    progress: bool | None = None,
+) -> DataCheck:
+    """Ask whether data are fit for identification before anything is fitted to them.
+
+    Parameters
+    ----------
+    source : Recording or FrequencyResponse, or a list of either
+        Time records, or measured responses, for which fewer tests can be made. A list holds repeats of one
+        test, whose samples are tested record by record and whose averages together.
+    excitation : int or str, optional
+        Dof at which the single force is said to act. Without it the location is not tested.
+    band_hz : (low, high)
+        Band in which antiresonances are wanted.
+    nperseg, noverlap, window, method
+        As for :func:`~antires_rs.identify_antiresonances`; give the same.
+    progress : bool, optional
+        A line on standard error after a second; by default on a terminal and in a notebook.
+
+    Returns
+    -------
+    DataCheck
+        ``.findings`` with numbers and advice, one of a kind over all its channels,
+        ``.not_tested`` with reasons, ``.ok``, ``.fatal``; print it for
+        a table, ``.plot()`` it for the eigenvalues.
+
+    Raises
+    ------
+    InvalidInputError
+        A malformed argument. Bad data never raise: they are what is reported.
+
+    Notes
+    -----
+    The tests, by name:
+
+    - ``dead_channel`` (fatal): constant, or nothing in common with any other channel in the band;
+    - ``clipped_channel``, ``duplicated_channels``, ``dropouts``, ``spikes`` (warnings): in the time records;
+    - ``time_shift``, ``quadrature`` (warnings): a channel late against the others, or of another kind, which
+      brings it back into phase at several modes; a phase that is off without such a reason is none, and one
+      or two modes do not prove any. Polarity cannot be seen in data: a sensor upside down looks like a mode
+      shape with a node more, nor can two channels that are exchanged, unless the driving point is one of
+      them (``force_location``);
+    - ``signal_to_noise`` (note): a channel under its own noise in much of the band;
+    - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;
+    - ``one_force``: the second eigenvalue of the spectral matrix against the first, noise and leakage. Two
+      forces that move in proportion are one force in this respect;
+    - ``force_location``: zeros and poles of the stated driving point alternate. A dof whose mode shapes have
+      the signs of the driving point's in all modes of the band cannot be told from it;
+    - ``single_hit`` (note), ``missed_hit`` (fatal): of hammer records.
+
+    Limits were set on simulated records of an 8-mass chain (0 to 10 % noise, 0.5 to 2 % damping, 60 to
+    600 s), those of the phase on measured plates too. They stand, with their reasons, in the modules of this
+    package.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> from antires_rs.signals import check_data
+    >>> rec = ar.cases.chain8().experiment(noise=0.01, rng=1)
+    >>> check_data(rec, excitation=0, band_hz=(3, 130)).ok
+    True
+    >>> (finding,) = check_data(rec, excitation=4, band_hz=(3, 130)).findings
+    >>> print(finding.severity, finding.name, "|", finding.advice)
+    fatal force_location | Dof 0 would fit: check which dof was excited, and the order of the channels.
+    """
+    if excitation is not None and (
+        isinstance(excitation, bool) or not isinstance(excitation, int | np.integer | str)
+    ):
+        reject(
+            "excitation",
+            excitation,
+            "a dof named by an integer or a string, or None",
+            "Name the dof as the source does, or leave it out if it is not known.",
+        )
+    options = Averaging(nperseg, noverlap, window, method).checked()
+    one: Recording | FrequencyResponse = one_source(source)
+    return judged(one, excitation, band_of(one, band_hz), options)
+
+
+def judged(
+    source: Recording | FrequencyResponse,
+    excitation: Any,
+    band: tuple[float, float],
+    options: Averaging,
+    averages: Averages | None = None,
+) -> DataCheck:
+    """The check with options that are checked, on ``averages`` of the record where they are there already."""
+    if isinstance(source, Recording):
+        said, seen = of_recording(source, excitation, band, options, averages)
+    else:
+        said, seen = of_response(source, excitation, band)
+    dofs = source.dofs
+    found = one_of_a_kind(one for one in said if isinstance(one, Finding))
+    # A test that found something was made, even if a part of it could not be.
+    named = {finding.name for finding in found}
+    why = {one.name: one.why for one in reversed(said) if isinstance(one, NotTested)}
+    untested = {name: why[name] for name in TESTS if name in why and name not in named}
+    if seen is None:
+        return DataCheck(found, untested, dofs, excitation, band)
+    if seen.eigenvalues is None:
+        return DataCheck(
+            found,
+            untested,
+            seen.dofs,
+            excitation,
+            band,
+            frozen(seen.freq_hz),
+            coherence=None if seen.coherence is None else frozen(seen.coherence),
+        )
+    expected = one_force.expected(seen) if len(seen.dofs) > 2 else None
+    return DataCheck(
+        found,
+        untested,
+        seen.dofs,
+        excitation,
+        band,
+        frozen(seen.freq_hz),
+        frozen(seen.eigenvalues),
+        None if expected is None else frozen(expected),
+        None if seen.coherence is None else frozen(seen.coherence),
+        seen.n_averages,
+        seen.nperseg,
+    )

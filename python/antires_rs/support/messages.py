@@ -1,0 +1,170 @@
+"""One way to warn: what is said, and the name under which more is said of it."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ..exceptions import AntiresWarning
+from .checks import reject
+
+
+def warn(about: str | tuple[str, ...], text: str) -> None:
+    """Warn at the line of the user's call, however deep in this package.
+
+    ``about`` names entries of ``troubleshooting.md`` beside this file, see :func:`~antires_rs.explain`.
+    """
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and str(frame.f_globals.get("__name__")).startswith("antires_rs."):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(AntiresWarning(text, (about,) if isinstance(about, str) else about), stacklevel=level)
+
+
+# -- What is said of a symptom: its cause and what to do, from ``troubleshooting.md`` beside this file
+
+
+_FILE = Path(__file__).with_name("troubleshooting.md")
+
+
+def explain(*names: str) -> str:
+    """Tell what a warning, a finding or a doubt means: what is seen, why, and what to do.
+
+    Parameters
+    ----------
+    *names : str
+        As warnings end with, ``warning.about``; names of findings of a data check; doubts in a table of
+        antiresonances, ``"few orders"``. Without a name: all names, each with what is seen.
+
+    Returns
+    -------
+    str
+        Plain text in Markdown.
+
+    Raises
+    ------
+    InvalidInputError
+        A name that is not known; the error tells those most like it.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> print(ar.explain("dead_channel").splitlines()[0])
+    ### dead_channel
+    >>> "dead_channel" in ar.explain()
+    True
+    """
+    known = entries()
+    if not names:
+        return "\n".join(f"{name}: {_seen(text)}" for name, text in known.items())
+    return "\n\n".join(_entry(str(name), known) for name in names)
+
+
+@cache
+def entries() -> dict[str, str]:
+    """Every entry by its name, in the order of the page."""
+    blocks = _FILE.read_text(encoding="utf-8").split("\n### ")[1:]
+    return {b.split("\n", 1)[0].strip(): "### " + b.split("\n## ", 1)[0].strip() for b in blocks}
+
+
+def _entry(name: str, known: dict[str, str]) -> str:
+    key = name.strip().lower().replace(" ", "_").replace("-", "_")
+    if key not in known:
+        near = get_close_matches(key, known, n=3, cutoff=0.6)
+        reject(
+            "names",
+            repr(name),
+            f"one of the names that warnings end with{', perhaps ' + ' or '.join(near) if near else ''}",
+            "Ask without a name for all of them.",
+        )
+    return known[key]
+
+
+def _seen(text: str) -> str:
+    """What is seen, in a line."""
+    return " ".join(text.split("**Seen:**", 1)[1].split("\n\n", 1)[0].split())
+
+
+# -- Texts of errors that name arguments of a call, for callers who do not write Python
+#
+# A job file and the command line spell the same argument in their own way; the text keeps it as data.
+
+
+#: How an edit by hand is written in a job and on the command line.
+EDIT_WANTED = 'DOF=HZ, such as "3=31.9" or "3=31.9 mains hum"'
+
+
+@dataclass(frozen=True)
+class Passed:
+    """An argument, alone or with the value to be passed: ``unit=``, ``first='time'``."""
+
+    name: str
+    value: Any = None
+
+    def __str__(self) -> str:
+        return f"{self.name}={'' if self.value is None else repr(self.value)}"
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """How one of several is left out by ``dofs``."""
+
+    what: str
+
+    def __str__(self) -> str:
+        return f"Map a {self.what} to None to leave it out"
+
+
+Part = Passed | LeftOut
+
+
+class Wording(str):
+    """A text for who calls from Python; ``template`` has a ``{}`` for each of its parts.
+
+    Examples
+    --------
+    >>> from antires_rs.support.messages import Passed, Wording, spelled
+    >>> text = Wording("Pass {}.", Passed("first", "freq"))
+    >>> print(text, spelled(text, lambda part: f"--{part.name} {part.value}"))
+    Pass first='freq'. Pass --first freq.
+    """
+
+    template: str
+    parts: tuple[Part, ...]
+
+    def __new__(cls, template: str, *parts: Part) -> Wording:
+        """The text as Python spells the parts."""
+        made = super().__new__(cls, template.format(*parts))
+        made.template, made.parts = template, parts
+        return made
+
+    def __getnewargs__(self) -> Any:
+        return (self.template, *self.parts)
+
+
+def spelled(text: str, spell: Callable[[Part], str]) -> str:
+    """A text with its arguments as this caller writes them."""
+    return text.template.format(*map(spell, text.parts)) if isinstance(text, Wording) else text
+
+
+def edit_named(text: str) -> tuple[str, float, str] | None:
+    """Dof, frequency in Hz and reason of ``DOF=HZ reason``; None for another text.
+
+    Examples
+    --------
+    >>> from antires_rs.support.messages import edit_named
+    >>> edit_named("3 v=31.9 mains hum"), edit_named("3=soon")
+    (('3 v', 31.9, 'mains hum'), None)
+    """
+    name, _, rest = text.partition("=")
+    value, _, reason = rest.strip().partition(" ")
+    try:
+        freq_hz = float(value)
+    except ValueError:
+        return None
+    return (name.strip(), freq_hz, reason.strip()) if name.strip() and 0.0 < freq_hz < float("inf") else None

@@ -1,0 +1,391 @@
+"""Residuals over the unit box of the free parameters, with what is known of their errors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..support.checks import FloatArray
+from ..support.progress import step
+from .targets import MODEL_ERROR, AntiresonanceTargets, ModalTargets, Targets, unit_shapes
+
+if TYPE_CHECKING:
+    from .problem import UpdatingProblem
+
+
+# -- Differences that a Gaussian likelihood is of, row by row, and the standard deviations stated for them
+#
+# Of antiresonances these are the residuals. Of modes they are the residuals of the frequencies and the
+# differences of shapes at unit length: 1 - MAC has no slope at a perfect fit.
+
+
+def errors(targets: Targets, core: _core.Objective, x: FloatArray) -> FloatArray:
+    """Differences at ``x``, (r,); a frequency without a partner counts 1."""
+    if not isinstance(targets, ModalTargets):
+        return targets.residuals(core, x)
+    paired, _, shapes = targets._pairs(core, x)
+    found = [np.where(np.isnan(paired), 1.0, (paired / targets.hz) ** 2 - 1.0)]
+    first = 0
+    for freq, dofs, measured in targets._parts:
+        model = unit_shapes(np.nan_to_num(shapes[first : first + len(freq)][:, dofs]))
+        first += len(freq)
+        # Along its longest real direction a measured shape has the phase that a mode of the model has.
+        turned = np.exp(-0.5j * np.angle(np.sum(measured**2, axis=1, keepdims=True)))
+        seen = unit_shapes((measured * turned).real)
+        sign = np.where(np.sum(seen * model, axis=1, keepdims=True) < 0.0, -1.0, 1.0)
+        found.append((sign * model - seen).ravel())
+    return np.concatenate(found)
+
+
+def error_rows(targets: Targets) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
+    """Measured value and kind of each row, (r,), and its stated standard deviation, NaN where there is none.
+
+    The kind is 0 for frequencies and 1 for entries of shapes.
+    """
+    number = np.arange(targets.hz.size)
+    if isinstance(targets, AntiresonanceTargets):
+        tables = (table for each in targets.sets for table in each.tables.values())
+        std = np.concatenate([np.empty(0), *(table.std_hz for table in tables)])
+        return number, np.zeros(number.size, dtype=np.intp), 2.0 * std[targets._kept] / targets.hz
+    assert isinstance(targets, ModalTargets)
+    parts = targets._parts
+    entries = np.repeat([len(dofs) for _, dofs, _ in parts], [len(freq) for freq, _, _ in parts])
+    value = np.concatenate([number, np.repeat(number, entries)])
+    kind = (np.arange(value.size) >= number.size).astype(np.intp)
+    return value, kind, np.full(value.size, np.nan)
+
+
+#: Step of the central differences, relative to the range of a parameter; see ``identifiability``.
+_STEP = 1e-5
+#: Candidates that a thread evaluates at a time.
+_PIECE = 64
+
+
+class BoxResiduals:
+    """Residuals as a function of u in the unit box.
+
+    Where the lower bound is above 0, u runs with the logarithm of the parameter: antiresonances hang on
+    ratios of stiffness to mass, and a common scale of all is then a straight line along which nothing
+    changes.
+
+    Attributes
+    ----------
+    free : ndarray of int, (n,)
+        Parameters that u holds: not those with equal bounds, nor damage that was decided to be exactly 0.
+    tilt : ndarray, (n,)
+        Slope of the logarithm of the prior's density in u, which is uniform in the parameters themselves.
+    stated : ndarray, (m,), or None
+        Standard deviations that the measurement states; the median of the others where one does not.
+    size : ndarray, (m,)
+        Relative size of the error that is not stated.
+    kind : ndarray of int, (m,)
+        0 for frequencies, 1 for entries of shapes.
+    assumed : tuple of str
+        What was assumed, in sentences.
+    """
+
+    def __init__(self, problem: UpdatingProblem, x: FloatArray) -> None:
+        self.problem, self.x = problem, x
+        low, high = problem.bounds.T
+        self.free = np.flatnonzero((high > low) & ~_resting(problem, x))
+        self.low, self.high = low[self.free], high[self.free]
+        self.log = self.low > 0.0
+        self.tilt = np.zeros(self.free.size)
+        self.tilt[self.log] = np.log(self.high[self.log] / self.low[self.log])
+        value, kind, std = error_rows(problem._targets)
+        weights = np.ones(len(problem.measured_hz)) if problem.weights is None else problem.weights
+        paired = np.isfinite(problem._core.pairs(x)[0])
+        self.kept = (paired & (weights > 0.0))[value]
+        self.kind, std, weights = kind[self.kept], std[self.kept], weights[value][self.kept]
+        known, noun = np.isfinite(std), f"{problem.noun}s"
+        self.stated: FloatArray | None = None
+        self.size = np.ones(std.size)
+        assumed = []
+        alone = len(paired) - int(paired.sum())
+        if alone:
+            assumed.append(f"{alone} measured {noun} without a partner in the model are left out.")
+        if not known.any():
+            self.size = 1.0 / weights
+            assumed.append(
+                f"No errors of the measured {noun} are stated: theirs are learned from the residuals."
+            )
+        else:
+            self.stated = np.where(known, std, np.median(std[known]))
+            if not known.all():
+                assumed.append("Values without a standard deviation are given the median of the others.")
+        self.assumed = tuple(assumed)
+
+    def vector(self, u: FloatArray) -> FloatArray:
+        """All parameters, (n,) or (k, n)."""
+        x = np.broadcast_to(self.x, (*u.shape[:-1], self.x.size)).copy()
+        even = self.low + u * (self.high - self.low)
+        x[..., self.free] = np.where(self.log, self.low * np.exp(u * self.tilt), even)
+        return x
+
+    def place(self, x: FloatArray) -> FloatArray:
+        """The u of all parameters ``x``, (n,), within the box."""
+        held, low, high = x[self.free], self.low, self.high
+        safe = np.where(self.log, low, 1.0)
+        log = np.log(np.maximum(np.where(self.log, held, 1.0), safe) / safe)
+        found = np.where(self.log, log / np.where(self.log, self.tilt, 1.0), (held - low) / (high - low))
+        return np.asarray(np.clip(found, 0.0, 1.0))
+
+    def at(self, u: FloatArray) -> FloatArray:
+        """Residuals at one point, (m,)."""
+        problem = self.problem
+        return np.asarray(errors(problem._targets, problem._core, self.vector(u))[self.kept])
+
+    def many(self, u: FloatArray, workers: int) -> FloatArray:
+        """Residuals at every row, (k, m): the same bits for any number of workers."""
+        pieces = [u[first : first + _PIECE] for first in range(0, len(u), _PIECE)]
+
+        def rows(piece: FloatArray) -> FloatArray:
+            return np.stack([self.at(row) for row in piece])
+
+        if workers == 1 or len(pieces) == 1:
+            return np.concatenate([rows(piece) for piece in pieces])
+        pool = ThreadPoolExecutor(workers)
+        try:
+            return np.concatenate(list(pool.map(rows, pieces)))
+        finally:  # after Ctrl-C what has not begun is not begun
+            pool.shutdown(wait=False, cancel_futures=True)
+
+    def jacobian(self, u: FloatArray) -> FloatArray:
+        """Change of the residuals over the bounds' distances, (m, n), by central differences."""
+        steps = _STEP * np.eye(u.size)
+        columns = [(self.at(u + h) - self.at(u - h)) / (2.0 * _STEP) for h in steps]
+        return np.stack(columns, axis=1) if columns else np.empty((self.size.size, 0))
+
+
+def _resting(problem: UpdatingProblem, x: FloatArray) -> NDArray[np.bool_]:
+    """Damage at exactly 0: with penalties it is decided, not estimated."""
+    reductions = np.array([p.quantity == "stiffness_reduction" for p in problem.parameters])
+    return np.asarray(reductions & (x == 0.0) & (problem.penalty is not None))
+
+
+# -- Errors of the measured values and of the model, as the posterior of the parameters knows them
+#
+# A residual e of omega squared has the variance ``s**2 + (tau g)**2``: s = 2 std_hz / freq_hz is what the
+# measurement states, tau what the model leaves unexplained, learned from the residuals, and g the relative
+# size of the term. Where errors are stated, tau is 0 with a prior probability of one half, else
+# log-uniform; where none are, tau stands for both.
+
+
+#: No test and no model agrees better than this in omega squared: exact data must not give intervals of width
+#: 0.
+FLOOR = 1e-5
+#: Largest error of the model that is considered, in omega squared, and the step of its grid in ln(tau).
+_MOST, _STEP_ERROR_MODEL = 0.3, 0.05
+#: Errors of the model below this share of the stated ones make no difference.
+_LEAST = 0.2
+#: Factor below the estimate at which the grid begins, and above it at which the grid ends: with few values to
+#: spare the tail falls as ``tau**-spare``, and one percent of it is left out.
+_BELOW, _ABOVE, _TAIL = 6.0, 4.0, 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorModel:
+    """Grid of model errors tau (G,), prior weights in logarithms, and variances of the residuals (G, m).
+
+    ``stated`` says whether standard deviations were measured, ``learned`` whether the residuals tell tau.
+    """
+
+    tau: FloatArray
+    log_prior: FloatArray
+    variance: FloatArray
+    stated: bool
+    learned: bool
+
+    @classmethod
+    def around(cls, stated: FloatArray | None, size: FloatArray, guess: float, spare: int) -> ErrorModel:
+        """Grid around the error that the residuals suggest.
+
+        ``stated`` (m,) are standard deviations of the residuals or None, ``size`` (m,) the g of each;
+        ``spare`` is the number of residuals that the parameters leave over.
+        """
+        s = np.zeros(size.size) if stated is None else np.maximum(stated, FLOOR)
+        if spare <= 0:  # as many parameters as values: nothing is left to learn from
+            tau = np.array([0.0 if stated is not None else MODEL_ERROR])
+            return cls(tau, np.zeros(1), s**2 + (tau[:, None] * size) ** 2, stated is not None, False)
+        usual = FLOOR if stated is None else float(np.median(s))
+        low = min(max(FLOOR, _LEAST * usual), 0.1 * _MOST)
+        first = min(max(low, guess / _BELOW), 0.5 * _MOST)
+        last = min(_MOST, max(guess, usual, 2.0 * first) * _ABOVE * _TAIL ** (1.0 / spare))
+        tau = np.exp(np.arange(np.log(first), np.log(last), _STEP_ERROR_MODEL))
+        log_prior = np.full(tau.size, np.log(_STEP_ERROR_MODEL / np.log(_MOST / low)))
+        if stated is not None:
+            tau = np.append(0.0, tau)
+            log_prior = np.append(0.0, log_prior)  # half and half: the factor cancels
+        return cls(tau, log_prior, s**2 + (tau[:, None] * size) ** 2, stated is not None, True)
+
+    def log_density(self, squares: FloatArray) -> FloatArray:
+        """Logarithm of likelihood times prior, (k, G), of residuals whose squares (k, m) are given."""
+        constant = self.log_prior - 0.5 * np.log(self.variance).sum(axis=1)
+        return np.asarray(constant - 0.5 * squares @ (1.0 / self.variance).T)
+
+    def marginal(self, residuals: FloatArray, jacobian: FloatArray) -> FloatArray:
+        """Probability of each tau, (G,), with the parameters integrated out as if nothing bounded them."""
+        found = np.empty(self.tau.size)
+        for nth, variance in enumerate(self.variance):
+            root = np.sqrt(variance)
+            rows, singular, _ = np.linalg.svd(jacobian / root[:, None], full_matrices=False)
+            seen = singular > 1e-9 * max(singular.max(initial=0.0), 1.0)
+            z = residuals / root
+            left = z @ z - np.sum((rows[:, seen].T @ z) ** 2)
+            found[nth] = -np.log(root).sum() - np.log(singular[seen]).sum() - 0.5 * left
+        return normalized(found + self.log_prior)
+
+
+def normalized(log_weights: FloatArray) -> FloatArray:
+    """Probabilities from logarithms, along the last axis."""
+    p = np.exp(log_weights - log_weights.max(axis=-1, keepdims=True))
+    return np.asarray(p / p.sum(axis=-1, keepdims=True))
+
+
+def drawn(probabilities: FloatArray, uniform: FloatArray) -> NDArray[np.intp]:
+    """Index of one outcome for each row of ``probabilities`` (k, G) or (G,), by uniform numbers (k,)."""
+    cumulative = np.cumsum(np.atleast_2d(probabilities), axis=1)
+    return np.asarray(np.minimum((uniform[:, None] > cumulative).sum(axis=1), cumulative.shape[1] - 1))
+
+
+# -- The weighted least-squares solution near the parameters found: where the posterior is expanded
+#
+# The search minimizes what the problem says, by default the paper's sum of abs(e); the posterior lies around
+# the minimum of the sum of squares over the errors' variances. Both are near each other where the model fits.
+
+
+#: A combination whose residuals move less than this over the bounds' distance is not seen; see
+#: ``identifiability``.
+UNSEEN = 1e-5
+#: Rounds of weights from residuals and residuals from weights, and steps of each.
+_ROUNDS, _STEPS = 3, 20
+#: A solution is another than the one found if a value differs by more standard deviations than this, and by
+#: more than this share of omega squared.
+FAR, SAME = 4.0, 2e-3
+#: Share of the steepest column that a step costs: what no value sees stays where it is.
+_DAMPED = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Solution u (n,), residuals e (m,) and Jacobian (m, n) there, and the errors that they suggest.
+
+    ``tau`` is the median error of the model, ``chances`` (G,) the probabilities of all on the grid.
+    """
+
+    residuals: BoxResiduals
+    u: FloatArray
+    e: FloatArray
+    jacobian: FloatArray
+    rank: int
+    errors: ErrorModel
+    chances: FloatArray
+
+    @property
+    def tau(self) -> float:
+        """Median error of the model, of omega squared."""
+        return float(self.errors.tau[self.middle])
+
+    @property
+    def middle(self) -> int:
+        """Number of the median error of the model."""
+        return int(np.clip(np.searchsorted(np.cumsum(self.chances), 0.5), 0, self.chances.size - 1))
+
+    @property
+    def sigma(self) -> FloatArray:
+        """Standard deviations of the residuals at the median error of the model, (m,)."""
+        return np.asarray(np.sqrt(self.errors.variance[self.middle]))
+
+    @property
+    def chi_square(self) -> float:
+        """Reduced chi-square by the stated errors; NaN where none are stated or nothing is left over."""
+        stated, spare = self.residuals.stated, self.e.size - self.rank
+        if stated is None or spare <= 0:
+            return float("nan")
+        return float(np.sum((self.e / np.maximum(stated, FLOOR)) ** 2) / spare)
+
+
+def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
+    """Least squares within the bounds from ``x``, with the errors that its residuals suggest."""
+    residuals = BoxResiduals(problem, x)
+    u = residuals.place(x)
+    stated, size = residuals.stated, residuals.size
+    sigma = size * max(_rms(residuals.at(u) / size), FLOOR) if stated is None else np.maximum(stated, FLOOR)
+    for _ in range(_ROUNDS):
+        step("least squares")
+        u = _best(residuals, u, sigma)
+        e, jacobian = residuals.at(u), residuals.jacobian(u)
+        rank = int(np.count_nonzero(np.linalg.svd(jacobian, compute_uv=False) > UNSEEN)) if u.size else 0
+        size = residuals.size * _kinds(residuals, e / residuals.size)
+        guess = _rms(e / size) * np.sqrt(e.size / max(e.size - rank, 1))
+        errors = ErrorModel.around(stated, size, float(guess), e.size - rank)
+        fit = Fit(residuals, u, e, jacobian, rank, errors, errors.marginal(e, jacobian))
+        ratio = fit.sigma / sigma
+        if ratio.max() < 1.05 * ratio.min():
+            break  # a common factor moves no minimum
+        sigma = fit.sigma
+    return fit
+
+
+def least_squares(
+    residuals: BoxResiduals, start: FloatArray, sigma: FloatArray, held: Sequence[int] = ()
+) -> FloatArray:
+    """Least squares of the residuals over ``sigma`` within the unit box, by Gauss-Newton; ``held`` stay.
+
+    Each step solves the linear problem within the box and is halved until the sum falls.
+    """
+    from scipy.optimize import lsq_linear
+
+    u = start.copy()
+    free = np.setdiff1d(np.arange(u.size), np.array(held, dtype=int))
+    if free.size == 0:
+        return u
+    z = residuals.at(u) / sigma
+    for _ in range(_STEPS):
+        slope = residuals.jacobian(u)[:, free] / sigma[:, None]
+        damped = _DAMPED * max(np.linalg.norm(slope, axis=0).max(), 1.0)
+        rows = np.vstack([slope, damped * np.eye(free.size)])
+        ends = (np.minimum(-u[free], -1e-12), np.maximum(1.0 - u[free], 1e-12))
+        move = lsq_linear(rows, np.append(-z, np.zeros(free.size)), ends, method="bvls").x
+        cost, share = float(z @ z), 1.0
+        while True:
+            tried = u.copy()
+            tried[free] = np.clip(u[free] + share * move, 0.0, 1.0)
+            now = residuals.at(tried) / sigma
+            if now @ now < cost:
+                break
+            share /= 2.0
+            if share < 1e-3:
+                return u
+        u, z = tried, now
+        if cost - z @ z < 1e-6 * cost + 1e-6:
+            break  # less than any probability would show
+    return u
+
+
+def _best(residuals: BoxResiduals, start: FloatArray, sigma: FloatArray) -> FloatArray:
+    """Least squares from the start; if that leads far, the best of it and of those from two more starts."""
+    found = [least_squares(residuals, start, sigma)]
+    if np.any(np.abs(residuals.at(found[0]) - residuals.at(start)) > np.maximum(FAR * sigma, SAME)):
+        others = residuals.place(residuals.problem.nominal), np.full(start.size, 0.5)
+        found += [least_squares(residuals, u, sigma) for u in others]
+    return min(found, key=lambda u: float(np.sum((residuals.at(u) / sigma) ** 2)))
+
+
+def _kinds(residuals: BoxResiduals, e: FloatArray) -> FloatArray:
+    """Error of each kind of value relative to that of the frequencies, (m,): they have units of their own."""
+    if residuals.stated is not None or not residuals.kind.any():
+        return np.ones(e.size)
+    shape = residuals.kind == 1
+    ratio = max(_rms(e[shape]), FLOOR) / max(_rms(e[~shape]), FLOOR)
+    return np.where(shape, ratio, 1.0)
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0

@@ -1,0 +1,327 @@
+"""Results of updating: numbers, tables, pictures, and what they do not tell."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self, cast
+
+import numpy as np
+
+from ..support.checks import FloatArray
+from ..support.values import ReadOnly
+from ..views import Viewed
+from .identifiability import Identifiability, identifiability
+from .model_check import Explained, explained
+from .posterior import Method, ParameterIntervals, intervals
+from .profile import ProfileLikelihood, profile
+from .residuals import fitted
+from .tables import FrequencyTable, ModalTable
+
+if TYPE_CHECKING:
+    import os
+
+    from ..models.structural_model import StructuralModel
+    from ..optimize.outcome import History, OptimizeResult
+    from .problem import UpdatingProblem
+    from .reduced_search import ReductionReport
+
+
+# -- What a result says of how sure its parameters are: intervals, profiles, and chi-square
+
+
+class WithIntervals(ReadOnly):
+    """A result with a problem and the parameters ``x`` that solve it."""
+
+    problem: UpdatingProblem
+    x: FloatArray
+
+    @property
+    def interval(self) -> dict[Any, tuple[float, float]]:
+        """90 % interval of each parameter by name: the quick answer of :meth:`intervals`."""
+        return self._quick.interval
+
+    @cached_property
+    def _quick(self) -> ParameterIntervals:
+        return intervals(self.problem, self.x, progress=False)
+
+    @cached_property
+    def chi_square(self) -> float:
+        """Reduced chi-square of the least-squares residuals by their stated errors; NaN where none are."""
+        return fitted(self.problem, self.x).chi_square
+
+    def intervals(
+        self,
+        method: Method = "laplace",
+        *,
+        level: float = 0.9,
+        draws: int = 1000,
+        rng: int | np.random.Generator | None = 0,
+        workers: int | None = None,
+        progress: bool | None = None,
+    ) -> ParameterIntervals:
+        """Intervals of the parameters, with draws of their posterior.
+
+        Uniform within the bounds before the test; Gaussian errors with the ``std_hz`` of the measured values,
+        and an error of the model that the residuals tell. Where no errors are stated, one error of all
+        is learned. Around the least-squares solution near ``x``.
+
+        Parameters
+        ----------
+        method : {'laplace', 'ensemble'}
+            Quick, with residuals linear around the solution; or sure, with the residuals that the model has:
+            some ten thousand evaluations. Both stay in the valley that the search found.
+        level : float
+            Probability of each interval, within [0.5, 0.999].
+        draws : int
+            At least 50.
+        rng : int or numpy.random.Generator, optional
+            The same seed gives the same bits for any number of ``workers``.
+        workers : int, optional
+            Threads of the ensemble; all processors by default.
+        progress : bool, optional
+            Show progress on standard error; by default on a terminal, after one second.
+
+        Returns
+        -------
+        ParameterIntervals
+
+        Raises
+        ------
+        InvalidInputError
+            A method, level or number out of range.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+        >>> hz = dict(enumerate(true.antiresonances([0, 1, 2], 0)))
+        >>> measured = ar.AntiresonanceSet(0, hz, std_hz={dof: 1e-3 * f for dof, f in hz.items()})
+        >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+        >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
+        >>> found = ar.update(problem, rng=0).intervals("ensemble", draws=200)
+        >>> low, high = found["stiffness of spring 0"]
+        >>> low < 1.1 < high, found.words
+        (True, ('two-sided', 'two-sided'))
+        """
+        return intervals(
+            self.problem,
+            self.x,
+            method=method,
+            level=level,
+            draws=draws,
+            rng=rng,
+            workers=workers,
+            progress=progress,
+        )
+
+    def profile(
+        self, name: str, *, level: float = 0.9, points: int = 21, progress: bool | None = None
+    ) -> ProfileLikelihood:
+        """Profile likelihood of one parameter: the others are fitted again at ``points`` of its values.
+
+        For parameters on a bound, and those that the data hardly tell; ``kind`` says whether both sides
+        close. An unknown name is an ``InvalidInputError``.
+        """
+        return profile(self.problem, self.x, name, level=level, points=points, progress=progress)
+
+
+#: What ends this close to a bound, as a share of the bounds' distance, is on it: a polish leaves some 1e-12.
+_ON_BOUND = 1e-6
+#: A largest difference that stays above half of what it was is not explained, unless it is that of an
+#: identified value: below 1 % in all simulated records of the README's tables.
+_EXPLAINED, _NOISE_PERCENT = 0.5, 1.0
+
+
+class UpdateResult(WithIntervals, Viewed):
+    """An updated model and how it came about. Read-only.
+
+    Attributes
+    ----------
+    x : ndarray, (n,)
+        Parameter values, in the order of ``problem.names``.
+    fun : float
+        Objective at ``x``.
+    success : bool
+        Whether the search ended by its own rule rather than by a budget or an interruption.
+    status, message : str
+        Why it ended; see :class:`OptimizeResult`.
+    nfev, njev, nit : int
+        Evaluations, the linearizations among them, and generations; see :class:`OptimizeResult`.
+    migrations : int
+        Exchanges between the islands.
+    history : History
+        Best cost by generation and island.
+    search : OptimizeResult
+        The search itself, with the final populations.
+    problem : UpdatingProblem
+    seed : int
+        Master seed in force.
+    reduction : ReductionReport or None
+        What the reduced models came to that served the search; None if there were none, and in a file.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> tested = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(tested.antiresonances([0, 1, 2], 0))))
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> result = ar.update(ar.UpdatingProblem(nominal, springs, measured), rng=0)
+    >>> result.status, result.x.round(2), result.model.stiffness()[0].round(0)
+    ('agreed', array([1.1 , 0.96]), array([ 550., -550.,    0.]))
+    """
+
+    problem: UpdatingProblem
+    search: OptimizeResult
+    seed: int
+    reduction: ReductionReport | None
+    x: FloatArray
+    fun: float
+    success: bool
+    status: str
+    message: str
+    nfev: int
+    njev: int | None
+    nit: int
+    migrations: int
+
+    def __init__(
+        self,
+        problem: UpdatingProblem,
+        search: OptimizeResult,
+        seed: int,
+        reduction: ReductionReport | None = None,
+    ) -> None:
+        told = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations")
+        of_search = {name: getattr(search, name) for name in told}
+        self._fill(problem=problem, search=search, seed=seed, reduction=reduction, **of_search)
+
+    @property
+    def history(self) -> History:
+        """Best cost by generation and island."""
+        return self.search.history
+
+    @cached_property
+    def model(self) -> StructuralModel:
+        """The model with the parameters found."""
+        return self.problem.model_at(self.x)
+
+    @cached_property
+    def table(self) -> FrequencyTable | ModalTable:
+        """Measured, before and after, one row a measured antiresonance or mode."""
+        return self.problem._table(self.x)
+
+    @cached_property
+    def identifiability(self) -> Identifiability:
+        """What the data can and cannot tell about the parameters, at the solution."""
+        return identifiability(self.problem, self.x)
+
+    @cached_property
+    def _fit(self) -> Explained | None:
+        """What the updated model explains; None after Ctrl-C."""
+        return None if self.search.status == "interrupted" else explained(self.problem, self.x)
+
+    @property
+    def at_bound(self) -> list[str]:
+        """Names of the parameters that the data pushed to a bound other than their nominal value."""
+        low, high = self.problem.bounds.T
+        near = _ON_BOUND * (high - low)
+        nominal = self.problem.nominal
+        at_low = (self.x <= low + near) & (abs(nominal - low) > near)
+        at_high = (self.x >= high - near) & (abs(nominal - high) > near)
+        on = (at_low | at_high) & (low < high)
+        on &= ~self.identifiability.blind  # where an unseen parameter ends means nothing
+        return [name for name, hit in zip(self.problem.names, on, strict=True) if hit]
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader should know before trusting the numbers."""
+        notes = [] if self.success else [f"The search did not finish: {self.message}"]
+        fit = self._fit
+        notes += [] if fit is None or fit.enough else [fit.sentence]
+        notes += self.problem.left_out
+        if self.reduction is not None:
+            notes.append(self.reduction.note)
+        alone = int(np.isnan(self.table.after_hz).sum())
+        if alone:
+            notes.append(
+                f"{alone} of {self.table.after_hz.size} measured {self.problem.noun}s have no "
+                "partner: the updated model has none there up to 1.5 times the highest measured."
+            )
+        before, after = self.table.largest_before_percent, self.table.largest_after_percent
+        if after > max(_EXPLAINED * before, _NOISE_PERCENT):
+            notes.append(
+                f"Hardly explained: the largest difference is {after:.2f} %, after {before:.2f} % "
+                "before. What is wrong may have no parameter, or a dof may be another one; doubt "
+                "the values found."
+            )
+        if self.at_bound:
+            notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
+        return notes + self.identifiability.notes
+
+    def summary(self) -> str:
+        """Parameters, frequencies and notes as text."""
+        head = f"J = {self.fun:.6g} after {self.search.effort}: {self.status} ({self.message})"
+        notes = [f"note: {note}" for note in self.notes]
+        return "\n".join([head, "", *self._values(), "", str(self.table), *([""] if notes else []), *notes])
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviation of each parameter to first order, (n,).
+
+        See :class:`~antires_rs.updating.identifiability.Identifiability`.
+        """
+        return self.identifiability.std
+
+    def _values(self) -> list[str]:
+        width = max(len(name) for name in self.problem.names)
+        spreads = ["not determined" if np.isinf(std) else f"\u00b1 {std:<8.2g}" for std in self.std]
+        wide = max(map(len, spreads))
+        return [
+            f"{name:<{width}}  {value:#12.6g} {spread:<{wide}} [{low:g}, {high:g}]"
+            for name, value, spread, (low, high) in zip(
+                self.problem.names, self.x, spreads, self.problem.bounds, strict=True
+            )
+        ]
+
+    def plot(self, ax: Any = None) -> Any:
+        """Differences of the frequencies before and after updating; see :mod:`antires_rs.figures`."""
+        return self._view("plot")(self.table, ax=ax)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write problem, search and versions into one file ``*.npz``, whole or not at all; no pickle.
+
+        Raises
+        ------
+        InvalidInputError
+            Another ending, or a folder that does not exist.
+        """
+        self._view("save")(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read what :meth:`save` wrote, in this version or an older one; every float comes back bit for bit.
+
+        Diagrams of the measured sets are not kept.
+
+        Raises
+        ------
+        UnsuitableDataError
+            The file is damaged, of another kind, or of a newer version.
+        FileNotFoundError
+            There is none.
+
+        Warns
+        -----
+        AntiresWarning
+            This version computes another objective at the same x.
+        """
+        return cast("Self", cls._view("load")(path, cls))
+
+    def report(self, path: str | os.PathLike[str], **options: Any) -> None:
+        """Write one self-contained HTML file; ``options``: :func:`antires_rs.figures.report.write_report`."""
+        self._view("report")(self, path, **options)
+
+    def __repr__(self) -> str:
+        closing = self.table._closing.replace(":", "")
+        return f"{type(self).__name__}({self.status}, J = {self.fun:.4g}, {closing})"

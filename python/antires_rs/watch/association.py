@@ -1,0 +1,182 @@
+"""Which antiresonance of a test is which of the baseline: one list of places for all tests.
+
+Every test is matched to the places of the baseline, never to the test before it, so that a lost value does
+not drift. What moves all values alike (temperature) is taken off first: the median of the shifts that a first
+match finds.
+"""
+
+from __future__ import annotations
+
+from bisect import insort
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.matching import paired
+from ..measured.response_table import ResponseTable
+from ..support.checks import FloatArray
+
+#: A value that so large a part of the baseline's tests has is followed; the others are told as clutter.
+REGULAR = 0.5
+#: What a smaller part has is no place: it is strange wherever it appears.
+RARE = 0.1
+_PRUNE = 50
+#: A common shift is that of so many values at least.
+FEWEST = 3
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where the antiresonances of the baseline are, by response and ascending.
+
+    ``dof``, ``freq_hz`` and ``rate``, the share of the tests that have it, are (m,).
+    """
+
+    excitation: Any
+    dofs: tuple[Any, ...]
+    dof: NDArray[Any]
+    freq_hz: FloatArray
+    rate: FloatArray
+
+    @property
+    def regular(self) -> NDArray[np.bool_]:
+        """Those that are followed, (m,)."""
+        return self.rate >= REGULAR
+
+    def of(self, dof: Any) -> NDArray[np.intp]:
+        """Indices of a response's places."""
+        return np.flatnonzero(self.dof == dof)
+
+
+@dataclass(frozen=True)
+class Values:
+    """The values of some tests at the places.
+
+    ``log_hz`` and ``std``, of the logarithm, are (n, m), NaN where a test does not have it or its deviation
+    is not known; ``looked`` (n, m) says whether the test has the response at all; ``strange`` has by test the
+    (dof, frequency in Hz) of what no place takes.
+    """
+
+    log_hz: FloatArray
+    std: FloatArray
+    looked: NDArray[np.bool_]
+    strange: tuple[tuple[tuple[Any, float], ...], ...]
+
+    def without(self, faulty: Mapping[int, Collection[Any]], places: Places) -> Values:
+        """Without some responses of some tests, {test: dofs}."""
+        log_hz, looked, strange = self.log_hz.copy(), self.looked.copy(), list(self.strange)
+        for test, dofs in faulty.items():
+            gone = np.isin(places.dof, list(dofs)) if dofs else np.zeros(places.dof.size, dtype=bool)
+            log_hz[test, gone], looked[test, gone] = np.nan, False
+            strange[test] = tuple(one for one in strange[test] if one[0] not in dofs)
+        return Values(log_hz, self.std, looked, tuple(strange))
+
+    def take(self, chosen: Any) -> Values:
+        """Those of some tests."""
+        at = np.arange(len(self.strange))[chosen]
+        return Values(
+            self.log_hz[at], self.std[at], self.looked[at], tuple(self.strange[i] for i in at.tolist())
+        )
+
+
+def places_of(sets: Sequence[AntiresonanceSet], max_shift: float) -> Places:
+    """The places of a baseline: what at least a tenth of its tests have."""
+    counts = [sum(map(len, one.tables.values())) for one in sets]
+    # Begin with a test that is as rich as most.
+    typical = float(np.median(counts))
+    order = sorted(range(len(sets)), key=lambda i: abs(counts[i] - typical))
+    dofs = tuple(dict.fromkeys(dof for one in sets for dof in one))
+    groups: dict[Any, list[list[float]]] = {
+        dof: [[f] for f in sets[order[0]].get(dof, np.empty(0)).tolist()] for dof in dofs
+    }
+    for count, i in enumerate(order[1:], start=1):
+        if count % _PRUNE == 0:
+            groups = {dof: [one for one in groups[dof] if len(one) >= RARE * count] for dof in dofs}
+        where = {dof: np.array([_median(group) for group in groups[dof]]) for dof in dofs}
+        matches, shift = _matched(where, sets[i], max_shift)
+        for dof, pairs in matches.items():
+            values = sets[i][dof] / np.exp(shift)
+            for place, row in pairs:
+                insort(groups[dof][place], float(values[row]))
+            taken = {row for _, row in pairs}
+            groups[dof] += [[float(f)] for row, f in enumerate(values) if row not in taken]
+    columns: list[tuple[Any, float, float]] = []
+    for dof in dofs:
+        tests = sum(dof in one for one in sets)
+        seen = [one for one in groups[dof] if len(one) >= max(2.0, RARE * tests)]
+        columns += sorted((dof, _median(one), len(one) / tests) for one in seen)
+    names = np.empty(len(columns), dtype=object)
+    names[:] = [dof for dof, _, _ in columns]
+    return Places(
+        sets[0].excitation,
+        dofs,
+        names,
+        np.array([freq for _, freq, _ in columns]),
+        np.array([rate for _, _, rate in columns]),
+    )
+
+
+def _median(ascending: Sequence[float]) -> float:
+    count = len(ascending)
+    return 0.5 * (ascending[(count - 1) // 2] + ascending[count // 2])
+
+
+def values_of(sets: Sequence[AntiresonanceSet | None], places: Places, max_shift: float) -> Values:
+    """Values of tests at the places; a row of NaN for a test without a set."""
+    n, m = len(sets), places.freq_hz.size
+    log_hz, std = np.full((n, m), np.nan), np.full((n, m), np.nan)
+    looked = np.zeros((n, m), dtype=bool)
+    strange: list[tuple[tuple[Any, float], ...]] = []
+    at = {dof: places.of(dof) for dof in places.dofs}
+    where = {dof: places.freq_hz[rows] for dof, rows in at.items()}
+    for i, one in enumerate(sets):
+        left: list[tuple[Any, float]] = []
+        if one is not None:
+            matches, _ = _matched(where, one, max_shift, places)
+            for dof, pairs in matches.items():
+                table = one.tables[dof]
+                looked[i, at[dof]] = True
+                if pairs:
+                    place, row = (list(column) for column in zip(*pairs, strict=True))
+                    log_hz[i, at[dof][place]] = np.log(table.freq_hz[row])
+                    std[i, at[dof][place]] = table.std_hz[row] / table.freq_hz[row]
+                taken = {row for _, row in pairs}
+                left += [(dof, float(f)) for row, f in enumerate(table.freq_hz) if row not in taken]
+        strange.append(tuple(left))
+    return Values(log_hz, std, looked, tuple(strange))
+
+
+def _matched(
+    where: dict[Any, FloatArray], one: AntiresonanceSet, max_shift: float, places: Places | None = None
+) -> tuple[dict[Any, list[tuple[int, int]]], float]:
+    """(place, row) by response, and the logarithm of the shift that all values have in common."""
+    tables = {dof: table for dof, table in one.tables.items() if dof in where}
+    first = {dof: _pairs(where[dof], table, max_shift) for dof, table in tables.items()}
+    moved = [
+        np.log(tables[dof].freq_hz[row] / where[dof][place])
+        for dof, pairs in first.items()
+        for place, row in pairs
+        if places is None or places.regular[places.of(dof)[place]]
+    ]
+    if len(moved) < FEWEST:
+        return first, 0.0
+    shift = float(np.median(moved))
+    shifted = np.exp(shift)
+    return {dof: _pairs(where[dof] * shifted, table, max_shift) for dof, table in tables.items()}, shift
+
+
+def _pairs(where_hz: FloatArray, table: ResponseTable, max_shift: float) -> list[tuple[int, int]]:
+    """(place, row) of one response."""
+    freq = table.freq_hz
+    if where_hz.size == freq.size:
+        # The cost is convex, so that of all matches without a value left alone the ascending one is best; any
+        # other leaves two alone, at a cost of one.
+        reach = max_shift * 0.5 * (freq + where_hz)
+        if np.sum(((freq - where_hz) / reach) ** 2) < 1.0:
+            return [(i, i) for i in range(freq.size)]
+    variance = np.broadcast_to(2.0 * table.std_hz**2, (where_hz.size, freq.size))
+    return paired(where_hz, freq, max_shift, variance)

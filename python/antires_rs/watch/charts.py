@@ -1,0 +1,537 @@
+"""The charts of a series and their limits, from a baseline of which parts are left out in turn."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..support.checks import FloatArray
+from ..support.values import ReadOnly, frozen
+from .association import Values
+from .baseline import Learned, basis_of, degrees_of, directions, folds_of, learned, scores
+
+# -- Hotelling's distance of single tests from what the baseline expects
+#
+# Of the values that a test has, with normal scores z and the changes G that need no damage (conditions),
+#
+# .. math:: T^2 = \min_a \left( s(z - G a)^T R^{-1} s(z - G a) + a^T a \right),
+#
+# s turning residuals into normal deviates. Without G this is z' R^-1 z.
+#
+# Reference: D. C. Montgomery, Introduction to Statistical Quality Control, 7th ed. 2013, chapter 11.
+
+
+@dataclass(frozen=True)
+class Distances:
+    """Of n tests: scores (n, m) with NaN, T^2 (n,), and the number of values behind it (n,)."""
+
+    z: FloatArray
+    t2: FloatArray
+    count: FloatArray
+
+
+class Inverses:
+    """R^-1 of the values that are there, kept for patterns that come again."""
+
+    _MOST = 200
+
+    def __init__(self, correlation: FloatArray) -> None:
+        self._correlation = correlation
+        self._kept: dict[bytes, FloatArray] = {}
+
+    def of(self, there: NDArray[np.bool_]) -> FloatArray:
+        """The inverse of the part of R that belongs to a mask (m,)."""
+        key = there.tobytes()
+        if key not in self._kept:
+            if len(self._kept) >= self._MOST:
+                self._kept.clear()
+            self._kept[key] = np.asarray(
+                np.linalg.inv(self._correlation[np.ix_(there, there)]), dtype=np.float64
+            )
+        return self._kept[key]
+
+    def t2(self, z: FloatArray) -> float:
+        """z' R^-1 z of the values that are not NaN; 0 without any."""
+        there = ~np.isnan(z)
+        own = z[there]
+        return float(own @ self.of(there) @ own)
+
+
+def distances(
+    learned: Learned,
+    y: FloatArray,
+    std: FloatArray,
+    conditions: Mapping[str, FloatArray],
+    *,
+    free: bool,
+    inverses: Inverses | None = None,
+) -> Distances:
+    """T^2 of tests (n, m); ``free`` as for :func:`directions`."""
+    inverses = inverses or Inverses(learned.correlation)
+    n = len(y)
+    rest = y - learned.expected(conditions, n)
+    deviation = learned.deviation(std, conditions)
+    scaled = rest / deviation
+    z = np.full(y.shape, np.nan)
+    t2 = np.zeros(n)
+    for i in range(n):
+        there = ~np.isnan(scaled[i])
+        if not there.any():
+            continue
+        own, extra = scaled[i, there], 0.0
+        g = directions(learned, conditions, i, free=free)
+        if g.shape[1]:
+            g = g[there] / deviation[i, there, None]
+            inverse = inverses.of(there)
+            a = np.linalg.solve(np.eye(g.shape[1]) + g.T @ inverse @ g, g.T @ inverse @ own)
+            own, extra = own - g @ a, float(a @ a)
+        z[i, there] = scores(own, learned.degrees)
+        t2[i] = inverses.t2(z[i]) + extra
+    return Distances(z, t2, np.sum(~np.isnan(z), axis=1).astype(np.float64))
+
+
+# -- Limits of a chart, from the statistics of baseline tests that were left out
+#
+# A chi-square over its degrees of freedom p is made nearly normal by
+#
+# .. math:: w = \frac{(T^2 / p)^{1/3} - (1 - 2 / (9 p))}{\sqrt{2 / (9 p)}},
+#
+# so that tests with other values missing can be compared. The limit for a rate a is the larger of two: that
+# of a normal variable whose mean and variance are known from n tests (Student's t), and that of a
+# generalized Pareto tail fitted to the highest fifth, whose shape few tests tell little of: it is drawn to
+# that of a normal tail.
+#
+# References: E. B. Wilson, M. M. Hilferty, Proc. Natl. Acad. Sci. 17 (1931) 684-688; J. R. M. Hosking,
+# J. R. Wallis, Technometrics 29 (1987) 339-349.
+
+
+#: The tail is fitted to so large a part.
+TAIL = 0.2
+#: The shape of a normal tail there, and for how many tests of the tail it counts.
+NORMAL_SHAPE, PRIOR = -0.12, 30.0
+_STEEPEST, _HEAVIEST = -0.25, 0.5
+#: Baseline tests over the inverse of the rate, at least; and beside the coefficients that are fitted.
+_SHARE, _BESIDE = 0.5, 20
+
+
+def wilson_hilferty(t2: FloatArray, p: FloatArray) -> FloatArray:
+    """w of the module; NaN without any value."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spread = 2.0 / (9.0 * p)
+        return np.asarray(
+            np.where(p > 0, ((t2 / p) ** (1.0 / 3.0) - (1.0 - spread)) / np.sqrt(spread), np.nan)
+        )
+
+
+def chi_square(w: float, p: FloatArray) -> FloatArray:
+    """T^2 of a given w."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spread = 2.0 / (9.0 * p)
+        return np.asarray(np.where(p > 0, p * (1.0 - spread + w * np.sqrt(spread)) ** 3, np.nan))
+
+
+def upper_limit(w: FloatArray, rate: float) -> float:
+    """What a further one exceeds with probability ``rate``."""
+    from scipy.special import stdtrit
+
+    w = np.sort(w[~np.isnan(w)])
+    n = w.size
+    normal = float(w.mean() + float(-stdtrit(n - 1, rate)) * w.std(ddof=1) * np.sqrt(1.0 + 1.0 / n))
+    start = float(np.quantile(w, 1.0 - TAIL))
+    above = w[w > start] - start
+    if above.size < 3:
+        return normal
+    # Probability weighted moments.
+    first = float(above.mean())
+    second = float(np.mean(above * (above.size - np.arange(1, above.size + 1)) / max(above.size - 1, 1)))
+    told = 2.0 - first / max(first - 2.0 * second, 1e-12)
+    shape = (above.size * np.clip(told, -1.0, 1.0) + PRIOR * NORMAL_SHAPE) / (above.size + PRIOR)
+    shape = float(np.clip(shape, _STEEPEST, _HEAVIEST))
+    scale = first * (1.0 - shape)
+    ratio = TAIL / rate
+    tail = scale * (np.log(ratio) if abs(shape) < 1e-6 else (ratio**shape - 1.0) / shape)
+    return max(normal, float(start + tail))
+
+
+def needed(rate: float, coefficients: int) -> int:
+    """Baseline tests for a rate of false alarms that can be relied on."""
+    return max(_BESIDE + 5 * coefficients, int(np.ceil(_SHARE / rate)))
+
+
+# -- Slow and small changes: a weighted mean of the scores of a test and all before it
+#
+# .. math:: m_t = (1 - \lambda) m_{t-1} + \lambda z_t, \qquad T^2 = m_t^T V_t^{-1} m_t,
+#
+# each value by itself where tests lack it. V counts the error of the baseline's mean too. What a single test
+# adds is bounded by the limit of its own chart. A test that by itself says that the change is over does not
+# alarm, however far the mean still is: one that lacks the mean's change, or what tests show that alarmed by
+# themselves of late.
+#
+# Reference: C. A. Lowry, W. H. Woodall, C. W. Champ, S. E. Rigdon, Technometrics 34 (1992) 46-53.
+
+
+#: lambda: a mean over some twenty tests.
+WEIGHT = 0.1
+#: A value whose mean holds less than this part of what it would of complete tests is left out.
+_FILLED = 0.2
+#: Draws of the chart from baseline tests, and tests that each of them reaches back.
+_DRAWS, _BACK = 3000, 45
+#: Of the change that the mean shows, a test may lack so many standard deviations by chance.
+_BY_CHANCE = 1.645
+#: So many alarms of single tests of late are a change, not chance.
+_ALARMS = 1.5
+
+
+class Means:
+    """The chart in order: T^2, number of values behind it, whether a test agrees with its mean."""
+
+    def __init__(self, t2: FloatArray, count: FloatArray, agrees: NDArray[np.bool_]) -> None:
+        self.t2, self.count, self.agrees = t2, count, agrees
+
+
+def means(
+    z: FloatArray,
+    bounds: FloatArray,
+    inverses: Inverses,
+    x: FloatArray,
+    inverse: FloatArray,
+    beyond: FloatArray,
+) -> Means:
+    """Chart of scores (n, m).
+
+    Parameters
+    ----------
+    z : (n, m)
+    bounds : (n,)
+        What each test is multiplied by.
+    inverses : Inverses
+        Of the correlations.
+    x, inverse : (n, q), (q, q)
+        Rows of the basis, and (X'X)^-1 of the baseline: its coefficients have one error for all tests.
+    beyond : (n, m)
+        What is not known outside the baseline's range, over the standard deviation of a test: one error too.
+    """
+    n, m = z.shape
+    row, lasting = np.zeros(x.shape[1]), np.zeros(m)
+    strong = _Strong(m)
+    mean, filled, variance = np.zeros(m), np.zeros(m), np.zeros(m)
+    t2, count, agrees = np.zeros(n), np.zeros(n), np.ones(n, dtype=bool)
+    for i in range(n):
+        there = ~np.isnan(z[i])
+        before = np.where(filled > _FILLED, mean / np.maximum(filled, 1e-9), np.nan)
+        step = np.where(there, WEIGHT, 0.0)
+        mean = (1.0 - step) * mean + step * np.where(there, z[i] * bounds[i], 0.0)
+        variance = (1.0 - step) ** 2 * variance + step**2
+        filled = (1.0 - step) * filled + step
+        if there.any():
+            row = (1.0 - WEIGHT) * row + WEIGHT * x[i]
+        lasting = (1.0 - step) * lasting + step * beyond[i]
+        used = variance > 0.0
+        if used.any():
+            error = float(row @ inverse @ row) + lasting[used] ** 2
+            scaled = mean[used] / np.sqrt(variance[used] + error)
+            full = np.full(m, np.nan)
+            full[used] = scaled
+            t2[i], count[i] = inverses.t2(full), float(used.sum())
+        agrees[i] = _agrees(z[i], before, inverses) and strong.agrees(z[i], inverses)
+        strong.follow(z[i], alarmed=bool(bounds[i] < 1.0))
+    return Means(t2, count, agrees)
+
+
+class _Strong:
+    """The change that tests show which alarm by themselves, while there were some of late."""
+
+    def __init__(self, size: int) -> None:
+        self._sum, self._weights, self._squares = np.zeros(size), np.zeros(size), np.zeros(size)
+
+    def follow(self, z: FloatArray, *, alarmed: bool) -> None:
+        """Count a test in, if it alarms."""
+        for kept, power in ((self._sum, 1), (self._weights, 1), (self._squares, 2)):
+            kept *= (1.0 - WEIGHT) ** power
+        if alarmed:
+            there = ~np.isnan(z)
+            self._sum[there] += z[there]
+            self._weights[there] += 1.0
+            self._squares[there] += 1.0
+
+    def agrees(self, z: FloatArray, inverses: Inverses) -> bool:
+        """Whether a test is nearer to that change than to none."""
+        both = ~np.isnan(z) & (self._weights > _ALARMS)
+        if not both.any():
+            return True
+        mean = self._sum[both] / self._weights[both]
+        along = inverses.of(both) @ mean
+        # The mean's own errors are no part of the change.
+        noise = float(np.sum(self._squares[both] / self._weights[both] ** 2))
+        return bool(float(along @ z[both]) >= 0.5 * max(float(along @ mean) - noise, 0.0))
+
+
+def _agrees(z: FloatArray, mean: FloatArray, inverses: Inverses) -> bool:
+    """Whether a test may have the mean's change, by the likelihood of both."""
+    both = ~np.isnan(z) & ~np.isnan(mean)
+    if not both.any():
+        return True
+    inverse = inverses.of(both)
+    along = inverse @ mean[both]
+    size = float(mean[both] @ along)
+    return bool(float(along @ z[both]) >= size - _BY_CHANCE * np.sqrt(size))
+
+
+def drawn(z: FloatArray, correlation: FloatArray, error: float, rate: float) -> tuple[float, float]:
+    """Limit for a rate (w of ``limits``) and mean T^2 of the chart over baseline tests in random order."""
+    rng = np.random.default_rng(0)
+    n, m = z.shape
+    off = rng.multivariate_normal(np.zeros(m), correlation, size=_DRAWS, method="cholesky") * np.sqrt(error)
+    there, filled = ~np.isnan(z), np.nan_to_num(z)
+    mean, variance, weight = np.zeros((_DRAWS, m)), np.zeros((_DRAWS, m)), np.zeros((_DRAWS, m))
+    for _ in range(_BACK):  # as ``means`` does, missing values included
+        test = rng.integers(0, n, _DRAWS)
+        step = np.where(there[test], WEIGHT, 0.0)
+        mean = (1.0 - step) * mean + step * filled[test]
+        variance = (1.0 - step) ** 2 * variance + step**2
+        weight = (1.0 - step) * weight + step
+    with np.errstate(invalid="ignore"):
+        scaled = (mean + off * weight) / np.sqrt(np.where(variance > 0.0, variance + error, np.nan))
+    inverses = Inverses(correlation)
+    t2 = np.array([inverses.t2(one) for one in scaled])
+    count = np.sum(variance > 0.0, axis=1).astype(np.float64)
+    return upper_limit(wilson_hilferty(t2, count), rate), float(t2.mean())
+
+
+def autocorrelation(t2: FloatArray, count: FloatArray, usual: float) -> float:
+    """How much larger the chart of the baseline in its order is than in random order, at least 1.
+
+    Tests that follow each other may be off together (weather that no condition tells): a part beyond what
+    chance makes is taken off the chart.
+    """
+    settled = slice(int(2 / WEIGHT), None)
+    if t2[settled].size < 2 / WEIGHT:
+        return 1.0
+    ratio = float(np.mean(t2[settled])) / usual
+    independent = t2[settled].size * WEIGHT / 2.0
+    chance = np.sqrt(2.0 / (float(np.mean(count[settled])) * independent))
+    return ratio if ratio > 1.0 + 2.0 * chance else 1.0
+
+
+# -- Antiresonances that vanish, merge or appear: how surprising the pattern of a test is
+#
+# A place that a share q of the baseline's tests has costs :math:`-\ln q` where a test has it and
+# :math:`-\ln(1 - q)` where not, less what it costs on average; a value at no place costs as the baseline has
+# such values rarely. Shares are those of n tests plus one half. What the test before showed as well counts
+# twice: chance does not do the same again. The limit for a rate goes beyond the baseline by an exponential
+# tail, whose scale is at least that of one place that was never missed.
+
+
+#: Strange values of two tests are one if they are this near.
+_SAME = 0.01
+
+
+class _Costs:
+    """Costs learned from presence (n, m) with what was looked at (n, m), and strange values by test."""
+
+    def __init__(
+        self,
+        there: NDArray[np.bool_],
+        looked: NDArray[np.bool_],
+        strange: Sequence[Sequence[tuple[Any, float]]],
+    ) -> None:
+        tests = looked.sum(axis=0)
+        share = (np.sum(there & looked, axis=0) + 0.5) / (tests + 1.0)
+        self.present, self.absent = -np.log(share), -np.log(1.0 - share)
+        self.usual = share * self.present + (1.0 - share) * self.absent
+        # A new value is as rare as there are tests without one, and costs more the fewer there were.
+        self.strange = np.log((len(strange) + 1.0) / (sum(map(len, strange)) + 0.5))
+        self.strange = max(float(self.strange), 0.0) + 1.0
+
+    def of(
+        self, there: NDArray[np.bool_], looked: NDArray[np.bool_], strange: Sequence[tuple[Any, float]]
+    ) -> tuple[FloatArray, float]:
+        """By place, and of all strange values."""
+        cost = np.where(there, self.present, self.absent) - self.usual
+        return np.where(looked, cost, 0.0), self.strange * len(strange)
+
+
+def events(values: Values, baseline: Values) -> FloatArray:
+    """The chart of tests, (n,)."""
+    costs = _Costs(~np.isnan(baseline.log_hz), baseline.looked, baseline.strange)
+    return _chart(values, [costs] * len(values.strange))
+
+
+def left_out_events(baseline: Values, folds: NDArray[np.intp]) -> FloatArray:
+    """The chart of the baseline (n,), each part judged by the others."""
+    parts = []
+    for fold in range(int(folds.max()) + 1):
+        kept = baseline.take(np.flatnonzero(folds != fold))
+        parts.append(_Costs(~np.isnan(kept.log_hz), kept.looked, kept.strange))
+    return _chart(baseline, [parts[fold] for fold in folds.tolist()])
+
+
+def _chart(values: Values, costs: Sequence[_Costs]) -> FloatArray:
+    chart = np.zeros(len(values.strange))
+    before: tuple[FloatArray, Sequence[tuple[Any, float]]] | None = None
+    for i, cost in enumerate(costs):
+        there, looked = ~np.isnan(values.log_hz[i]), values.looked[i]
+        strange = values.strange[i]
+        place, new = cost.of(there, looked, strange)
+        chart[i] = float(place.sum()) + new
+        if before is not None:
+            chart[i] += float(np.minimum(np.maximum(place, 0.0), np.maximum(before[0], 0.0)).sum())
+            again = sum(
+                any(dof == d and abs(f / g - 1.0) < _SAME for d, g in before[1]) for dof, f in strange
+            )
+            chart[i] += cost.strange * again
+        before = (place, strange)
+    return chart
+
+
+def event_limit(chart: FloatArray, tests: int, rate: float) -> float:
+    """What a further test exceeds with at most ``rate``."""
+    one = np.log(tests + 1.0)
+    highest = float(np.max(chart))
+    if tests * rate > 3.0:
+        highest = float(np.quantile(chart, 1.0 - rate))
+    scale = max(one, float(np.std(chart)))
+    return float(highest + scale * max(0.25, float(np.log(1.0 / (tests * rate)))))
+
+
+#: How the rate of false alarms is shared out.
+SHARES = {"T2": 0.6, "EWMA": 0.2, "events": 0.2}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Chart(ReadOnly):
+    """One control chart.
+
+    Attributes
+    ----------
+    statistic : (n,)
+        NaN where a test has nothing to judge it by.
+    limit : (n,)
+        A test alarms above it.
+    rate : float
+        Its share of the rate of false alarms.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import antires_rs as ar
+    >>> ar.Chart(np.array([12.0, 31.0]), np.array([25.0, 25.0]), 0.006)
+    Chart(1 of 2 above the limit, rate 0.006)
+    """
+
+    statistic: FloatArray
+    limit: FloatArray
+    rate: float
+
+    @property
+    def ratio(self) -> FloatArray:
+        """Statistic over limit, 0 where there is none, (n,)."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray(np.nan_to_num(self.statistic / self.limit))
+
+    def __repr__(self) -> str:
+        return (
+            f"Chart({np.sum(self.ratio > 1.0)} of {self.statistic.size} above the limit, rate {self.rate:g})"
+        )
+
+
+@dataclass(frozen=True)
+class Charts:
+    """All charts of n tests by name, what the baseline taught, and the distances behind them."""
+
+    charts: Mapping[str, Chart]
+    learned: Learned
+    distances: Distances
+    free: bool
+    limit_w: float
+    inverses: Inverses
+
+
+def charts_of(
+    values: Values,
+    regular: NDArray[np.bool_],
+    baseline: NDArray[np.intp],
+    conditions: Mapping[str, FloatArray],
+    rate: float,
+) -> Charts:
+    """Charts of all tests.
+
+    Parameters
+    ----------
+    values : Values
+        Of n tests, without the responses that are at fault.
+    regular : (m,) bool
+        Places that are followed.
+    baseline : (k,) int
+        Tests of the baseline that have a set.
+    conditions : mapping of str to (n,)
+    rate : float
+        Of false alarms of all charts together.
+    """
+    y, std = values.log_hz[:, regular], values.std[:, regular]
+    own = {name: column[baseline] for name, column in conditions.items()}
+    basis = basis_of(y[baseline], own)
+    x = basis.rows(own, baseline.size)
+    degrees = degrees_of(
+        y[baseline] - learned(y[baseline], std[baseline], own, basis, np.inf).regression.at(x)
+    )
+    whole = learned(y[baseline], std[baseline], own, basis, degrees)
+    free = not basis.columns
+    inverses = Inverses(whole.correlation)
+    found = distances(whole, y, std, conditions, free=free, inverses=inverses)
+    # The baseline's tests as what they would be if they came later.
+    folds, z, t2 = folds_of(baseline.size), found.z.copy(), found.t2.copy()
+    for fold in range(int(folds.max()) + 1):
+        out, kept = baseline[folds == fold], folds != fold
+        rest = {name: column[kept] for name, column in own.items()}
+        part = learned(y[baseline][kept], std[baseline][kept], rest, basis, degrees)
+        there = {name: column[out] for name, column in conditions.items()}
+        seen = distances(part, y[out], std[out], there, free=free)
+        z[out], t2[out] = seen.z, seen.t2
+    found = Distances(z, t2, found.count)
+    w = wilson_hilferty(t2[baseline], found.count[baseline])
+    limit_w = upper_limit(w, SHARES["T2"] * rate)
+    hotelling = Chart(
+        frozen(np.where(found.count > 0, t2, np.nan)),
+        frozen(chi_square(limit_w, found.count)),
+        SHARES["T2"] * rate,
+    )
+    unsure = whole.beyond(conditions, len(y)) / whole.deviation(std, conditions)
+    slow = _ewma(found, hotelling, baseline, whole, inverses, rate, basis.rows(conditions, len(y)), unsure)
+    learned_events = values.take(baseline)
+    chart = events(values, learned_events)
+    chart[baseline] = left_out_events(learned_events, folds)
+    limit = event_limit(chart[baseline], baseline.size, SHARES["events"] * rate)
+    judged = np.any(values.looked, axis=1)
+    vanished = Chart(
+        frozen(np.where(judged, chart, np.nan)), frozen(np.full(chart.size, limit)), SHARES["events"] * rate
+    )
+    return Charts({"T2": hotelling, "EWMA": slow, "events": vanished}, whole, found, free, limit_w, inverses)
+
+
+def _ewma(
+    found: Distances,
+    hotelling: Chart,
+    baseline: NDArray[np.intp],
+    whole: Learned,
+    inverses: Inverses,
+    rate: float,
+    x: FloatArray,
+    beyond: FloatArray,
+) -> Chart:
+    """The chart of slow changes."""
+    bounds = np.sqrt(1.0 / np.maximum(hotelling.ratio, 1.0))
+    error = whole.basis.size / baseline.size
+    slow = means(found.z, bounds, inverses, x, whole.regression.inverse, beyond)
+    share = SHARES["EWMA"] * rate
+    limit_w, usual = drawn(found.z[baseline], whole.correlation, error, share)
+    first = np.sort(baseline)
+    t2 = slow.t2 / autocorrelation(slow.t2[first], slow.count[first], usual)
+    limit = chi_square(limit_w, slow.count)
+    t2 = np.where(slow.agrees, t2, np.minimum(t2, limit))
+    judged = (found.count > 0) & (slow.count > 0)
+    return Chart(frozen(np.where(judged, t2, np.nan)), frozen(limit), share)

@@ -1,0 +1,384 @@
+"""Watch a structure: which tests of a series differ from its baseline."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..damage.assess import assess_damage, elements_of
+from ..damage.assessor import Assessor
+from ..damage.question import DamagePrior
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.matching import MAX_SHIFT, check_shift
+from ..models.parameters import stiffness_reduction
+from ..models.structural_model import StructuralModel
+from ..support.checks import FloatArray, finite_scalar, reject
+from ..support.messages import warn
+from ..support.progress import patient, step
+from ..support.values import FrozenDict, frozen
+from ..updating.problem import UpdatingProblem
+from .association import Values, places_of, values_of
+from .charts import Charts, charts_of, needed, wilson_hilferty
+from .conditions import condition_table
+from .faults import Fault, lost_alone, obvious
+from .series import Series
+from .watched import Watched, assessed, runs_of
+
+# -- What may be given to the watch: a series or sets, its baseline, conditions, options of damage
+
+
+#: Fewer tests than this are no baseline.
+LEAST = 8
+#: Further outside the baseline than so many times its range, a condition is an error of its logger.
+_ABSURD = 10.0
+#: Options of ``assess_damage`` that are for a search without a baseline, or that the watch fills itself.
+_NOT_HERE = ("gamma1", "gamma2", "snap", "weights", "optimizer", "callback", "x0", "checkpoint")
+_OWN = ("model", "measured", "baseline")
+
+
+def series_of(given: Any) -> Series:
+    """A series of what was given."""
+    if isinstance(given, Series):
+        return given
+    if not isinstance(given, Sequence) or isinstance(given, str | Mapping):
+        reject(
+            "series", type(given).__name__, "a Series or a list of AntiresonanceSets", "Put them in a list."
+        )
+    for i, one in enumerate(given):
+        if one is not None and not isinstance(one, AntiresonanceSet):
+            reject(
+                f"series[{i}]",
+                type(one).__name__,
+                "an AntiresonanceSet, or None for a test that failed",
+                "Identify the records first: identify_series(records, ...).",
+            )
+    return Series.from_sets(list(given))
+
+
+def baseline_tests(given: Any, series: Series) -> NDArray[np.intp]:
+    """Indices of the baseline's tests that have a set."""
+    n = len(series)
+    wanted = f"a slice, a number of first tests, indices or a mask of the {n} tests"
+    if isinstance(given, bool | np.bool_):
+        reject("baseline", given, wanted, "As in baseline=slice(0, 100).")
+    if isinstance(given, int | np.integer):
+        if not 0 < given <= n:
+            reject("baseline", int(given), wanted, f"Give a number from {LEAST} to {n}.")
+        given = slice(0, int(given))
+    try:
+        at = np.asarray(given) if not isinstance(given, slice) else given
+        chosen = np.unique(np.arange(n)[at])
+    except (IndexError, TypeError, ValueError):
+        reject("baseline", given, wanted, "As in baseline=slice(0, 100).")
+    sound = np.array([i for i in chosen.tolist() if i not in series.failed], dtype=np.intp)
+    if sound.size < LEAST:
+        reject(
+            "baseline",
+            f"{sound.size} tests with antiresonances",
+            f"at least {LEAST}, from which limits can be learned",
+            "Take more tests of the intact structure; a rate of 1 % wants 50.",
+        )
+    return sound
+
+
+def conditions_of(given: Any, series: Series) -> dict[str, FloatArray]:
+    """Columns (n,) by name, of any table; by default those of the series."""
+    found = dict(series.conditions)
+    if given is not None:
+        table, _ = condition_table(given)
+        table.expect(len(series))
+        rows = [table.at(i, name)[0] for i, name in enumerate(series.names)]
+        table.over(len(series))
+        found = {key: np.array([row[key] for row in rows]) for key in table.columns}
+    return found
+
+
+def clocks(conditions: Mapping[str, FloatArray]) -> tuple[str, ...]:
+    """Those that only count the tests: a line over time would take damage that grows for weather."""
+    found = []
+    for name, column in conditions.items():
+        known = column[~np.isnan(column)]
+        if known.size > 2 and known[0] != known[-1]:
+            steps = np.diff(known) * np.sign(known[-1] - known[0])
+            if np.all(steps >= 0.0):
+                found.append(name)
+    return tuple(found)
+
+
+def believed(column: FloatArray, baseline: NDArray[np.intp]) -> FloatArray:
+    """A condition without what no weather makes, NaN there."""
+    own = column[baseline][~np.isnan(column[baseline])]
+    if not own.size or own.min() == own.max():
+        return column
+    reach = _ABSURD * (own.max() - own.min())
+    return np.where((column < own.min() - reach) | (column > own.max() + reach), np.nan, column)
+
+
+def check_judge(model: Any, assessor: Any, options: Mapping[str, Any]) -> None:
+    """Refuse what cannot assess damage, and options that have no effect."""
+    if model is not None and not isinstance(model, StructuralModel):
+        reject(
+            "model",
+            model,
+            "a MassSpringChain, FrameModel or MatrixModel",
+            "Leave it out to have alarms only.",
+        )
+    if assessor is not None and not isinstance(assessor, Assessor):
+        reject("assessor", assessor, "an Assessor", "Load it first: Assessor.load(path).")
+    if assessor is not None and (model is not None or options):
+        name = "model" if model is not None else next(iter(options))
+        reject(name, "together with an assessor", "only one of them", "The assessor has its own.")
+    if assessor is None and model is None and options:
+        name = next(iter(options))
+        reject(name, "without a model", "a model= to assess damage with", "Pass the model, or leave it out.")
+
+
+def check_assessor(assessor: Assessor, one: AntiresonanceSet) -> None:
+    """Refuse one made for other tests now, not at the first alarm."""
+    own = {each.excitation: tuple(each) for each in assessor.baseline}
+    if one.excitation not in own:
+        reject(
+            "assessor",
+            f"one for forces at {', '.join(map(repr, own))}",
+            f"one for the force of these tests, {one.excitation!r}",
+            "Make it from some of their baseline.",
+        )
+    if not set(own[one.excitation]) & set(one):
+        reject(
+            "assessor",
+            f"one for dofs {', '.join(map(repr, own[one.excitation]))}",
+            f"one for dofs of these tests: {', '.join(map(repr, one))}",
+            "Make it from some of their baseline.",
+        )
+
+
+def check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:
+    """Refuse wrong options of ``assess_damage`` now, not at the first alarm."""
+    known = [name for name in inspect.signature(assess_damage).parameters if name not in _OWN]
+    for name, value in options.items():
+        if name not in known:
+            reject(name, "an unknown option", f"one of assess_damage: {', '.join(known)}", "Look for a typo.")
+        if name in _NOT_HERE and value is not None:
+            reject(name, value, "nothing, since the watch has a baseline", "Leave it out.")
+    wanted = options.get("elements")
+    if wanted is not None or model.default_elements:
+        UpdatingProblem(model, stiffness_reduction(elements_of(model, wanted)), [one])
+    std = options.get("std_common")
+    if std is not None:
+        finite_scalar("std_common", std, low=0.0, high=0.1)
+    prior = options.get("prior")
+    if prior is not None and not isinstance(prior, DamagePrior):
+        reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
+
+
+#: Places that so many tests of the baseline have are followed, at least.
+_FEWEST = 6
+#: Without a response at fault, a test is no further out than one of twenty.
+_USUAL_W = 1.645
+#: A test of which more responses are at fault is not judged.
+_MOST_FAULTS = 0.5
+
+
+@patient("watching the series")
+def monitor(
+    series: Series | Sequence[AntiresonanceSet | None],
+    *,
+    baseline: Any,
+    false_alarm_rate: float = 0.01,
+    conditions: Any = None,
+    model: StructuralModel | None = None,
+    assessor: Assessor | None = None,
+    max_shift: float = MAX_SHIFT,
+    progress: bool | None = None,
+    **assessment: Any,
+) -> Watched:
+    """Tell which tests differ from the baseline, at a stated rate of false alarms.
+
+    Parameters
+    ----------
+    series : Series or list of AntiresonanceSet
+        Tests of one structure in the order in which they were made; None where a test failed.
+    baseline : slice, int, sequence of int or mask
+        The tests of the intact structure; an int stands for the first so many. All conditions that are to
+        come should be among them.
+    false_alarm_rate : float
+        Share of intact tests outside the baseline that alarm, all charts together, at most about, in
+        (0, 0.2].
+    conditions : mapping of str to (n,), table or path, optional
+        What the antiresonances depend on, such as the temperature; NaN where not known. Any table that
+        :func:`~antires_rs.identify_series` takes. Default: those of the series. ``{}`` for none; then what
+        the baseline's values do together is taken for weather.
+    model : MassSpringChain, FrameModel or MatrixModel, optional
+        With it the damage of each run of alarms is assessed against the baseline, see ``.assessments``.
+    assessor : Assessor, optional
+        The same much faster, in place of ``model``; made from a baseline of the same sensors, such as
+        the first tests.
+    max_shift : float
+        Largest relative difference of a value from the baseline's, beside what all values do, as for
+        :func:`~antires_rs.compare`.
+    progress : bool, optional
+        Show a line of progress; by default on a terminal.
+    **assessment
+        Options of :func:`~antires_rs.assess_damage`: ``elements``, ``prior``, ``std_common``, ...
+
+    Returns
+    -------
+    Watched
+        ``.alarm`` (n,) bool, ``.statistic`` and ``.limit``, ``.charts``, ``.faults``, ``.assessments``;
+        prints as a summary, ``.plot()``, ``.to_dataframe()``, ``.report(path)``.
+
+    Raises
+    ------
+    InvalidInputError
+        Fewer than 8 baseline tests, none with antiresonances in common, or a malformed argument.
+
+    Warns
+    -----
+    AntiresWarning
+        A baseline too short for the rate.
+
+    Notes
+    -----
+    Hotelling's :math:`T^2` of single tests, an exponentially weighted mean for small and slow changes, and a
+    chart of antiresonances that vanish or appear share the rate as 3 : 1 : 1. An alarm is of its own test:
+    when the change is over, alarms end. Limits come from tests of the baseline left out in turn, with what a
+    finite baseline leaves open.
+
+    A condition that only grows or only falls from test to test is a clock and is not used. Outside the
+    baseline's range lines go on with a slope that is known to 30 %; a value further out than ten times that
+    range is taken as not known. The rate is that of tests that are independent of each other, given their
+    conditions.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> import numpy as np
+    >>> rng = np.random.default_rng(0)
+    >>> def test(loss):
+    ...     chain = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0 * (1 - loss), 500.0])
+    ...     exact = dict(enumerate(chain.antiresonances([0, 1, 2, 3], 0)))
+    ...     seen = {dof: f * (1 + 5e-4 * rng.standard_normal(f.size)) for dof, f in exact.items()}
+    ...     return ar.AntiresonanceSet(0, seen)
+    >>> watched = ar.monitor([test(0.0) for _ in range(60)] + [test(0.02)], baseline=slice(0, 50))
+    >>> bool(watched.alarm[60]), int(watched.alarm[50:60].sum())
+    (True, 0)
+    """
+    tests = series_of(series)
+    rate = finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.2, low_open=True)
+    shift = check_shift(max_shift)
+    check_judge(model, assessor, assessment)
+    own = baseline_tests(baseline, tests)
+    first = next(one for one in tests.sets if one is not None)
+    if model is not None:
+        check_assessment(model, first, assessment)
+    if assessor is not None:
+        check_assessor(assessor, first)
+    given = conditions_of(conditions, tests)
+    counting = clocks(given)
+    used = {name: believed(column, own) for name, column in given.items() if name not in counting}
+    sets = list(tests.sets)
+    step("matching antiresonances")
+    places = places_of([one for i in own.tolist() if (one := sets[i]) is not None], shift)
+    values = values_of(sets, places, shift)
+    faults = obvious(sets, values, places, own.tolist())
+    _too_many(faults, places.dofs)
+    sound = values.without({i: [f.dof for f in here] for i, here in faults.items()}, places)
+    regular = places.regular & (np.sum(~np.isnan(sound.log_hz[own]), axis=0) >= _FEWEST)
+    if not regular.any():
+        reject(
+            "baseline",
+            f"no antiresonance that half of its {own.size} tests have",
+            "antiresonances in common",
+            "Look at ar.track(sets) to see what comes and goes.",
+        )
+    step("charts")
+    charts = charts_of(sound, regular, own, used, rate)
+    more = _lost(charts, sound, regular, places)
+    if more:
+        for i, fault in more.items():
+            faults.setdefault(i, []).append(fault)
+        sound = values.without({i: [f.dof for f in here] for i, here in faults.items()}, places)
+        charts = charts_of(sound, regular, own, used, rate)
+    statistic = np.max([chart.ratio for chart in charts.charts.values()], axis=0)
+    # Without any value near a place there is no T2, and the chart of events tells it all.
+    judged = np.any([~np.isnan(chart.statistic) for chart in charts.charts.values()], axis=0)
+    statistic = np.where(judged, statistic, np.nan)
+    alarm = judged & (np.nan_to_num(statistic) > 1.0)
+    runs = runs_of(alarm, judged)
+    assessments = {}
+    by = model if assessor is None else assessor
+    if by is not None:
+        inside = set(own.tolist())
+        for run in runs:
+            if run[1] not in inside:
+                step(f"assessing test {run[0]}")
+                found = assessed(by, run, charts.learned, sound, places, sets, used, assessment)
+                if found is not None:
+                    assessments[run[0]] = found
+    enough = needed(rate, charts.learned.basis.size)
+    if own.size < enough:
+        warn(
+            "short_baseline",
+            f"monitor: a baseline of {own.size} tests is short for {100 * rate:g} % false alarms; with "
+            f"{enough} the limits can be relied on.",
+        )
+    return Watched(
+        alarm=frozen(alarm),
+        statistic=frozen(statistic),
+        charts=FrozenDict(charts.charts),
+        false_alarm_rate=rate,
+        baseline=frozen(own),
+        names=tests.names,
+        times=tests.times,
+        conditions=FrozenDict(given),
+        used=tuple(one.name for one in charts.learned.basis.columns),
+        bends=FrozenDict(
+            {one.name: one.bend for one in charts.learned.basis.columns if one.bend is not None}
+        ),
+        clocks=counting,
+        outside=frozen(charts.learned.basis.outside(given, len(tests))),
+        faults=FrozenDict({i: tuple(here) for i, here in sorted(faults.items())}),
+        failed=tests.failed,
+        runs=tuple(runs),
+        assessments=FrozenDict(assessments),
+        needed=enough,
+        dof=frozen(places.dof[regular]),
+        freq_hz=frozen(np.exp(sound.log_hz[:, regular])),
+        expected_hz=frozen(np.exp(charts.learned.expected(used, len(tests)))),
+        std_hz=frozen(
+            np.exp(charts.learned.expected(used, len(tests)))
+            * charts.learned.deviation(sound.std[:, regular], used)
+        ),
+    )
+
+
+def _too_many(faults: dict[int, list[Fault]], dofs: Sequence[Any]) -> None:
+    """Where most responses are at fault, none can be judged."""
+    for here in faults.values():
+        if len(here) > _MOST_FAULTS * len(dofs):
+            known = {fault.dof for fault in here}
+            here += [Fault(dof, "most other responses are at fault") for dof in dofs if dof not in known]
+
+
+def _lost(charts: Charts, values: Values, regular: Any, places: Any) -> dict[int, Fault]:
+    """Alarms that one response explains which has lost its antiresonances."""
+    found = {}
+    single = np.maximum(charts.charts["T2"].ratio, charts.charts["events"].ratio)
+    dof = places.dof[regular]
+    for i in np.flatnonzero(single > 1.0).tolist():
+        z = charts.distances.z[i]
+        without = {}
+        for one in dict.fromkeys(dof.tolist()):
+            rest = np.where(dof == one, np.nan, z)
+            count = np.array([np.sum(~np.isnan(rest))], dtype=np.float64)
+            if count[0] > 0:
+                t2 = np.array([charts.inverses.t2(rest)])
+                without[one] = float(wilson_hilferty(t2, count)[0])
+        fault = lost_alone(values, places, i, without, _USUAL_W)
+        if fault is not None:
+            found[i] = fault
+    return found

@@ -1,0 +1,179 @@
+"""Jobs with a baseline: the intact structure from files, what is written, what a run that ends early says."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.app import arguments as damage_jobs
+from antires_rs.app import main as cli
+from antires_rs.app.arguments import model_of
+from antires_rs.app.job import read_job
+from antires_rs.app.reading import baseline_of
+from antires_rs.exceptions import InvalidInputError
+from tests.support.four_masses import BAND, chain, exact
+from tests.support.job_files import DAMAGE, losses, run
+
+#: Four masses of 1 kg on springs that are off by up to 6 %.
+FOUR = """\
+[data]
+file = "damaged.npz"
+excitation = 0
+band_hz = [0.8, 9.0]
+
+[model]
+kind = "chain"
+masses_kg = [1.0, 1.0, 1.0, 1.0]
+springs_n_per_m = [520.0, 435.0, 500.0]
+
+[identification]
+max_order = 30
+
+[damage]
+baseline = "intact.npz"
+
+[output]
+report = false
+pictures = false
+"""
+WITH = DAMAGE.replace("[damage]", '[damage]\nbaseline = "intact.json"')
+
+
+def write_states(folder):
+    """A chain 5 % off the model: intact, and with its fifth spring softened."""
+    case = ar.cases.chain8(perturbation=0.05, rng=0)
+    case.exact(0).save(folder / "intact.json")
+    case.exact(1).save(folder / "measured.json")
+
+
+def test_saved_sets(tmp_path, capsys):
+    write_states(tmp_path)
+    text = WITH.replace("[search]", "false_alarm_rate = 0.05\nprior = { nothing = 0.9, one = 0.1, two = 0, "
+                        "three = 0, elsewhere = 0, unknown = 0 }\n\n[search]")  # fmt: skip
+    summary = run(tmp_path, text, "--json")
+    assert json.loads(capsys.readouterr().out) == summary
+    assert losses(summary) == {"spring 4": 0.55}
+    direct = ar.assess_damage(
+        ar.cases.chain8().model,
+        ar.AntiresonanceSet.load(tmp_path / "measured.json"),
+        baseline=ar.AntiresonanceSet.load(tmp_path / "intact.json"),
+        prior=ar.DamagePrior(0.9, 0.1, 0, 0, 0, 0),
+        false_alarm_rate=0.05,
+        rng=1,
+    )
+    kept = ar.DamageResult.load(tmp_path / "job_results" / "result.npz")
+    assert kept.summary() == direct.summary()
+    assert kept.assessment == direct.assessment
+    assert summary["headline"] == direct.headline
+    assert summary["probability_of_damage"] == direct.probability_of_damage
+    assert summary["probability_elsewhere"] == 0.0
+    assert summary["chi_square"] == direct.chi_square
+    first = summary["hypotheses"][0]
+    assert first["elements"] == [4]
+    assert first["probability"] == direct.hypotheses[0].probability
+    assert (first["low_90"], first["high_90"]) == tuple([v] for v in direct.interval[4])
+    row = next(row for row in summary["elements"] if row["element"] == 4)
+    assert (row["low_90"], row["high_90"]) == direct.interval[4]
+    assert row["probability"] == direct.probability[4]
+    assert set(summary["inputs"]) == {"job.toml", "measured.json", "intact.json"}
+
+
+def test_a_run_without_a_baseline_has_no_probabilities(tmp_path):
+    write_states(tmp_path)
+    summary = run(tmp_path, DAMAGE)
+    assert summary["headline"] is summary["hypotheses"] is summary["chi_square"] is None
+    assert {row["probability"] for row in summary["elements"]} == {None}
+
+
+@pytest.fixture
+def records(tmp_path):
+    """Two intact records and one with its second spring softened by a quarter."""
+
+    def recorded(springs, name, rng):
+        record = chain(np.array(springs)).simulate(
+            excitation=0, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, noise=1e-3, rng=rng
+        )
+        ar.write_npz(tmp_path / name, record)
+
+    recorded([500.0, 450.0, 520.0], "intact.npz", 1)
+    recorded([500.0, 450.0, 520.0], "intact_2.npz", 2)
+    recorded([500.0, 337.5, 520.0], "damaged.npz", 3)
+    return tmp_path
+
+
+def test_records_are_identified_as_the_data_are(records, capsys):
+    summary = run(records, FOUR)
+    assert [row["name"] for row in summary["elements"] if row["stiffness_loss"] > 0] == ["spring 1"]
+    assert summary["elements"][1]["low_90"] < 0.25 < summary["elements"][1]["high_90"]
+    assert capsys.readouterr().out.startswith(summary["headline"])
+    folder = records / "job_results"
+    wanted = ar.identify_antiresonances(
+        ar.read_npz(records / "intact.npz"), excitation=0, band_hz=BAND, max_order=30
+    )
+    assert ar.AntiresonanceSet.load(folder / "baseline.json") == wanted
+    about = json.loads((folder / "run.json").read_text())["baseline"]
+    assert about[0]["File"] == ["intact.npz"]
+    assert about[0]["Orders"] == ["2 to 30"]
+    assert set(summary["inputs"]) == {"job.toml", "damaged.npz", "intact.npz"}
+
+
+def intact(folder, baseline, text=FOUR):
+    (folder / "job.toml").write_text(text.replace('"intact.npz"', json.dumps(baseline)), encoding="utf-8")
+    job = read_job(folder / "job.toml")
+    return baseline_of(job, model_of(job), lambda line: None)
+
+
+def test_several_files_are_several_tests_and_a_pattern_is_one(records):
+    two = intact(records, ["intact.npz", "intact_2.npz"])
+    assert [each.file.name for each in two] == ["intact.npz", "intact_2.npz"]
+    one = intact(records, "intact*.npz")
+    assert len(one) == 1
+    assert [path.name for path in one[0].repeats] == ["intact_2.npz"]
+    both = [ar.read_npz(records / name) for name in ("intact.npz", "intact_2.npz")]
+    wanted = ar.identify_antiresonances(both, excitation=0, band_hz=BAND, max_order=30)
+    assert one[0].found == wanted
+    # A set that was saved stands beside a record; its dofs are the model's.
+    two[0].found.save(records / "intact.json")
+    assert intact(records, "intact.json")[0].found == two[0].found
+
+
+def test_what_does_not_fit_is_named_where_it_stands(records):
+    with pytest.raises(InvalidInputError, match=r"line 15, .damage. baseline\[1\]: got \"miss_\*.npz\""):
+        intact(records, ["intact.npz", "miss_*.npz"])
+    exact(chain()).save(records / "now.json")
+    typed = FOUR.replace('"damaged.npz"\nexcitation = 0\nband_hz = [0.8, 9.0]', '"now.json"')
+    with pytest.raises(
+        InvalidInputError, match=r"line 13, .damage. baseline: got \"intact.npz\", a meas.*Ide"
+    ):
+        intact(records, "intact.npz", typed)
+    both = FOUR.replace("[data]", "[[data]]") + FOUR[: FOUR.index("[model]")].replace("[data]", "[[data]]")
+    with pytest.raises(
+        InvalidInputError, match=r"baseline: got 1 of them; wanted 2, one for each \[\[data\]"
+    ):
+        intact(records, "intact.npz", both)
+    assert len(intact(records, ["intact.npz", "intact_2.npz"], both)) == 2
+
+
+def test_an_assessment_that_was_interrupted_is_begun_anew(tmp_path, monkeypatch, capsys):
+    write_states(tmp_path)
+    (tmp_path / "job.toml").write_text(WITH)
+    complete = damage_jobs.assess_damage
+
+    def interrupted(*args, **options):
+        result = complete(*args, **options)
+        search = dataclasses.replace(result.search, status="interrupted", success=False)
+        return type(result)(result.problem, search, result.seed, result.assessment)
+
+    monkeypatch.setattr(damage_jobs, "assess_damage", interrupted)
+    assert cli.main(["damage", str(tmp_path / "job.toml")]) == 130
+    assert "begin anew with: antires damage" in capsys.readouterr().err
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2
+    said = capsys.readouterr().err
+    assert "whose assessment was interrupted; wanted a search that is kept on disk. Begin anew with" in said
+    assert "it takes seconds and keeps no checkpoint" in said
+    monkeypatch.undo()
+    assert cli.main(["damage", str(tmp_path / "job.toml")]) == 0
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
+    assert "this search has finished (judged)" in capsys.readouterr().err

@@ -1,0 +1,395 @@
+"""The command line: exit codes, streams, and the demo end to end."""
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.app import demo
+from antires_rs.app import demo as story
+from antires_rs.app import demo as story_tables
+from antires_rs.app import main as cli
+from tests.support.job_files import DAMAGE, write_measured
+
+pytestmark = pytest.mark.usefixtures("quick_pictures")
+
+FILES = {
+    "stabilization.png",
+    "transmissibility.png",
+    "differences.png",
+    "damage.png",
+    "convergence.png",
+    "updating.html",
+    "damage.html",
+    "summary.json",
+}
+
+
+def test_version_and_help_leave_with_0(capsys):
+    for arguments, said in (
+        (["--version"], f"antires {ar.__version__}"),
+        (["--help"], "demo"),
+        (["demo", "--help"], "--noise"),
+    ):
+        with pytest.raises(SystemExit) as caught:
+            cli.main(arguments)
+        assert caught.value.code == 0
+        assert said in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["fly"],
+        ["demo", "--seed", "-1"],
+        ["demo", "--seed", "1.5"],
+        ["demo", "--noise", "nan"],
+        ["demo", "--noise", "2"],
+        ["identify", "a.csv", "--excitation", "-1"],
+        ["demo", "--workers", "0"],
+        ["demo", "--fast"],
+    ],
+)
+def test_wrong_usage_leaves_with_2_and_explains(capsys, arguments):
+    with pytest.raises(SystemExit) as caught:
+        cli.main(arguments)
+    assert caught.value.code == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "error:" in err
+
+
+@pytest.mark.parametrize(
+    ("raised", "code", "said"),
+    [
+        (
+            ar.UnsuitableDataError("source", "nothing", "a record", "Give one."),
+            1,
+            "antires: error: source: got nothing",
+        ),
+        (PermissionError(13, "denied", "here"), 1, "denied"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+    ],
+)
+def test_failures_become_exit_codes_without_traceback(monkeypatch, capsys, raised, code, said):
+    def fail(*args, **options):
+        raise raised
+
+    monkeypatch.setattr(demo, "command", fail)
+    assert cli.main(["demo"]) == code
+    err = capsys.readouterr().err
+    assert said in err
+    assert "Traceback" not in err
+
+
+def test_bugs_are_not_hidden(monkeypatch):
+    monkeypatch.setattr(demo, "command", lambda *args, **options: [][1])
+    with pytest.raises(IndexError):
+        cli.main(["demo"])
+
+
+def test_a_file_in_the_way_is_a_failed_run(tmp_path, capsys):
+    (tmp_path / "taken").write_text("")
+    assert cli.main(["demo", "--out", str(tmp_path / "taken")]) == 1
+    assert "taken" in capsys.readouterr().err
+
+
+def test_demo_tells_the_story_and_writes_the_files(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(demo, "MAX_EVALUATIONS", 20_000)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    out = tmp_path / "new" / "folder"
+    assert cli.main(["demo", "--out", str(out), "--seed", "1", "--workers", "2"]) == 0
+    assert set(os.listdir(out)) == FILES
+    said, progress = capsys.readouterr()
+    assert "28     28      0" in said
+    assert "largest difference:" in said
+    assert "updating 15 parameters" in progress
+    assert "updating 15 parameters" not in said
+    last = said.rstrip().splitlines()[-2:]
+    assert str(out / "damage.html") in last[0]
+    assert str(out / "summary.json") in last[1]
+    numbers = json.loads((out / "summary.json").read_text())
+    assert numbers["updating"]["evaluations"] <= 20_000
+    assert numbers["updating"]["largest_after_percent"] < 0.58  # the paper's bar
+    assert [name for name, beta in numbers["damage"]["severity"].items() if beta > 0] == ["spring 4"]
+    assert numbers["damage"]["severity"]["spring 4"] == pytest.approx(0.55, abs=0.02)
+    assert f"{100 * numbers['damage']['severity']['spring 4']:.1f}" in said
+    assert "Spring 4 has lost" in (out / "damage.html").read_text()
+    changed = numbers["damage"]["against_baseline"]
+    assert [name for name, beta in changed["severity"].items() if beta > 0] == ["spring 4"]
+    assert changed["severity"]["spring 4"] == pytest.approx(0.55, abs=0.005)
+    assert changed["probability"]["spring 4"] > 0.99
+    assert changed["headline"].startswith("Damage: spring 4 has lost")
+    assert " ".join(changed["headline"].split()) in " ".join(said.split())
+
+
+def test_demo_without_matplotlib_still_gives_the_numbers_as_json(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(demo, "MAX_EVALUATIONS", 3000)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert cli.main(["demo", "--out", str(tmp_path), "--json", "--noise", "0"]) == 0
+    said, progress = capsys.readouterr()
+    assert json.loads(said)["noise"] == 0.0
+    assert said == (tmp_path / "summary.json").read_text()
+    assert "updating" not in progress  # no terminal, no progress
+    assert 'pip install "antires-rs[plot]"' in progress
+    assert os.listdir(tmp_path) == ["summary.json"]
+
+
+def test_comparison_with_the_truth_counts_found_and_false():
+    found = ar.AntiresonanceSet(0, {0: [10.1, 20.0, 20.1, 50.0], 1: []})
+    first, second = story_tables.compare(found, {0: np.array([10.0, 20.08, 30.0]), 1: np.empty(0)})
+    assert (first.true, first.found, first.false) == (3, 2, 2)
+    assert first.largest_percent == pytest.approx(1.0)
+    assert (second.true, second.found, second.false, second.largest_percent) == (0, 0, 0, None)
+
+
+def test_the_pipeline_never_asks_for_the_truth(monkeypatch):
+    def forbidden(self, level=0):
+        raise AssertionError("the truth was used")
+
+    monkeypatch.setattr(ar.cases.Chain8, "truth", forbidden)
+    monkeypatch.setattr(ar.cases.Chain8, "exact", forbidden)
+    told = story.tell(noise=0.0, max_evaluations=2000, workers=1)
+    assert told.damage.damaged[0] == 4
+
+
+def test_an_interrupted_search_ends_the_demo(monkeypatch):
+    exact = ar.cases.chain8().exact(0)
+    monkeypatch.setattr(story, "identify_antiresonances", lambda *args, **options: exact)
+    monkeypatch.setattr(story, "update", lambda *args, **options: SimpleNamespace(status="interrupted"))
+    with pytest.raises(KeyboardInterrupt):
+        story.tell()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_ctrl_c_leaves_with_130_and_one_line(tmp_path):
+    # Where the tests themselves run in the background, SIGINT is ignored, and children inherit that.
+    code = (
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from antires_rs.app.main import main; sys.exit(main(['demo', '--out', sys.argv[1]]))"
+    )
+    terminal, its_end = os.openpty()  # progress is for terminals
+    with subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE, stderr=its_end, text=True
+    ) as run:
+        os.close(its_end)
+        err = b""
+        with contextlib.suppress(OSError):  # so a terminal says that the other end is closed
+            while piece := os.read(terminal, 4096):
+                if b"updating" in piece and b"updating" not in err:
+                    run.send_signal(signal.SIGINT)
+                err += piece
+        os.close(terminal)
+        out = run.communicate(timeout=30)[0]
+    assert run.returncode == 130
+    assert err.decode().splitlines()[-1] == "antires: interrupted"
+    assert b"Traceback" not in err
+    assert out == ""
+
+
+def test_help_lists_every_command_and_is_quick(capsys):
+    commands = ("demo", "init", "identify", "update", "damage", "resume", "report")
+    with pytest.raises(SystemExit):
+        cli.main(["--help"])
+    said = capsys.readouterr().out
+    assert all(f"\n    {command} " in said for command in commands)
+    for command in commands:
+        with pytest.raises(SystemExit) as caught:
+            cli.main([command, "--help"])
+        assert caught.value.code == 0
+        assert capsys.readouterr().out.startswith(f"usage: antires {command}")
+
+
+def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
+    record = ar.cases.chain8().experiment(0, noise=0.01, duration_s=128.0, rng=1)
+    record = ar.Recording(record.responses[:4], record.fs_hz)
+    named = ar.Recording(record.responses, record.fs_hz, [f"a{dof}" for dof in record.dofs])
+    ar.write_csv(tmp_path / "record.csv", named)
+    monkeypatch.chdir(tmp_path)
+    call = ["identify", "record.csv", "--band", "3", "130", "--max-order", "30"]
+    names = [f"--dof=a{dof}={dof}" for dof in range(4)]
+    assert (
+        cli.main([*call, "--excitation", "a0", *names, "--out", "found.json", "--pictures", "pictures"]) == 0
+    )
+    printed = capsys.readouterr().out
+    found = ar.AntiresonanceSet.load("found.json")
+    assert str(found) == printed.rstrip("\n")
+    assert found == ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), max_order=30)
+    assert sorted(os.listdir("pictures")) == [f"stabilization_dof_{dof}.png" for dof in range(4)]
+    assert cli.main([*call, "--excitation", "a0", "--json", "--cross-check", "aaa"]) == 0
+    numbers = json.loads(capsys.readouterr().out)
+    assert numbers["excitation"] == "a0"
+    assert [row["dof"] for row in numbers["antiresonances"]] == [f"a{dof}" for dof in range(4)]
+    assert numbers["antiresonances"][0]["freq_hz"] == found[0].tolist()
+    # The channel at the force may be left out; its place has a name still.
+    assert cli.main([*call, "--excitation", "a0", "--dof", "a0=", *names[1:], "--json"]) == 0
+    numbers = json.loads(capsys.readouterr().out)
+    assert numbers["excitation"] == "a0"
+    assert [row["dof"] for row in numbers["antiresonances"]] == list(range(1, 4))
+    assert cli.main(["identify", "found.json", "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["antiresonances"]) == 4
+
+
+def test_a_force_that_is_no_channel_is_mentioned(tmp_path, monkeypatch, capsys):
+    """A slip of the pen changes no antiresonance, but the place of the force is tested no more."""
+    monkeypatch.chdir(tmp_path)
+    record = ar.cases.chain8().experiment(noise=0.01, duration_s=60.0, rng=1)
+    ar.write_csv(
+        "test.csv", ar.Recording(record.responses[:3], record.fs_hz, ["Floor 1", "Floor 2", "Floor 3"])
+    )
+    call = ["identify", "test.csv", "--band", "3", "60", "--excitation"]
+    assert cli.main([*call, "Flor 1"]) == 0
+    assert (
+        "--excitation: 'Flor 1' is none of the channels 'Floor 1', 'Floor 2', 'Floor 3', so that the "
+        "place of the force cannot be tested. Did you mean 'Floor 1'? Then write --excitation 'Floor 1'."
+    ) in capsys.readouterr().err
+    assert cli.main([*call, "Floor 1"]) == 0
+    assert "none of the channels" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("force", "names", "meant"),
+    [
+        (0, [f"MEscope1[{i}]" for i in range(3)], "MEscope1[0]"),
+        (1, [f"MEscope1[{i}]" for i in range(3)], "MEscope1[1]"),
+        ("12", ["12:+Z", "13:+Z"], "12:+Z"),
+        ("Flor 1", ["Floor 1", "Floor 2"], "Floor 1"),
+        (7, ["Floor 1", "Floor 2"], None),
+        (1, ["acc_1 x", "acc_1 y"], None),
+    ],
+)
+def test_the_channel_that_a_place_probably_means(force, names, meant):
+    from antires_rs.app.measurement import _meant
+
+    assert _meant(force, tuple(names)) == meant
+
+
+def test_what_the_system_refuses_is_named_as_the_user_did(tmp_path, monkeypatch, capsys):
+    def refused(*_):
+        raise PermissionError(13, "Permission denied", str(tmp_path / ".job.toml.4711.tmp"))
+
+    monkeypatch.setattr("antires_rs.support.files.write_atomically", refused)
+    assert cli.main(["init", str(tmp_path / "job.toml")]) == 1
+    said = capsys.readouterr().err
+    assert f"{str(tmp_path / 'job.toml')!r}: got 'Permission denied' from the system; wanted a place" in said
+    assert "4711" not in said
+
+
+def test_warnings_take_one_line(tmp_path, capsys):
+    noise = np.random.default_rng(0).standard_normal((3, 4096))
+    noise[1] = 0.0
+    ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 256.0))
+    assert (
+        cli.main(["identify", str(tmp_path / "record.npz"), "--band", "3", "100", "--excitation", "0"]) == 1
+    )
+    assert "got no signal at all from dof 1" in capsys.readouterr().err
+    noise[1] = np.clip(noise[0], -1.0, 1.0)
+    ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 256.0))
+    assert (
+        cli.main(["identify", str(tmp_path / "record.npz"), "--band", "3", "100", "--excitation", "0"]) == 0
+    )
+    err = capsys.readouterr().err.splitlines()
+    assert any(line.startswith("antires: warning: data check: ") for line in err)
+    assert all(line.startswith("antires: warning: ") for line in err)
+
+
+def test_report_of_a_result_and_of_its_folder(tmp_path, capsys):
+    case = ar.cases.chain8()
+    ar.assess_damage(case.model, case.exact(1), rng=0).save(tmp_path / "result.npz")
+    assert cli.main(["report", str(tmp_path)]) == 0
+    assert capsys.readouterr().out == f"Wrote {tmp_path / 'report.html'}\n"
+    assert "Spring 4 has lost 55.0 %" in (tmp_path / "report.html").read_text()
+    call = [
+        "report",
+        str(tmp_path / "result.npz"),
+        "--out",
+        str(tmp_path / "a.html"),
+        "--title",
+        "Chain <8>",
+        "--pictures",
+        str(tmp_path / "pictures"),
+        "--json",
+    ]
+    assert cli.main(call) == 0
+    written = json.loads(capsys.readouterr().out)
+    assert "Chain &lt;8&gt;" in (tmp_path / "a.html").read_text()
+    drawn = set(os.listdir(tmp_path / "pictures"))
+    assert drawn == {os.path.basename(file) for file in written["pictures"]}
+    assert drawn == {"damage.png", "model.png", "differences.png", "convergence.png"}
+
+
+def test_a_remedy_is_spelled_as_its_reader_would_write_it(tmp_path, capsys):
+    """In Python, on the command line and in a job."""
+    table = tmp_path / "unnamed.csv"
+    table.write_text("".join(f"{0.01 * i:.2f},{i % 7},{i % 5}\n" for i in range(200)), encoding="utf-8")
+    with pytest.raises(ar.InvalidInputError, match="Pass first='time', first='freq' or, with fs_hz=, "):
+        ar.read_csv(table)
+    assert cli.main(["identify", str(table), "--band", "3", "30", "--excitation", "0"]) == 1
+    said = capsys.readouterr().err
+    assert "Pass --first time, --first freq or, with --fs, --first channel." in said
+    job = tmp_path / "job.toml"
+    job.write_text(
+        '[data]\nfile = "unnamed.csv"\nexcitation = 0\nband_hz = [3.0, 30.0]\n[model]\n'
+        'kind = "chain"\nmasses_kg = [1, 1]\nsprings_n_per_m = [1e4]\n[damage]\n'
+    )
+    assert cli.main(["damage", str(job)]) == 1
+    said = capsys.readouterr().err
+    assert "line 2, [data] file: got" in said
+    assert 'Pass first = "time", first = "freq" or, with fs_hz, first = "channel".' in said
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
+@pytest.mark.parametrize("module", ["antires_rs.app.command", "antires_rs.app.parser", "antires_rs.app.run"])
+def test_ctrl_c_while_modules_are_loaded_is_one_line(tmp_path, module):
+    write_measured(tmp_path)
+    (tmp_path / "job.toml").write_text(DAMAGE)
+    code = f"""
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupting())
+from antires_rs.app.main import main
+sys.exit(main())
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code, "damage", "job.toml"],
+        cwd=tmp_path,
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "antires: interrupted\n")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
+def test_an_import_that_ctrl_c_broke_is_ctrl_c_and_no_other(monkeypatch, capsys):
+    """NumPy's C code, for one, makes an ImportError of a KeyboardInterrupt."""
+
+    def broken(*args, **options):
+        with contextlib.suppress(KeyboardInterrupt):
+            os.kill(os.getpid(), interrupt)
+        raise ImportError("PyCapsule_Import could not import module")
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        monkeypatch.setattr(demo, "command", broken)
+        interrupt = signal.SIGINT
+        assert cli.main(["demo"]) == 130
+        assert capsys.readouterr().err == "antires: interrupted\n"
+        interrupt = 0
+        with pytest.raises(ImportError, match="PyCapsule"):
+            cli.main(["demo"])
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,224 @@
+"""Ctrl-C, SIGKILL and resume of jobs, on the command line as a user has it."""
+
+import dataclasses
+import json
+import os
+import signal
+
+import pytest
+
+import antires_rs as ar
+from antires_rs.app import arguments as damage_jobs
+from antires_rs.app import main as cli
+from antires_rs.damage import result as damage_result
+from antires_rs.updating import result as results
+from tests.support.job_files import DAMAGE, UPDATE, write_measured
+from tests.support.signalled import ANTIRES, LONG, stopped
+from tests.support.tolerances import INTERRUPT_S
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
+
+ENDLESS = UPDATE.replace(
+    "seed = 1", "seed = 3\npatience = 1_000_000_000\npolish = false\nmax_evaluations = 1_000_000_000_000"
+)
+
+#: Every generation is written, so that a kill finds a checkpoint, and may fall into its writing.
+OFTEN = """
+import antires_rs.optimize.checkpoint
+write = antires_rs.optimize.checkpoint.Checkpoint.__init__
+def often(self, path, every_s=0.0):
+    write(self, path, every_s)
+antires_rs.optimize.checkpoint.Checkpoint.__init__ = often
+"""
+
+
+def bytes_of(file):
+    result = ar.UpdateResult.load(file)
+    search, history = result.search, result.search.history
+    arrays = (search.x, history.cost, history.nfev, history.migrations, search.populations)
+    return [a.tobytes() for a in arrays] + [
+        search.fun.hex(),
+        search.nfev,
+        search.nit,
+        search.status,
+        result.seed,
+    ]
+
+
+def fill(folder, text):
+    write_measured(folder, level=0, perturbation=0.08)
+    (folder / "job.toml").write_text(text)
+    return folder / "job_results"
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("whole")
+    results = fill(folder, LONG)
+    assert cli.main(["update", str(folder / "job.toml")]) == 0
+    assert not (results / "search.ckpt").exists()
+    return bytes_of(results / "result.npz")
+
+
+def test_ctrl_c_hands_back_the_best_so_far_and_a_checkpoint(tmp_path, capsys):
+    results = fill(tmp_path, ENDLESS)
+    code, out, err, took = stopped(tmp_path, signal.SIGINT, "update", "job.toml")
+    assert code == 130
+    assert took < INTERRUPT_S
+    assert err == "antires: interrupted, the best so far is kept; go on with: antires resume job.toml\n"
+    assert "interrupted" in out.splitlines()[0]
+    assert sorted(p.name for p in results.iterdir() if p.name != "search.ckpt.previous") == [
+        "antiresonances.json",
+        "result.npz",
+        "run.json",
+        "search.ckpt",
+        "summary.json",
+    ]
+    summary = json.loads((results / "summary.json").read_text())
+    best = ar.UpdateResult.load(results / "result.npz")
+    assert summary["status"] == best.status == "interrupted"
+    assert summary["J"] == best.fun == best.problem.cost(best.x)
+    # A new run would throw the search away: it has to be asked for.
+    capsys.readouterr()
+    assert cli.main(["update", str(tmp_path / "job.toml")]) == 2
+    assert "antires resume job.toml" in capsys.readouterr().err
+    # Interrupted again, it has gone on.
+    code, _, _, took = stopped(tmp_path, signal.SIGINT, "resume", "job_results")
+    assert code == 130
+    assert took < INTERRUPT_S
+    assert ar.UpdateResult.load(results / "result.npz").nit > best.nit
+    finished = (tmp_path / "job.toml").read_text().replace("1_000_000_000_000", "2000")
+    (tmp_path / "job.toml").write_text(finished)
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2  # another budget is another search
+    assert "another problem, data or options" in capsys.readouterr().err
+    assert cli.main(["update", str(tmp_path / "job.toml"), "--fresh"]) == 0
+    assert not (results / "search.ckpt").exists()
+
+
+def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, capsys):
+    write_measured(tmp_path)
+    (tmp_path / "job.toml").write_text(DAMAGE.replace("seed = 1", "seed = 1\ncheckpoint = false"))
+    complete = damage_jobs.assess_damage
+
+    def interrupted(*args, **options):
+        result = complete(*args, **options)
+        search = dataclasses.replace(result.search, status="interrupted", success=False)
+        return type(result)(result.problem, search, result.seed)
+
+    def slow(*args):
+        raise AssertionError("computed")
+
+    monkeypatch.setattr(damage_jobs, "assess_damage", interrupted)
+    monkeypatch.setattr(damage_result, "smallest_visible", slow)
+    monkeypatch.setattr(results, "identifiability", slow)
+    assert cli.main(["damage", str(tmp_path / "job.toml")]) == 130
+    captured = capsys.readouterr()
+    out = captured.out
+    assert "without a checkpoint" in captured.err
+    # Nothing says that it has finished.
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2
+    assert "was interrupted and kept no checkpoint" in capsys.readouterr().err
+    assert "spring 4   55.00 %" in out
+    assert "the best so far" in out
+    summary = json.loads((tmp_path / "job_results" / "summary.json").read_text())
+    assert {row["smallest_visible"] for row in summary["elements"]} == {None}
+
+
+def test_a_resumed_job_has_the_bits_of_one_that_was_never_stopped(tmp_path, whole, capsys):
+    results = fill(tmp_path, LONG)
+    code, _, err, _ = stopped(tmp_path, signal.SIGINT, "update", "job.toml", after=0.1)
+    assert code == 130, err
+    assert cli.main(["resume", str(results / "search.ckpt"), "--workers", "2"]) == 0
+    assert bytes_of(results / "result.npz") == whole
+    assert sorted(p.name for p in results.iterdir()) == [
+        "antiresonances.json",
+        "result.npz",
+        "run.json",
+        "summary.json",
+    ]
+    # Nothing is left to do, and it says so.
+    capsys.readouterr()
+    assert cli.main(["resume", str(tmp_path / "job.toml"), "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out)["status"] == json.loads((results / "run.json").read_text())["state"]
+    assert "has finished" in err
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this system has no SIGKILL")
+def test_killed_at_any_moment_a_job_goes_on_to_the_same_bits(tmp_path, whole):
+    results = fill(tmp_path, LONG)
+    commands = iter([("update", "job.toml")])
+    for after in (0.05, 0.15, 0.1):
+        stopped(
+            tmp_path,
+            signal.SIGKILL,
+            *next(commands, ("resume", "job.toml")),
+            after=after,
+            code=OFTEN + ANTIRES,
+        )
+    (results / ".result.npz.4711.tmp").write_bytes(b"half")
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
+    assert bytes_of(results / "result.npz") == whole
+    assert sorted(p.name for p in results.iterdir()) == [
+        "antiresonances.json",
+        "result.npz",
+        "run.json",
+        "summary.json",
+    ]
+
+
+def test_a_time_limit_leaves_a_search_to_go_on_with(tmp_path, whole, capsys):
+    results = fill(tmp_path, LONG.replace("seed = 3", "seed = 3\nmax_seconds = 0.2"))
+    assert cli.main(["update", str(tmp_path / "job.toml")]) == 0
+    assert "out of time; go on with: antires resume" in capsys.readouterr().err
+    (tmp_path / "job.toml").write_text(LONG)
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
+    assert bytes_of(results / "result.npz") == whole
+
+
+def test_out_of_time_without_a_checkpoint_is_not_called_finished(tmp_path, capsys):
+    fill(tmp_path, LONG.replace("seed = 3", "seed = 3\nmax_seconds = 0.1\ncheckpoint = false"))
+    assert cli.main(["update", str(tmp_path / "job.toml")]) == 0
+    capsys.readouterr()
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2
+    assert "ran out of time and kept no checkpoint" in capsys.readouterr().err
+
+
+def test_changed_data_are_not_taken_for_those_of_the_search(tmp_path, capsys):
+    results = fill(tmp_path, LONG.replace("seed = 3", "seed = 3\nmax_seconds = 0.1"))
+    assert cli.main(["update", str(tmp_path / "job.toml")]) == 0
+    before = (results / "search.ckpt").read_bytes()
+    write_measured(tmp_path, level=1)
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 1
+    assert "got measured.json, changed since the search began" in capsys.readouterr().err
+    assert (results / "search.ckpt").read_bytes() == before
+
+
+def test_ctrl_c_before_the_search_says_so_in_one_line(tmp_path):
+    record = ar.cases.chain8().experiment(0, duration_s=256.0, rng=0)
+    ar.write_npz(tmp_path / "record.npz", record)
+    code = ANTIRES.replace(
+        "from antires_rs.app.main import main",
+        """
+import antires_rs.app.reading as m
+identify = m.identify_antiresonances
+def announced(*args, **options):
+    open("run.json", "w").write("searching")
+    return identify(*args, **options)
+m.identify_antiresonances = announced
+from antires_rs.app.main import main""",
+    )
+    (tmp_path / "job_results").mkdir()
+    (tmp_path / "job.toml").write_text(
+        LONG.replace('file = "measured.json"', 'file = "record.npz"\nexcitation = 0\nband_hz = [3, 130]')
+    )
+    exit_code, out, err, took = stopped(
+        tmp_path,
+        signal.SIGINT,
+        "update",
+        "job.toml",
+        after=0.05,
+        code=code.replace('"run.json"', '"job_results/run.json"'),
+    )
+    assert (exit_code, out, err) == (130, "", "antires: interrupted\n")
+    assert took < INTERRUPT_S

@@ -1,0 +1,398 @@
+"""Jobs carried out: every kind of data, model and parameter, and what a run writes."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+from scipy.io import mmwrite
+
+import antires_rs as ar
+from antires_rs.app import main as cli
+from antires_rs.app.arguments import model_of, parameters_of
+from antires_rs.app.job import read_job
+from antires_rs.app.reading import measured_of
+from tests.support.campaign import some_of
+from tests.support.job_files import DAMAGE, UPDATE, losses, run, write_measured
+
+pytestmark = pytest.mark.usefixtures("quick_pictures")
+
+FOUND = {"spring 4": 0.55}
+
+
+def test_damage_from_antiresonances(tmp_path, capsys):
+    write_measured(tmp_path)
+    summary = run(tmp_path, DAMAGE)
+    assert losses(summary) == FOUND
+    assert summary["damaged"] == [4]
+    out, err = capsys.readouterr()
+    assert "stiffness loss of spring 4   55.00 %" in out
+    assert err == ""  # no terminal, no progress
+    results = tmp_path / "job_results"
+    assert sorted(p.name for p in results.iterdir()) == [
+        "antiresonances.json",
+        "result.npz",
+        "run.json",
+        "summary.json",
+    ]
+    # The same as a call, bit for bit.
+    case = ar.cases.chain8()
+    same = ar.assess_damage(case.model, case.exact(1), rng=1)
+    loaded = ar.DamageResult.load(results / "result.npz")
+    assert loaded.x.tobytes() == same.x.tobytes()
+    assert loaded.search.populations.tobytes() == same.search.populations.tobytes()
+    assert (loaded.fun, loaded.nfev, loaded.seed) == (same.fun, same.nfev, 1)
+
+
+def test_json_on_standard_output_is_the_summary(tmp_path, capsys):
+    write_measured(tmp_path)
+    summary = run(tmp_path, DAMAGE, "--json", "--workers", "1")
+    assert json.loads(capsys.readouterr().out) == summary
+    assert set(summary["inputs"]) == {"job.toml", "measured.json"}
+    assert summary["command"] == "antires damage job.toml"
+
+
+def test_an_update_and_then_damage_with_its_result(tmp_path):
+    write_measured(tmp_path, level=0, perturbation=0.08)
+    quick = UPDATE.replace("seed = 1", "seed = 1\nmax_evaluations = 20_000")
+    updated = run(tmp_path, quick, name="update.toml")
+    assert updated["largest_after_percent"] < 0.58
+    assert [row["name"] for row in updated["parameters"]][:1] == ["mass 0"]
+    write_measured(tmp_path, level=1, perturbation=0.08)
+    chain = DAMAGE[DAMAGE.index('kind = "chain"') : DAMAGE.index("[damage]")]
+    found = run(tmp_path, DAMAGE.replace(chain, 'kind = "result"\nfile = "update_results/result.npz"\n\n'))
+    assert found["damaged"] == [4]
+    assert set(found["inputs"]) == {"job.toml", "measured.json", "update_results/result.npz"}
+    # The results of one job are not overwritten by another.
+    other = DAMAGE.replace("[output]", '[output]\nfolder = "update_results"')
+    (tmp_path / "other.toml").write_text(other)
+    assert cli.main(["damage", str(tmp_path / "other.toml")]) == 2
+
+
+SIGNALS = {
+    "names in the job": (
+        "named.npz",
+        "dofs = { a0 = 0, a1 = 1, a2 = 2, a3 = 3, a4 = 4, a5 = 5, a6 = 6, a7 = 7 }",
+    ),
+    "a list": ("named.npz", "dofs = [0, 1, 2, 3, 4, 5, 6, 7]"),
+    "one left out": ("named.npz", "dofs = [0, 1, 2, 3, 4, 5, 6, false]"),
+    "points of a universal file": (
+        "points.uff",
+        "dofs = { " + ", ".join(f'"{i + 1}+Z" = {i}' for i in range(8)) + " }",
+    ),
+    "our own universal file": ("points.uff", ""),
+    "CSV": ("named.csv", "dofs = { a0 = 0, a1 = 1, a2 = 2, a3 = 3, a4 = 4, a5 = 5, a6 = 6, a7 = 7 }"),
+    "HDF5": ("plain.h5", ""),
+    "MAT": ("plain.mat", ""),
+}
+
+
+@pytest.fixture(scope="module")
+def records(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("records")
+    record = ar.cases.chain8().experiment(1, noise=0.01, duration_s=128.0, rng=1)
+    named = ar.Recording(record.responses, record.fs_hz, [f"a{dof}" for dof in record.dofs], record.force)
+    ar.write_npz(folder / "named.npz", named)
+    ar.write_csv(folder / "named.csv", named)
+    ar.write_uff(folder / "points.uff", record, dofs={dof: (dof + 1, "+Z") for dof in record.dofs})
+    ar.write_hdf5(folder / "plain.h5", record)
+    ar.write_mat(folder / "plain.mat", record)
+    return folder
+
+
+@pytest.mark.parametrize(
+    "kind", some_of(SIGNALS, ["names in the job", "one left out", "points of a universal file", "CSV"])
+)
+def test_damage_from_records_of_every_format(records, tmp_path, kind):
+    file, dofs = SIGNALS[kind]
+    force = '"a0"' if dofs.startswith("dofs = { a0") else "0"
+    (tmp_path / file).write_bytes((records / file).read_bytes())
+    summary = run(
+        tmp_path,
+        DAMAGE.replace(
+            'file = "measured.json"',
+            f"""file = "{file}"
+excitation = {force}
+band_hz = [3, 130]
+{dofs}
+[identification]
+max_order = 30
+persistent = true""",
+        ),
+    )
+    assert summary["damaged"] == [4]
+    assert {name: pytest.approx(beta.expected, abs=0.02) for name, beta in losses(summary).items()} == FOUND
+
+
+def test_two_positions_of_the_force(tmp_path):
+    model = ar.cases.chain8().true_model(1)
+    for i, force in enumerate((0, 7)):
+        zeros = model.antiresonances(range(8), force)
+        ar.AntiresonanceSet(force, dict(enumerate(zeros))).save(tmp_path / f"force{i}.json")
+    summary = run(
+        tmp_path,
+        DAMAGE.replace(
+            '[data]\nfile = "measured.json"', '[[data]]\nfile = "force0.json"\n[[data]]\nfile = "force1.json"'
+        ),
+    )
+    assert losses(summary) == FOUND
+    assert {row["excitation"] for row in summary["antiresonances"]} == {0, 7}
+    assert (tmp_path / "job_results" / "antiresonances_1.json").exists()
+
+
+def test_names_in_a_set_are_mapped_and_left_out(tmp_path):
+    exact = ar.cases.chain8().exact(1)
+    ar.AntiresonanceSet("m0", {f"m{dof}": exact[dof] for dof in exact}).save(tmp_path / "measured.json")
+    names = ", ".join(f"m{dof} = {dof}" for dof in range(7))
+    summary = run(
+        tmp_path, DAMAGE.replace('"measured.json"', f'"measured.json"\ndofs = {{ {names}, m7 = false }}')
+    )
+    assert losses(summary) == FOUND
+
+
+def test_edits_of_a_set_move_with_its_names(tmp_path):
+    exact = ar.cases.chain8().exact(1)
+    named = ar.AntiresonanceSet("m0", {f"m{dof}": exact[dof] for dof in exact})
+    named.drop("m1", exact[1][-1], reason="hum").add("m0", 140.0).save(tmp_path / "measured.json")
+    names = ", ".join(f"m{dof} = {dof}" for dof in exact)
+    job = job_of(tmp_path, DAMAGE.replace('"measured.json"', f'"measured.json"\ndofs = {{ {names} }}'))
+    (measured,) = measured_of(job, model_of(job), print)
+    found = measured.found
+    assert [(e.action, e.dof, e.reason) for e in found.edits] == [("drop", 1, "hum"), ("add", 0, "")]
+    assert found.by_hand() == {(0, 140.0)}
+    assert found.original() == exact
+
+
+def test_two_names_of_one_dof_are_refused(tmp_path):
+    ar.AntiresonanceSet(0, {0: [20.0], 1: [30.0]}).save(tmp_path / "measured.json")
+    job = job_of(tmp_path, DAMAGE.replace('"measured.json"', '"measured.json"\ndofs = [3, 3]'))
+    with pytest.raises(ar.InvalidInputError, match=r"line 3, \[data\] dofs: got 3 for two of \(0, 1\)"):
+        measured_of(job, model_of(job), print)
+
+
+FRAME = """[model]
+kind = "frame"
+nodes_m = [[0.0, 0.0], [0.25, 0.0], [0.5, 0.0], [0.75, 0.0], [1.0, 0.0]]
+elements = [[0, 1, "bar"], [1, 2, "bar"], [2, 3, "bar"], [3, 4, "thin"]]
+point_masses = [[4, 0.2, 1e-4]]
+ground_springs = [[2, "v", 5e3]]
+node_springs = [[0, 4, 1e3]]
+fixed = [[0, "v"], [0, "u"]]
+[model.sections]
+bar = { shape = "rectangle", width_m = 0.03, height_m = 0.01, youngs_modulus_pa = 7e10, \
+density_kg_per_m3 = 2700 }
+thin = { shape = "tube", outer_diameter_m = 0.02, thickness_m = 0.002, youngs_modulus_pa = 7e10, \
+density_kg_per_m3 = 2700, poisson = 0.33 }
+"""
+
+
+def frame_model():
+    bar = ar.Rectangle(0.03, 0.01, 7e10, 2700)
+    thin = ar.Tube(0.02, 0.002, 7e10, 2700, poisson=0.33)
+    return ar.FrameModel(
+        [[0.25 * i, 0.0] for i in range(5)],
+        [(0, 1, "bar"), (1, 2, "bar"), (2, 3, "bar"), (3, 4, "thin")],
+        {"bar": bar, "thin": thin},
+        point_masses=[ar.PointMass(4, 0.2, 1e-4)],
+        ground_springs=[ar.GroundSpring(2, "v", 5e3)],
+        node_springs=[ar.NodeSpring(0, 4, 1e3)],
+        fixed=[(0, ("u", "v"))],
+    )
+
+
+def job_of(folder, text):
+    (folder / "job.toml").write_text(text, encoding="utf-8")
+    return read_job(folder / "job.toml")
+
+
+def with_model(base, model):
+    start, end = base.index("[model]"), base.index("[damage]" if "[damage]" in base else "[[parameters]]")
+    return base[:start] + model + base[end:]
+
+
+def test_a_frame_and_every_kind_of_parameter(tmp_path):
+    kinds = {
+        "stiffness_factor": "elements",
+        "mass_factor": "terms",
+        "youngs_modulus": "sections",
+        "density": "sections",
+        "point_mass": "masses",
+        "inertia": "masses",
+        "support_stiffness": "springs",
+    }
+    text = with_model(UPDATE, FRAME)
+    first = text.index("[[parameters]]")
+    text = (
+        text[:first]
+        + "".join(
+            f'[[parameters]]\nkind = "{kind}"\n{on} = "all"\nbounds = [0.8, 1.2]\n'
+            + ("relative = true\n" if on not in ("elements", "terms") else "together = true\n")
+            for kind, on in kinds.items()
+        )
+        + """[[parameters]]
+kind = "thickness"
+sections = ["thin"]
+bounds = [0.0015, 0.0025]
+[[parameters]]
+kind = "diameter"
+sections = "thin"
+bounds = [0.018, 0.022]
+[[parameters]]
+kind = "angle"
+elements = [3]
+pivot = 3
+bounds = [-5, 5]
+axis = [0, 0, 1]
+[[parameters]]
+kind = "length"
+elements = [2, 3]
+pivot = 2
+bounds = [0.9, 1.1]
+[[parameters]]
+kind = "position"
+nodes = [3, 4]
+direction = [0, 1, 0]
+together = true
+bounds = [-0.05, 0.05]
+"""
+    )
+    job = job_of(tmp_path, text)
+    model = model_of(job)
+    assert np.array_equal(model.stiffness().toarray(), frame_model().stiffness().toarray())
+    assert np.array_equal(model.mass().toarray(), frame_model().mass().toarray())
+    parameters, places = parameters_of(job, model)
+    both = {"bounds": (0.8, 1.2), "relative": True}
+    assert parameters == [
+        ar.stiffness_factor(range(4), bounds=(0.8, 1.2), together=True),
+        ar.mass_factor(range(5), bounds=(0.8, 1.2), together=True),
+        *ar.youngs_modulus(["bar", "thin"], **both),
+        *ar.density(["bar", "thin"], **both),
+        *ar.point_mass([0], **both),
+        *ar.inertia([0], **both),
+        *ar.support_stiffness([0], **both),
+        *ar.thickness(["thin"], bounds=(0.0015, 0.0025)),
+        ar.diameter("thin", bounds=(0.018, 0.022)),
+        ar.angle([3], 3, bounds_deg=(-5, 5)),
+        ar.length([2, 3], 2, bounds=(0.9, 1.1)),
+        ar.position([3, 4], "y", bounds_m=(-0.05, 0.05), together=True),
+    ]
+    assert len(places) == len(parameters)
+
+
+def test_dofs_of_a_frame_by_node_and_direction(tmp_path):
+    model = frame_model()
+    dofs = {f"{node} v": model.dof(node, "v") for node in (1, 2, 3, 4)}
+    damaged = ar.UpdatingProblem(
+        model, ar.stiffness_reduction([1]), ar.AntiresonanceSet(dofs["4 v"], {dofs["4 v"]: [50.0]})
+    ).model_at([0.4])
+    zeros = damaged.antiresonances(list(dofs.values()), dofs["4 v"], f_max_hz=600.0)
+    ar.AntiresonanceSet("node 4 v", dict(zip(dofs, zeros, strict=True))).save(tmp_path / "measured.json")
+    summary = run(
+        tmp_path, with_model(DAMAGE, FRAME).replace("[damage]", "[damage]\nelements = [0, 1, 2, 3]")
+    )
+    assert losses(summary) == {"element 1": 0.4}
+
+
+def test_matrices_of_other_programs(tmp_path):
+    case = ar.cases.chain8()
+    chain = case.model
+    mmwrite(tmp_path / "K.mtx", chain.stiffness(), symmetry="symmetric", precision=17)
+    mmwrite(tmp_path / "M.mtx", chain.mass(), symmetry="symmetric", precision=17)
+    for i in range(7):
+        term = np.zeros((8, 8))
+        term[i : i + 2, i : i + 2] = 56.7e3 * np.array([[1, -1], [-1, 1]])
+        mmwrite(tmp_path / f"K_{i + 5}.mtx", term, symmetry="symmetric")
+    (tmp_path / "K.mapping").write_text("".join(f"{i + 1} {i + 101} UZ\n" for i in range(8)))
+    exact = case.exact(1)
+    ar.AntiresonanceSet("101+Z", {f"{dof + 101}+Z": exact[dof] for dof in exact}).save(
+        tmp_path / "measured.json"
+    )
+    summary = run(
+        tmp_path,
+        with_model(
+            DAMAGE,
+            """[model]
+kind = "matrices"
+stiffness = "K.mtx"
+mass = "M.mtx"
+stiffness_terms = "K_*.mtx"
+dof_map = "K.mapping"
+""",
+        ),
+    )
+    assert summary["damaged"] == [4]
+    # A file of write_matrices holds all of it.
+    model = ar.read_matrices(
+        tmp_path / "K.mtx",
+        tmp_path / "M.mtx",
+        stiffness_terms=[tmp_path / f"K_{i + 5}.mtx" for i in range(7)],
+    )
+    ar.write_matrices(tmp_path / "model.npz", model)
+    write_measured(tmp_path)
+    again = run(tmp_path, with_model(DAMAGE, '[model]\nkind = "matrices"\nfile = "model.npz"\n'))
+    assert again["damaged"] == [4]
+
+
+def test_transmissibilities_with_names(tmp_path):
+    record = ar.cases.chain8().experiment(1, noise=0.01, duration_s=128.0, rng=1)
+    t = ar.transmissibility(record, 3, nperseg=8192, estimator="rank1")
+    names = [f"m{dof}" for dof in t.dofs]
+    ar.write_npz(tmp_path / "t.npz", ar.FrequencyResponse(t.freq_hz, t.values, names, t.kind, "m3"))
+    dofs = ", ".join(f"{name} = {dof}" for dof, name in enumerate(names))
+    summary = run(
+        tmp_path,
+        DAMAGE.replace(
+            'file = "measured.json"',
+            f"""file = "t.npz"
+excitation = "m0"
+band_hz = [3, 130]
+dofs = {{ {dofs} }}
+[identification]
+max_order = 30
+dofs = [3, 4]""",
+        ),
+    )
+    assert {row["dof"] for row in summary["antiresonances"]} == {3, 4}
+    assert 4 in summary["damaged"]
+    about = json.loads((tmp_path / "job_results" / "run.json").read_text())["measurement"][0]
+    assert about["Dofs"] == [f"{name} = {dof}" for dof, name in enumerate(names)]
+
+
+def test_without_matplotlib_the_numbers_are_there_and_it_says_what_is_missing(tmp_path, monkeypatch, capsys):
+    write_measured(tmp_path)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    summary = run(tmp_path, DAMAGE.replace("report = false\npictures = false\n", ""))
+    assert summary["damaged"] == [4]
+    assert 'pip install "antires-rs[report]"' in capsys.readouterr().err
+    assert not (tmp_path / "job_results" / "report.html").exists()
+    # With it, the report of a search that has finished is written from its result.
+    monkeypatch.undo()
+    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
+    assert "antires report" in capsys.readouterr().err
+    assert cli.main(["report", str(tmp_path / "job_results")]) == 0
+    assert "antires damage job.toml" in (tmp_path / "job_results" / "report.html").read_text()
+
+
+def test_a_new_run_replaces_the_pictures_of_the_one_before_and_nothing_else(tmp_path):
+    write_measured(tmp_path)
+    run(tmp_path, DAMAGE.replace("report = false\npictures = false\n", ""))
+    results = tmp_path / "job_results"
+    (results / "pictures" / "photo.png").write_bytes(b"of the test")
+    (results / "notes.txt").write_text("mine")
+    run(tmp_path, DAMAGE)
+    assert sorted(p.name for p in results.rglob("*")) == [
+        "antiresonances.json",
+        "notes.txt",
+        "photo.png",
+        "pictures",
+        "result.npz",
+        "run.json",
+        "summary.json",
+    ]
+
+
+def test_a_terminal_sees_each_stage(tmp_path, monkeypatch, capsys):
+    write_measured(tmp_path)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    run(tmp_path, DAMAGE)
+    assert capsys.readouterr().err.splitlines()[:2] == ["reading measured.json", "searching"]

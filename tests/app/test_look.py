@@ -1,0 +1,281 @@
+"""``antires look``, and edits without a page."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from urllib.request import urlopen
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.app import main as cli
+from tests.support.four_masses import BAND, chain, exact, record
+from tests.support.job_files import DAMAGE, run, write_measured
+from tests.support.signalled import ANTIRES
+
+BAND_GIVEN = ["--band", *map(str, BAND)]
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory):
+    """A record in a file of its own folder."""
+    return ar.write_csv(tmp_path_factory.mktemp("look") / "test.csv", record())
+
+
+@pytest.fixture
+def started(tmp_path):
+    """Starts ``antires look``, which ends with the test; process and address."""
+    pytest.importorskip("bokeh", reason="the page needs bokeh")
+    running = []
+
+    def start(*given):
+        call = [sys.executable, "-c", ANTIRES, "look", *map(str, given), "--no-browser"]
+        process = subprocess.Popen(
+            call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+        )
+        running.append(process)
+        told = process.stdout.readline()
+        assert "http://127.0.0.1:" in told, process.stderr.read()
+        return process, told.rpartition(" ")[2].strip()
+
+    yield start
+    for process in running:
+        process.kill()
+        process.communicate()
+
+
+def asked(url, path, body=None):
+    base, _, token = url.partition("/?")
+    sign = "&" if "?" in path else "?"
+    with urlopen(
+        f"{base}/{path}{sign}{token}", None if body is None else json.dumps(body).encode()
+    ) as answer:
+        return json.load(answer)
+
+
+def ended(process):
+    """Exit code and output after Ctrl-C, and how long it took."""
+    start = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    return process.returncode, out, err, time.monotonic() - start
+
+
+def test_a_measurement_is_looked_at_edited_and_saved(started, measured, tmp_path):
+    process, url = started(measured, *BAND_GIVEN, "--excitation", "0", "--max-order", "30")
+    assert not asked(url, "state")["identified"]
+    state = asked(url, "do/identify", {})
+    assert state["identified"]
+    value = state["rows"][0]["freq_hz"]
+    asked(url, "do/drop", {"dof": 0, "freq_hz": value, "reason": "hum"})
+    asked(url, "do/save", {})
+    asked(url, "do/add", {"dof": 1, "freq_hz": 3.21})
+    code, out, err, seconds = ended(process)
+    assert (code, err.strip()) == (0, "")
+    assert seconds < 5.0
+    saved = ar.AntiresonanceSet.load(tmp_path / "test_antiresonances.json")
+    assert [edit.reason for edit in saved.edits] == ["hum"]
+    assert "test_antiresonances_unsaved.json" in out
+    kept = ar.AntiresonanceSet.load(tmp_path / "test_antiresonances_unsaved.json")
+    assert len(kept.edits) == 2
+
+    process, url = started(
+        measured, *BAND_GIVEN, "--excitation", "0", "--max-order", "30",
+        "--edits", "test_antiresonances_unsaved.json", "--out", "again.json",
+    )  # fmt: skip
+    asked(url, "do/identify", {})
+    asked(url, "do/save", {})
+    again = ar.AntiresonanceSet.load(tmp_path / "again.json")
+    assert again == kept
+    assert ended(process)[0] == 0
+
+
+def test_a_set_is_looked_at_and_saved_in_its_own_file(started, tmp_path):
+    file = tmp_path / "zeros.json"
+    ar.AntiresonanceSet(0, {0: [8.7, 12.2], 1: []}).save(file)
+    process, url = started(file)
+    assert asked(url, "do/drop", {"dof": 0, "freq_hz": 12.2})["rows"][0]["freq_hz"] == 8.7
+    asked(url, "do/save", {})
+    assert ar.AntiresonanceSet.load(file)[0].tolist() == [8.7]
+    assert ended(process)[0] == 0
+    assert not (tmp_path / "zeros_unsaved.json").exists()
+
+
+def test_a_result_is_looked_at(started, tmp_path):
+    write_measured(tmp_path)
+    run(tmp_path, DAMAGE)
+    process, url = started("job_results")
+    state = asked(url, "state")
+    assert (state["kind"], state["title"]) == ("result", "job_results")
+    assert state["answer"]
+    titles = [table["title"].partition(";")[0] for table in state["tables"]]
+    assert titles == ["Stiffness losses", "Hypotheses", "Antiresonances"]
+    for table in state["tables"]:
+        assert {len(row) for row in table["rows"]} == {len(table["head"])}
+    assert len(state["figures"]) >= 3
+    for number in range(len(state["figures"])):
+        assert asked(url, f"figure?shown={number}")["doc"]
+    assert "a result is looked at" in asked(url, "do/drop", {"dof": 0})["error"]
+    assert ended(process)[0] == 0
+
+
+def test_ctrl_c_during_the_identification_ends_it_at_once(started, measured):
+    process, url = started(measured, "--excitation", "0")
+    asked(url, "state")  # it has been read
+    base, _, token = url.partition("/?")
+    waits = subprocess.Popen(
+        [sys.executable, "-c", "import sys, urllib.request as u; u.urlopen(sys.argv[1], b'{}')",
+         f"{base}/do/identify?{token}"],
+        stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    time.sleep(0.4)
+    code, _, err, seconds = ended(process)
+    assert (code, err.strip()) == (0, "")
+    assert seconds < 3.0
+    waits.wait(timeout=30)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["--excitation", "0", "--out", "zeros.txt"], "ends in .json"),
+        ([], "--excitation: got nothing"),
+        (["--excitation", "0", "--edits", "none.json"], "--edits: got"),
+        (["--excitation", "0", "--band", "9", "2"], "--band"),
+    ],
+)
+def test_wrong_calls_are_told(measured, capsys, given, said):
+    pytest.importorskip("bokeh", reason="the page needs bokeh")
+    assert cli.main(["look", str(measured), "--no-browser", *given]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_file_that_cannot_be_read_is_told_on_the_page_too(started, tmp_path):
+    file = tmp_path / "zeros.json"
+    file.write_text("{}")
+    process, url = started(file)
+    assert "without the mark" in asked(url, "state")["error"]
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 2
+    assert "without the mark" in err
+    assert "Traceback" not in err
+
+
+def identified(measured, capsys, *given):
+    out = measured.with_name("zeros.json")
+    call = [
+        "identify",
+        str(measured),
+        *BAND_GIVEN,
+        "--excitation",
+        "0",
+        "--max-order",
+        "30",
+        "--out",
+        str(out),
+    ]
+    code = cli.main([*call, *given])
+    return code, capsys.readouterr().err, out
+
+
+def test_identify_drops_and_adds(measured, capsys):
+    _, _, out = identified(measured, capsys)
+    plain = ar.AntiresonanceSet.load(out)
+    first = float(plain[0][0])
+    code, _, out = identified(
+        measured,
+        capsys,
+        "--drop",
+        f"0={first:.2f} mains hum",
+        "--add",
+        "1=3.21",
+        "--add",
+        "0=3.3 in the phase",
+    )
+    assert code == 0
+    found = ar.AntiresonanceSet.load(out)
+    assert [(e.action, e.dof, e.reason) for e in found.edits] == [
+        ("drop", 0, "mains hum"), ("add", 1, ""), ("add", 0, "in the phase"),
+    ]  # fmt: skip
+    assert found.edits[0].freq_hz == first
+    assert 3.21 in found[1]
+    assert found.original() == plain
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["--drop", "0=55"], "--drop: got 55 Hz at dof 0"),
+        (["--drop", "9=5"], "--drop: got 9"),
+        (["--add", "0=x"], "DOF=HZ"),
+        (["--add", "5"], "DOF=HZ"),
+        (["--add", "0=-3"], "DOF=HZ"),
+        (["--add", "0=500"], "--add: got 500 Hz at dof 0; wanted a frequency from 0 to 12.5 Hz"),
+        (["--hit", "3"], "--hit: got it for one place"),
+    ],
+)
+def test_edits_that_cannot_be_made_are_told(measured, capsys, given, said):
+    try:
+        code, err, _ = identified(measured, capsys, *given)
+    except SystemExit as exc:
+        code, err = exc.code, capsys.readouterr().err
+    assert code == 2
+    assert said in err
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["zeros.json", "--band", "5", "100"], "--band: got it beside antiresonances"),
+        (["job.toml", "--max-order", "10"], "--max-order: got it beside a job"),
+        (["job_results", "--band", "5", "100"], "--band: got it beside a result"),
+        (["job_results", "--out", "a.json"], "--out: got it beside a result"),
+        (["job_results", "zeros.json"], "FILE: got 2 of them"),
+    ],
+)
+def test_options_that_would_do_nothing_are_refused(tmp_path, monkeypatch, capsys, given, said):
+    pytest.importorskip("bokeh", reason="the page needs bokeh")
+    (tmp_path / "job_results").mkdir()
+    (tmp_path / "job_results" / "result.npz").write_bytes(b"")
+    (tmp_path / "job.toml").write_text(DAMAGE)
+    ar.AntiresonanceSet(0, {0: [8.7]}).save(tmp_path / "zeros.json")
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["look", *given, "--no-browser"]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_identify_refuses_options_beside_a_set(tmp_path, capsys):
+    ar.AntiresonanceSet(0, {0: [8.7]}).save(tmp_path / "zeros.json")
+    assert cli.main(["identify", str(tmp_path / "zeros.json"), "--band", "5", "100"]) == 2
+    assert "--band: got it beside antiresonances" in capsys.readouterr().err
+
+
+def test_a_result_under_another_name_is_looked_at(tmp_path):
+    from antires_rs.app.look import result_file
+
+    write_measured(tmp_path)
+    run(tmp_path, DAMAGE)
+    there = tmp_path / "job_results"
+    other = (there / "result.npz").rename(there / "softened.npz")
+    assert result_file(other) == other
+    assert result_file(ar.write_npz(tmp_path / "record.npz", record())) is None
+    (tmp_path / "bad.npz").write_bytes(b"PK no archive")
+    assert result_file(tmp_path / "bad.npz") is None
+
+
+def test_a_single_channel_takes_the_route_over_the_force(tmp_path, capsys):
+    freq = np.arange(0.5, 10.0, 0.01)
+    values = chain().frf([0], 0, freq, damping_ratio=0.01)
+    noise = np.random.default_rng(0).standard_normal((2, *values.shape)) * 1e-4 * np.abs(values).max()
+    file = ar.write_npz(
+        tmp_path / "one.npz", ar.FrequencyResponse(freq, values + noise[0] + 1j * noise[1], dofs=["tip"])
+    )
+    given = ["identify", str(file), "--excitation", "tip", *BAND_GIVEN, "--out", str(tmp_path / "a.json")]
+    assert cli.main(given) != 0
+    assert "take the route 'frf'" in capsys.readouterr().err
+    assert cli.main([*given, "--route", "frf"]) == 0
+    found = ar.AntiresonanceSet.load(tmp_path / "a.json")["tip"]
+    assert found == pytest.approx(exact(chain(), [0])[0], rel=2e-3)

@@ -1,0 +1,221 @@
+"""What a run keeps beside its result, so that ``antires report`` shows what the run's own report did."""
+
+import json
+import re
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import antires_rs as ar
+from antires_rs.app import main as cli
+from antires_rs.app.run import Evidence, heard
+from antires_rs.figures import report_parts as figures
+from antires_rs.measured.response_table import ResponseTable
+from tests.support.job_files import DAMAGE, write_measured
+from tests.support.pictures import drawn_quickly
+
+pytestmark = pytest.mark.usefixtures("quick_pictures")
+
+JOB = DAMAGE.replace(
+    'file = "measured.json"',
+    """file = "record.npz"
+excitation = 0
+band_hz = [3, 130]
+
+[identification]
+max_order = 24
+dofs = [0, 4]""",
+).replace("report = false", 'title = "A chain"')
+
+
+def section(html, heading):
+    """Text of one section, without the date."""
+    part = re.search(rf"<h2>{heading}.*?</section>", html, re.S)[0]
+    return re.sub(r"\d{4}-\d\d-\d\d \d\d:\d\d UTC", "", part)
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("run")
+    record = ar.cases.chain8().experiment(1, noise=0.01, duration_s=64.0, rng=1)
+    ar.write_npz(folder / "record.npz", record)
+    (folder / "job.toml").write_text(JOB, encoding="utf-8")
+    with drawn_quickly():
+        assert cli.main(["damage", str(folder / "job.toml")]) == 0
+    return folder
+
+
+def test_a_report_drawn_again_is_the_same(ran, capsys):
+    results = ran / "job_results"
+    again = ran / "again.html"
+    assert cli.main(["report", str(results), "--out", str(again)]) == 0
+    first, second = ((results / "report.html").read_text(), again.read_text())
+    headings = re.findall(r"<h2>(.*?)</h2>", first)
+    assert re.findall(r"<h2>(.*?)</h2>", second) == headings
+    for heading in headings:
+        mine, other = (section(html, re.escape(heading)) for html in (first, second))
+        if "before and after" in heading:  # curves are kept in half the digits
+            mine, other = (re.sub(r"[A-Za-z0-9+/=]{400,}", "", text) for text in (mine, other))
+        assert mine == other, heading
+    assert second.count("Stabilization diagram of dof") == first.count("Stabilization diagram of dof") == 4
+    assert "Transmissibilities over dof 0" in second
+    assert again.stat().st_size < 1e6
+
+
+def test_the_report_names_what_was_measured_and_how_and_what_repeats_it(ran):
+    html = (ran / "job_results" / "report.html").read_text()
+    assert "<h1>A chain</h1>" in html
+    for said in (
+        "record.npz",
+        "8 responses: 0, 1, 2, 3, 4, 5, 6, 7",
+        "64 s at 512 Hz, 32,768 samples a channel",
+        "3 to 130 Hz",
+        "formulation auto, here numerators, estimator rank1",
+        "2 to 24",
+        "freq_tol 0.01, damping_tol 0.1, min_rows 10",
+        "window hann",
+        "independent averages",
+        "<p>antires damage job.toml</p>",
+    ):
+        assert said in html, said
+    recorded = json.loads((ran / "job_results" / "run.json").read_text())
+    for file, digest in recorded["inputs"].items():
+        assert f"{file}  {digest}" in html
+    assert recorded["versions"].keys() == {"antires_rs", "numpy", "scipy", "python", "system"}
+
+
+def test_the_command_repeats_the_run(ran, monkeypatch, capsys):
+    results = ran / "job_results"
+    command = re.search(r"<p>(antires damage .*?)</p>", (results / "report.html").read_text())[1]
+    before = ar.DamageResult.load(results / "result.npz")
+    monkeypatch.chdir(ran)
+    assert cli.main(command.split()[1:]) == 0
+    after = ar.DamageResult.load(results / "result.npz")
+    assert after.x.tobytes() == before.x.tobytes()
+    assert after.search.populations.tobytes() == before.search.populations.tobytes()
+
+
+def test_diagrams_come_back_as_they_were(tmp_path):
+    record = ar.cases.chain8().experiment(1, noise=0.01, duration_s=32.0, rng=1)
+    found = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), dofs=[0, 7], max_order=20)
+    curves = ar.transmissibility(record, 0, nperseg=512)
+    beside = {
+        "left_out": ResponseTable([9.5], scores={"why": ["in too few fits"]}),
+        "unexplained_hz": np.array([80.1]),
+    }
+    diagrams = {dof: replace(one, **beside) for dof, one in found.diagrams.items()}
+    Evidence((diagrams,), curves).save(tmp_path / "evidence.npz")
+    kept = Evidence.load(tmp_path / "evidence.npz")
+    for dof, diagram in diagrams.items():
+        other = kept.diagrams[0][dof]
+        assert other.band_hz == diagram.band_hz
+        assert other.accepted.same_as(diagram.accepted)
+        assert other.accepted.scores.keys() == diagram.accepted.scores.keys()
+        for name, column in diagram.accepted.scores.items():
+            np.testing.assert_array_equal(other.accepted.scores[name], column)
+        for name in ("freq_hz", "damping_ratio", "stable"):
+            for mine, theirs in zip(getattr(other, name), getattr(diagram, name), strict=True):
+                np.testing.assert_array_equal(mine, theirs)
+        np.testing.assert_array_equal(other.orders, diagram.orders)
+        np.testing.assert_array_equal(other.background, diagram.background)
+        np.testing.assert_array_equal(other.unexplained_hz, diagram.unexplained_hz)
+        assert other.left_out.same_as(diagram.left_out)
+    np.testing.assert_allclose(kept.response.values, curves.values, rtol=2e-7)
+    assert (kept.response.dofs, kept.response.reference) == (curves.dofs, 0)
+
+
+def test_evidence_of_version_0_1_0_is_read():
+    # Made by that version: chain8 at level 0, 2 % noise, 16 s, rng=7; excitation=0, band_hz=(3, 60),
+    # dofs 0 and 7, max_order=18, nperseg=1024.
+    (diagrams,) = Evidence.load(Path(__file__).with_name("evidence_0.1.0.npz")).diagrams
+    accepted = diagrams[0].accepted
+    assert accepted.freq_hz.tolist() == [12.119335760608044, 36.13197168917384, 58.45845693776275]
+    assert accepted.rows.tolist() == [10, 7, 7]
+    assert accepted.how.tolist() == ["persistent"] * 3
+    assert accepted.residual.tolist() == [0.2620831733827511, 0.14488932041400554, 0.06550068768055545]
+    assert np.isfinite(accepted.std_hz).all()
+    assert len(diagrams[7].accepted) == 0
+    diagrams[0].plot(ax=Figure().subplots())
+
+
+def test_damaged_evidence_costs_the_diagrams_and_not_the_report(ran, tmp_path, capsys):
+    results = tmp_path / "results"
+    results.mkdir()
+    for name in ("result.npz", "run.json", "evidence.npz"):
+        (results / name).write_bytes((ran / "job_results" / name).read_bytes())
+    (results / "evidence.npz").write_bytes((results / "evidence.npz").read_bytes()[:5000])
+    assert cli.main(["report", str(results)]) == 0
+    assert "antires: warning: the report has no diagrams: " in capsys.readouterr().err
+    assert "No stabilization diagram can be shown" in (results / "report.html").read_text()
+
+
+def test_without_a_signal_there_is_no_evidence_and_that_of_another_run_goes(tmp_path, capsys):
+    write_measured(tmp_path)
+    (tmp_path / "job_results").mkdir()
+    (tmp_path / "job_results" / "evidence.npz").write_bytes(b"of another run")
+    (tmp_path / "job.toml").write_text(DAMAGE, encoding="utf-8")
+    assert cli.main(["damage", str(tmp_path / "job.toml")]) == 0
+    assert not (tmp_path / "job_results" / "evidence.npz").exists()
+    assert cli.main(["report", str(tmp_path / "job_results")]) == 0
+    html = (tmp_path / "job_results" / "report.html").read_text()
+    assert "measured.json" in html
+    assert "No stabilization diagram can be shown" in html
+
+
+def test_every_warning_of_a_run_is_in_its_report_and_summary(tmp_path, capsys):
+    record = ar.cases.chain8().experiment(1, noise=0.01, duration_s=64.0, rng=1)
+    clipped = np.array(record.responses)
+    clipped[3] = np.clip(clipped[3], -0.5 * clipped[3].std(), 0.5 * clipped[3].std())
+    ar.write_npz(tmp_path / "record.npz", ar.Recording(clipped, record.fs_hz))
+    (tmp_path / "job.toml").write_text(JOB, encoding="utf-8")
+    assert cli.main(["damage", str(tmp_path / "job.toml")]) == 0
+    warned = [line.removeprefix("antires: warning: ") for line in capsys.readouterr().err.splitlines()]
+    assert warned
+    html = (tmp_path / "job_results" / "report.html").read_text()
+    shown = re.findall(r"<li>(.*?)</li>", section(html, "Warnings of the run"))
+    plain = [text.replace("&#39;", "'").replace("&lt;", "<").replace("&gt;", ">") for text in shown]
+    assert plain == warned
+    summary = json.loads((tmp_path / "job_results" / "summary.json").read_text())
+    assert any("clipped" in text.lower() for text in summary["warnings"])
+
+
+def test_warnings_are_heard_once_and_shown_as_ever():
+    with warnings.catch_warnings(record=True) as shown, heard() as said:
+        warnings.simplefilter("always")
+        for text in ("one", "two", "two"):
+            warnings.warn(text, UserWarning, stacklevel=1)
+    assert said == ["one", "two"]
+    assert [str(each.message) for each in shown] == ["one", "two", "two"]
+
+
+def test_two_positions_of_the_force_keep_both_diagrams(tmp_path, monkeypatch):
+    model = ar.cases.chain8().true_model(1)
+    for force in (0, 7):
+        record = model.simulate(
+            excitation=force, fs_hz=512.0, duration_s=64.0, damping_ratio=0.01, noise=1e-3, rng=force
+        )
+        ar.write_npz(tmp_path / f"force{force}.npz", record)
+    data = "".join(
+        f'[[data]]\nfile = "force{force}.npz"\nexcitation = {force}\nband_hz = [3, 130]\n\n'
+        for force in (0, 7)
+    )
+    job = re.sub(r"\[data\].*?\n\n", data, JOB, count=1, flags=re.S)
+    job = job.replace("[0, 4]", "[0, 7]").replace("pictures = false", "")
+    (tmp_path / "job.toml").write_text(job, encoding="utf-8")
+    painted = []
+    paint = figures.picture
+    monkeypatch.setattr(figures, "picture", lambda *args: painted.append(args) or paint(*args))
+    assert cli.main(["damage", str(tmp_path / "job.toml")]) == 0
+    drawn = {file.name for file in (tmp_path / "job_results" / "pictures").iterdir()}
+    diagrams = {f"stabilization_dof_{dof}_force_at_dof_{force}.png" for dof in (0, 7) for force in (0, 7)}
+    assert drawn - diagrams == {
+        f"{name}.png" for name in ("convergence", "damage", "differences", "model", "response")
+    }
+    assert len(drawn) == len(painted) == 9  # once for the report and the folder
+    html = (tmp_path / "job_results" / "report.html").read_text()
+    assert "Stabilization diagram of dof 0, force at dof 7" in html
+    assert "<h3>Measurement 2</h3>" in html

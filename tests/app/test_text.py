@@ -1,0 +1,175 @@
+"""The text of jobs: lines of keys, the template, the defaults it states."""
+
+import inspect
+import json
+import tomllib
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import antires_rs as ar
+from antires_rs.app import keys as template
+from antires_rs.app.job import lines_of, parsed, read_job
+from antires_rs.app.keys import FORMATS, SECTIONS, format_of
+
+
+def places(value, path=()):
+    """Every key and item of parsed TOML."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for name, item in items:
+        yield (*path, name)
+        yield from places(item, (*path, name))
+
+
+STRANGE = '''# comment with key = "value"
+title = """several
+lines with ] and # and \\""" quoted"""
+'quoted.key' = 'literal \\'
+a.b . "c d" = 1
+[table]
+"\\u0041\\t" = { x = [1, # in a list
+  2], y.z = "}" }
+[ table . sub ]
+empty = []
+text = \'\'\'
+[no]
+\'\'\'
+day = 1979-05-27 07:32:00
+[[row]]
+n = [[1, 2],
+     [3, 4],]
+[[row]]
+[row.sub]
+deep = true
+[[row.more]]
+k = ""
+[[row.more]]
+k = ''
+'''
+
+
+def test_every_key_is_found_and_stands_on_its_line():
+    lines = lines_of(STRANGE)
+    found = list(places(tomllib.loads(STRANGE)))
+    assert set(found) <= set(lines)
+    text = STRANGE.splitlines()
+    assert lines["title",] == 2
+    assert "quoted.key" in text[lines["quoted.key",] - 1]
+    assert text[lines["a", "b", "c d"] - 1].startswith("a.b")
+    assert lines["table", "A\t", "x", 1] == lines["table", "A\t"] + 1
+    assert text[lines["row", 0, "n", 1, 0] - 1].strip().startswith("[3, 4]")
+    assert text[lines["row", 1, "sub", "deep"] - 1] == "deep = true"
+    assert text[lines["row", 1, "more", 1, "k"] - 1] == "k = ''"
+    assert lines_of(STRANGE.replace("\n", "\r\n")) == lines
+
+
+NAMES = st.text("abcXYZ0189_-", min_size=1, max_size=6)
+VALUES = st.recursive(
+    st.integers(-9, 9)
+    | st.booleans()
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | st.text("ab\"'#]}=,.[{ \t\\é", max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(NAMES, inner, max_size=3),
+    max_leaves=8,
+)
+
+
+def toml(value, newline):
+    if isinstance(value, list):
+        return f"[{newline}" + f",{newline}".join(toml(v, newline) for v in value) + f"{newline}]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{k} = {toml(v, newline)}" for k, v in value.items()) + " }"
+    return json.dumps(value, ensure_ascii=False)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.dictionaries(NAMES, st.dictionaries(NAMES, VALUES, max_size=4), min_size=1, max_size=3),
+    st.sampled_from(["", " ", "\n", " # ]\n"]),
+)
+def test_every_key_of_any_text_is_found(tables, newline):
+    text = "".join(
+        f"[{name}]\n" + "".join(f"{key} = {toml(value, newline)}\n" for key, value in table.items())
+        for name, table in tables.items()
+    )
+    lines, rows = lines_of(text), text.splitlines()
+    assert tomllib.loads(text) == tables
+    for path in places(tables):
+        assert path in lines
+    for name, table in tables.items():
+        assert rows[lines[name,] - 1] == f"[{name}]"
+        for key in table:
+            assert rows[lines[name, key] - 1].startswith(f"{key} = ")
+
+
+@pytest.mark.parametrize("model", ["chain", "frame", "matrices", "result"])
+@pytest.mark.parametrize("task", ["damage", "update"])
+def test_the_template_is_a_valid_job_with_every_key(tmp_path, task, model):
+    text = template(task, model, data="record.npz")
+    file = tmp_path / "job.toml"
+    file.write_text(text, encoding="utf-8")
+    job = read_job(file)
+    assert job.task == task
+    assert max(map(len, text.splitlines())) <= 110
+    kinds = {"data": "npz", "model": model}
+    if task == "update":
+        kinds["parameters"] = job.parameters[0]["kind"]
+    others = ("series", *(("parameters", "updating") if task == "damage" else ("damage",)))
+    for section in SECTIONS.values():
+        if section.name not in others:
+            for key in section.keys:
+                if not key.of or kinds[section.name] in key.of:
+                    assert f"\n{key.name} = " in text or f"\n# {key.name} =" in text, (section.name, key.name)
+
+
+def test_defaults_in_the_template_are_those_in_force():
+    """Every default that a key states is the one of the search or of the call."""
+    options = ar.IslandGA().options
+    for key in SECTIONS["search"].keys:
+        if key.name in options and key.default:
+            value = tomllib.loads(f"x = {key.default}")["x"]
+            assert options[key.name] == value or (key.name, value) == ("polish", True), key.name
+    for section, call in (
+        ("identification", ar.identify_antiresonances),
+        ("damage", ar.assess_damage),
+        ("updating", ar.UpdatingProblem),
+    ):
+        arguments = inspect.signature(call).parameters
+        for key in SECTIONS[section].keys:
+            assert key.name in arguments, key.name
+            value = arguments[key.name].default
+            if key.default and value is not None:
+                assert tomllib.loads(f"x = {key.default}")["x"] == value, key.name
+
+
+def test_every_format_has_a_reader_and_its_endings():
+    for kind, endings in FORMATS.items():
+        assert {format_of(f"A{ending.upper()}") for ending in endings} == {kind}
+    assert format_of("record.xyz") is None
+    assert format_of("record.xyz", "csv") == "csv"
+    assert format_of("record.csv", "cvs") is None
+
+
+def test_a_path_with_backslashes_is_told_how_to_be_written(tmp_path):
+    job = tmp_path / "job.toml"
+    job.write_text('[data]\nfile = "C:\\Users\\test.uff"\n')
+    with pytest.raises(ar.InvalidInputError, match="A path is written with / or in single quotes"):
+        read_job(job)
+
+
+def test_dots_and_brackets_in_texts_and_comments_are_no_nesting():
+    deep = ".".join(["a"] * 60)
+    text = f'note = """\n{deep} = 1\n{"[" * 60}\n"""\nb = "x] \\" [["\n# {deep}, {deep}.\n'
+    text += f"c = '''\n{deep}.\n'''\n"
+    assert list(parsed("job.toml", text)) == ["note", "b", "c"]
+    for nested in (f"{deep} = 1", "x = " + "[" * 60, '"a".' * 50 + "b = 1", f"t = {{ {deep} = 1 }}"):
+        with pytest.raises(ar.InvalidInputError, match="line 10: got .* more than 40 deep"):
+            parsed("job.toml", f"{text}{nested}\n")
+
+
+@pytest.mark.parametrize("part", ['"\\\\', "'", '"""\\\\', "'''a", '"\\\\\n'])
+def test_texts_without_an_end_are_refused(part):
+    # Of this length only a search that is linear comes to its end.
+    with pytest.raises(ar.InvalidInputError, match="no TOML"):
+        parsed("job.toml", part * 100_000)

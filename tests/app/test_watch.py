@@ -1,0 +1,180 @@
+"""``antires watch``: new files are judged when they are complete, and a stop loses nothing."""
+
+import os
+import shutil
+import time
+
+import pytest
+
+import antires_rs as ar
+from antires_rs.app.main import main
+from antires_rs.app.watch import Arrivals, Told
+
+pytest.importorskip("pyarrow")
+
+MASSES, SPRINGS = [1.0, 1.1, 0.9, 1.0], [5e4, 5.5e4, 4.5e4]
+
+
+def written(folder, number, loss=0.0):
+    """The file of one test, as old as a complete one."""
+    chain = ar.MassSpringChain(MASSES, [SPRINGS[0], SPRINGS[1] * (1 - loss), SPRINGS[2]])
+    record = chain.simulate(
+        excitation=0, fs_hz=256.0, duration_s=16.0, damping_ratio=0.01, noise=0.01, rng=number
+    )
+    path = folder / f"test_{number}.npz"
+    ar.write_npz(path, record)
+    aged(path)
+    return path
+
+
+def aged(path):
+    past = time.time() - 60.0
+    os.utime(path, (past, past))
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_files_are_judged_as_they_come(tmp_path, capsys):
+    folder, out = tmp_path / "records", tmp_path / "out"
+    folder.mkdir()
+    command = ["watch", str(folder), "--excitation", "0", "--band", "5", "110", "--baseline", "9"]
+    command += ["--out", str(out), "--once"]
+    for number in range(8):
+        written(folder, number)
+    assert main(command) == 0
+    assert "8 of 9 baseline tests" in "".join(capsys.readouterr())
+    kept = (out / "series.parquet").stat().st_mtime_ns
+    written(folder, 8)
+    written(folder, 9, loss=0.1)
+    (folder / "test_10.npz").write_bytes(b"half a file")
+    aged(folder / "test_10.npz")
+    assert main(command) == 0
+    said = "".join(capsys.readouterr())
+    assert "test_9.npz: ALARM" in said
+    assert "test_10.npz: failed" in said
+    assert "are needed to rely on it" in said
+    assert (out / "series.parquet").stat().st_mtime_ns > kept
+    assert "1 of 1 tests outside the baseline alarm" in (out / "watch.html").read_text()
+
+
+@pytest.fixture(scope="module")
+def ten_files(tmp_path_factory):
+    """Files of ten tests, the last one damaged."""
+    folder = tmp_path_factory.mktemp("ten")
+    return [written(folder, number, loss=0.1 * (number == 9)) for number in range(10)]
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_output_in_the_folder_files_that_go_and_lines_told_once(ten_files, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(ar.Watched, "report", lambda *_: None)  # a page of another test
+    for path in ten_files:
+        shutil.copy2(path, tmp_path)
+    command = ["watch", str(tmp_path), "--excitation", "0", "--band", "5", "110", "--baseline", "9"]
+    command += ["--out", str(tmp_path / "results" / "watched"), "--once"]
+    assert main(command) == 0
+    said = "".join(capsys.readouterr())
+    assert "test_9.npz: ALARM" in said
+    for name in ("test_3.npz", "test_5.npz"):  # kept elsewhere since they were judged
+        (tmp_path / name).unlink()
+    shutil.copy2(ten_files[8], tmp_path / "test_10.npz")
+    assert main(command) == 0
+    said = "".join(capsys.readouterr())
+    assert "test_10.npz: " in said
+    assert "test_9.npz: " not in said
+    series = ar.Series.load(tmp_path / "results" / "watched" / "series.parquet")
+    assert series.names == tuple(f"test_{i}.npz" for i in range(11))
+    assert not series.failed
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_a_saved_assessor_tells_what_is_damaged(ten_files, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(ar.Watched, "report", lambda *_: None)  # a page of another test
+    for path in ten_files:
+        shutil.copy2(path, tmp_path)
+    record = ar.read_npz(ten_files[0])
+    before = ar.identify_antiresonances(record, excitation=0, band_hz=(5, 110))
+    (tmp_path / "out").mkdir()
+    plan = ar.Assessor(ar.MassSpringChain(MASSES, SPRINGS), baseline=before).save(
+        tmp_path / "out" / "plan.npz"
+    )
+    command = ["watch", str(tmp_path), "--excitation", "0", "--band", "5", "110", "--baseline", "9"]
+    command += ["--out", str(tmp_path / "out"), "--once", "--assessor"]
+    assert main([*command, str(plan)]) == 0
+    after = "".join(capsys.readouterr()).split("test_9.npz: ALARM")[1]
+    assert "spring 1 has lost" in after.splitlines()[1]
+    assert main([*command, str(ten_files[0])]) == 1  # no assessor
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_a_table_that_is_being_written_is_read_again(ten_files, tmp_path, capsys, monkeypatch):
+    folder, table = tmp_path / "records", tmp_path / "weather.csv"
+    folder.mkdir()
+    for path in ten_files[:2]:
+        shutil.copy2(path, folder)
+    contents = ["name,t\n", "name,t\ntest_0,1\ntest_1", "name,t\ntest_0,1\ntest_1,2\n", None]
+    table.write_text(contents.pop(0))
+    looks = []
+
+    def wait(seconds):
+        looks.append("".join(capsys.readouterr()))
+        if contents[0] is None:
+            raise KeyboardInterrupt
+        table.write_text(contents.pop(0))
+
+    monkeypatch.setattr(Arrivals, "at_once", False)
+    monkeypatch.setattr("antires_rs.app.watch.time.sleep", wait)
+    command = [
+        "watch",
+        str(folder),
+        "--excitation",
+        "0",
+        "--band",
+        "5",
+        "110",
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    assert main([*command, "--conditions", str(table)]) == 130
+    assert ["read again at the next look" in said for said in looks] == [True, True, False]
+    assert "2 of 50 baseline tests" in looks[2]
+    table.write_text("name,t\n")
+    assert main([*command, "--conditions", str(table), "--once"]) == 2
+
+
+def test_a_line_that_was_cut_short_is_told_again(tmp_path):
+    (tmp_path / "told").write_text("a\nb")
+    told = Told(tmp_path / "told")
+    assert "a" in told
+    assert "b" not in told
+    told.add("b")
+    assert "b" in Told(tmp_path / "told")
+
+
+def test_a_file_that_grows_is_left_alone(tmp_path):
+    done, grows = tmp_path / "a.npz", tmp_path / "b.npz"
+    done.write_bytes(b"1")
+    aged(done)
+    grows.write_bytes(b"1")
+    (tmp_path / "notes.txt~").write_bytes(b"1")
+    arrivals = Arrivals(tmp_path)
+    assert arrivals.complete() == [done]
+    assert arrivals.growing
+    aged(grows)
+    assert arrivals.complete() == [done, grows]
+    assert not arrivals.growing
+
+
+def test_the_folder_must_be_there(tmp_path, capsys):
+    assert main(["watch", str(tmp_path / "none"), "--excitation", "0", "--band", "5", "110"]) == 2
+    assert "FOLDER" in capsys.readouterr().err
+
+
+def test_an_assessor_that_is_not_there_is_told(tmp_path, capsys):
+    call = ["watch", str(tmp_path), "--excitation", "0", "--band", "5", "110", "--baseline", "9", "--once"]
+    call += ["--out", str(tmp_path / "out"), "--assessor"]
+    assert main([*call, str(tmp_path / "none.npz")]) == 2
+    assert "--assessor: got" in (said := capsys.readouterr().err)
+    assert "does not exist" in said
+    (tmp_path / "other.npz").write_bytes(b"no assessor")
+    assert main([*call, str(tmp_path / "other.npz")]) != 0
+    assert "--assessor: got" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

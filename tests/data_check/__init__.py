@@ -1,1 +1,0 @@
-"""Whether data are fit for identification."""

@@ -1,0 +1,198 @@
+"""The server of the page without a browser: who is answered, and what commands do."""
+
+import json
+import socket
+import threading
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
+
+import pytest
+
+import antires_rs as ar
+from tests.support.four_masses import BAND
+
+pytest.importorskip("bokeh", reason="the page needs bokeh")
+
+from antires_rs.figures.page_server import ADDRESS, Guard, Page
+from antires_rs.figures.page_session import Session, SetView
+
+
+@pytest.fixture
+def session(identified, record, tmp_path):
+    return Session(
+        identified, record, band_hz=BAND, options={"max_order": 30}, save_to=tmp_path / "zeros.json"
+    )
+
+
+@pytest.fixture
+def page(session):
+    served = Page(SetView(session, "four masses"), ends_with_page=False)
+    served.start()
+    yield served
+    served.stop()
+    assert not served.running
+
+
+def asked(page, path, body=None, *, token=None, **headers):
+    """Status and text of an answer; ``headers`` with underscores."""
+    base, _, own = page.url.partition("/?token=")
+    query = ("&" if "?" in path else "?") + f"token={own if token is None else token}" * (token != "")
+    given = {name.replace("_", "-"): value for name, value in headers.items()}
+    data = None if body is None else (body if isinstance(body, bytes) else json.dumps(body).encode())
+    try:
+        with urlopen(Request(f"{base}/{path}{query}", data, given)) as answer:
+            return answer.status, answer.read().decode(), answer.headers
+    except HTTPError as exc:
+        return exc.code, exc.read().decode(), exc.headers
+
+
+def told(page, path, body=None):
+    status, text, _ = asked(page, path, body)
+    assert status == 200
+    return json.loads(text)
+
+
+PATHS = [
+    "",
+    "state",
+    "figure",
+    "page.js",
+    "tables.js",
+    "page.css",
+    "bokeh.js",
+    "download",
+    "alive",
+    "do/save",
+    "nothing",
+]
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_only_who_has_the_token_is_answered(page, path, tmp_path):
+    for token in ("", "wrong", page.url[-5:]):
+        for body in (None, b"{}"):
+            assert asked(page, path, body, token=token)[0] in (403, 405)
+    assert asked(page, path, token="")[0] == 403
+    assert not list(tmp_path.iterdir())
+
+
+def test_other_pages_and_bent_names_are_refused(page):
+    port = page.url.split(":")[2].partition("/")[0]
+    for host in ("evil.example", f"evil.example:{port}", ADDRESS, f"{ADDRESS}:1", f"[::1]:{port}"):
+        assert asked(page, "state", Host=host)[0] == 403
+    for origin in ("http://evil.example", "null", f"https://{ADDRESS}:{port}", f"http://{ADDRESS}:1"):
+        assert asked(page, "do/undo", {}, Origin=origin)[0] == 403
+        assert asked(page, "alive", Origin=origin, Upgrade="websocket", Connection="Upgrade")[0] == 403
+    assert asked(page, "state", Origin=f"http://{ADDRESS}:{port}", Host=f"localhost:{port}")[0] == 200
+
+
+def test_a_page_may_load_nothing_from_elsewhere(page):
+    _, text, headers = asked(page, "")
+    policy = headers["Content-Security-Policy"]
+    assert "default-src 'none'" in policy
+    assert "unsafe-eval" not in policy
+    assert "http" not in policy.partition("frame-ancestors")[0].replace("http-equiv", "")
+    assert headers["Referrer-Policy"] == "no-referrer"
+    for path in ("", "page.js", "tables.js", "page.css"):
+        assert "https://" not in asked(page, path)[1]
+    assert "http" not in text
+
+
+def test_the_server_is_of_this_computer_alone(page):
+    assert page.url.startswith(f"http://{ADDRESS}:")
+    assert Guard(1).token != Guard(1).token
+    assert "token" not in repr(Guard(1))
+
+
+def test_commands_edit_the_set(page, session, identified, tmp_path):
+    value = float(identified[1][0])
+    answer = told(page, "do/drop?shown=1", {"dof": 1, "freq_hz": value, "reason": "mains hum"})
+    assert answer["said"] == f"dropped {value:.2f} Hz at dof 1 (mains hum)"
+    assert value not in session.zeros[1]
+    assert answer["marks"]["dropped by hand"]["freq"] == [value]
+    assert answer["unsaved"] is True
+    assert told(page, "do/save", {})["unsaved"] is False
+    assert ar.AntiresonanceSet.load(tmp_path / "zeros.json") == session.zeros
+    assert told(page, "do/undo", {})["edits"] == []
+    status, text, headers = asked(page, "download")
+    assert status == 200
+    assert headers["Content-Disposition"] == 'attachment; filename="zeros.json"'
+    assert ar.AntiresonanceSet.from_json(text) == identified
+
+
+WRONG = [
+    ("nothing", {}, "one of click"),
+    ("drop", {"dof": 1}, "a finite number"),
+    ("drop", {"dof": 1, "freq_hz": float("nan")}, "a finite number"),
+    ("drop", {"dof": 1, "freq_hz": "3"}, "a finite number"),
+    ("drop", {"dof": 9, "freq_hz": 3.0}, "a response from 0 to 3"),
+    ("drop", {"dof": True, "freq_hz": 3.0}, "a whole number"),
+    ("drop", {"dof": 0, "freq_hz": 500.0}, "a frequency within"),
+    ("add", {"dof": 0, "freq_hz": -3.0}, "positive"),
+    ("add", {"dof": 0, "freq_hz": 3.0, "reason": 5}, "a text"),
+    ("add", {"dof": 0, "freq_hz": 3.0, "reason": "x" * 1001}, "at most 1,000"),
+    ("take_back", {"number": 0}, "an edit"),
+    ("add", {"dof": 0, "freq_hz": 10**400}, "a finite number"),
+    ("drop", {"dof": 10**400, "freq_hz": 3.0}, "a whole number"),
+    ("identify", {"low_hz": 5.0, "high_hz": 2.0}, "low < high"),
+    ("identify", {"low_hz": 5.0, "high_hz": 2000.0}, "low < high"),
+    ("identify", {"low_hz": 1.0, "high_hz": 9.0, "max_order": 1}, "at least 2"),
+]
+
+
+@pytest.mark.parametrize(("command", "body", "wanted"), WRONG, ids=range(len(WRONG)))
+def test_what_cannot_be_done_is_told_and_changes_nothing(page, session, command, body, wanted):
+    before = session.now
+    answer = told(page, f"do/{command}", body)
+    assert wanted in answer["error"]
+    assert session.now is before
+
+
+def test_malformed_requests_are_refused(page):
+    assert asked(page, "do/drop", b"{")[0] == 400
+    assert asked(page, "do/drop", b"[]")[0] == 400
+    assert asked(page, "do/drop", b"[" * 50_000)[0] == 400
+    assert asked(page, f"state?shown={'9' * 5000}")[0] == 400
+    assert asked(page, "state?shown=x")[0] == 400
+    assert asked(page, "nothing")[0] == 404
+    assert asked(page, "do/../state", {})[0] in (404, 405)
+    assert "error" in told(page, "figure?shown=99")
+
+
+def test_edits_that_were_not_saved_are_kept(page, session, tmp_path):
+    assert page.keep_unsaved() is None
+    session.add(0, 3.21, "clear in the phase")
+    kept = page.keep_unsaved()
+    assert kept == tmp_path / "zeros_unsaved.json"
+    assert ar.AntiresonanceSet.load(kept).edits == session.zeros.edits
+    assert page.zeros == session.zeros
+
+
+def test_stopping_ends_the_server(session):
+    served = Page(SetView(session, "four masses"), ends_with_page=False)
+    served.start()
+    assert asked(served, "state")[0] == 200
+    served.stop()
+    served.stop()
+    with pytest.raises(OSError, match="refused"):
+        asked(served, "state")
+
+
+def test_nothing_is_left_of_a_page_that_ended(session):
+    """Neither threads nor sockets, however it ended; ending twice is ending once."""
+    before = {thread.ident for thread in threading.enumerate()}
+    for _ in range(5):
+        served = Page(SetView(session, "four masses"), ends_with_page=False)
+        served.start()
+        told(served, "state")
+        told(served, "figure")
+        served.stop()
+        served.stop()
+        served.show(SetView(session, "too late"))
+        port = int(served.url.partition("/?")[0].rpartition(":")[2])
+        with pytest.raises(OSError, match="refused"):
+            socket.create_connection((ADDRESS, port), 1.0)
+    for thread in threading.enumerate():
+        if thread.ident not in before:
+            thread.join(10.0)  # of a figure that was being drawn
+            assert not thread.is_alive()

@@ -1,0 +1,81 @@
+"""The one table of a response: order, columns, rows taken and joined, and that nobody changes it."""
+
+import copy
+import pickle
+from dataclasses import FrozenInstanceError
+
+import numpy as np
+import pytest
+
+from antires_rs.exceptions import InvalidInputError
+from antires_rs.identification.scores import graded
+from antires_rs.measured.response_table import ResponseTable
+
+
+def example():
+    return ResponseTable.of_sweep(
+        [36.2, 12.2, 20.0],
+        [0.02, 0.01, 0.03],
+        rows=[30, 11, 25],
+        spread=[1e-4, 2e-4, 3e-4],
+        dominance=[1.0, 0.9, 0.8],
+        how=["chain", "persistent", "chain"],
+    )
+
+
+def test_columns_follow_the_frequencies():
+    table = example()
+    assert table.freq_hz.tolist() == [12.2, 20.0, 36.2]
+    assert table.damping_ratio.tolist() == [0.01, 0.03, 0.02]
+    assert table.rows.tolist() == table.orders.tolist() == [11, 25, 30]
+    assert table.rows.dtype == np.int64
+    assert table.how.tolist() == ["persistent", "chain", "chain"]
+    assert np.isnan(table.std_hz).all()
+    assert np.isnan(table.residual).all()
+    assert not table.by_hand.any()
+    assert len(table) == 3
+
+
+def test_rows_are_taken_with_all_their_columns():
+    for chosen in ([0, 2], np.array([True, False, True])):
+        some = example().take(chosen)
+        assert some.freq_hz.tolist() == [12.2, 36.2]
+        assert some.how.tolist() == ["persistent", "chain"]
+    none = example().take([])
+    assert len(none) == 0
+    assert list(none.scores) == list(example().scores)
+    assert none.rows.dtype == np.int64
+
+
+def test_tables_are_joined_in_order():
+    table = example()
+    parts = [table.take([2]), table.take([0, 1])]
+    joined = ResponseTable.concatenated(parts)
+    assert joined.same_as(table)
+    for name, column in table.scores.items():
+        np.testing.assert_array_equal(joined.scores[name], column)
+
+
+def test_a_score_replaces_and_adds():
+    table = graded(example())
+    assert set(table.scores) == {*example().scores, "grade"}
+    assert table.with_scores(how=["a", "b", "c"]).how.tolist() == ["a", "b", "c"]
+    assert table.how.tolist() == ["persistent", "chain", "chain"]
+
+
+def test_columns_of_another_length_are_named():
+    with pytest.raises(InvalidInputError, match=r"^std_hz: got an array of shape \(1,\); wanted 2"):
+        ResponseTable([1.0, 2.0], std_hz=[0.1])
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda t: pickle.loads(pickle.dumps(t))])
+def test_nothing_of_it_can_be_changed(copied):
+    table = copied(example())
+    assert table.same_as(example())
+    with pytest.raises(FrozenInstanceError):
+        table.freq_hz = np.zeros(3)
+    with pytest.raises(TypeError, match="read-only"):
+        table.scores["how"] = ["chain"] * 3
+    for array in (table.freq_hz, table.damping_ratio, table.std_hz, table.by_hand, *table.scores.values()):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = array[1]

@@ -1,1 +1,0 @@
-"""Jobs written as TOML."""

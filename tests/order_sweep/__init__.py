@@ -1,1 +1,0 @@
-"""Many model orders, and what persists through them."""

@@ -1,1 +1,0 @@
-"""Rational functions fitted to curves."""

@@ -1,1 +1,0 @@
-"""Tests of ``antires_rs.series``."""
