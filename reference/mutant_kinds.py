@@ -207,7 +207,7 @@ def _result(path):
 
 
 def _job(path):
-    from antires_rs.app import keys as template
+    from antires_rs.app.keys import template
 
     path.write_text(template("damage", "frame"))
 

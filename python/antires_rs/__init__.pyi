@@ -2,9 +2,8 @@
 
 from . import cases
 from . import exceptions as exceptions
+from . import figures as figures
 from . import io as io
-from . import plotting as plotting
-from . import report as report
 from ._core import __version__
 from .damage.assess import assess_damage as assess_damage
 from .damage.assessor import AssessedTest as AssessedTest

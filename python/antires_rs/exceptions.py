@@ -7,7 +7,7 @@ core raises these same classes. What they say stands in fields; the sentence is 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NoReturn
 
 
 class AntiresError(Exception):
@@ -286,3 +286,14 @@ def catalogue() -> dict[str, type[Exception]]:
         found[cls.__name__] = cls
         pending.extend(cls.__subclasses__())
     return dict(sorted(found.items()))
+
+
+def reject(name: str, got: object, wanted: str, remedy: str) -> NoReturn:
+    """Raise the package's input error; ``name`` may be an :class:`~antires_rs.exceptions.Argument`."""
+    text = got if isinstance(got, str) and got else repr(got)
+    raise InvalidInputError(name, text, wanted, remedy)
+
+
+def part(name: str, key: Any) -> Argument:
+    """An item of an argument, for the checks to name."""
+    return Argument(name).item(key)

@@ -39,7 +39,7 @@ VIEWS = {
     ("Tracks", "to_dataframe"): "io.data_frames:tracks_frame",
     ("Tracks", "to_xarray"): "io.data_frames:tracks_dataset",
     ("UpdateResult", "load"): "io.archive:load_result",
-    ("UpdateResult", "plot"): "figures.updating:plot_differences",
+    ("UpdateResult", "plot differences"): "figures.updating:plot_differences",
     ("UpdateResult", "report"): "figures.report:write_report",
     ("UpdateResult", "save"): "io.archive:save_result",
     ("Watched", "plot"): "figures.watch:plot_monitor",

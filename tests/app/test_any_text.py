@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import antires_rs as ar
-from antires_rs.app import keys as template
 from antires_rs.app.arguments import model_of, parameters_of
 from antires_rs.app.job import lines_of, read_job
+from antires_rs.app.keys import template
 from tests.support.campaign import examples
 from tests.support.job_files import DAMAGE, UPDATE
 from tests.support.mutations import any_bytes, mutated

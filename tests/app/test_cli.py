@@ -276,7 +276,7 @@ def test_what_the_system_refuses_is_named_as_the_user_did(tmp_path, monkeypatch,
     def refused(*_):
         raise PermissionError(13, "Permission denied", str(tmp_path / ".job.toml.4711.tmp"))
 
-    monkeypatch.setattr("antires_rs.support.files.write_atomically", refused)
+    monkeypatch.setattr("antires_rs.app.studies.write_atomically", refused)
     assert cli.main(["init", str(tmp_path / "job.toml")]) == 1
     said = capsys.readouterr().err
     assert f"{str(tmp_path / 'job.toml')!r}: got 'Permission denied' from the system; wanted a place" in said

@@ -7,10 +7,9 @@ import re
 import pytest
 
 import antires_rs as ar
-from antires_rs.app import keys as template
 from antires_rs.app import main as cli
 from antires_rs.app.job import read_job
-from antires_rs.app.keys import SECTIONS
+from antires_rs.app.keys import SECTIONS, template
 from antires_rs.watch import sources as one_test
 from reference.small_records import OPTIONS, record
 

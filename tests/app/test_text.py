@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import antires_rs as ar
-from antires_rs.app import keys as template
 from antires_rs.app.job import lines_of, parsed, read_job
-from antires_rs.app.keys import FORMATS, SECTIONS, format_of
+from antires_rs.app.keys import FORMATS, SECTIONS, format_of, template
 
 
 def places(value, path=()):

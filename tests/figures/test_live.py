@@ -81,10 +81,10 @@ def test_one_value_far_off_does_not_flatten_the_others():
     marks = [each for each in made.renderers if "label" in getattr(each, "data_source", each).data]
     assert marks[0].data_source.data["label"] == ["+517 %"]
     figure = pytest.importorskip("matplotlib.figure")
-    ax = ar.plotting.plot_differences(table, ax=figure.Figure().subplots())
+    ax = ar.figures.plot_differences(table, ax=figure.Figure().subplots())
     assert 10.0 < ax.get_ylim()[1] < 20.0
     assert "+517 %" in [text.get_text() for text in ax.texts]
-    assert ar.plotting.data_of(ax)["bars"]["before_percent"][3] == pytest.approx(517.0)
+    assert ar.figures.data_of(ax)["bars"]["before_percent"][3] == pytest.approx(517.0)
 
 
 def test_the_watch_is_explored_too(tmp_path):

@@ -191,7 +191,7 @@ def test_missing_packages_name_the_extra(updated, tmp_path, monkeypatch, package
 
 
 def test_the_template_is_part_of_the_package():
-    assert files(report).joinpath("template.html").is_file()
+    assert files("antires_rs.figures").joinpath("assets", "report.html").is_file()
 
 
 @pytest.fixture(scope="module")

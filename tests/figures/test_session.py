@@ -265,7 +265,7 @@ def test_a_disk_that_refuses_is_told(identified, tmp_path, monkeypatch):
 
     session = Session(identified, save_to=tmp_path / "zeros.json")
     session.add(0, 3.21)
-    monkeypatch.setattr("antires_rs.support.files.write_atomically", full)
+    monkeypatch.setattr("antires_rs.figures.page_session.write_atomically", full)
     with pytest.raises(ar.InvalidInputError, match="cannot be written .No space left"):
         session.save()
     assert session.unsaved

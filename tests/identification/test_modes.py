@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from antires_rs import cases as exhaust
+from antires_rs.cases import exhaust
 from antires_rs.cases.exhaust_truth import TestedStructure
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
 from antires_rs.identification.modes import identify_modes

@@ -101,7 +101,7 @@ def test_every_picture_has_its_page():
     from antires_rs import figures as plotting
 
     listed = names_of((DOCS / "api/index.rst").read_text(encoding="utf-8"))
-    assert {f"plotting.{name}" for name in plotting.__all__} <= set(listed)
+    assert {f"figures.{name}" for name in plotting.__all__} <= set(listed)
 
 
 @pytest.mark.parametrize("page", sorted(p.name for p in DOCS.glob("*.md")))

@@ -72,7 +72,7 @@ def test_a_wrong_import_is_found(copied, file, line, rule):
 
 
 #: Eigenvalues of many small matrices, which the core finds and which know nothing of models.
-LINEAR_ALGEBRA = {"eigen.py"}
+LINEAR_ALGEBRA = {"noise.py"}
 
 
 def test_the_signal_side_does_not_load_the_core():

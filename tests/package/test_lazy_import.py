@@ -14,7 +14,9 @@ import antires_rs as ar
 from tests.support.campaign import campaign
 
 HERE = Path(ar.__file__).parent
-MODULES = sorted({module.name for module in pkgutil.iter_modules([str(HERE)])} - {"__main__"})
+#: Names of modules of 0.1, which warn.
+MOVED = {"cli", "plotting", "report"}
+MODULES = sorted({module.name for module in pkgutil.iter_modules([str(HERE)])} - {"__main__"} - MOVED)
 #: What no import of ours may cost.
 EXTRAS = {"matplotlib", "h5py", "dask", "pyuff", "pandas", "xarray", "jinja2", "tqdm"}
 
@@ -50,7 +52,6 @@ def test_the_stub_says_what_the_package_does():
 def test_a_name_is_that_of_its_module(name):
     module = import_module(f"antires_rs.{ar._HOME[name]}")
     assert getattr(ar, name) is getattr(module, name)
-    assert name in module.__all__
     assert pickle.loads(pickle.dumps(getattr(ar, name))) is getattr(ar, name)
 
 
@@ -61,7 +62,7 @@ def test_no_module_can_take_the_place_of_a_public_name():
 
 def test_everything_is_listed_before_it_is_imported():
     listed = in_a_new_process("import antires_rs as ar; print(*dir(ar))").split()
-    assert set(ar.__all__) | {"cases", "exceptions", "io", "plotting", "report"} <= set(listed)
+    assert set(ar.__all__) | {"cases", "exceptions", "figures", "io"} <= set(listed)
 
 
 def test_modules_are_attributes():

@@ -86,7 +86,7 @@ def test_antiresonances_of_many_dofs_come_from_the_background_unchanged(at_once,
     calls = []
     work = _progress.interruptible
     monkeypatch.setattr(
-        "antires_rs.support.progress.interruptible", lambda *a: calls.append(a[1]) or work(*a)
+        "antires_rs.models.structural_model.interruptible", lambda *a: calls.append(a[1]) or work(*a)
     )
     many = chain.antiresonances([0, 120], 0)
     assert calls == ["antiresonances of 2 responses"]

@@ -12,8 +12,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ..exceptions import AntiresError, AntiresWarning, Argument, InvalidInputError, UnsuitableDataError
-from ..support.checks import reject
+from ..exceptions import (
+    AntiresError,
+    AntiresWarning,
+    Argument,
+    InvalidInputError,
+    UnsuitableDataError,
+    reject,
+)
 from .parser import complain, parser
 
 

@@ -596,7 +596,8 @@ def read_job(path: str | os.PathLike[str]) -> Job:
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> from antires_rs.app import read_job, template
+    >>> from antires_rs.app.job import read_job
+    >>> from antires_rs.app.keys import template
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = pathlib.Path(folder, "job.toml")
     ...     _ = file.write_text(template("damage"), encoding="utf-8")

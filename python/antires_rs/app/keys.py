@@ -770,7 +770,7 @@ def template(
 
     Examples
     --------
-    >>> from antires_rs.app import template
+    >>> from antires_rs.app.keys import template
     >>> print(template("damage").splitlines()[0])
     # Look for damage: antires damage job.toml
     """

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..damage.result import DamageResult
+from ..exceptions import reject
 from ..figures.page import Drawn, ResultView, Table
 from ..figures.page_session import Session, SetView, View
 from ..figures.report_parts import (
@@ -18,7 +19,6 @@ from ..figures.report_parts import (
     states,
 )
 from ..measured.replay import Asked, asked_in
-from ..support.checks import reject
 from ..updating.result import UpdateResult
 from .command import arguments, say
 from .measurement import NAMES, files_of, kind_of, measurement, refuse_beside

@@ -10,10 +10,10 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from ..exceptions import reject
 from ..identification.identify import Hit, identify_roving
 from ..io.registry import conversion
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..support.checks import reject
 from ..support.messages import LeftOut, Part, warn
 from .command import arguments, existing, say
 from .keys import DATA, FOLDER, FORMATS, format_of

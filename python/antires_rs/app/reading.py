@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .. import io
-from ..exceptions import InvalidInputError
+from ..exceptions import InvalidInputError, reject
 from ..identification.identify import identify_antiresonances
 from ..io.channels import kept, renamed
 from ..io.common import Signal
@@ -18,7 +18,6 @@ from ..io.uff import as_point
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import StructuralModel
 from ..signals.repeats import one_source
-from ..support.checks import reject
 from ..support.messages import EDIT_WANTED, LeftOut, Part, edit_named, spelled
 from .arguments import dof_finder
 from .job import Job

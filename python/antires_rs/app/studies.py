@@ -8,15 +8,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from ..exceptions import reject
 from ..io.registry import conversion
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..support.checks import reject
 from ..support.files import write_atomically
 from ..support.messages import explain as told
-from . import keys as template
 from .command import arguments, existing, new_file, print_json, say
 from .job import Job, read_job
-from .keys import FORMATS, UNSET, format_of
+from .keys import FORMATS, UNSET, format_of, template
 from .measurement import NAMES, edited, files_of, kind_of, measurement, refuse_beside
 from .run import RunFolder
 

@@ -11,8 +11,7 @@ from pathlib import Path
 from threading import Event
 
 from ..damage.assessor import Assessor
-from ..exceptions import AntiresWarning, InvalidInputError, MissingDependencyError
-from ..support.checks import reject
+from ..exceptions import AntiresWarning, InvalidInputError, MissingDependencyError, reject
 from ..watch.conditions import condition_table
 from ..watch.identify_series import identify_series
 from ..watch.monitor import monitor

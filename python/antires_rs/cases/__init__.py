@@ -17,8 +17,3 @@ from .exhaust import Exhaust, exhaust
 
 __all__ = ["Chain8", "Exhaust", "chain8", "exhaust"]
 
-
-# -- The exhaust system of Meruane's second case, as a documented surrogate
-
-
-__all__ = ["Exhaust", "exhaust"]

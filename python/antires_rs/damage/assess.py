@@ -8,13 +8,14 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..exceptions import part, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import IslandGA, seed_of, thread_count
 from ..optimize.outcome import History, OptimizeResult
-from ..support.checks import finite_scalar, integer, part, reject, shape_of
+from ..support.checks import finite_scalar, integer, shape_of
 from ..support.progress import waiting
 from ..updating.problem import DamagePenalty, Measured, UpdatingProblem
 from ..updating.update import search

@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import seed_of, thread_count
-from ..support.checks import finite_scalar, reject
+from ..support.checks import finite_scalar
 from ..support.progress import patient
 from ..support.values import FrozenDict, ReadOnly
 from ..updating.problem import UpdatingProblem

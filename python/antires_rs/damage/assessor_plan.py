@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
-from ..support.checks import FloatArray, reject
+from ..support.checks import FloatArray
 from ..support.progress import step
 from ..support.threads import one_blas_thread
 from ..updating.steady_roots import looked_up_to, real_zeros, sorted_out, usual_damping, zero_series

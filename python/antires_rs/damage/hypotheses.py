@@ -160,7 +160,7 @@ class Hypotheses(Viewed):
         return self._view("to_dataframe")(self)
 
     def plot(self, ax: Any = None, most: int = 8) -> Any:
-        """Bars of the probabilities; see :func:`antires_rs.figures.damage.plot_hypotheses`."""
+        """Bars of the probabilities; see :func:`antires_rs.figures.plot_hypotheses`."""
         return self._view("plot")(self, ax=ax, most=most)
 
     def __str__(self) -> str:

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..exceptions import reject
 from ..measured.modal_set import ModalSet
-from ..support.checks import FloatArray, reject
+from ..support.checks import FloatArray
 from ..updating.targets import model_dof
 from .measured_states import ASSUMED_STD, LEAST_STD, Values, note_of_same_data, same_data
 from .roots import Roots
@@ -345,14 +346,14 @@ def _any_shape(n: int) -> float:
 ASSUMED_SHAPE_STD, _LEAST_SHAPE_STD = 5e-3, 2e-5
 
 #: Dofs of the model, ascending.
-Dofs = tuple[int, ...]
+_Dofs = tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class ModeResponses:
     """The sensors of all sets of modes."""
 
-    groups: dict[Dofs, int]
+    groups: dict[_Dofs, int]
     measured: tuple[ModalSet, ...]
     #: Of each set of now, the numbers of its flexible modes.
     numbers: tuple[NDArray[np.intp], ...]
@@ -384,7 +385,7 @@ class ModeResponses:
         sets, mode = [], 0
         for each, kept in zip(self.measured, self.numbers, strict=True):
             freq, shapes = [], []
-            dofs: Dofs = ()
+            dofs: _Dofs = ()
             for _ in kept:
                 own, group = now.own(mode), int(now.group[mode])
                 dofs = list(self.groups)[group]
@@ -469,7 +470,7 @@ def measured_modes(
     )
 
 
-def _dofs(model: StructuralModel, each: ModalSet) -> Dofs:
+def _dofs(model: StructuralModel, each: ModalSet) -> _Dofs:
     return tuple(model_dof(model, "measured dof", dof) for dof in each.dofs)
 
 
@@ -481,7 +482,7 @@ def _columns(each: ModalSet) -> dict[Hashable, tuple[FloatArray, FloatArray]]:
 
 
 def _values(
-    name: str, sets: Sequence[ModalSet], dofs: list[Dofs], groups: dict[Dofs, int], twice: Container[int]
+    name: str, sets: Sequence[ModalSet], dofs: list[_Dofs], groups: dict[_Dofs, int], twice: Container[int]
 ) -> ModeValues:
     rows = []
     for nth, each in enumerate(sets):

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..support.checks import FloatArray, reject
+from ..support.checks import FloatArray
 from ..updating.targets import AntiresonanceTargets, antiresonance_objective
 from .roots import ALONE, Roots, align, associate
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..support.checks import reject
+from ..exceptions import reject
 from .hypotheses import UNKNOWN, Hypothesis
 from .likelihood import Likelihood
 from .question import DamagePrior

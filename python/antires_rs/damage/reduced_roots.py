@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..exceptions import reject
 from ..measured.modal_set import ModalSet
 from ..models.matrices import Entries
-from ..support.checks import reject
 from ..support.progress import step
 from ..updating.reduced_model import (
     Basis,

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..exceptions import reject
 from ..optimize.island_ga import thread_count
-from ..support.checks import FloatArray, reject
+from ..support.checks import FloatArray
 from ..updating.identifiability import smallest_visible
 from ..updating.model_check import Explained, explained
 from ..updating.result import UpdateResult
@@ -382,5 +383,5 @@ class DamageResult(UpdateResult):
         return f"{type(self).__name__}({self.hypotheses.called(best)}, probability {best.probability:.3f})"
 
     def plot(self, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
-        """Damage bar chart; see :func:`antires_rs.figures.damage.plot_damage`."""
+        """Damage bar chart; see :func:`antires_rs.figures.plot_damage`."""
         return self._view("plot")(self, ax=ax, truth=truth)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from ..exceptions import reject
 from ..optimize.island_ga import seed_of, thread_count
-from ..support.checks import FloatArray, choice, finite_scalar, integer, reject
+from ..support.checks import FloatArray, choice, finite_scalar, integer
 from ..support.progress import patient, step
 from ..support.threads import one_blas_thread
 from ..updating.posterior import Method, ParameterIntervals

@@ -11,8 +11,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import MissingDependencyError
-from ..support.checks import FloatArray, frequency_band, integer, real_array, reject
+from ..exceptions import MissingDependencyError, reject
+from ..support.checks import FloatArray, frequency_band, integer, real_array
 
 Table = dict[str, NDArray[Any]]
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..damage.hypotheses import span
-from ..support.checks import FloatArray, integer, reject
+from ..exceptions import reject
+from ..support.checks import FloatArray, integer
 from .canvas import COLOURS, below, fit_across, new_axes, offer, text_width_pt
 
 if TYPE_CHECKING:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
-from ..support.checks import FloatArray, reject
+from ..support.checks import FloatArray
 from .canvas import COLOURS, GREY, LINES, band_shown, below, new_axes, offer, plain_log, spread
 
 if TYPE_CHECKING:

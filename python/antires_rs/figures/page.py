@@ -10,8 +10,7 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
 
-from ..exceptions import AntiresError
-from ..support.checks import reject
+from ..exceptions import AntiresError, reject
 from .live_canvas import item, require_bokeh
 from .page_server import Page, in_notebook
 from .page_session import Arguments, Refused, View

@@ -16,7 +16,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..exceptions import AntiresError, AntiresWarning, InvalidInputError
+from ..exceptions import AntiresError, AntiresWarning, InvalidInputError, reject
 from ..identification.identify import Hit, identify_antiresonances, identify_roving
 from ..measured.antiresonance_set import AntiresonanceSet, doubts_of
 from ..measured.edits import NAMED_WITHIN
@@ -24,7 +24,7 @@ from ..measured.replay import Asked, asked_of, replayed, to_json
 from ..signals.averaging import Averages, Averaging, average
 from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
-from ..support.checks import FloatArray, frequency_band, integer, reject
+from ..support.checks import FloatArray, frequency_band, integer
 from ..support.files import write_atomically
 from .identification import pole_table
 from .live_canvas import item

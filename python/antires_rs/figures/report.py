@@ -22,10 +22,9 @@ import numpy as np
 from .._core import __version__
 from ..damage.result import DamageResult
 from ..damage.words import without_idle
-from ..exceptions import MissingDependencyError
+from ..exceptions import MissingDependencyError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..support.checks import reject
 from ..support.files import write_atomically
 from ..updating.result import UpdateResult
 from ..watch.watched import alarm_lines, fault_lines, rate_lines

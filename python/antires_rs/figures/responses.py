@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.transfer_functions import transmissibility_sum
-from ..support.checks import FloatArray, reject
+from ..support.checks import FloatArray
 from .canvas import COLOURS, band_shown, below, new_axes, offer
 
 if TYPE_CHECKING:

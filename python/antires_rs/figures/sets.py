@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..support.checks import choice, reject
+from ..exceptions import reject
+from ..support.checks import choice
 from .canvas import COLOURS, LINES, below, new_axes, offer
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..support.checks import reject
+from ..exceptions import reject
 from .canvas import (
     COLOURS,
     LINES,

@@ -19,12 +19,12 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import UnsuitableDataError
+from ..exceptions import UnsuitableDataError, reject
 from ..signals.averaging import METHODS as AVERAGING_METHODS
 from ..signals.averaging import Averaging, average
 from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
-from ..support.checks import ComplexArray, FloatArray, choice, finite_scalar, frequency_band, integer, reject
+from ..support.checks import ComplexArray, FloatArray, choice, finite_scalar, frequency_band, integer
 from ..support.values import ReadOnly, frozen
 from .dips import shared
 from .lines import Lines, lines_of

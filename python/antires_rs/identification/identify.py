@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import UnsuitableDataError
+from ..exceptions import UnsuitableDataError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.merge import merge_setups
 from ..measured.response_table import ResponseTable, label
@@ -39,7 +39,6 @@ from ..signals.frequency_response import FrequencyResponse, band_of
 from ..signals.recording import Recording
 from ..signals.repeats import AveragedResponse, one_source
 from ..signals.segments import without_force
-from ..support.checks import reject
 from ..support.messages import warn
 from ..support.progress import patient, step
 from ..support.threads import one_blas_thread

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import UnsuitableDataError
+from ..exceptions import UnsuitableDataError, reject
 from ..signals.averaging import LEAST_LINES, Averages
 from ..signals.direction import ROUNDING, aligned, direction_noise, noise_shares, response_vectors
 from ..signals.estimators import two_channel
@@ -22,7 +22,7 @@ from ..signals.recording import Recording
 from ..signals.repeats import AveragedResponse
 from ..signals.segments import Segments
 from ..signals.spectra import CrossSpectra, lines_in
-from ..support.checks import ComplexArray, FloatArray, reject
+from ..support.checks import ComplexArray, FloatArray
 
 # Row index of the force in ``Lines.vectors``: the last.
 FORCE = -1

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..exceptions import reject
 from ..signals.averaging import Averaging
-from ..support.checks import choice, integer, reject
+from ..support.checks import choice, integer
 from .paper import OF_MAGNITUDES, check_formulation
 from .rule import DEFAULTS, Rule, rule_options
 

@@ -48,7 +48,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..support.checks import ComplexArray, FloatArray, choice, reject
+from ..exceptions import reject
+from ..support.checks import ComplexArray, FloatArray, choice
 from .forsythe import comrade_roots
 from .lines import Lines
 from .rational_fit import CommonDenominator, NestedFit, guessed_weights, share_of_curve

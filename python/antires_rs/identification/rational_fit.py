@@ -20,17 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import NumericalError
+from ..exceptions import NumericalError, reject
 from ..signals.frequency_response import check_freq
-from ..support.checks import (
-    ComplexArray,
-    FloatArray,
-    complex_rows,
-    frequency_band,
-    integer,
-    real_array,
-    reject,
-)
+from ..support.checks import ComplexArray, FloatArray, complex_rows, frequency_band, integer, real_array
 from .forsythe import Basis, forsythe_basis, roots
 
 # -- Where to start a rational fit: weights from a denominator guessed by eye

@@ -7,7 +7,8 @@ from dataclasses import dataclass, fields
 from types import MappingProxyType
 from typing import Any
 
-from ..support.checks import choice, finite_scalar, integer, reject
+from ..exceptions import reject
+from ..support.checks import choice, finite_scalar, integer
 
 # Real numbers of data that an order needs: with fewer, poles follow the noise of single lines.
 DATA_PER_ORDER = 3

@@ -24,6 +24,7 @@ from ..damage.assessor_plan import LEVELS, Learned, Plan, Tables
 from ..damage.hypotheses import Hypotheses, Hypothesis
 from ..damage.question import DamagePrior, Question
 from ..damage.result import DamageResult
+from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.chain import MassSpringChain
@@ -35,7 +36,7 @@ from ..models.parameter import Parameter
 from ..models.recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 from ..models.structural_model import AppliedParameters, ModelDescription, Recipe, StructuralModel
 from ..optimize.outcome import History, OptimizeResult
-from ..support.checks import FloatArray, reject
+from ..support.checks import FloatArray
 from ..support.messages import warn
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from ..updating.result import UpdateResult

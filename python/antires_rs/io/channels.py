@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ..exceptions import reject
 from ..signals.recording import Recording
-from ..support.checks import FloatArray, reject, shape_of
+from ..support.checks import FloatArray, shape_of
 from ..support.messages import LeftOut, Passed, Wording, warn
 from .common import unsuitable
 from .units import Unit, named_unit, parse_unit

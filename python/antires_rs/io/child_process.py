@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import reject, shape_of
+from ..exceptions import reject
+from ..support.checks import shape_of
 from .common import unsuitable
 from .npz import read_archive
 from .raw_arrays import ROLES, array_of

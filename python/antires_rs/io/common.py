@@ -8,10 +8,9 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ..exceptions import MissingDependencyError, UnsuitableDataError
+from ..exceptions import MissingDependencyError, UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..support.checks import reject
 from ..support.messages import Passed, Wording, warn
 
 #: Parts of a record whose mean steps are compared, and by how much they may differ relatively.

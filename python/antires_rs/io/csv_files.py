@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import AntiresError
+from ..exceptions import AntiresError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..support.checks import choice, reject
+from ..support.checks import choice
 from ..support.files import write_atomically
 from .channels import Channel, Dofs, in_si, recording_of
 from .common import Signal, existing_file, missing_part, signal_given, unsuitable

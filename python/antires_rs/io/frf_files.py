@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
-from ..support.checks import FloatArray, choice, reject, shape_of
+from ..support.checks import FloatArray, choice, shape_of
 from ..support.messages import Passed, Wording
 from .channels import Dofs, kept, renamed
 from .common import existing_file, unsuitable

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import reject
 from ..signals.recording import Recording
-from ..support.checks import reject
 from ..support.messages import Passed, Wording, warn
 from .channels import Dofs
 from .common import existing_file, missing_part, rate_of, unsuitable

@@ -242,7 +242,7 @@ def read_mat(
         As in :func:`read_npz`; fields of structs are named ``struct.field``, and
         ``struct[0].field`` where there are several. Sampling rate and units are taken from fields beside the
         array (``fs``, ``dt``, ``unit``), and the exports of Siemens Testlab, B&K and Dewesoft are
-        known. See :func:`antires_rs.io.mat.mat_arrays` for what a file holds.
+        known. See :func:`antires_rs.io.mat_arrays` for what a file holds.
     time_limit_s, memory_limit_gb : float
         Limits of the child process that reads (the memory's where the system has such limits).
 

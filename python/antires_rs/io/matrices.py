@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from ..exceptions import part, reject
 from ..models.matrix_model import MatrixModel
 from ..models.recipes import MatrixRecipe
-from ..support.checks import part, reject
 from ..support.directions import DIRECTIONS, NAMES
 from .archive import Store, read_store, write_store
 from .common import existing_file, unsuitable
@@ -109,7 +109,7 @@ def read_matrices(
     stiffness_terms, mass_terms : sequence of the same
         Contribution of each element or group that a parameter may scale.
     constraints, keep, dofs : optional
-        As of :class:`MatrixModel`. ``dofs`` may be a file for :func:`~antires_rs.io.matrices.read_dof_map`;
+        As of :class:`MatrixModel`. ``dofs`` may be a file for :func:`~antires_rs.io.read_dof_map`;
         by default the names that a file of matrices gives its rows (DMIG cards, Abaqus, ANSYS).
 
     Returns

@@ -18,9 +18,10 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..support.checks import finite_scalar, reject
+from ..support.checks import finite_scalar
 from .channels import Dofs, kept, renamed
 from .common import Signal, unsuitable
 from .units import named_unit

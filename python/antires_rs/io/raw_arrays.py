@@ -12,8 +12,9 @@ from typing import Any, Literal, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
-from ..support.checks import FloatArray, choice, finite_scalar, reject, shape_of
+from ..support.checks import FloatArray, choice, finite_scalar, shape_of
 from ..support.messages import Passed, Wording, warn
 from .channels import Channel, Dofs, in_si, kept, recording_of, renamed, unit_or_warning
 from .common import Signal, rate_of, refuse_real, simplest_rate, unsuitable

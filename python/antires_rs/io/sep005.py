@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ..exceptions import part, reject
 from ..signals.recording import Recording
-from ..support.checks import finite_scalar, part, real_array, reject
+from ..support.checks import finite_scalar, real_array
 from .channels import Channel, Dofs, recording_of
 from .common import rate_of
 from .units import named_unit

@@ -9,8 +9,9 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+from ..exceptions import reject
 from ..signals.recording import Recording
-from ..support.checks import FloatArray, finite_scalar, reject, shape_of
+from ..support.checks import FloatArray, finite_scalar, shape_of
 from ..support.messages import Passed, Wording, warn
 from .channels import Channel, Dofs, recording_of
 from .child_process import Asked, in_a_child

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import UnsuitableDataError
+from ..exceptions import UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
-from ..support.checks import FloatArray, choice, finite_scalar, reject
+from ..support.checks import FloatArray, choice, finite_scalar
 from ..support.messages import Passed, Wording, warn
 from .channels import Channel, Dofs, in_si, kept, recording_of, renamed, unit_or_warning
 from .common import Signal, rate_of, refuse_real, unsuitable

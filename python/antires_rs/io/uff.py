@@ -18,9 +18,10 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..support.checks import FloatArray, choice, reject
+from ..support.checks import FloatArray, choice
 from ..support.directions import CODES, DIRECTIONS
 from ..support.messages import LeftOut, Passed, Wording, warn
 from .channels import Channel, recording_of
@@ -269,7 +270,7 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
                 "dofs",
                 f"no dof for {label_of(point)}",
                 "a dof for every response of the file",
-                Wording("{}; antires_rs.io.uff.list_uff shows all points.", LeftOut("point")),
+                Wording("{}; antires_rs.io.list_uff shows all points.", LeftOut("point")),
             )
 
         return look_up
@@ -279,7 +280,7 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
         "dofs",
         type(dofs).__name__,
         "a mapping {(node, direction): dof} or a function of the two",
-        "List the points with antires_rs.io.uff.list_uff.",
+        "List the points with antires_rs.io.list_uff.",
     )
 
 

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import reject
 from ..signals.estimators import std_of_coherence
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..support.checks import reject
 from ..support.files import write_atomically
 from ..support.messages import warn
 from .common import Signal, signal_given

@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from ..support.checks import reject
+from ..exceptions import reject
 
 #: m/s2 in one g, by definition (3rd CGPM, 1901).
 STANDARD_GRAVITY = 9.80665

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ..exceptions import reject
 from ..signals.recording import Recording
-from ..support.checks import real_array, reject
+from ..support.checks import real_array
 from .channels import Dofs
 from .common import existing_file, unsuitable
 from .stated_channels import Stated, channels_of_child, stated_recording

@@ -13,8 +13,8 @@ from typing import Any, Literal, Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from ..exceptions import InvalidInputError
-from ..support.checks import FloatArray, choice, reject
+from ..exceptions import InvalidInputError, reject
+from ..support.checks import FloatArray, choice
 from ..support.files import write_atomically
 from ..support.values import FrozenDict, frozen
 from ..views import Viewed
@@ -865,8 +865,8 @@ class AntiresonanceSet(EvidenceTables):
         ----------
         dof : int or str
         kind : {"stabilization", "damping_clusters"}
-            :func:`~antires_rs.figures.identification.plot_stabilization` or
-            :func:`~antires_rs.figures.identification.plot_damping_clusters`.
+            :func:`~antires_rs.figures.plot_stabilization` or
+            :func:`~antires_rs.figures.plot_damping_clusters`.
         ax : matplotlib.axes.Axes, optional
 
         Raises

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import FloatArray, finite_scalar, reject
+from ..exceptions import reject
+from ..support.checks import FloatArray, finite_scalar
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
 from .antiresonance_set import AntiresonanceSet, SeriesOfTests, aligned, number
@@ -137,7 +138,7 @@ class Comparison(ReadOnly, Viewed):
         return self._view("to_xarray")(self)
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the differences with their errors; see :func:`~antires_rs.figures.sets.plot_comparison`."""
+        """Draw the differences with their errors; see :func:`~antires_rs.figures.plot_comparison`."""
         return self._view("plot")(self, ax=ax)
 
 

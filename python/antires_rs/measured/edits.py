@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..support.checks import FloatArray, finite_scalar, real_array, reject
+from ..exceptions import reject
+from ..support.checks import FloatArray, finite_scalar, real_array
 from ..support.values import FrozenDict
 from .response_table import ResponseTable
 

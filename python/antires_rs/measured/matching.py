@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import Argument
-from ..support.checks import FloatArray, finite_scalar, reject
+from ..exceptions import Argument, reject
+from ..support.checks import FloatArray, finite_scalar
 from .antiresonance_set import AntiresonanceSet
 from .response_table import ResponseTable
 

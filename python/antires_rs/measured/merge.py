@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import UnsuitableDataError
-from ..support.checks import FloatArray, choice, finite_scalar, reject
+from ..exceptions import UnsuitableDataError, reject
+from ..support.checks import FloatArray, choice, finite_scalar
 from ..support.messages import warn
 from .antiresonance_set import AntiresonanceSet, sight_of_all
 from .matching import MAX_SHIFT, averages_of, check_sets, check_shift, of_all, of_each, paired, variance_hz

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import FloatArray, dof_labels, real_array, reject
+from ..exceptions import reject
+from ..support.checks import FloatArray, dof_labels, real_array
 from ..support.values import ReadOnly, frozen
 
 

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..support.checks import FloatArray, part, real_array, reject
+from ..exceptions import part, reject
+from ..support.checks import FloatArray, real_array
 from ..support.values import FrozenDict, ReadOnly, frozen
 
 # The five tests of a grade.

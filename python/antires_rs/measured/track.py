@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import FloatArray, finite_scalar, reject
+from ..exceptions import reject
+from ..support.checks import FloatArray, finite_scalar
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
 from .antiresonance_set import SeriesOfTests, aligned, number
@@ -152,7 +153,7 @@ class Tracks(ReadOnly, Viewed):
         return self._view("to_xarray")(self)
 
     def plot(self, dof: Any = None, *, kind: str = "change", ax: Any = None) -> Any:
-        """Draw the tracks of a response over the tests; see :func:`~antires_rs.figures.sets.plot_tracks`."""
+        """Draw the tracks of a response over the tests; see :func:`~antires_rs.figures.plot_tracks`."""
         return self._view("plot")(self, dof, kind=kind, ax=ax)
 
 

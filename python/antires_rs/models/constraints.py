@@ -19,7 +19,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import finite_scalar, integer, part, real_array, reject
+from ..exceptions import part, reject
+from ..support.checks import finite_scalar, integer, real_array
 from .dof_names import DofNames
 from .matrices import Entries
 

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
 
-from ..support.checks import integer, part, reject
+from ..exceptions import part, reject
+from ..support.checks import integer
 from ..support.directions import DIRECTIONS, point_of
 
 #: So many names are offered instead of an unknown one.

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import FloatArray, integer, part, real_array, reject
+from ..exceptions import part, reject
+from ..support.checks import FloatArray, integer, real_array
 from ..support.messages import warn
 from ..views import Viewed
 from .frame_parts import (

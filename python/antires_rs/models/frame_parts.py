@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from ..exceptions import Argument
-from ..support.checks import FloatArray, finite_scalar, integer, part, reject, shape_of
+from ..exceptions import Argument, part, reject
+from ..support.checks import FloatArray, finite_scalar, integer, shape_of
 from ..support.messages import warn
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..support.checks import part, reject
+from ..exceptions import part, reject
 from .constraints import (
     CONSTRAINT,
     MULTIPLIER,

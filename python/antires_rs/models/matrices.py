@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import OutOfMemoryError
-from ..support.checks import FloatArray, part, real_array, reject
+from ..exceptions import OutOfMemoryError, part, reject
+from ..support.checks import FloatArray, real_array
 from ..support.messages import warn
 
 # -- Matrices by their entries, as recipes hold them and as the core takes them

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..exceptions import InvalidInputError
-from ..support.checks import FloatArray, part, reject
+from ..exceptions import InvalidInputError, part, reject
+from ..support.checks import FloatArray
 from .constraints import CONSTRAINT, MULTIPLIER, RIGID, STIFF, Dependent, equations_by_number
 from .dof_names import names_of
 from .independent import Independent
@@ -46,7 +46,7 @@ class MatrixModel(StructuralModel):
         Dofs that must not be taken out: those of sensors and of the force.
     dofs : sequence of str or (int, str), or mapping of them to rows, optional
         Names, one for each row: ``"1204:Z"`` or ``(1204, "+Z")``; or what
-        :func:`antires_rs.io.matrices.read_dof_map`
+        :func:`antires_rs.io.read_dof_map`
         returns. A dof may then be given by its name wherever its number may.
 
     Raises

@@ -8,7 +8,8 @@ from typing import Any, Literal, Protocol, cast
 
 import numpy as np
 
-from ..support.checks import FloatArray, choice, finite_scalar, integer, part, reject, shape_of
+from ..exceptions import part, reject
+from ..support.checks import FloatArray, choice, finite_scalar, integer, shape_of
 from ..support.messages import warn
 
 Quantity = Literal[

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ..support.checks import integer, real_array, reject, shape_of
+from ..exceptions import reject
+from ..support.checks import integer, real_array, shape_of
 from .parameter import Parameter, build
 
 #: Largest stiffness loss by default: a lost element would leave the structure in two parts.

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from .. import _core
-from ..support.checks import FloatArray, integer, part, reject
+from ..exceptions import part, reject
+from ..support.checks import FloatArray, integer
 from ..support.values import Value
 from .frame_parts import AnySection, GroundSpring, NodeSpring, PointMass, shear_of, three_inertias
 from .independent import Independent, Matrices, independent_of

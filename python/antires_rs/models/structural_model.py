@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, Self
 
 import numpy as np
 
-from ..exceptions import NumericalError
+from ..exceptions import NumericalError, part, reject
 from ..measured.modal_set import ModalSet
 from ..signals.recording import Recording
 from ..support.checks import (
@@ -23,10 +23,8 @@ from ..support.checks import (
     finite_scalar,
     frequency_band,
     integer,
-    part,
     random_generator,
     real_array,
-    reject,
     shape_of,
 )
 from ..support.directions import point_of

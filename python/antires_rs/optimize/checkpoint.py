@@ -13,8 +13,7 @@ import struct
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..exceptions import UnsuitableDataError
-from ..support.checks import reject
+from ..exceptions import UnsuitableDataError, reject
 from ..support.files import put_in_place
 from ..support.messages import warn
 

@@ -14,8 +14,8 @@ from typing import Any, Self
 import numpy as np
 
 from .. import _core
-from ..exceptions import ObjectiveError
-from ..support.checks import FloatArray, finite_scalar, integer, real_array, reject
+from ..exceptions import ObjectiveError, reject
+from ..support.checks import FloatArray, finite_scalar, integer, real_array
 from ..support.progress import watched
 from ..support.workers.counts import MOST_WORKERS, processors
 from ..support.workers.door import Failed, Workers

@@ -12,10 +12,11 @@ from ..damage.evidence import HIGHEST
 from ..damage.question import DamagePrior
 from ..damage.roots import roots_at
 from ..damage.thresholds import smallest_found
+from ..exceptions import reject
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import seed_of, thread_count
-from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, reject
+from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array
 from ..support.progress import waiting
 from ..support.threads import one_blas_thread
 from ..support.values import FrozenDict, frozen

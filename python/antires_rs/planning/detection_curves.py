@@ -85,7 +85,7 @@ class DetectionCurves(ReadOnly, Viewed):
         )
 
     def plot(self, ax: Any = None) -> Any:
-        """The curves; see :func:`antires_rs.figures.planning.plot_detectability`."""
+        """The curves; see :func:`antires_rs.figures.plot_detectability`."""
         return self._view("plot")(self, ax=ax)
 
 

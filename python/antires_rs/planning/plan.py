@@ -13,12 +13,13 @@ from ..damage.assess import checked_model, elements_of
 from ..damage.evidence import HIGHEST
 from ..damage.question import DamagePrior
 from ..damage.thresholds import smallest_found
+from ..exceptions import reject
 from ..measured.antiresonance_set import aligned, number
 from ..models.parameter import Parameter, parameter_name, parameter_tuple
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import thread_count
-from ..support.checks import FloatArray, choice, frequency_band, integer, reject, shape_of
+from ..support.checks import FloatArray, choice, frequency_band, integer, shape_of
 from ..support.progress import step, waiting
 from ..support.threads import one_blas_thread
 from ..support.values import FrozenDict, ReadOnly, frozen
@@ -212,7 +213,7 @@ class SensorPlan(ReadOnly, Viewed):
         return f"worst {100.0 * value:.2g} %" if value != float("inf") else "worst: never"
 
     def plot(self, ax: Any = None) -> Any:
-        """Smallest detectable losses by element; see :func:`antires_rs.figures.planning.plot_plan`."""
+        """Smallest detectable losses by element; see :func:`antires_rs.figures.plot_plan`."""
         return self._view("plot")(self, ax=ax)
 
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import FloatArray, choice, reject
+from ..exceptions import reject
+from ..support.checks import FloatArray, choice
 from .impacts import is_transient, transient_spectra
 from .recording import Recording
 from .segments import parts_of, shortest

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import UnsuitableDataError
-from ..support.checks import ComplexArray, FloatArray, reject
+from ..exceptions import UnsuitableDataError, reject
+from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import patient
 from ..support.values import frozen
 from . import channel_faults as channels

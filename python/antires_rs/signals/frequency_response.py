@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..exceptions import reject
 from ..support.checks import (
     ComplexArray,
     FloatArray,
@@ -18,7 +19,6 @@ from ..support.checks import (
     frequency_band,
     in_range,
     real_array,
-    reject,
 )
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed

@@ -112,7 +112,7 @@ def _decays(rec: Recording) -> bool:
 
 
 def require_stationary(rec: Recording) -> None:
-    """Raise :class:`UnsuitableDataError` if Welch's method does not fit the record."""
+    """Raise UnsuitableDataError if Welch's method does not fit the record."""
     if is_transient(rec):
         raise UnsuitableDataError(
             "method",

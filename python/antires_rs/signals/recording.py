@@ -11,7 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from ..support.checks import FloatArray, dof_labels, finite_scalar, in_range, real_array, reject
+from ..exceptions import reject
+from ..support.checks import FloatArray, dof_labels, finite_scalar, in_range, real_array
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
 

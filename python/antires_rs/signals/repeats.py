@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import Argument
-from ..support.checks import ComplexArray, FloatArray, reject
+from ..exceptions import Argument, reject
+from ..support.checks import ComplexArray, FloatArray
 from ..support.values import frozen
 from .frequency_response import FrequencyResponse
 from .recording import Recording

@@ -14,8 +14,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import Argument
-from ..support.checks import ComplexArray, FloatArray, reject
+from ..exceptions import Argument, reject
+from ..support.checks import ComplexArray, FloatArray
 from .recording import Recording
 
 #: Numbers that are worked on at a time: a few times this is what a step needs beside its input.

@@ -28,7 +28,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import ComplexArray, FloatArray, integer, real_array, reject
+from ..exceptions import reject
+from ..support.checks import ComplexArray, FloatArray, integer, real_array
 from .noise import noise_power
 from .recording import Recording
 from .segments import Segments, add_products, parts_of, pieces, shortest

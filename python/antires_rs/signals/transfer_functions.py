@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..support.checks import ComplexArray, choice, reject
+from ..exceptions import reject
+from ..support.checks import ComplexArray, choice
 from .direction import response_vectors
 from .estimators import std_of_rank_one, two_channel
 from .frequency_response import FrequencyResponse

@@ -9,12 +9,12 @@ from __future__ import annotations
 import operator
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
-from typing import Any, NoReturn, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import Argument, InvalidInputError
+from ..exceptions import InvalidInputError, reject
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -27,17 +27,6 @@ _LABELS = "List a label for each channel, or leave them out to number the channe
 
 #: Beyond these, powers of values overflow or vanish.
 _SMALLEST, _LARGEST = 1e-100, 1e100
-
-
-def reject(name: str, got: object, wanted: str, remedy: str) -> NoReturn:
-    """Raise the package's input error; ``name`` may be an :class:`~antires_rs.exceptions.Argument`."""
-    text = got if isinstance(got, str) and got else repr(got)
-    raise InvalidInputError(name, text, wanted, remedy)
-
-
-def part(name: str, key: Any) -> Argument:
-    """An item of an argument, for the checks to name."""
-    return Argument(name).item(key)
 
 
 def _array(name: str, value: Any, dtype: type, ndim: int | None, wanted: str) -> NDArray[Any]:

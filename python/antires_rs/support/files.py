@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from .checks import reject
+from ..exceptions import reject
 
 #: A file that is being written: its name to be, and the process.
 _BESIDE = re.compile(r"\.(.+)\.(\d+)\.tmp")

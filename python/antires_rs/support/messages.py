@@ -11,8 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..exceptions import AntiresWarning
-from .checks import reject
+from ..exceptions import AntiresWarning, reject
 
 
 def warn(about: str | tuple[str, ...], text: str) -> None:

@@ -15,7 +15,7 @@ from functools import wraps
 from threading import Event, Thread
 from typing import Any, ParamSpec, TypeVar
 
-from .checks import reject
+from ..exceptions import reject
 
 P = ParamSpec("P")
 T = TypeVar("T")

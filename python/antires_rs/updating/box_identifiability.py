@@ -11,7 +11,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..support.checks import FloatArray, finite_scalar, integer, reject
+from ..exceptions import reject
+from ..support.checks import FloatArray, finite_scalar, integer
 from ..support.progress import patient, step
 from ..support.threads import one_blas_thread
 from ..support.values import Value
@@ -89,7 +90,7 @@ class BoxIdentifiability(Value, Viewed):
         return int(np.sum(self.combinations_left < TOLD))
 
     def plot(self, ax: Any = None) -> Any:
-        """What is left of each parameter; see :func:`antires_rs.figures.updating.plot_identifiability`."""
+        """What is left of each parameter; see :func:`antires_rs.figures.plot_identifiability`."""
         return self._view("plot")(self, ax=ax)
 
     def __str__(self) -> str:

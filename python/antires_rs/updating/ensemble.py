@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ..exceptions import part, reject
 from ..optimize.island_ga import IslandGA, seed_of
-from ..support.checks import FloatArray, integer, part, reject
+from ..support.checks import FloatArray, integer
 from ..support.progress import waiting
 from ..support.workers.door import Failed, in_order
 from .problem import UpdatingProblem
@@ -18,7 +19,7 @@ from .result import UpdateResult
 from .update import update
 
 #: A problem, and the seed of its search.
-Task = tuple[UpdatingProblem | None, int]
+_Task = tuple[UpdatingProblem | None, int]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -177,7 +178,7 @@ def update_ensemble(
     kept: list[UpdatingProblem] = []
     seeds: list[int] = []
 
-    def tasks() -> Iterator[Task]:
+    def tasks() -> Iterator[_Task]:
         for k, problem in enumerate(given):
             if not (alone or isinstance(problem, UpdatingProblem)):
                 reject(part("problems", k), problem, "an UpdatingProblem", "Make one of it first.")
@@ -214,7 +215,7 @@ def update_ensemble(
     return UpdateEnsemble(tuple(results), tuple(seeds[: len(results)]), failed, interrupted)
 
 
-def _updated(shared: tuple[Any, ...], task: Task) -> tuple[Any, ...]:
+def _updated(shared: tuple[Any, ...], task: _Task) -> tuple[Any, ...]:
     """What makes a result of a problem: its search, seed and reduction. The problem itself stays at home."""
     alone, optimizer, threads = shared
     problem, seed = task

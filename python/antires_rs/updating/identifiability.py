@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..support.checks import FloatArray, reject
+from ..support.checks import FloatArray
 from ..support.progress import step
 from ..support.values import Value
 from .problem import UpdatingProblem

@@ -21,13 +21,14 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._core import __version__
+from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.parameter import Parameter, parameter_name, parameter_tuple, warn_far
 from ..models.structural_model import StructuralModel
 from ..optimize.checkpoint import digest_of
 from ..optimize.island_ga import thread_count
-from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, reject, shape_of
+from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.values import AroundCore, ReadOnly, frozen, frozen_or_none
 from .tables import FrequencyTable, ModalTable
 from .targets import AntiresonanceTargets, ModalTargets, Targets, targets_of

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ..support.checks import FloatArray, finite_scalar, integer, reject
+from ..exceptions import reject
+from ..support.checks import FloatArray, finite_scalar, integer
 from ..support.progress import patient, step
 from ..support.threads import one_blas_thread
 from ..support.values import Value

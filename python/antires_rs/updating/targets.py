@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..exceptions import InvalidInputError
+from ..exceptions import InvalidInputError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..support.checks import ComplexArray, FloatArray, real_array, reject
+from ..support.checks import ComplexArray, FloatArray, real_array
 from .steady_roots import followed, of_one_kind, roots_of, steady
 from .tables import FrequencyTable, ModalTable
 

@@ -10,11 +10,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..exceptions import NumericalError
+from ..exceptions import NumericalError, reject
 from ..optimize.checkpoint import Checkpoint
 from ..optimize.island_ga import IslandGA, guesses, seed_of, thread_count
 from ..optimize.outcome import OptimizeResult
-from ..support.checks import FloatArray, reject
+from ..support.checks import FloatArray
 from ..support.progress import watched
 from .problem import UpdatingProblem, fingerprint
 from .reduced_search import Reduction, ReductionReport, reduced_search, wanted_reduction

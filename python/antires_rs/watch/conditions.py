@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import FloatArray, part, reject
+from ..exceptions import part, reject
+from ..support.checks import FloatArray
 from ..support.messages import warn
 from ..support.values import FrozenDict, frozen
 from .series_parquet import pyarrow_parquet

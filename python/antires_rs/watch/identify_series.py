@@ -17,11 +17,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..exceptions import InvalidInputError, MissingDependencyError
+from ..exceptions import InvalidInputError, MissingDependencyError, reject
 from ..identification.identify import identify_antiresonances
 from ..identification.options import options_of
 from ..measured.response_table import label
-from ..support.checks import frequency_band, reject
+from ..support.checks import frequency_band
 from ..support.messages import warn
 from ..support.progress import span, step, waiting
 from ..support.workers.door import Failed, in_order

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from ..damage.assess import assess_damage, elements_of
 from ..damage.assessor import Assessor
 from ..damage.question import DamagePrior
+from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import MAX_SHIFT, check_shift
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
-from ..support.checks import FloatArray, finite_scalar, reject
+from ..support.checks import FloatArray, finite_scalar
 from ..support.messages import warn
 from ..support.progress import patient, step
 from ..support.values import FrozenDict, frozen

@@ -11,13 +11,14 @@ from typing import Any, Self, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import part, reject
 from ..io.data_frames import frame_of, rows_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.compare import Comparison, compare
 from ..measured.matching import MAX_SHIFT
 from ..measured.response_table import ResponseTable
 from ..measured.track import Tracks, followed
-from ..support.checks import FloatArray, part, reject
+from ..support.checks import FloatArray
 from ..support.values import FrozenDict, ReadOnly
 from .conditions import checked_conditions, checked_names, checked_times, in_order
 from .series_parquet import write_series

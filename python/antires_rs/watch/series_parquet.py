@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from .._core import __version__
+from ..exceptions import reject
 from ..io.common import missing_package
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..support.checks import reject
 from ..support.files import written_beside
 from .stored_tests import Kept, Plain, Row, decoded
 

@@ -23,6 +23,8 @@ from ..exceptions import (
     InvalidInputError,
     MissingDependencyError,
     UnsuitableDataError,
+    part,
+    reject,
 )
 from ..identification.identify import identify_antiresonances
 from ..io.frf_files import read_frf_files
@@ -32,7 +34,6 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.findings import DataCheck, Finding
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..support.checks import part, reject
 from ..support.progress import apart
 from ..support.values import FrozenDict
 from .stored_tests import encoded

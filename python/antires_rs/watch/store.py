@@ -15,8 +15,8 @@ from zlib import crc32
 
 import numpy as np
 
+from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..support.checks import reject
 from .series_parquet import SeriesFile, pyarrow, write_series
 from .sources import natural
 from .stored_tests import Kept, Packed, Plain, Row, decoded

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from ..damage.assess import assess_damage
 from ..damage.assessor import AssessedTest, Assessor
 from ..damage.result import DamageResult
+from ..exceptions import reject
 from ..io.data_frames import frame_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import StructuralModel
-from ..support.checks import FloatArray, reject
+from ..support.checks import FloatArray
 from ..support.values import ReadOnly
 from ..views import Viewed
 from .association import Places, Values
@@ -270,7 +271,7 @@ class Watched(JudgedTests, Viewed):
         return printed(self)
 
     def plot(self, panel: str = "charts", ax: Any = None) -> Any:
-        """Draw charts and conditions; see :func:`~antires_rs.figures.watch.plot_monitor`."""
+        """Draw charts and conditions; see :func:`~antires_rs.figures.plot_monitor`."""
         return self._view("plot")(self, panel=panel, ax=ax)
 
     def to_dataframe(self) -> Any:
