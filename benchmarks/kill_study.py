@@ -64,9 +64,7 @@ JOB = UPDATING + "".join(f"{key} = {json.dumps(value)}\n" for key, value in SEAR
 def child(log: str, every_s: str, *command: str) -> int:
     """One process: an ``antires`` command, or without one the script; its phases go to the file ``log``."""
     import antires_rs as ar
-    from antires_rs.app import main as cli
-    from antires_rs.app import run
-    from antires_rs.app import run as drawing
+    from antires_rs.app import main as cli, run, run as drawing
     from antires_rs.app.run import RunFolder
     from antires_rs.optimize.checkpoint import Checkpoint
 

@@ -17,8 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import antires_rs as ar
-from reference import small_records
-from reference import year_of_tests as year
+from reference import small_records, year_of_tests as year
 
 #: Memory is told so often.
 PARTS = 5

@@ -1,120 +1,119 @@
 # What type checkers and editors see of __init__.py, which imports at first use; a test compares the two.
 
-from . import cases
-from . import exceptions as exceptions
-from . import figures as figures
-from . import io as io
+from . import cases, exceptions as exceptions, figures as figures, io as io
 from ._core import __version__
 from .damage.assess import assess_damage as assess_damage
-from .damage.assessor import AssessedTest as AssessedTest
-from .damage.assessor import Assessor as Assessor
-from .damage.hypotheses import Hypotheses as Hypotheses
-from .damage.hypotheses import Hypothesis as Hypothesis
+from .damage.assessor import AssessedTest as AssessedTest, Assessor as Assessor
+from .damage.hypotheses import Hypotheses as Hypotheses, Hypothesis as Hypothesis
 from .damage.question import DamagePrior as DamagePrior
 from .damage.result import DamageResult as DamageResult
-from .damage.severity_intervals import SampledSet as SampledSet
-from .damage.severity_intervals import SeverityIntervals as SeverityIntervals
-from .exceptions import AntiresError as AntiresError
-from .exceptions import AntiresWarning as AntiresWarning
-from .exceptions import InternalError as InternalError
-from .exceptions import InvalidInputError as InvalidInputError
-from .exceptions import LostWorkerError as LostWorkerError
-from .exceptions import MissingDependencyError as MissingDependencyError
-from .exceptions import NumericalError as NumericalError
-from .exceptions import ObjectiveError as ObjectiveError
-from .exceptions import OutOfMemoryError as OutOfMemoryError
-from .exceptions import UnsuitableDataError as UnsuitableDataError
+from .damage.severity_intervals import SampledSet as SampledSet, SeverityIntervals as SeverityIntervals
+from .exceptions import (
+    AntiresError as AntiresError,
+    AntiresWarning as AntiresWarning,
+    InternalError as InternalError,
+    InvalidInputError as InvalidInputError,
+    LostWorkerError as LostWorkerError,
+    MissingDependencyError as MissingDependencyError,
+    NumericalError as NumericalError,
+    ObjectiveError as ObjectiveError,
+    OutOfMemoryError as OutOfMemoryError,
+    UnsuitableDataError as UnsuitableDataError,
+)
 from .identification.identify import identify_antiresonances as identify_antiresonances
 from .identification.modes import identify_modes as identify_modes
-from .identification.rational_fit import RationalFit as RationalFit
-from .identification.rational_fit import fit_rational as fit_rational
-from .identification.stabilization import StabilizationDiagram as StabilizationDiagram
-from .identification.stabilization import stabilization as stabilization
-from .io import from_sep005 as from_sep005
-from .io import read_csv as read_csv
-from .io import read_excel as read_excel
-from .io import read_frf_files as read_frf_files
-from .io import read_hdf5 as read_hdf5
-from .io import read_lvm as read_lvm
-from .io import read_mat as read_mat
-from .io import read_matrices as read_matrices
-from .io import read_miniseed as read_miniseed
-from .io import read_npz as read_npz
-from .io import read_parquet as read_parquet
-from .io import read_tdms as read_tdms
-from .io import read_uff as read_uff
-from .io import read_wav as read_wav
-from .io import to_sep005 as to_sep005
-from .io import write_csv as write_csv
-from .io import write_hdf5 as write_hdf5
-from .io import write_mat as write_mat
-from .io import write_matrices as write_matrices
-from .io import write_npz as write_npz
-from .io import write_uff as write_uff
+from .identification.rational_fit import RationalFit as RationalFit, fit_rational as fit_rational
+from .identification.stabilization import (
+    StabilizationDiagram as StabilizationDiagram,
+    stabilization as stabilization,
+)
+from .io import (
+    from_sep005 as from_sep005,
+    read_csv as read_csv,
+    read_excel as read_excel,
+    read_frf_files as read_frf_files,
+    read_hdf5 as read_hdf5,
+    read_lvm as read_lvm,
+    read_mat as read_mat,
+    read_matrices as read_matrices,
+    read_miniseed as read_miniseed,
+    read_npz as read_npz,
+    read_parquet as read_parquet,
+    read_tdms as read_tdms,
+    read_uff as read_uff,
+    read_wav as read_wav,
+    to_sep005 as to_sep005,
+    write_csv as write_csv,
+    write_hdf5 as write_hdf5,
+    write_mat as write_mat,
+    write_matrices as write_matrices,
+    write_npz as write_npz,
+    write_uff as write_uff,
+)
 from .measured.antiresonance_set import AntiresonanceSet as AntiresonanceSet
-from .measured.compare import Comparison as Comparison
-from .measured.compare import compare as compare
+from .measured.compare import Comparison as Comparison, compare as compare
 from .measured.merge import merge_setups as merge_setups
 from .measured.modal_set import ModalSet as ModalSet
-from .measured.track import TrackEvent as TrackEvent
-from .measured.track import Tracks as Tracks
-from .measured.track import track as track
+from .measured.track import TrackEvent as TrackEvent, Tracks as Tracks, track as track
 from .models.chain import MassSpringChain as MassSpringChain
-from .models.constraints import Constrained as Constrained
-from .models.constraints import eliminate_constraints as eliminate_constraints
-from .models.constraints import lagrange_rows as lagrange_rows
+from .models.constraints import (
+    Constrained as Constrained,
+    eliminate_constraints as eliminate_constraints,
+    lagrange_rows as lagrange_rows,
+)
 from .models.frame import FrameModel as FrameModel
-from .models.frame_parts import GroundSpring as GroundSpring
-from .models.frame_parts import NodeSpring as NodeSpring
-from .models.frame_parts import PointMass as PointMass
-from .models.frame_parts import Rectangle as Rectangle
-from .models.frame_parts import Section as Section
-from .models.frame_parts import Tube as Tube
+from .models.frame_parts import (
+    GroundSpring as GroundSpring,
+    NodeSpring as NodeSpring,
+    PointMass as PointMass,
+    Rectangle as Rectangle,
+    Section as Section,
+    Tube as Tube,
+)
 from .models.matrix_model import MatrixModel as MatrixModel
 from .models.parameter import Parameter as Parameter
-from .models.parameters import angle as angle
-from .models.parameters import density as density
-from .models.parameters import diameter as diameter
-from .models.parameters import inertia as inertia
-from .models.parameters import length as length
-from .models.parameters import mass_factor as mass_factor
-from .models.parameters import point_mass as point_mass
-from .models.parameters import position as position
-from .models.parameters import stiffness_factor as stiffness_factor
-from .models.parameters import stiffness_reduction as stiffness_reduction
-from .models.parameters import support_stiffness as support_stiffness
-from .models.parameters import thickness as thickness
-from .models.parameters import youngs_modulus as youngs_modulus
+from .models.parameters import (
+    angle as angle,
+    density as density,
+    diameter as diameter,
+    inertia as inertia,
+    length as length,
+    mass_factor as mass_factor,
+    point_mass as point_mass,
+    position as position,
+    stiffness_factor as stiffness_factor,
+    stiffness_reduction as stiffness_reduction,
+    support_stiffness as support_stiffness,
+    thickness as thickness,
+    youngs_modulus as youngs_modulus,
+)
 from .optimize.island_ga import IslandGA as IslandGA
-from .optimize.outcome import History as History
-from .optimize.outcome import OptimizeResult as OptimizeResult
+from .optimize.outcome import History as History, OptimizeResult as OptimizeResult
 from .planning.detectability import detectability as detectability
 from .planning.detection_curves import DetectionCurves as DetectionCurves
 from .planning.placement import Round as Round
-from .planning.plan import SensorPlan as SensorPlan
-from .planning.plan import plan_test as plan_test
+from .planning.plan import SensorPlan as SensorPlan, plan_test as plan_test
 from .signals.data_check import check_data as check_data
-from .signals.findings import DataCheck as DataCheck
-from .signals.findings import Finding as Finding
+from .signals.findings import DataCheck as DataCheck, Finding as Finding
 from .signals.frequency_response import FrequencyResponse as FrequencyResponse
 from .signals.recording import Recording as Recording
-from .signals.transfer_functions import frf as frf
-from .signals.transfer_functions import transmissibility as transmissibility
-from .signals.transfer_functions import transmissibility_sum as transmissibility_sum
+from .signals.transfer_functions import (
+    frf as frf,
+    transmissibility as transmissibility,
+    transmissibility_sum as transmissibility_sum,
+)
 from .support.messages import explain as explain
-from .updating.box_identifiability import BoxIdentifiability as BoxIdentifiability
-from .updating.box_identifiability import identifiability as identifiability
-from .updating.ensemble import UpdateEnsemble as UpdateEnsemble
-from .updating.ensemble import update_ensemble as update_ensemble
+from .updating.box_identifiability import (
+    BoxIdentifiability as BoxIdentifiability,
+    identifiability as identifiability,
+)
+from .updating.ensemble import UpdateEnsemble as UpdateEnsemble, update_ensemble as update_ensemble
 from .updating.posterior import ParameterIntervals as ParameterIntervals
-from .updating.problem import DamagePenalty as DamagePenalty
-from .updating.problem import UpdatingProblem as UpdatingProblem
+from .updating.problem import DamagePenalty as DamagePenalty, UpdatingProblem as UpdatingProblem
 from .updating.profile import ProfileLikelihood as ProfileLikelihood
-from .updating.reduced_search import Reduction as Reduction
-from .updating.reduced_search import ReductionReport as ReductionReport
+from .updating.reduced_search import Reduction as Reduction, ReductionReport as ReductionReport
 from .updating.result import UpdateResult as UpdateResult
-from .updating.tables import FrequencyTable as FrequencyTable
-from .updating.tables import ModalTable as ModalTable
+from .updating.tables import FrequencyTable as FrequencyTable, ModalTable as ModalTable
 from .updating.update import update as update
 from .watch.charts import Chart as Chart
 from .watch.faults import Fault as Fault

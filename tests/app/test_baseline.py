@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.app import arguments as damage_jobs
-from antires_rs.app import main as cli
+from antires_rs.app import arguments as damage_jobs, main as cli
 from antires_rs.app.arguments import model_of
 from antires_rs.app.job import read_job
 from antires_rs.app.reading import baseline_of

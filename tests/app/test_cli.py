@@ -12,10 +12,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.app import demo
-from antires_rs.app import demo as story
-from antires_rs.app import demo as story_tables
-from antires_rs.app import main as cli
+from antires_rs.app import demo, main as cli
 from tests.support.job_files import DAMAGE, write_measured
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
@@ -145,7 +142,7 @@ def test_demo_without_matplotlib_still_gives_the_numbers_as_json(monkeypatch, tm
 
 def test_comparison_with_the_truth_counts_found_and_false():
     found = ar.AntiresonanceSet(0, {0: [10.1, 20.0, 20.1, 50.0], 1: []})
-    first, second = story_tables.compare(found, {0: np.array([10.0, 20.08, 30.0]), 1: np.empty(0)})
+    first, second = demo.compare(found, {0: np.array([10.0, 20.08, 30.0]), 1: np.empty(0)})
     assert (first.true, first.found, first.false) == (3, 2, 2)
     assert first.largest_percent == pytest.approx(1.0)
     assert (second.true, second.found, second.false, second.largest_percent) == (0, 0, 0, None)
@@ -157,16 +154,16 @@ def test_the_pipeline_never_asks_for_the_truth(monkeypatch):
 
     monkeypatch.setattr(ar.cases.Chain8, "truth", forbidden)
     monkeypatch.setattr(ar.cases.Chain8, "exact", forbidden)
-    told = story.tell(noise=0.0, max_evaluations=2000, workers=1)
+    told = demo.tell(noise=0.0, max_evaluations=2000, workers=1)
     assert told.damage.damaged[0] == 4
 
 
 def test_an_interrupted_search_ends_the_demo(monkeypatch):
     exact = ar.cases.chain8().exact(0)
-    monkeypatch.setattr(story, "identify_antiresonances", lambda *args, **options: exact)
-    monkeypatch.setattr(story, "update", lambda *args, **options: SimpleNamespace(status="interrupted"))
+    monkeypatch.setattr(demo, "identify_antiresonances", lambda *args, **options: exact)
+    monkeypatch.setattr(demo, "update", lambda *args, **options: SimpleNamespace(status="interrupted"))
     with pytest.raises(KeyboardInterrupt):
-        story.tell()
+        demo.tell()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")

@@ -8,8 +8,7 @@ import signal
 import pytest
 
 import antires_rs as ar
-from antires_rs.app import arguments as damage_jobs
-from antires_rs.app import main as cli
+from antires_rs.app import arguments as damage_jobs, main as cli
 from antires_rs.damage import result as damage_result
 from antires_rs.updating import result as results
 from tests.support.job_files import DAMAGE, UPDATE, write_measured

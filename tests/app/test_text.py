@@ -5,8 +5,7 @@ import json
 import tomllib
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import antires_rs as ar
 from antires_rs.app.job import lines_of, parsed, read_job

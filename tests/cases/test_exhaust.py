@@ -7,9 +7,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 import antires_rs as ar
-from antires_rs.cases import exhaust_geometry as geometry
-from antires_rs.cases import exhaust_truth as crack
-from antires_rs.cases import exhaust_truth as experiment
+from antires_rs.cases import exhaust_geometry as geometry, exhaust_truth as crack
 from tests.support.campaign import campaign
 
 LEVELS = (1, 2, 3)
@@ -24,7 +22,7 @@ def case():
 
 @pytest.fixture(scope="module")
 def tested():
-    return experiment.TestedStructure(0)
+    return crack.TestedStructure(0)
 
 
 def test_the_frame_has_the_size_of_the_papers(case):
@@ -103,7 +101,7 @@ def test_equivalent_losses_rise_level_by_level(case):
 
 def motion_of_node_31(level, directions):
     """Along ``directions`` (u, v, theta) under unit loads there, with node 30 held and the cords cut."""
-    model = experiment.true_model(level)
+    model = crack.true_model(level)
     stiffness = np.array(model.stiffness().todense())
     for spring in model.ground_springs:
         dof = model.dof(spring.node, spring.direction)
@@ -118,16 +116,16 @@ def motion_of_node_31(level, directions):
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_the_cracked_pipe_turns_by_the_compliance_more_and_stretches_as_before(level):
-    along = np.diff(experiment.true_nodes()[[30, 31]], axis=0)[0]
+    along = np.diff(crack.true_nodes()[[30, 31]], axis=0)[0]
     along /= np.linalg.norm(along)
     turned = motion_of_node_31(level, {"theta": 1.0}) - motion_of_node_31(0, {"theta": 1.0})
-    assert turned == pytest.approx(experiment.compliance(level), rel=1e-6)
+    assert turned == pytest.approx(crack.compliance(level), rel=1e-6)
     pulled = {"u": along[0], "v": along[1]}
     assert motion_of_node_31(level, pulled) == pytest.approx(motion_of_node_31(0, pulled), rel=1e-6)
 
 
 def test_the_crack_lies_two_centimetres_behind_the_weld_and_off_the_coarse_nodes():
-    model, levelled = experiment.true_model(0), experiment.true_model(1)
+    model, levelled = crack.true_model(0), crack.true_model(1)
     assert len(model.elements) >= 3 * 47
     weak = [
         i
@@ -138,14 +136,14 @@ def test_the_crack_lies_two_centimetres_behind_the_weld_and_off_the_coarse_nodes
     ends = levelled.elements[weak[0]]
     assert np.all(ends >= 48)  # both ends are nodes that the coarse mesh does not have
     middle = levelled.nodes_m[ends].mean(axis=0)
-    behind_weld = np.linalg.norm(middle - levelled.nodes_m[30]) - experiment.SOCKET_M
+    behind_weld = np.linalg.norm(middle - levelled.nodes_m[30]) - crack.SOCKET_M
     assert behind_weld == pytest.approx(0.02, abs=1e-9)
     assert np.linalg.norm(middle - levelled.nodes_m[31]) > 0.03
 
 
 def test_the_crack_leaves_the_mass_alone():
     def weight(level):
-        model = experiment.true_model(level)
+        model = crack.true_model(level)
         unit = np.zeros(model.n_dof)
         unit[1::3] = 1.0
         return unit @ (model.mass() @ unit)
@@ -183,7 +181,7 @@ def test_truth_is_kept_apart(case):
     truth = case.truth(1)
     truth["thickness"]["front"] = 9.0
     truth["freq_hz"].clear()
-    assert case.truth(1)["thickness"]["front"] == experiment.THICKNESS["front"]
+    assert case.truth(1)["thickness"]["front"] == crack.THICKNESS["front"]
     np.testing.assert_array_equal(case.model.nodes_m, geometry.nodes())
     assert case.truth(1)["severity"] == {30: case.truth(1)["equivalent_loss"]}
     assert set(case.truth(1)["freq_hz"]) == set(case.responses)
@@ -191,7 +189,7 @@ def test_truth_is_kept_apart(case):
 
 def test_responses_are_those_of_the_matrices(case, tested):
     stiffness, mass = csc_array(tested.model.stiffness()), csc_array(tested.model.mass())
-    bare = experiment.TestedStructure(0)
+    bare = crack.TestedStructure(0)
     bare.damping_ratio = np.zeros_like(bare.damping_ratio)
     force = np.zeros(tested.model.n_dof)
     force[tested.excitation] = 1.0

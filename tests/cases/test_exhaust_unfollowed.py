@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.cases import exhaust_geometry as geometry
-from antires_rs.cases import exhaust_truth as experiment
+from antires_rs.cases import exhaust_geometry as geometry, exhaust_truth as experiment
 from antires_rs.cases.exhaust_truth import EXTRA_CORDS, Unfollowed
 from tests.support.tolerances import EIGH
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.figures import report
 from antires_rs.figures.report import write_report
 from tests.support import four_masses
 from tests.support.four_masses import exact

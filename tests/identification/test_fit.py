@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from antires_rs.exceptions import InvalidInputError
 from antires_rs.identification.forsythe import forsythe_basis, roots

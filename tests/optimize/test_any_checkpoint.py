@@ -6,8 +6,7 @@ import hashlib
 import warnings
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 import antires_rs as ar
 from antires_rs.optimize.checkpoint import Checkpoint

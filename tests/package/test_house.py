@@ -53,7 +53,11 @@ def test_every_import_keeps_the_contracts():
         ("signals/spectra.py", "from antires_rs.updating.problem import UpdatingProblem", "stand on"),
         ("identification/identify.py", "from ..models.chain import MassSpringChain", "never sees a model"),
         ("models/chain.py", "    from ..signals.spectra import CrossSpectra", "never see a record"),
-        ("optimize/checkpoint.py", "from ..measured.antiresonance_set import AntiresonanceSet", "f\\(x\\) only"),
+        (
+            "optimize/checkpoint.py",
+            "from ..measured.antiresonance_set import AntiresonanceSet",
+            "f\\(x\\) only",
+        ),
         ("signals/noise.py", "from .transfer_functions import frf", "No cycles are allowed"),
     ],
     ids=["above", "model", "lazy", "search", "circle"],

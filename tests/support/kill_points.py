@@ -17,8 +17,7 @@ import sys
 from pathlib import Path
 
 import antires_rs as ar
-from antires_rs.app import main as cli
-from antires_rs.app import run as drawing
+from antires_rs.app import main as cli, run as drawing
 from antires_rs.figures import report
 from antires_rs.optimize.checkpoint import Checkpoint
 from antires_rs.support.files import write_atomically

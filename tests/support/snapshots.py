@@ -3,8 +3,7 @@
 import os
 from contextlib import contextmanager
 
-from antires_rs.app import command
-from antires_rs.app import parser as usage
+from antires_rs.app import command, parser as usage
 
 
 def compare(file, messages):

@@ -14,9 +14,7 @@ from ..damage.measured_states import measured_states
 from ..damage.question import DamagePrior
 from ..damage.result import DamageResult
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..models import parameters as frames
-from ..models import parameters as geometry
-from ..models import parameters as terms
+from ..models import parameters
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
 from ..models.frame_parts import Rectangle, Section, Tube
@@ -27,8 +25,7 @@ from ..optimize.island_ga import IslandGA, seed_of, thread_count
 from ..support.checks import finite_scalar
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from ..updating.result import UpdateResult
-from .job import Job, nearest
-from .job import Path_lines as Keys
+from .job import Job, Path_lines as Keys, nearest
 from .keys import CHAIN, ELEMENTS, FRAME, LUMPED, MATRICES, RESULT, SECTIONED, SUPPORT, shown
 
 _SHAPES = {"tube": Tube, "rectangle": Rectangle, "general": Section}
@@ -47,13 +44,7 @@ _NODE_AND_DIRECTION = re.compile(r"\s*(?:node\s+)?(\d+)[\s.:]+([A-Za-z]+)\s*")
 
 
 def model_of(job: Job) -> StructuralModel:
-    """Build the model.
-
-    Raises
-    ------
-    InvalidInputError
-        What the model's constructor refuses, with the line.
-    """
+    """Build the model."""
     table = job.section("model")
     kind = table["kind"]
     makers = {CHAIN: _chain, FRAME: _frame, MATRICES: _matrices, RESULT: _result}
@@ -194,14 +185,14 @@ def dof_finder(job: Job, model: StructuralModel) -> Callable[[Keys, Any], Any]:
 
 #: By kind: the function, and the key that says on what it acts.
 _KINDS: dict[str, tuple[Any, str]] = {
-    **{kind: (getattr(terms, kind), "elements") for kind in ELEMENTS[:2]},
-    "mass_factor": (terms.mass_factor, "terms"),
-    **{kind: (getattr(frames, kind), "sections") for kind in SECTIONED},
-    **{kind: (getattr(frames, kind), "masses") for kind in LUMPED},
-    **{kind: (getattr(frames, kind), "springs") for kind in SUPPORT},
-    "angle": (geometry.angle, "elements"),
-    "length": (geometry.length, "elements"),
-    "position": (geometry.position, "nodes"),
+    **{kind: (getattr(parameters, kind), "elements") for kind in ELEMENTS[:2]},
+    "mass_factor": (parameters.mass_factor, "terms"),
+    **{kind: (getattr(parameters, kind), "sections") for kind in SECTIONED},
+    **{kind: (getattr(parameters, kind), "masses") for kind in LUMPED},
+    **{kind: (getattr(parameters, kind), "springs") for kind in SUPPORT},
+    "angle": (parameters.angle, "elements"),
+    "length": (parameters.length, "elements"),
+    "position": (parameters.position, "nodes"),
 }
 #: Names of bounds that have a unit, and what some kinds cannot do without.
 _BOUNDS = {"angle": "bounds_deg", "position": "bounds_m"}

@@ -68,37 +68,7 @@ def tell(
     max_evaluations: int = MAX_EVALUATIONS,
     say: Callable[[str], Any] = str,
 ) -> Story:
-    """Run the whole chain: two virtual tests, two identifications, one updating, three assessments.
-
-    Parameters
-    ----------
-    seed : int
-        Of the structure, the records and the searches.
-    noise : float
-        Sensor noise as a fraction of each channel's rms.
-    workers : int, optional
-        Threads of the searches.
-    max_evaluations : int
-        Budget of the updating.
-    say : callable
-        Receives a line before each stage; nobody does by default.
-
-    Returns
-    -------
-    Story
-
-    Raises
-    ------
-    InvalidInputError
-        So much noise that no antiresonance is found.
-
-    Examples
-    --------
-    >>> from antires_rs.app.main import story
-    >>> told = story.tell(noise=0.0, max_evaluations=5000)
-    >>> told.damage.damaged
-    [4]
-    """
+    """Run the whole chain: two virtual tests, two identifications, one updating, three assessments."""
     structure, first, second, *searches = np.random.default_rng(seed).spawn(6)
     case = cases.chain8(perturbation=PERTURBATION, rng=structure)
     seconds: dict[str, float] = {}

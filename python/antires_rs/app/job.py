@@ -38,24 +38,7 @@ _ESCAPES = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r", '"': '"', "\\
 
 
 def lines_of(text: str) -> dict[Path_lines, int]:
-    """Line, from 1, of every table, key and array element.
-
-    Parameters
-    ----------
-    text : str
-        Valid TOML.
-
-    Returns
-    -------
-    dict of tuple to int
-        By names and indices: ``("search", "seed")``, ``("parameters", 1, "bounds", 0)``.
-
-    Examples
-    --------
-    >>> lines = lines_of("[search]\\nseed = 3\\n[[data]]\\nband_hz = [\\n 1,\\n 2]")
-    >>> lines["search", "seed"], lines["data", 0, "band_hz", 1]
-    (2, 6)
-    """
+    """Line, from 1, of every table, key and array element."""
     return _Scanner(text.replace("\r\n", "\n")).scan()
 
 
@@ -272,18 +255,7 @@ _SAID = re.compile(
 
 
 def parsed(name: str, text: str) -> dict[str, Any]:
-    """The tables of a job file called ``name``.
-
-    Raises
-    ------
-    InvalidInputError
-        The text is no TOML.
-
-    Examples
-    --------
-    >>> parsed("job.toml", "[search]\\nseed = 3")
-    {'search': {'seed': 3}}
-    """
+    """The tables of a job file called ``name``."""
     _plain(name, text)
     try:
         return tomllib.loads(text)
@@ -577,33 +549,7 @@ class Job:
 
 
 def read_job(path: str | os.PathLike[str]) -> Job:
-    """Read and check a job file.
-
-    Parameters
-    ----------
-    path : path-like
-
-    Returns
-    -------
-    Job
-
-    Raises
-    ------
-    InvalidInputError
-        No such file, no TOML, an unknown section or key, a value of another kind. The message names file,
-        line and key, what was got, what is wanted, and how to mend it.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> from antires_rs.app.job import read_job
-    >>> from antires_rs.app.keys import template
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = pathlib.Path(folder, "job.toml")
-    ...     _ = file.write_text(template("damage"), encoding="utf-8")
-    ...     read_job(file).task
-    'damage'
-    """
+    """Read and check a job file."""
     file = Path(path)
     if not file.is_file():
         what = "is a folder" if file.is_dir() else "does not exist"

@@ -748,32 +748,7 @@ def template(
     dofs: dict[str, object] | None = None,
     excitation: str | None = None,
 ) -> str:
-    """A job to be filled in: valid as it stands, but for the files it names and dofs that are not given.
-
-    Parameters
-    ----------
-    task : {"damage", "update", "series"}
-    model : {"chain", "frame", "matrices", "result"}
-    name : str
-        Of the job file, for its heading.
-    data : str
-        File of the measurement.
-    dofs : dict, optional
-        Channels of that file, each with its dof; "?" where it is not known, with which no job runs.
-    excitation : str, optional
-        The same of the force: the name of its channel or point, or "?".
-
-    Returns
-    -------
-    str
-        TOML.
-
-    Examples
-    --------
-    >>> from antires_rs.app.keys import template
-    >>> print(template("damage").splitlines()[0])
-    # Look for damage: antires damage job.toml
-    """
+    """A job to be filled in: valid as it stands, but for the files it names and dofs that are not given."""
     lines = [
         f"# {_HEAD[task].format(name=name)}",
         "#",

@@ -13,26 +13,7 @@ from typing import Any
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        Arguments without the program's name; those of the process by default.
-
-    Returns
-    -------
-    int
-        0 done, 1 failed, 2 a wrong argument or job file, 130 interrupted. What argparse finds wrong leaves
-        through ``SystemExit(2)``.
-
-    Examples
-    --------
-    >>> from antires_rs.app.main import main
-    >>> main(["--version"])
-    Traceback (most recent call last):
-    SystemExit: 0
-    """
+    """Run the command line and return its exit code."""
     came: list[int] = []
     try:  # Ctrl-C may come while modules are loaded, so all but this file is loaded in here
         with _noticed(came):

@@ -20,8 +20,7 @@ from ..models.structural_model import StructuralModel
 from ..signals.repeats import one_source
 from ..support.messages import EDIT_WANTED, LeftOut, Part, edit_named, spelled
 from .arguments import dof_finder
-from .job import Job
-from .job import Path_lines as Keys
+from .job import Job, Path_lines as Keys
 from .keys import DATA, FOLDER, FORMATS, IDENTIFICATION, format_of, shown
 
 _READERS: dict[str, Callable[..., Signal]] = {**READERS, FOLDER: io.read_frf_files}
@@ -43,11 +42,6 @@ def read_signal(
     """Read a signal; ``options`` are keys of [data].
 
     ``spell`` writes an argument of the reader, or how a channel is left out, as this user would.
-
-    Raises
-    ------
-    InvalidInputError
-        As the reader of that format, or dofs that do not fit its channels.
     """
     chosen = {name: value for name, value in options.items() if name not in _OURS}
     for name in chosen:
@@ -168,16 +162,7 @@ class Measured:
 
 
 def measured_of(job: Job, model: StructuralModel | None, say: Callable[[str], Any]) -> list[Measured]:
-    """Read and identify every [data] of a job.
-
-    Parameters
-    ----------
-    job : Job
-    model : StructuralModel, optional
-        Names of dofs are looked up in it; without one they stay as they are.
-    say : callable
-        Receives a line before each stage.
-    """
+    """Read and identify every [data] of a job."""
     find: Finder = (lambda place, name: name) if model is None else dof_finder(job, model)
     measured = []
     for place, table in zip(job.data_places, job.data, strict=True):

@@ -147,13 +147,7 @@ _PICTURE = re.compile(r"(differences|convergence|damage|hypotheses|model|respons
 
 
 def picture_name(name: str) -> str:
-    """File of a picture; names of channels may hold what no file's may.
-
-    Examples
-    --------
-    >>> picture_name("stabilization_node 4 v, force at node 0 v")
-    'stabilization_node_4_v_force_at_node_0_v.png'
-    """
+    """File of a picture; names of channels may hold what no file's may."""
     return re.sub(r"[^\w.+-]+", "_", name) + ".png"
 
 
@@ -221,13 +215,7 @@ class Evidence:
 
     @classmethod
     def load(cls, path: Path) -> Evidence:
-        """Read it.
-
-        Raises
-        ------
-        UnsuitableDataError
-            The file is damaged, of another kind, or of a newer version.
-        """
+        """Read it."""
         _, data = read_store(path, FORMAT, VERSION, "the evidence.npz of a run")
         tables = tuple({dof: _made(diagram) for dof, diagram in table} for table in data["diagrams"])
         r = data["response"]
@@ -556,33 +544,7 @@ def run(
     say: Say = str,
     progress: bool | None = None,
 ) -> Outcome:
-    """Carry out a job and write its files.
-
-    Parameters
-    ----------
-    job : Job
-    resume : bool
-        Go on from the checkpoint of a run that was interrupted, bit-identical; from the beginning where
-        it had none yet.
-    fresh : bool
-        Begin anew though there is such a checkpoint.
-    workers : int, optional
-        In place of the job's.
-    say : callable
-        Receives a line before each stage.
-    progress : bool, optional
-        Show the line of the search; by default on a terminal.
-
-    Returns
-    -------
-    Outcome
-        Also after Ctrl-C during the search: the best so far, with a checkpoint to go on from.
-
-    Raises
-    ------
-    InvalidInputError
-        The job or its data cannot be used; the message names the line.
-    """
+    """Carry out a job and write its files."""
     with heard() as said:
         return _carried_out(job, said, resume, fresh, workers, say, progress)
 

@@ -51,21 +51,7 @@ class SeriesOutcome:
 
 
 def run_series(job: Job, *, workers: int | None = None, say: Callable[[str], Any] = str) -> SeriesOutcome:
-    """Identify all tests of a job; the same job run again goes on, and takes in what has come since.
-
-    Parameters
-    ----------
-    job : Job
-    workers : int, optional
-        In place of the job's.
-    say : callable
-        Receives a line before each stage.
-
-    Raises
-    ------
-    InvalidInputError
-        The job or its data cannot be used; the message names the line.
-    """
+    """Identify all tests of a job; the same job run again goes on, and takes in what has come since."""
     place, table, own = job.data_places[0], job.data[0], job.section("series")
     sources = job.file(table["file"])
     for key in ("excitation", "band_hz"):

@@ -128,8 +128,7 @@ def _numbers(found: AntiresonanceSet) -> dict[str, Any]:
 def report(args: argparse.Namespace) -> int:
     """The report of a result."""
     from ..updating.result import UpdateResult
-    from .run import RunFolder, drawings, evidence_in, pictures
-    from .run import report as write
+    from .run import RunFolder, drawings, evidence_in, pictures, report as write
 
     file: Path = args.result / "result.npz" if args.result.is_dir() else args.result
     existing("RESULT", file, "'antires update' and 'antires damage' write result.npz into their folder.")

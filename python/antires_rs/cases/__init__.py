@@ -16,4 +16,3 @@ from .chain8 import Chain8, chain8
 from .exhaust import Exhaust, exhaust
 
 __all__ = ["Chain8", "Exhaust", "chain8", "exhaust"]
-

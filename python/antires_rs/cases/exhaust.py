@@ -15,8 +15,7 @@ from ..signals.recording import Recording
 from ..support.checks import FloatArray, finite_scalar, integer
 from ..support.progress import patient
 from ..updating.problem import DamagePenalty, UpdatingProblem
-from . import exhaust_geometry as geometry
-from . import exhaust_truth as experiment
+from . import exhaust_geometry as geometry, exhaust_truth as experiment
 from .exhaust_truth import Unfollowed, true_antiresonances, truth
 
 #: Sampling, length of the record, and the force's band.

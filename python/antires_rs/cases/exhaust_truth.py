@@ -91,14 +91,7 @@ class Unfollowed:
 
 
 def bending_factor(share: float, radius_over_wall: float) -> float:
-    """Geometry factor ``F_b`` of a crack over ``share`` of the perimeter (0 to 1), for R/t of 5 to 20.
-
-    Examples
-    --------
-    >>> from antires_rs.cases.exhaust_truth import bending_factor
-    >>> round(bending_factor(0.5, 10.0), 3)
-    2.765
-    """
+    """Geometry factor ``F_b`` of a crack over ``share`` of the perimeter (0 to 1), for R/t of 5 to 20."""
     ratio = finite_scalar("radius_over_wall", radius_over_wall, low=5.0, high=20.0)
     scale = (0.125 * ratio - 0.25 if ratio <= 10.0 else 0.4 * ratio - 3.0) ** 0.25
     return float(1.0 + scale * (4.5967 * share**1.5 + 2.6422 * share**4.24))
@@ -107,30 +100,7 @@ def bending_factor(share: float, radius_over_wall: float) -> float:
 def crack_compliance(
     share: float, *, outer_diameter_m: float, thickness_m: float, youngs_modulus_pa: float
 ) -> float:
-    """Rotation per moment, rad/(N m), that a crack over ``share`` of the perimeter adds to the tube.
-
-    Parameters
-    ----------
-    share : float
-        Length of the crack over the perimeter, 0 to 1 (exclusive).
-    outer_diameter_m, thickness_m, youngs_modulus_pa : float
-        The tube.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    InvalidInputError
-        A share outside [0, 1), a wall thickness outside the range of the formula.
-
-    Examples
-    --------
-    >>> from antires_rs.cases.exhaust_truth import crack_compliance
-    >>> f"{crack_compliance(0.6, outer_diameter_m=0.038, thickness_m=0.0015, youngs_modulus_pa=2.1e11):.3g}"
-    '0.000152'
-    """
+    """Rotation per moment, rad/(N m), that a crack over ``share`` of the perimeter adds to the tube."""
     length = finite_scalar("share", share, low=0.0, high=1.0, high_open=True)
     radius = 0.5 * (outer_diameter_m - thickness_m)
     # The integrand is smooth in the root of the share, where Gauss points reach rounding.
@@ -367,18 +337,7 @@ def true_antiresonances(
 
 
 def truth(level: int, responses: list[int], errors: Unfollowed) -> dict[str, Any]:
-    """Properties of the tested structure, and its frequencies.
-
-    Returns
-    -------
-    dict
-        ``thickness``, ``youngs_modulus`` (factors by section), ``point_mass`` (factors by mass), ``angle``
-        (degrees by bend); ``inertia`` and ``hanger`` (factors) and ``unfollowed``, which no updating
-        parameter follows;
-        ``crack_share``, ``crack_compliance`` (rad/(N m)), ``equivalent_loss`` (stiffness loss of the
-        whole cracked element with the same rotation under a moment), ``severity`` {30: that loss};
-        ``freq_hz`` by dof and ``resonances_hz``, both up to 390 Hz, ``damping_ratio`` of these modes.
-    """
+    """Properties of the tested structure, and its frequencies."""
     tested = TestedStructure(level, errors)
     low = tested.freq_hz <= F_MAX_HZ
     loss = equivalent_loss(level, errors)

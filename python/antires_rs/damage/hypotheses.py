@@ -15,25 +15,13 @@ from ..views import Viewed
 
 
 def span(low: float, high: float) -> str:
-    """An interval in percent; ends that are not the same do not look the same.
-
-    Examples
-    --------
-    >>> span(0.389, 0.412), span(0.3998, 0.4003)
-    ('38.9 to 41.2', '39.98 to 40.03')
-    """
+    """An interval in percent; ends that are not the same do not look the same."""
     digits = _digits(low, high)
     return f"{100 * low:.{digits}f} to {100 * high:.{digits}f}"
 
 
 def loss(severity: float, low: float, high: float, unit: str = "") -> str:
-    """A loss with its interval, in the same digits: it does not look as if it lay outside.
-
-    Examples
-    --------
-    >>> loss(0.4, 0.389, 0.412), loss(0.0004, 0.0001, 0.0011, " %")
-    ('40.0 (38.9 to 41.2)', '0.04 % (0.01 to 0.11)')
-    """
+    """A loss with its interval, in the same digits: it does not look as if it lay outside."""
     return f"{100 * severity:.{_digits(low, high)}f}{unit} ({span(low, high)})"
 
 
@@ -49,13 +37,7 @@ def percent(probability: float) -> str:
 
 
 def figure(share: float) -> str:
-    """A share in percent with two digits that count, however small.
-
-    Examples
-    --------
-    >>> figure(0.0421), figure(0.00037), figure(0.6), figure(0.0)
-    ('4.2 %', '0.037 %', '60 %', '0 %')
-    """
+    """A share in percent with two digits that count, however small."""
     value = 100.0 * share
     return f"{value:.0f} %" if value >= 9.95 or value == 0.0 else f"{float(f'{value:.2g}'):g} %"
 

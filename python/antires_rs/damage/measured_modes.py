@@ -415,14 +415,7 @@ class ModeResponses:
 def measured_modes(
     model: StructuralModel, baseline: Sequence[ModalSet], measured: Sequence[ModalSet]
 ) -> tuple[ModeResponses, ModeValues, ModeValues]:
-    """The sensors of all sets, the intact modes and those of now.
-
-    Raises
-    ------
-    InvalidInputError
-        A set of now whose sensors no intact one has, dofs outside the model, a shape at rest, nothing
-        measured.
-    """
+    """The sensors of all sets, the intact modes and those of now."""
     listed = [[_dofs(model, each) for each in sets] for sets in (baseline, measured)]
     before, after = ([tuple(sorted(dofs)) for dofs in each] for each in listed)
     for each, dofs in zip(measured, after, strict=True):

@@ -35,13 +35,7 @@ Response = tuple[int, int]
 def not_in_both(
     model: StructuralModel, before: Sequence[AntiresonanceTargets], after: Sequence[AntiresonanceTargets]
 ) -> list[str]:
-    """Notes on responses with values in one state only.
-
-    Raises
-    ------
-    InvalidInputError
-        No response has values in both.
-    """
+    """Notes on responses with values in one state only."""
     intact, now = _with_values(before), _with_values(after)
     if not before or not now:
         return []
@@ -284,14 +278,7 @@ class Responses:
 def measured_states(
     model: StructuralModel, baseline: Sequence[AntiresonanceSet], measured: Sequence[AntiresonanceSet]
 ) -> tuple[Responses, Values, Values]:
-    """The responses of all sets, the intact values and those of now.
-
-    Raises
-    ------
-    InvalidInputError
-        A set of now whose force no intact one has, dofs outside the model, nothing measured, no response in
-        both states.
-    """
+    """The responses of all sets, the intact values and those of now."""
     before = [AntiresonanceTargets(model, (each,)) for each in baseline]
     after = [AntiresonanceTargets(model, (each,)) for each in measured]
     _same_forces(before, after, measured)

@@ -203,13 +203,7 @@ def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = (), **option
 
 
 def spread(positions: Sequence[float] | FloatArray, least: float, low: float, high: float) -> FloatArray:
-    """Ascending positions moved as little as needed to be ``least`` apart and, if they fit, in the limits.
-
-    Examples
-    --------
-    >>> spread([1.0, 5.0, 5.5], 1.0, 0.0, 6.0).tolist()
-    [1.0, 4.75, 5.75]
-    """
+    """Ascending positions moved as little as needed to be ``least`` apart and, if they fit, in the limits."""
     where = np.asarray(positions, dtype=np.float64)
     if where.size < 2:
         return where.copy()
@@ -250,13 +244,6 @@ def reach(values: Any, margin: float = 1.25) -> float:
     """Largest absolute value that an axis has to show, with its margin; infinite if it shows all.
 
     Values are cut off where a gap sets few of them apart: then the axis is made for the others.
-
-    Examples
-    --------
-    >>> reach([517.0, 12.0, -8.0, 3.0, 1.0])
-    15.0
-    >>> reach([12.0, -8.0, 3.0, 1.0])
-    inf
     """
     size = np.abs(np.asarray(values, dtype=np.float64).ravel())
     size = np.sort(size[np.isfinite(size)])[::-1]
@@ -312,15 +299,6 @@ def beside(ends: FloatArray, lines: FloatArray) -> FloatArray:
     """Places of the numbers, (n, 2), of elements ``ends`` (n, 2, 2), clear of ``lines``, all in points.
 
     The middle of the left side is taken unless something is in its way.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> element, arrow = [[0.0, 0.0], [100.0, 0.0]], [[50.0, 25.0], [50.0, 0.0]]
-    >>> beside(np.array([element]), np.empty((0, 2, 2))).tolist()
-    [[50.0, 7.0]]
-    >>> beside(np.array([element]), np.array([arrow])).tolist()
-    [[50.0, -7.0]]
     """
     placed = np.empty((0, 2))
     for i, (a, b) in enumerate(ends):
@@ -346,13 +324,6 @@ def around(points: FloatArray, lines: FloatArray) -> FloatArray:
     """Places of the numbers of points (n, 2), clear of ``lines`` and of each other, all in points.
 
     Below to the right is taken unless something is in its way.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> (place,) = around(np.zeros((1, 2)), np.array([[[0.0, 0.0], [50.0, 0.0]]]))
-    >>> float(np.abs(place).max()) < 15.0 and bool(place[1] < 0.0)
-    True
     """
     angles = np.radians([-45.0, 135.0, 45.0, -135.0, -90.0, 90.0, 180.0, 0.0])
     ways = np.column_stack([np.cos(angles), np.sin(angles)])

@@ -65,28 +65,7 @@ def paper(
     name: str | None = None,
     equal: bool = False,
 ) -> Any:
-    """An empty figure as wide as its place.
-
-    Parameters
-    ----------
-    x, y : str
-        Labels of the axes, with their units in parentheses. One too long for the height stands over the
-        figure, its unit alone beside the axis.
-    height : int
-        In pixels.
-    x_range, y_range : (low, high), sequence of str or a range of another figure, optional
-        Shown at first; strings are categories, the range of another figure ties the two together.
-    x_log, y_log : bool
-        Logarithmic axes.
-    name : str, optional
-        By which a page finds it.
-    equal : bool
-        One metre is as long on both axes, for drawings of structures.
-
-    Returns
-    -------
-    bokeh.plotting.figure
-    """
+    """An empty figure as wide as its place."""
     require_bokeh()
     from bokeh.models import BoxZoomTool, PanTool, ResetTool, SaveTool, WheelZoomTool
     from bokeh.plotting import figure
@@ -149,18 +128,7 @@ def _slim(column: Any) -> Any:
 
 
 def hover(fig: Any, renderers: Sequence[Any], says: Mapping[str, str], **options: Any) -> Any:
-    """Say something of what the pointer is on.
-
-    Parameters
-    ----------
-    fig : bokeh.plotting.figure
-    renderers : sequence
-        What the methods of the figure returned.
-    says : mapping of str to str
-        Label and value, ``"@column{0.00} Hz"``.
-    **options
-        Of ``bokeh.models.HoverTool``, such as ``mode="vline"``.
-    """
+    """Say something of what the pointer is on."""
     from bokeh.models import HoverTool
 
     tool = HoverTool(renderers=list(renderers), tooltips=list(says.items()), visible=False, **options)

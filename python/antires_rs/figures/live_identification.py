@@ -118,30 +118,7 @@ def stabilization_figure(
     x_range: Any = None,
     every_kind: bool = False,
 ) -> Any:
-    """Poles of every order, the stable ones, the values, and the summed curve behind them.
-
-    Parameters
-    ----------
-    diagram : StabilizationDiagram
-    zeros, dof : AntiresonanceSet, int or str, optional
-        The values marked are those of the set, with what was dropped and added by hand; by default those
-        that the diagram accepts.
-    height : int
-        In pixels.
-    x_range : range of another figure, optional
-        To tie the two together.
-    every_kind : bool
-        Have a place for values of every kind, for pages in which they change.
-
-    Returns
-    -------
-    bokeh.plotting.figure
-
-    Raises
-    ------
-    MissingDependencyError
-        bokeh is not installed.
-    """
+    """Poles of every order, the stable ones, the values, and the summed curve behind them."""
     order, freq, damping, stable = pole_table(diagram)
     first, last = float(diagram.orders[0]), float(diagram.orders[-1])
     fig = paper(
@@ -303,20 +280,7 @@ def curve_figure(
     legend: bool = True,
     every_kind: bool = False,
 ) -> Any:
-    """The curve of a response with its values marked: antiresonances stand at its dips.
-
-    Parameters
-    ----------
-    curve : Curve
-    zeros, dof : AntiresonanceSet, int or str
-    band_hz : (low, high)
-    x_range : range of another figure, optional
-        To tie the two together.
-    legend : bool
-        Not needed under a diagram that has it.
-    every_kind : bool
-        Have a place for values of every kind, for pages in which they change.
-    """
+    """The curve of a response with its values marked: antiresonances stand at its dips."""
     shown = (curve.freq_hz >= band_hz[0]) & (curve.freq_hz <= band_hz[1])
     fig = paper(
         "Frequency (Hz)",
@@ -378,23 +342,7 @@ OTHERS = 6
 def singular_values_figure(
     check: Any, response: FrequencyResponse | None, band_hz: tuple[float, float], *, x_range: Any = None
 ) -> Any | None:
-    """Singular values of the spectral matrix of a record; of responses to one force, the only one.
-
-    Parameters
-    ----------
-    check : DataCheck or None
-        Of a record with several averages it has the spectral matrix.
-    response : FrequencyResponse or None
-        Used where there is no spectral matrix: its column of responses has one singular value, its norm.
-    band_hz : (low, high)
-    x_range : range of another figure, optional
-        To tie the two together.
-
-    Returns
-    -------
-    bokeh.plotting.figure or None
-        None where neither is there.
-    """
+    """Singular values of the spectral matrix of a record; of responses to one force, the only one."""
     values = getattr(check, "eigenvalues", None)
     if values is None and response is None:
         return None
@@ -458,27 +406,7 @@ def evidence_figure(
     *,
     every_kind: bool = False,
 ) -> Any:
-    """Diagram, curve, coherence and singular values of a response, as far as they are there.
-
-    Parameters
-    ----------
-    zeros : AntiresonanceSet
-    dof : int or str
-        One of the set's.
-    curve : Curve, optional
-        What was measured there.
-    response : FrequencyResponse, optional
-        What the set was identified from, where it was no record.
-    band_hz : (low, high), optional
-        Shown at first; by default the band of the diagram, else around the values.
-    every_kind : bool
-        Have a place for values of every kind, for pages in which they change.
-
-    Returns
-    -------
-    bokeh.models.Column
-        Tied together: zooming one zooms all.
-    """
+    """Diagram, curve, coherence and singular values of a response, as far as they are there."""
     require_bokeh()
     from bokeh.models import Range1d
 

@@ -39,18 +39,7 @@ UPRIGHT = 7
 
 
 def losses_figure(result: DamageResult, truth: Mapping[int, float] | None = None) -> Any:
-    """Bars of the losses found; hovering an element tells all that is known of it.
-
-    Parameters
-    ----------
-    result : DamageResult
-    truth : mapping of int to float, optional
-        True loss by element, where it is known.
-
-    Returns
-    -------
-    bokeh.plotting.figure
-    """
+    """Bars of the losses found; hovering an element tells all that is known of it."""
     from bokeh.models import FactorRange
 
     names = element_names(result)
@@ -218,17 +207,7 @@ LEAST_ROWS, WORTH_A_ROW, MOST_ROWS = 3, 0.005, 12
 
 
 def hypotheses_figure(hypotheses: Hypotheses) -> Any:
-    """One bar a hypothesis, the most probable on top; hovering tells the losses with their intervals.
-
-    Parameters
-    ----------
-    hypotheses : Hypotheses
-        ``result.hypotheses``.
-
-    Returns
-    -------
-    bokeh.plotting.figure
-    """
+    """One bar a hypothesis, the most probable on top; hovering tells the losses with their intervals."""
     from bokeh.models import FactorRange
 
     rows = [
@@ -313,21 +292,7 @@ GAP = 0.8
 def differences_figure(
     table: FrequencyTable | ModalTable, names: tuple[str, str] = ("before updating", "after updating")
 ) -> Any:
-    """Bars of the difference of each frequency to the measured one in %, before and after.
-
-    Parameters
-    ----------
-    table : FrequencyTable or ModalTable
-        ``UpdateResult.table``.
-    names : (str, str), optional
-        What the two states of the model are called.
-
-    Returns
-    -------
-    bokeh.plotting.figure
-        The axis is made for the many: a value that stands apart is a triangle at its edge, with its number;
-        zooming out shows it. A cross where the model has no partner.
-    """
+    """Bars of the difference of each frequency to the measured one in %, before and after."""
     modal = hasattr(table, "before_mac")
     of, starts = _groups(table, modal)
     x = np.arange(of.size) + GAP * (np.cumsum(starts) - 1)
@@ -499,22 +464,7 @@ def response_figure(
     excitation: int,
     names: tuple[str, str] = ("before updating", "after updating"),
 ) -> Any:
-    """FRFs response by response, or transmissibilities summed, of the measurement and of the model.
-
-    Parameters
-    ----------
-    measured : FrequencyResponse
-    before, after : StructuralModel
-    excitation : int
-        Dof of the force.
-    names : (str, str)
-        What the two models are called.
-
-    Returns
-    -------
-    bokeh.plotting.figure
-        Of FRFs the first response is shown; a click on the name of another shows it too.
-    """
+    """FRFs response by response, or transmissibilities summed, of the measurement and of the model."""
     three = ("measured", f"model {names[0]}", f"model {names[1]}")
     if measured.kind == "transmissibility":
         over = named(before, measured.reference)
@@ -604,23 +554,7 @@ def structure_figure(
     sensors: Sequence[Any] = (),
     excitation: Any = None,
 ) -> Any:
-    """A chain or a frame; hovering tells elements, nodes and sensors.
-
-    Parameters
-    ----------
-    model : MassSpringChain or FrameModel
-    loss_percent : mapping of int to float, optional
-        Stiffness loss by element; light grey at 0, dark blue at the largest. Frames without it show their
-        sections.
-    sensors : sequence of dofs
-        Where the accelerometers are.
-    excitation : dof, optional
-        Where the force acts.
-
-    Returns
-    -------
-    bokeh.plotting.figure
-    """
+    """A chain or a frame; hovering tells elements, nodes and sensors."""
     if isinstance(model, MassSpringChain):
         return _chain(model, loss_percent, sensors, excitation)
     return _frame(model, loss_percent, sensors, excitation)
@@ -859,17 +793,7 @@ MOST_POINTS = 1500
 
 
 def convergence_figure(result: UpdateResult) -> Any:
-    """Best J of each island against the evaluations of all.
-
-    Parameters
-    ----------
-    result : UpdateResult or DamageResult
-        Of a search: one against a baseline has none.
-
-    Returns
-    -------
-    bokeh.plotting.figure
-    """
+    """Best J of each island against the evaluations of all."""
     history = result.history
     cost, nfev = np.asarray(history.cost), np.asarray(history.nfev, dtype=np.float64)
     kept = np.unique(np.linspace(0, len(nfev) - 1, min(len(nfev), MOST_POINTS)).round().astype(int))
@@ -913,26 +837,7 @@ def convergence_figure(result: UpdateResult) -> Any:
 def result_figures(
     result: UpdateResult, response: FrequencyResponse | None = None, truth: Mapping[int, float] | None = None
 ) -> dict[str, Any]:
-    """All figures of a result that there are, by name.
-
-    Parameters
-    ----------
-    result : UpdateResult or DamageResult
-    response : FrequencyResponse, optional
-        What was measured with the first position of the force: FRFs or transmissibilities.
-    truth : mapping of int to float, optional
-        True stiffness loss by element.
-
-    Returns
-    -------
-    dict of str to bokeh.plotting.figure
-        Of damage, hypotheses, model, differences, response and convergence those that there are.
-
-    Raises
-    ------
-    MissingDependencyError
-        bokeh is not installed.
-    """
+    """All figures of a result that there are, by name."""
     problem, model = result.problem, result.problem.model
     damage = isinstance(result, DamageResult)
     names = ("without damage", "with the damage found") if damage else ("before updating", "after updating")

@@ -18,17 +18,7 @@ MOST_TESTS = 20_000
 
 
 def watched_figure(watched: Watched) -> Any:
-    """Single tests, slow mean and condition below one another; zooming one zooms all.
-
-    Parameters
-    ----------
-    watched : Watched
-        From :func:`~antires_rs.monitor`.
-
-    Returns
-    -------
-    bokeh.models.Column
-    """
+    """Single tests, slow mean and condition below one another; zooming one zooms all."""
     times, count = watched.times, len(watched)
     if times is not None and np.isnat(times).any():
         times = None

@@ -29,27 +29,7 @@ def opened(
     browser: bool = True,
     say: Callable[[str], Any] = print,
 ) -> Page:
-    """Serve a view and show it.
-
-    Parameters
-    ----------
-    make : callable
-        Returns the view. It is called when the browser has been told to open the page.
-    title : str
-        What is looked at.
-    wait : bool, optional
-        Return when the page was closed, or Ctrl-C; by default everywhere but in a notebook, which shows the
-        page below the cell and goes on.
-    browser : bool
-        Open it; else its address is told only.
-    say : callable
-        Receives the lines that are told.
-
-    Raises
-    ------
-    MissingDependencyError
-        bokeh is not installed.
-    """
+    """Serve a view and show it."""
     inline = in_notebook()
     wait = not inline if wait is None else wait
     page = Page(ends_with_page=wait or not inline)

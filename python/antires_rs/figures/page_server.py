@@ -62,22 +62,7 @@ class Guard:
         return f"http://{ADDRESS}:{self.port}/?token={self.token}"
 
     def refuses(self, host: str | None, origin: str | None, token: str | None) -> str | None:
-        """Why a request is refused; None if it is answered.
-
-        Parameters
-        ----------
-        host, origin : str or None
-            Headers of the request. Browsers send an origin with what a page asks for, unless it is its own.
-        token : str or None
-
-        Examples
-        --------
-        >>> from antires_rs.figures.page_server import Guard
-        >>> guard = Guard(8000, "secret")
-        >>> guard.refuses("127.0.0.1:8000", None, "secret")
-        >>> guard.refuses("127.0.0.1:8000", "http://elsewhere.example", "secret")
-        'a page of another origin asked'
-        """
+        """Why a request is refused; None if it is answered."""
         if host not in self.hosts:
             return "the address is not this server's own"
         if origin is not None and origin not in {f"http://{name}" for name in self.hosts}:

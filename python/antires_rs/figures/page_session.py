@@ -91,14 +91,7 @@ class SessionFile:
         self._own = None if self.path is None else _mark(self.path)
 
     def write(self, text: str, *, replace_file: bool = False) -> str:
-        """Write the text; the name of the file.
-
-        Raises
-        ------
-        InvalidInputError
-            There is no name, or the file cannot be written; or what stands there is not this session's, and
-            ``replace_file`` is False: then the error is about :data:`TAKEN`.
-        """
+        """Write the text; the name of the file."""
         if self.path is None:
             reject("path", None, "a file to write", "Download the set instead.")
         found = _mark(self.path)
@@ -538,14 +531,7 @@ class Session:
         return self._moved(self._future, self._past, "done again")
 
     def save(self, *, replace_file: bool = False) -> str:
-        """Write the set, and the edits that wait, where it belongs.
-
-        Raises
-        ------
-        InvalidInputError
-            A file of that name is there that this session has not written, and ``replace_file`` is False;
-            there is no name; or the file cannot be written.
-        """
+        """Write the set, and the edits that wait, where it belongs."""
         with self._lock:
             name = self.file.write(self.text, replace_file=replace_file)
             self._saved = (self.zeros, self._now.asked)
@@ -843,13 +829,7 @@ class SetView:
         )
 
     def do(self, command: str, arguments: Arguments) -> str:
-        """One of the commands above.
-
-        Raises
-        ------
-        AntiresError
-            What the command itself refuses; a command or an argument that is none.
-        """
+        """One of the commands above."""
         if command not in self._commands:
             reject("command", command, f"one of {', '.join(self._commands)}", "Load the page again.")
         return self._commands[command](arguments) or ""

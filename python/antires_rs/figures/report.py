@@ -77,62 +77,12 @@ def write_report(
 ) -> Path:
     """Write a result with its tables, pictures and caveats into one HTML file below 3 MB.
 
-    Parameters
-    ----------
-    result : UpdateResult or DamageResult
-    path : path-like
-        Replaced if it exists, in one step: a reader never sees half a report.
-    title : str, optional
-        Heading; what was done by default.
-    measurement : Recording, FrequencyResponse or mapping of str to str, or a sequence of these, optional
-        What was measured, one for each measured set: the signal itself, or facts by name. What a set knows of
-        its own identification is shown in any case.
-    diagrams : mapping of dof to StabilizationDiagram, optional
-        Evidence of the identification, by response dof or by any name. Default: those that the measured sets
-        carry.
-    response : FrequencyResponse, optional
-        Measured transmissibilities, drawn beside the model's before and after. With several positions of the
-        force they belong to the first. Not with modes, which do not tell where the force was.
-    truth : mapping of int to float, optional
-        True stiffness loss by element, for a virtual test; shown beside what was found.
-    origin : mapping of str to str or sequence of str, optional
-        What repeats the run, such as its command and the checksums of its files; shown beside the seed.
-    warnings : sequence of str, optional
-        What was warned of in the run. Default: what the data checks of the measured sets say.
-    baseline : sequence of mapping of str to str, optional
-        Facts by name about each measurement of the intact structure.
-    drawn : Drawings, optional
-        Pictures that are wanted elsewhere too, so that none is drawn twice. Default: those of ``diagrams``,
-        ``response`` and ``truth``.
-
-    Returns
-    -------
-    pathlib.Path
-        The file written.
-
-    Raises
-    ------
-    InvalidInputError
-        The folder does not exist, or something that is not a result.
-    MissingDependencyError
-        jinja2 or matplotlib is not installed.
-
     Notes
     -----
     The file asks nothing of any network. Where bokeh is installed (``pip install "antires-rs[look]"``), its
     figures can be zoomed, hovered and their lines switched off; printed, without scripts, or without bokeh
     pictures stand there. Where all stabilization diagrams together would
     make it larger, the last are left out, and it says how many.
-
-    Examples
-    --------
-    >>> import tempfile, antires_rs as ar
-    >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
-    >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)),
-    ...                              ar.AntiresonanceSet(0, {0: [2.1, 5.6], 1: [3.5]}))
-    >>> result = ar.update(problem, rng=0)
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     result.report(folder + "/run.html")
     """
     if not isinstance(result, UpdateResult):
         reject(
@@ -311,14 +261,7 @@ _LATEST = 50
 
 
 def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None:
-    """Write the page, whole or not at all.
-
-    Parameters
-    ----------
-    watched : Watched
-    path : path-like
-        Replaced if it exists.
-    """
+    """Write the page, whole or not at all."""
     drawn = picture(
         lambda axes: draw_monitor(np.atleast_1d(axes), watched),
         size_in(watched),

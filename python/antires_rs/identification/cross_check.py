@@ -20,8 +20,7 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import UnsuitableDataError, reject
-from ..signals.averaging import METHODS as AVERAGING_METHODS
-from ..signals.averaging import Averaging, average
+from ..signals.averaging import METHODS as AVERAGING_METHODS, Averaging, average
 from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
 from ..support.checks import ComplexArray, FloatArray, choice, finite_scalar, frequency_band, integer
@@ -60,35 +59,7 @@ EXHAUSTED = 1e-12
 def set_valued_aaa(
     freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, n_poles: int
 ) -> tuple[ComplexArray, FloatArray]:
-    """Poles of the outputs and how much of the curves each owns.
-
-    Parameters
-    ----------
-    freq_hz : (n_freq,)
-    values : (n_outputs, n_freq) complex
-    weights : (n_freq,)
-        Of squared residuals.
-    n_poles : int
-        Most poles, less than ``n_freq``. There are fewer once the misfit is nil.
-
-    Returns
-    -------
-    s : (n,) complex, rad/s
-        Poles in the upper half plane; those below stand for nothing, as only positive frequencies are used.
-    dominance : (n,)
-        Norm of its residues over ``abs(Re s)``, over the norm of the fitted curves at its frequency.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.cross_check import set_valued_aaa
-    >>> f = np.linspace(1.0, 20.0, 200)
-    >>> y = 1.0 / (5**2 - f**2 + 0.1j * f) - 1.0 / (10**2 - f**2 + 0.2j * f)
-    >>> s, dominance = set_valued_aaa(f, y[None, :], np.ones(200), 4)
-    >>> strong = dominance > 0.3
-    >>> np.sort(np.abs(s[strong]) / (2 * np.pi)).round(6).tolist()
-    [5.0, 10.0]
-    """
+    """Poles of the outputs and how much of the curves each owns."""
     z = 1j * freq_hz / freq_hz[-1]
     root = np.sqrt(weights / weights.sum())
     size = float(np.linalg.norm(root * values))
@@ -171,34 +142,7 @@ LEAST_CONSTANT = 1e-8
 def vector_fitting(
     freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, n_poles: int
 ) -> tuple[ComplexArray, FloatArray]:
-    """Poles of the outputs and how much of the curves each owns.
-
-    Parameters
-    ----------
-    freq_hz : (n_freq,)
-    values : (n_outputs, n_freq) complex
-    weights : (n_freq,)
-        Of squared residuals.
-    n_poles : int
-        Pairs of complex poles.
-
-    Returns
-    -------
-    s : (n,) complex, rad/s
-        One pole of each pair, on either side of the imaginary axis.
-    dominance : (n,)
-        Norm of its residues over ``abs(Re s)``, over the norm of the fitted curves at its frequency.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.cross_check import vector_fitting
-    >>> f = np.linspace(1.0, 20.0, 200)
-    >>> y = 1.0 / (5**2 - f**2 + 0.1j * f) - 1.0 / (10**2 - f**2 + 0.2j * f)
-    >>> s, dominance = vector_fitting(f, y[None, :], np.ones(200), 2)
-    >>> np.sort(np.abs(s) / (2 * np.pi)).round(6).tolist(), dominance.round(1).tolist()
-    ([5.0, 10.0], [1.0, 1.0])
-    """
+    """Poles of the outputs and how much of the curves each owns."""
     s = 1j * freq_hz / freq_hz[-1]
     root = np.sqrt(weights / weights.sum())[:, None]
     low, high = freq_hz[0] / freq_hz[-1], 1.0
@@ -361,56 +305,12 @@ def cross_check(
 ) -> CrossCheck:
     """Judge identified antiresonances by a method that had no part in finding them.
 
-    Parameters
-    ----------
-    source : Recording or FrequencyResponse
-        What they were identified from.
-    identified : AntiresonanceSet
-        The values, or any mapping of dof to Hz; its dofs are channels of ``source``.
-    band_hz : (low, high)
-        As in the identification.
-    method : {"aaa", "vector_fitting"}
-        Set-valued AAA or relaxed vector fitting, see :mod:`~antires_rs.identification.cross_check` and
-        :mod:`~antires_rs.identification.cross_check`.
-    tol : float
-        Relative distance up to which a pole confirms a value.
-    n_poles : int, optional
-        Poles of the other fit. Default: 8 more than the dof with most values has, at least 12. Only that
-        number is taken from ``identified``, nothing of where the values lie.
-    nperseg, noverlap, window
-        As for :func:`~antires_rs.identify_antiresonances`.
-    averaging : {"auto", "welch", "transient"}
-        As ``method`` there.
-
-    Returns
-    -------
-    CrossCheck
-
-    Raises
-    ------
-    InvalidInputError
-        A malformed argument, or a dof that is no channel.
-    UnsuitableDataError
-        A single channel and no force: there is no quotient to fit.
-
     Notes
     -----
     Vector fitting is the default: near the noise it confirms more of what is true, AAA takes a fifth of its
     time (``benchmarks/cross_check_table.py`` on the eight-mass chain).
     Candidates are asked to rise out of the noise on both sides: the lowest antiresonances of a response,
     where it lies near its noise, are confirmed, but are not proposed.
-
-    Examples
-    --------
-    >>> import numpy as np, antires_rs as ar
-    >>> from antires_rs.identification.cross_check import cross_check
-    >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
-    >>> f = np.linspace(0.5, 8.0, 400)
-    >>> h = ar.FrequencyResponse(f, chain.frf([0, 1, 2], 0, f, damping_ratio=0.01), dofs=[0, 1, 2])
-    >>> guess = {0: [2.2, 3.0, 5.76], 1: [3.56], 2: []}
-    >>> print(cross_check(h, guess, band_hz=(0.5, 8.0)))
-    cross-check by vector fitting: 3 of 4 values confirmed within 1 %
-      dof 0: 3.000 Hz not confirmed: its nearest pole is 2.199 Hz, 26.7 % away
     """
     choice("method", method, tuple(METHODS))
     choice("averaging", averaging, AVERAGING_METHODS)

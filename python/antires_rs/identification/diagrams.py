@@ -126,18 +126,7 @@ FEW_LINES = SCALES[-1][1]
 
 
 def settled(options: IdentificationOptions, lines: Lines) -> IdentificationOptions:
-    """The options with the formulation that "auto" means for these lines.
-
-    Raises
-    ------
-    InvalidInputError
-        Orders among which no chain could be long enough, where orders are swept.
-
-    Warns
-    -----
-    AntiresWarning
-        Options that were given and have no effect on this fit; few lines for fits over windows.
-    """
+    """The options with the formulation that "auto" means for these lines."""
     formulation = options.formulation
     if formulation == "auto":
         averaged = lines.segments is not None

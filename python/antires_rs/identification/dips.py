@@ -33,26 +33,7 @@ from .stabilization import StabilizationDiagram, flanked
 def dips(
     freq_hz: FloatArray, level_db: FloatArray, least_db: float, around_hz: tuple[float, float] | None = None
 ) -> tuple[NDArray[np.intp], FloatArray]:
-    """Lines at which a curve has a dip, and the depths in dB.
-
-    Parameters
-    ----------
-    freq_hz, level_db : (n_freq,)
-        A curve in dB. Peaks are the dips of the negative curve.
-    least_db : float
-        Shallower dips are left out.
-    around_hz : (low, high), optional
-        Only dips between these; the curve beyond still tells how deep they are.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.dips import dips
-    >>> f = np.linspace(5.0, 15.0, 401)
-    >>> at, depth = dips(f, 10 * np.log10((f / 10 - 1) ** 2 + 0.01**2), 3.0)
-    >>> f[at].tolist(), depth.round(1).tolist()
-    ([10.0], [11.8])
-    """
+    """Lines at which a curve has a dip, and the depths in dB."""
 
     # No dip is deeper within its reach than without bounds.
     lines = prominent_peaks(-level_db, least_db)
@@ -88,14 +69,6 @@ def unexplained(
     """Frequencies in Hz of high peaks of a curve beside which no antiresonance was seen.
 
     A response must rise out of its noise on both flanks of a peak.
-
-    Parameters
-    ----------
-    freq_hz, background : (n_freq,)
-        The magnitude that a diagram shows behind its poles.
-    known_hz : (n,)
-    snr : (n_freq,)
-        Signal-to-noise power of the response itself.
     """
     if freq_hz.size < 2 * PEAK_LINES:
         return np.empty(0)

@@ -360,26 +360,7 @@ def identify_roving(
     say: Callable[[str], Any] | None = None,
     **options: Any,
 ) -> AntiresonanceSet:
-    """The antiresonances of all places that were hit, to a force at the sensor (H_ik = H_ki).
-
-    Parameters
-    ----------
-    hits : sequence of Hit
-        Two or more.
-    sensor : int or str
-        A response or the force of each of them.
-    band_hz : (low, high)
-    say : callable, optional
-        Told of each measurement before it is identified.
-    **options
-        Of :func:`~antires_rs.identify_antiresonances`.
-
-    Returns
-    -------
-    AntiresonanceSet
-        As :func:`~antires_rs.merge_setups` joins them, with the diagram of each value that comes from one
-        measurement alone.
-    """
+    """The antiresonances of all places that were hit, to a force at the sensor (H_ik = H_ki)."""
     sets = []
     for hit in hits:
         if say is not None:

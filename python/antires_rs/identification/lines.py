@@ -146,25 +146,7 @@ def curve_lines(
     size_known: bool,
     added_decay_per_s: float = 0.0,
 ) -> Lines:
-    """Vectors of equal noise, and what each line is worth.
-
-    Parameters
-    ----------
-    freq_hz : (n_freq,)
-    values : (n_rows, n_freq) complex
-        Known at least up to a factor at each line.
-    force : (n_freq,) complex, optional
-        One more row with the same factors. It is scaled to weigh as much as all responses together at the
-        median line.
-    std : (n_rows, n_freq), optional
-        Standard deviation of the real parts of ``values``, where it is known.
-    runs : (R, n_rows, n_freq) complex, optional
-        What each of several tests gave, where ``values`` are their average.
-    size_known : bool
-        Whether the size of ``values`` from line to line is a property of the structure.
-    added_decay_per_s : float
-        Of an exponential window.
-    """
+    """Vectors of equal noise, and what each line is worth."""
     rows = values if force is None else np.vstack([values, _weighty(force, values)])
     power = np.sum(np.abs(rows) ** 2, axis=0)
     directions = aligned(rows)

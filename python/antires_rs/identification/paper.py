@@ -204,50 +204,7 @@ _EQ10 = {"eq10": (1, 0.5), "eq10_squared": (2, -0.5)}
 def sweep_of(
     lines: Lines, row: int, min_order: int, max_order: int, rule: Rule, formulation: str = "joint"
 ) -> tuple[PoleSweep, range, FloatArray]:
-    """Sweep whose poles are the antiresonances of one row.
-
-    Parameters
-    ----------
-    lines : Lines
-        Response vectors of the band.
-    row : int
-        Of the dof whose antiresonances are wanted.
-    min_order, max_order : int
-        In s. With few lines the highest is lowered to a third of the real numbers in the data: two a line
-        for "joint", else one.
-    rule : Rule
-        Only ``min_rows`` is looked at.
-    formulation : {"joint", "power", "eq10", "eq10_squared"}
-        See the module.
-
-    Returns
-    -------
-    sweep : PoleSweep
-    orders : range
-        The orders that the lines can bear.
-    background : (n_freq,)
-        What was fitted, as a magnitude, for drawing behind the poles.
-
-    Raises
-    ------
-    InvalidInputError
-        An unknown formulation, or too few lines for the orders.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.paper import sweep_of
-    >>> from antires_rs.identification.lines import Lines
-    >>> from antires_rs.identification.rule import Rule
-    >>> f = np.linspace(2.0, 30.0, 600)
-    >>> x = np.array([1.0 - f**2 / (10.0**2 + 0.2j * f), 1.0 + 0j * f])  # the first vanishes at 10 Hz
-    >>> lines = Lines(f, x / np.linalg.norm(x, axis=0), np.full(600, 1e6))
-    >>> for name in ("joint", "power"):
-    ...     sweep, orders, _ = sweep_of(lines, 0, 2, 20, Rule(), name)
-    ...     print(name, orders, np.sort(np.abs(sweep.roots(2)) / (2 * np.pi)).round(3).tolist())
-    joint range(2, 21) [10.0, 10.0]
-    power range(2, 21) [10.0, 10.0]
-    """
+    """Sweep whose poles are the antiresonances of one row."""
     choice("formulation", formulation, FORMULATIONS)
     per_line = 1 if formulation in OF_MAGNITUDES else 2
     orders = rule.orders((min_order, max_order), lines.freq_hz.size, per_line=per_line)

@@ -42,17 +42,7 @@ MOST_EXPONENT = 300.0
 
 
 def guessed_poles(freq_hz: FloatArray, power: FloatArray, count: int) -> ComplexArray:
-    """``count`` poles in the upper left quarter of the plane, rad/s.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.rational_fit import guessed_poles
-    >>> f = np.linspace(1.0, 100.0, 1000)
-    >>> power = 1.0 / np.abs((3.0**2 - f**2 + 0.1j * f) * (9.0**2 - f**2 + 0.1j * f))**2
-    >>> (guessed_poles(f, power, 4).imag / (2 * np.pi)).round().tolist()
-    [3.0, 9.0, 24.0, 69.0]
-    """
+    """``count`` poles in the upper left quarter of the plane, rad/s."""
     size = np.maximum(power, 1e-30 * power.max())
     moved = np.abs(np.diff(np.log(size)))
     even = np.diff(freq_hz) / (freq_hz[-1] - freq_hz[0])
@@ -460,31 +450,7 @@ RESIDUAL_POWERS = (-2, -1, 0, 1, 2)
 def residues(
     freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, poles: ComplexArray
 ) -> ComplexArray:
-    """Residues A of every pole in every curve.
-
-    Parameters
-    ----------
-    freq_hz : (n_freq,)
-    values : (n_outputs, n_freq) complex
-    weights : (n_freq,)
-        Of squared residuals.
-    poles : (n_poles,) complex
-        rad/s, one of each pair.
-
-    Returns
-    -------
-    (n_poles, n_outputs) complex
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.rational_fit import residues
-    >>> f = np.linspace(1.0, 20.0, 200)
-    >>> s, pole = 2j * np.pi * f, -1.0 + 60.0j
-    >>> y = (2 - 1j) / (s - pole) + (2 + 1j) / (s - pole.conjugate()) + 3.0 - 0.2 * s
-    >>> residues(f, y[None], np.ones(200), np.array([pole])).round(9).tolist()
-    [[(2-1j)]]
-    """
+    """Residues A of every pole in every curve."""
     s = 2j * np.pi * freq_hz
     top = np.abs(s).max()
     near, far = 1.0 / (s[:, None] - poles), 1.0 / (s[:, None] - poles.conj())

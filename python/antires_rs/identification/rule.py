@@ -233,32 +233,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
 
 
 def rule_options(preset: str | None = None, **given: Any) -> dict[str, Any]:
-    """All options of the choice: those given, else those of the preset, else the defaults.
-
-    Parameters
-    ----------
-    preset : {None, "paper", "strict", "sensitive"}
-        See the module.
-    **given
-        Options by name; None stands for not given.
-
-    Returns
-    -------
-    dict
-        Every option, whose names are those of :data:`DEFAULTS`.
-
-    Raises
-    ------
-    InvalidInputError
-        An unknown preset or option.
-
-    Examples
-    --------
-    >>> from antires_rs.identification.rule import rule_options
-    >>> options = rule_options("paper", min_rows=8)
-    >>> options["damping_tol"], options["min_rows"], options["freq_tol"]
-    (0.05, 8, 0.01)
-    """
+    """All options of the choice: those given, else those of the preset, else the defaults."""
     choice("preset", preset, (None, *PRESETS))
     strange = sorted(set(given) - set(DEFAULTS))
     if strange:

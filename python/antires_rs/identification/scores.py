@@ -76,31 +76,7 @@ def local_misfit(
     value_hz: FloatArray,
     damping_ratio: FloatArray,
 ) -> FloatArray:
-    """Relative misfit within three half-power bandwidths of each value.
-
-    Parameters
-    ----------
-    freq_hz : (n_freq,)
-        Ascending.
-    data, fitted : (n_outputs, n_freq) complex
-        The transmissibilities to the dof in question, as measured and as fitted (on the FRF route the
-        reciprocals of its FRF).
-    value_hz, damping_ratio : (n,)
-
-    Returns
-    -------
-    (n,) : rms over the lines of ``norm(data - fitted) / norm(fitted)``, norms over the outputs. Noise alone
-        gives about its own share of the responses; NaN where the data do not reach.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.scores import local_misfit
-    >>> f = np.linspace(1.0, 20.0, 400)
-    >>> t = 25 / (5**2 - f**2 + 0.1j * f)[None, :]
-    >>> local_misfit(f, 1.1 * t, t, np.array([5.0]), np.array([0.01])).round(3).tolist()
-    [0.1]
-    """
+    """Relative misfit within three half-power bandwidths of each value."""
     out = np.full(value_hz.size, np.nan)
     for i, (value, damping) in enumerate(zip(value_hz, damping_ratio, strict=True)):
         near = np.flatnonzero(_within(freq_hz, value, NEAR_WIDTHS * _width(freq_hz, value, damping)))
@@ -114,31 +90,7 @@ def local_misfit(
 def prominence_db(
     freq_hz: FloatArray, background: FloatArray, value_hz: FloatArray, damping_ratio: FloatArray
 ) -> FloatArray:
-    """Height in dB of the background's peak at each value over its surroundings.
-
-    Parameters
-    ----------
-    freq_hz : (n_freq,)
-        Ascending.
-    background : (n_freq,)
-        Magnitude of the summed transmissibilities.
-    value_hz, damping_ratio : (n,)
-
-    Returns
-    -------
-    (n,) : mean power within the half-power bandwidth over the median power from 2.5 to 7.5 bandwidths away,
-        both sides together. A lone, clean peak has some 19 dB; a value without any peak about 0 dB or less.
-        NaN where the data do not reach.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.scores import prominence_db
-    >>> f = np.linspace(1.0, 20.0, 4000)
-    >>> t = np.abs(25 / (5**2 - f**2 + 0.1j * f))
-    >>> prominence_db(f, t, np.array([5.0, 10.0]), np.array([0.01, 0.01])).round(1).tolist()
-    [18.9, -1.2]
-    """
+    """Height in dB of the background's peak at each value over its surroundings."""
     power = np.abs(background) ** 2
     out = np.full(value_hz.size, np.nan)
     for i, (value, damping) in enumerate(zip(value_hz, damping_ratio, strict=True)):
@@ -171,15 +123,6 @@ def grades(
     0.1, prominence of at least 6 dB. "sure" passes four or five, "fair" three, "weak" fewer. What is not
     known (NaN) is not passed.
 
-    Parameters
-    ----------
-    rows, spread, dominance, residual, prominence_db : (n,)
-        Scores, see the module.
-
-    Returns
-    -------
-    (n,) str
-
     Notes
     -----
     The limits were set on 317 values of chain8 (seeds 100 to 102; a third of them false, by a lax rule). On
@@ -196,14 +139,6 @@ def grades(
 
     Even "weak" is true nine times of ten: it asks for a look. All this holds for averaged records; for given
     curves and single impacts see :func:`window_grades`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.scores import grades
-    >>> grades(np.array([45, 8]), np.array([1e-5, 4e-3]), np.array([1.0, 0.01]), np.array([0.01, 0.01]),
-    ...        np.array([17.0, -3.0])).tolist()
-    ['sure', 'weak']
     """
     tests = [
         rows > MORE_ROWS,
@@ -222,29 +157,11 @@ def window_grades(share: FloatArray, spread: FloatArray, depth_db: FloatArray) -
     "sure": nine of ten fits see it, within 0.3 %, as a dip of 6 dB at least. "weak": fewer than seven of ten
     fits do, or the dip has less than 4 dB. "fair": all others.
 
-    Parameters
-    ----------
-    share, spread : (n,)
-        Scores, see the module.
-    depth_db : (n,)
-        The shallower of the two depths, where both are known.
-
-    Returns
-    -------
-    (n,) str
-
     Notes
     -----
     On six states of a measured plate (20 FRFs each) 1 of 104 "sure" values, 2 of 27 "fair" and 10 of 20
     "weak" ones had no dip of 3 dB. Three tests of one plate had 26 of 48 "sure", 9 of 15 "fair" and 2 of 13
     "weak" ones in common: a grade says that the curve shows it, not that the next test will.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.scores import window_grades
-    >>> window_grades(np.array([1.0, 0.6]), np.array([1e-4, 1e-4]), np.array([20.0, 20.0])).tolist()
-    ['sure', 'weak']
     """
     sure = (share >= SURE_SHARE) & (spread <= SURE_SPREAD) & (depth_db >= SURE_DEPTH_DB)
     weak = (share < WEAK_SHARE) | (depth_db < WEAK_DEPTH_DB)

@@ -84,15 +84,7 @@ def freedom(n_draws: int) -> float:
 
 
 def combined(between: FloatArray, within: FloatArray, n_draws: int, q: float) -> FloatArray:
-    """Variance of each zero.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.uncertainty import combined
-    >>> combined(np.array([0.0, 9.0]), np.array([1.0, 1.0]), 9, 1.0).tolist()
-    [0.5, 5.0]
-    """
+    """Variance of each zero."""
     return np.asarray(((n_draws - 1.0) * between + PRIOR * q * within) / freedom(n_draws))
 
 

@@ -59,22 +59,7 @@ class LocalWindow:
 
 
 def local_windows(freq_hz: FloatArray) -> list[LocalWindow]:
-    """All windows that the lines fill well enough; the whole if there is none.
-
-    Parameters
-    ----------
-    freq_hz : (n_freq,)
-        Lines of the band, ascending.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.windows import local_windows
-    >>> one, other = np.arange(100.0, 300.0, 0.5), np.arange(110.0, 300.0, 0.5)
-    >>> edges = [{(f[w.first], f[w.last - 1]) for w in local_windows(f)} for f in (one, other)]
-    >>> len(edges[0] & edges[1]) > 10  # but for the first and last ones they are the same windows
-    True
-    """
+    """All windows that the lines fill well enough; the whole if there is none."""
     step = float(np.median(np.diff(freq_hz)))
     found = []
     for ratio, lines in SCALES:
@@ -415,16 +400,7 @@ WORTH_MENTIONING = 0.25
 def agreed(
     seen: Sightings, inside: NDArray[np.bool_], covers: NDArray[np.bool_], rule: Rule
 ) -> tuple[ResponseTable, ResponseTable]:
-    """The antiresonances of one response, and what was left out with the score "why".
-
-    Parameters
-    ----------
-    seen : Sightings
-        Of one response, (n,).
-    inside, covers : (n, n_fits) bool
-        Whether the frequency of each lies in the interior of the window of each fit, or in it at all.
-    rule : Rule
-    """
+    """The antiresonances of one response, and what was left out with the score "why"."""
     dipped = seen.depth_db > 0.0
     groups = _groups(seen.where(dipped), inside[dipped], covers[dipped], rule)
     found = [_row(seen.where(dipped), group, share) for group, share in groups if share >= WORTH_MENTIONING]

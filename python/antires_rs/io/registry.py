@@ -87,12 +87,6 @@ _KNOWN: dict[tuple[str, ...], str] = {
 
 
 def conversion(name: str) -> str:
-    """A sentence on the file of that name, with a blank before it; '' where its ending says nothing.
-
-    Examples
-    --------
-    >>> conversion("run.mf4")
-    ' It is MDF. The package asammdf converts it to MAT, HDF5, Parquet or CSV.'
-    """
+    """A sentence on the file of that name, with a blank before it; '' where its ending says nothing."""
     suffix = PurePath(name).suffix.lower()
     return next((f" {said}." for endings, said in _KNOWN.items() if suffix in endings), "")

@@ -1193,15 +1193,6 @@ def force_of(path: str | os.PathLike[str]) -> str | None:
     """Point of the force, ``'12+Z'``: the one reference of the FRFs, or the channel of a force.
 
     None where the file does not tell, or states several.
-
-    Examples
-    --------
-    >>> import tempfile, antires_rs as ar
-    >>> from antires_rs.io.uff import force_of
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     record = ar.Recording([[1.0, 2.0, 4.0]], 512.0, dofs=["12+Z"])
-    ...     print(force_of(ar.write_uff(folder + "/a.uff", record)))
-    None
     """
     functions = functions_of(existing_file(path), True, "force_of")
     points = {f.reference for f in functions if f.what == "frf"}

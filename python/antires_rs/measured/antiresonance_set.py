@@ -385,15 +385,7 @@ class _Confirms(Protocol):
 
 
 def doubts_of(dof: Any, table: ResponseTable, cross_check: _Confirms | None = None) -> list[list[str]]:
-    """Words for every row: added by hand, how it was accepted, tests failed below "sure", not confirmed.
-
-    Examples
-    --------
-    >>> from antires_rs.measured.antiresonance_set import doubts_of
-    >>> from antires_rs.measured.response_table import ResponseTable
-    >>> doubts_of(0, ResponseTable([8.7, 12.2], by_hand=[False, True]))
-    [[], ['added by hand']]
-    """
+    """Words for every row: added by hand, how it was accepted, tests failed below "sure", not confirmed."""
     return [_of(dof, table, i, cross_check) for i in range(len(table))]
 
 
@@ -416,14 +408,7 @@ def _of(dof: Any, table: ResponseTable, i: int, cross_check: _Confirms | None) -
 
 
 def number(value: float, digits: int, *, sign: bool = False) -> str:
-    """A number with so many decimals; a dash where it is not known.
-
-    Examples
-    --------
-    >>> from antires_rs.measured.antiresonance_set import number
-    >>> number(0.12345, 3), number(float("nan"), 3), number(2.0, 1, sign=True)
-    ('0.123', '-', '+2.0')
-    """
+    """A number with so many decimals; a dash where it is not known."""
     return "-" if value != value else f"{value:{'+' if sign else ''}.{digits}f}"
 
 
@@ -448,19 +433,7 @@ PLAIN, MOST = 3, 6
 
 
 def rows_printed(tables: Mapping[Any, ResponseTable], cross_check: Any = None) -> list[str]:
-    """Lines of the table; deviations, grades and doubts only where there are any.
-
-    Examples
-    --------
-    >>> from antires_rs.measured.antiresonance_set import rows_printed
-    >>> from antires_rs.measured.response_table import ResponseTable
-    >>> tables = {0: ResponseTable([8.7, 23.9], std_hz=[0.004, 0.02]), 1: ResponseTable([])}
-    >>> print("\\n".join(rows_printed(tables)))
-    dof  freq_hz  std_hz
-      0    8.700   0.004
-          23.900   0.020
-      1        -
-    """
+    """Lines of the table; deviations, grades and doubts only where there are any."""
     std = np.concatenate([np.empty(0), *(table.std_hz for table in tables.values())])
     digits = _decimals(std)
     rows = []

@@ -33,24 +33,7 @@ FORBIDDEN = 1e3
 def paired(
     a_hz: FloatArray, b_hz: FloatArray, max_shift: float, variance: FloatArray | None = None
 ) -> list[tuple[int, int]]:
-    """Indices of the values that are one, by ascending frequency.
-
-    Parameters
-    ----------
-    a_hz : (n,)
-    b_hz : (m,)
-    max_shift : float
-        Relative.
-    variance : (n, m), optional
-        Of the differences in Hz^2; NaN where not known.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.measured.matching import paired
-    >>> paired(np.array([10.0, 10.4, 30.0]), np.array([10.3, 29.0, 45.0]), 0.05)
-    [(1, 0), (2, 1)]
-    """
+    """Indices of the values that are one, by ascending frequency."""
     from scipy.optimize import linear_sum_assignment  # slow to import
 
     if not a_hz.size or not b_hz.size:
@@ -155,14 +138,6 @@ def of_all(p: FloatArray, common: float = 0.0) -> tuple[float, int, float]:
     """Chi-square, its degrees of freedom, and the probability of one as large by chance.
 
     ``common`` is g of the module, whose square is added.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.measured.matching import of_all
-    >>> chi_square, n, p = of_all(np.array([0.5, 0.3, 0.8, np.nan]))
-    >>> round(chi_square, 2), n, round(p, 2)
-    (1.59, 3, 0.66)
     """
     from scipy.stats import chi2  # slow to import
 
@@ -212,22 +187,7 @@ ROUNDS = 8
 
 
 def scatter(freq_hz: FloatArray, std_hz: FloatArray) -> tuple[float, float]:
-    """Scatter of single values and common scatter, relative; NaN where no value is there twice.
-
-    Parameters
-    ----------
-    freq_hz, std_hz : (n_tests, n_values)
-        NaN where a test does not have a value, or its deviation is not known.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.measured.matching import scatter
-    >>> rng = np.random.default_rng(0)
-    >>> alike, each = 1e-3 * rng.standard_normal((50, 1)), 2e-4 * rng.standard_normal((50, 20))
-    >>> [f"{s:.1e}" for s in scatter(100.0 * (1.0 + alike + each), np.full((50, 20), 0.01))]
-    ['1.7e-04', '9.2e-04']
-    """
+    """Scatter of single values and common scatter, relative; NaN where no value is there twice."""
     some = np.sum(~np.isnan(freq_hz), axis=0) >= 2
     if not some.any():
         return float("nan"), float("nan")

@@ -57,15 +57,6 @@ def replayed(base: AntiresonanceSet, asked: Iterable[Asked]) -> tuple[Antiresona
 
     A value that was dropped may not be there in another band; one that was added may be identified now. Such
     edits wait: the caller keeps them for the next set.
-
-    Examples
-    --------
-    >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
-    >>> from antires_rs.measured.replay import asked_of, replayed
-    >>> edited = AntiresonanceSet(0, {0: [8.7, 23.9]}).drop(0, 23.9).add(0, 12.2)
-    >>> narrow, waits = replayed(AntiresonanceSet(0, {0: [8.71]}), asked_of(edited))
-    >>> narrow[0].tolist(), waits
-    ([8.71, 12.2], ['no value there now', None])
     """
     made = base
     waits: list[str | None] = []
@@ -124,28 +115,7 @@ def to_json(zeros: AntiresonanceSet, waiting: Sequence[Asked]) -> str:
 
 
 def asked_in(path: str | os.PathLike[str]) -> tuple[AntiresonanceSet, tuple[Asked, ...]]:
-    """The set of a file, and all edits that were asked for: those it has, then those that wait.
-
-    Raises
-    ------
-    InvalidInputError, FileNotFoundError
-        As :meth:`AntiresonanceSet.load`.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
-    >>> from antires_rs.measured.replay import asked_of
-    >>> from antires_rs.measured.replay import asked_in, to_json
-    >>> dropped = asked_of(AntiresonanceSet(0, {0: [8.7, 23.9]}).drop(0, 23.9, reason="hum"))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "zeros.json"
-    ...     _ = file.write_text(to_json(AntiresonanceSet(0, {0: [8.7]}), dropped))
-    ...     zeros, asked = asked_in(file)
-    >>> zeros.edits, asked == dropped
-    ((), True)
-    """
+    """The set of a file, and all edits that were asked for: those it has, then those that wait."""
     zeros = AntiresonanceSet.load(path)
     try:
         rows = json.loads(Path(path).read_text(encoding="utf-8")).get(KEY, ())

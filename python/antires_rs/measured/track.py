@@ -258,15 +258,7 @@ def track(
 def followed(
     sets: Sequence[Any], conditions: Any, dofs: Sequence[Any], max_shift: float, std_between: float
 ) -> Tracks:
-    """Tracks of some responses; a test that lacks one of them tells nothing of it.
-
-    Parameters
-    ----------
-    sets, conditions, max_shift, std_between
-        As for :func:`track`.
-    dofs : sequence of dof
-        Each in one set at least.
-    """
+    """Tracks of some responses; a test that lacks one of them tells nothing of it."""
     given = check_sets("sets", sets, 2)
     shift = check_shift(max_shift)
     between = finite_scalar("std_between", std_between, low=0.0, high=0.5)

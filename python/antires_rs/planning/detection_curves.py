@@ -166,13 +166,7 @@ def reached(a: float, most: float = HIGHEST) -> float:
 
 
 def rising(share: FloatArray) -> FloatArray:
-    """The nearest curve that nowhere falls (least squares): detection does not become less with damage.
-
-    Examples
-    --------
-    >>> rising(np.array([0.1, 0.4, 0.2, 0.9])).round(2).tolist()
-    [0.1, 0.3, 0.3, 0.9]
-    """
+    """The nearest curve that nowhere falls (least squares): detection does not become less with damage."""
     blocks: list[tuple[float, int]] = []
     for value in share.tolist():
         blocks.append((value, 1))

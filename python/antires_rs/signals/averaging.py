@@ -79,14 +79,7 @@ class Autocorrelation:
 
 
 def fast_length(least: int) -> int:
-    """The smallest product of powers of 2, 3 and 5 that is not less.
-
-    Examples
-    --------
-    >>> from antires_rs.signals.averaging import fast_length
-    >>> fast_length(1025), fast_length(121)
-    (1080, 125)
-    """
+    """The smallest product of powers of 2, 3 and 5 that is not less."""
     best = 1 << max(least - 1, 1).bit_length()
     fives = 1
     while fives < best:
@@ -297,16 +290,6 @@ def average(
 
     ``band_hz`` decides on the length of the segments where that is left open, made ``longer`` by a factor;
     ``lines_hz`` are the lines kept, by default those of the band. ``hits`` where that is known already.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.averaging import Averaging, average
-    >>> from antires_rs.signals.recording import Recording
-    >>> rec = Recording(np.random.default_rng(0).standard_normal((2, 8192)), 100.0)
-    >>> made = average(rec, (10.0, 20.0), Averaging())
-    >>> made.nperseg, made.spectra.matrix.shape
-    (1024, (102, 2, 2))
     """
     lines = band_hz if lines_hz is None else lines_hz
     correlation = Autocorrelation(rec)

@@ -12,9 +12,7 @@ from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import patient
 from ..support.values import frozen
-from . import channel_faults as channels
-from . import force_location, one_force, resolution
-from . import synchronization as phase
+from . import channel_faults as channels, force_location, one_force, resolution, synchronization as phase
 from .averaging import LEAST_SAMPLES, SEGMENTS, Averages, Averaging, average, holds_hits, longest_segments
 from .findings import SEVERITIES, DataCheck, Finding, NotTested, Said, one_of_a_kind
 from .frequency_response import FrequencyResponse, band_of
@@ -35,16 +33,7 @@ CHANGED = (
 
 
 def grouped(each: Sequence[Said]) -> Said:
-    """What the tests say of each record, joined: one finding for a test and a place, its worst example.
-
-    Examples
-    --------
-    >>> from antires_rs.signals.findings import Finding
-    >>> from antires_rs.signals.data_check import grouped
-    >>> seen = Finding("dead_channel", "fatal", (3,), 0.0, 0.1, "Channel 3 is constant.", "Leave it out.")
-    >>> [one.text for one in grouped([[], [seen], [seen]])]
-    ['Channel 3 is constant. (In records 1 and 2 of 3, counted from 0.)']
-    """
+    """What the tests say of each record, joined: one finding for a test and a place, its worst example."""
     found: dict[tuple[object, ...], list[tuple[int, Finding]]] = {}
     untested: dict[str, NotTested] = {}
     for number, said in enumerate(each):

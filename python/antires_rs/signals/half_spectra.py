@@ -50,30 +50,7 @@ class HalfSpectra:
 
 
 def half_spectra(rec: Recording, *, nperseg: int | None) -> HalfSpectra:
-    """Half spectra of all channels to a few references.
-
-    Parameters
-    ----------
-    rec : Recording
-        ``force`` is not read.
-    nperseg : int or None
-        Samples per Welch segment, of which the first half of the lags is used. None: whole impacts.
-
-    Returns
-    -------
-    HalfSpectra
-        Lines ``2 fs / nperseg`` apart.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.recording import Recording
-    >>> from antires_rs.signals.half_spectra import half_spectra
-    >>> rec = Recording(np.random.default_rng(0).standard_normal((2, 65536)), 256.0)
-    >>> white = half_spectra(rec, nperseg=1024)  # correlation 1 at lag zero only
-    >>> white.values.shape, np.abs(white.values[0].mean(axis=1)).round(1).tolist()
-    ((2, 2, 257), [1.0, 0.0])
-    """
+    """Half spectra of all channels to a few references."""
     if nperseg is None:
         spectra = transient_spectra(rec)
         n = round(rec.fs_hz / spectra.freq_hz[1])
@@ -122,15 +99,6 @@ def prominent_peaks(curve: FloatArray, least: float) -> NDArray[np.int64]:
     The prominence is the height over the higher of the two lowest points that lie between the peak and the
     next higher point, or the end, on either side. Of a flat top the middle is taken. As
     ``scipy.signal.find_peaks``, whose import takes longer than the identification of a short record.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.half_spectra import prominent_peaks
-    >>> prominent_peaks(np.array([0.0, 3.0, 2.0, 2.5, 2.5, 2.5, 0.0]), 1.0).tolist()
-    [1]
-    >>> prominent_peaks(np.array([0.0, 3.0, 2.0, 2.5, 2.5, 2.5, 0.0]), 0.5).tolist()
-    [1, 4]
     """
     # Stretches of equal values; a peak is one with lower ones on both sides.
     first = np.flatnonzero(np.diff(curve, prepend=np.nan) != 0.0)

@@ -46,13 +46,7 @@ class AveragedResponse(FrequencyResponse):
 
 
 def one_source(source: Any, name: str = "source") -> Any:
-    """A list of records or of responses as one of them; anything else as it is.
-
-    Raises
-    ------
-    InvalidInputError
-        An empty list, a mixture, or measurements that do not belong together.
-    """
+    """A list of records or of responses as one of them; anything else as it is."""
     if not isinstance(source, list | tuple):
         return source
     if not source:
@@ -74,29 +68,6 @@ def averaged(responses: Sequence[FrequencyResponse], name: str = "source") -> Fr
 
     Of two or more it is an :class:`AveragedResponse`: the scatter line by line does not hold what moves the
     whole curve of a test, a clamp that was set again, and this the runs tell.
-
-    Parameters
-    ----------
-    responses : sequence of FrequencyResponse
-        Of one kind, reference and frequency axis, with the same dofs in any order.
-    name : str
-        What errors call the argument.
-
-    Raises
-    ------
-    InvalidInputError
-        Responses of another kind, reference, axis or other dofs than the first.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.frequency_response import FrequencyResponse
-    >>> from antires_rs.signals.repeats import averaged
-    >>> rng, f = np.random.default_rng(0), np.arange(1.0, 101.0)
-    >>> runs = [FrequencyResponse(f, 1.0 + 0.1 * rng.standard_normal((1, 100))) for _ in range(4)]
-    >>> mean = averaged(runs)
-    >>> mean.n_averages, bool(0.02 < mean.std.mean() < 0.06)
-    (4.0, True)
     """
     first = responses[0]
     if len(responses) == 1:

@@ -23,14 +23,7 @@ AT_A_TIME = 1 << 17
 
 
 def pieces(count: int, size: int, at_a_time: int = AT_A_TIME) -> Iterator[slice]:
-    """Slices of ``count`` things of ``size`` numbers each, at least one thing in each slice.
-
-    Examples
-    --------
-    >>> from antires_rs.signals.segments import pieces
-    >>> list(pieces(5, 60_000))
-    [slice(0, 2, None), slice(2, 4, None), slice(4, 5, None)]
-    """
+    """Slices of ``count`` things of ``size`` numbers each, at least one thing in each slice."""
     step = max(1, at_a_time // max(1, size))
     for start in range(0, count, step):
         yield slice(start, min(start + step, count))
@@ -149,29 +142,7 @@ def without_force(rec: Recording) -> Recording:
 
 
 def pooled(records: Sequence[Recording], name: str = "source") -> Recording:
-    """Records of one test as one; the force is kept where all have it.
-
-    Parameters
-    ----------
-    records : sequence of Recording
-        Of the same dofs, in any order, and of one sampling rate.
-    name : str
-        What errors call the argument.
-
-    Raises
-    ------
-    InvalidInputError
-        Records of other dofs or of another sampling rate than the first.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.segments import pooled
-    >>> from antires_rs.signals.recording import Recording
-    >>> one = Recording(np.eye(2, 100), 10.0, dofs=["a", "b"])
-    >>> pooled([one, Recording(np.eye(2, 50), 10.0, dofs=["b", "a"])]).parts[1].dofs
-    ('a', 'b')
-    """
+    """Records of one test as one; the force is kept where all have it."""
     first = records[0]
     same = [_as_first(first, rec, Argument(name).item(i)) for i, rec in enumerate(records)]
     return PooledRecording(same) if len(same) > 1 else first

@@ -95,32 +95,10 @@ class CrossSpectra:
 def effective_averages(taper: FloatArray, step: int, n_segments: int) -> float:
     """Number of independent averages with the variance of ``n_segments`` that overlap.
 
-    Parameters
-    ----------
-    taper : (nperseg,)
-        The window.
-    step : int
-        Samples from one segment's start to the next.
-    n_segments : int
-
-    Returns
-    -------
-    float
-        ``K / (1 + 2 sum_j (1 - j/K) r_j)`` with K segments and
-        ``r_j = (sum w[k] w[k + j step])**2 / (sum w**2)**2``.
-
     Notes
     -----
     P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73: variance of the averaged spectrum of a
     signal that is white over the width of the window.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.spectra import effective_averages
-    >>> hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(256) / 256)
-    >>> round(effective_averages(hann, 128, 31), 1), round(effective_averages(hann, 256, 16), 1)
-    (29.4, 16.0)
     """
     shifts = np.arange(1, min(n_segments, -(-taper.size // step)))
     shared = np.array([(taper[j * step :] @ taper[: taper.size - j * step]) ** 2 for j in shifts])
@@ -138,43 +116,7 @@ def cross_spectra(
     include_force: bool = False,
     band_hz: tuple[float, float] | None = None,
 ) -> CrossSpectra:
-    """Welch's averaged auto and cross spectral densities of all channels at once.
-
-    Parameters
-    ----------
-    rec : Recording
-        Of several pooled records no segment crosses a joint.
-    nperseg : int
-        Samples per segment.
-    noverlap : int, optional
-        Samples shared by neighbours; default half a segment.
-    window : str, tuple or array_like
-        As for ``scipy.signal.get_window``, periodic; or ``nperseg`` values.
-    include_force : bool
-        Append ``rec.force`` as the last channel.
-    band_hz : (low, high), optional
-        Keep the lines in this band only, without zero frequency.
-
-    Returns
-    -------
-    CrossSpectra
-        Agrees with ``scipy.signal.csd`` (density, constant detrend) to rounding, but each channel and
-        segment is transformed once.
-
-    Raises
-    ------
-    InvalidInputError
-        Segments that do not fit the shortest record, an unknown window, or a force that was not recorded.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.recording import Recording
-    >>> from antires_rs.signals.spectra import cross_spectra
-    >>> rec = Recording(np.random.default_rng(0).standard_normal((2, 4096)), 100.0)
-    >>> cross_spectra(rec, nperseg=512).matrix.shape
-    (257, 2, 2)
-    """
+    """Welch's averaged auto and cross spectral densities of all channels at once."""
     check_recording(rec)
     n_seg = integer("nperseg", nperseg, low=8, high=shortest(rec))
     overlap = n_seg // 2 if noverlap is None else integer("noverlap", noverlap, low=0, high=n_seg - 1)

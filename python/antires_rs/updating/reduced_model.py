@@ -163,11 +163,6 @@ def basis_at(
 
     ``half_widths`` are the half of what each parameter may change by, ``depth`` the Krylov vectors of a
     sensor, ``largest`` the most vectors and the least size of one that parameters make.
-
-    Raises
-    ------
-    NumericalError
-        Fewer vectors than modes, forces and sensors need.
     """
     size, least = largest
     carried = _carried(affine.at(x), (affine.sensors, affine.forces), f_max_hz, depth)
