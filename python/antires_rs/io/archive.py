@@ -450,7 +450,7 @@ def _made(value: Any) -> Any:
 # A NumPy archive with a JSON text, version 1. No pickle; every part has a checksum.
 
 
-FORMAT, VERSION = "antires_rs.damage", 1
+FORMAT, VERSION = "antires_rs.assessor", 1
 
 
 def save_assessor(assessor: Assessor, path: str | os.PathLike[str]) -> Path:

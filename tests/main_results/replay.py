@@ -1,0 +1,115 @@
+"""Replays the main results and compares them with those kept in ``answers.json``.
+
+    python -m tests.main_results.replay                      # all kinds, a table of what differs
+    python -m tests.main_results.replay --kind searches --only chain8
+    python -m tests.main_results.replay --record             # writes answers.json and files_0 anew
+
+Searches are compared bit for bit, identifications to 1e-9, assessments by their hypotheses and to 1e-6 in
+probabilities and severities.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import argparse
+import inspect
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import antires_rs as ar
+from tests.main_results import files
+from tests.main_results.cases import KINDS, answer
+
+ANSWERS = Path(__file__).with_name("answers.json")
+#: Largest relative difference of numbers.
+LIMITS = {"searches": 0.0, "identifications": 1e-9, "assessments": 1e-6}
+
+
+def differences(kept: Any, new: Any, limit: float, place: str = "") -> list[str]:
+    """Places where two answers differ by more than the limit, relative to 1 or to the larger number."""
+    if isinstance(kept, dict) and isinstance(new, dict):
+        return [
+            line
+            for key in sorted({*kept, *new})
+            for line in differences(kept.get(key), new.get(key), limit, f"{place}/{key}")
+        ]
+    if isinstance(kept, list) and isinstance(new, list) and len(kept) == len(new):
+        return [
+            line
+            for i, pair in enumerate(zip(kept, new, strict=True))
+            for line in differences(*pair, limit, f"{place}/{i}")
+        ]
+    if isinstance(kept, float) and isinstance(new, float | int):
+        if kept == new or kept != kept and new != new:
+            return []
+        # Of standard deviations and damping, the share of themselves; of probabilities, themselves.
+        off = abs(kept - new) / (1.0 if limit == LIMITS["assessments"] else max(abs(kept), abs(new)))
+        return [f"{place}: {kept!r} was, {new!r} is"] if not off <= limit else []
+    return [] if kept == new else [f"{place}: {kept!r} was, {new!r} is"]
+
+
+def replayed(kind: str, only: str = "", say: Any = None) -> dict[str, list[str]]:
+    """By case of a kind: what differs."""
+    kept = json.loads(ANSWERS.read_text(encoding="utf-8"))[kind]
+    result = {}
+    for name, case in KINDS[kind]():
+        if only in name:
+            start = time.perf_counter()
+            result[name] = differences(kept[name], json.loads(json.dumps(answer(case))), LIMITS[kind])
+            if say is not None:
+                say(f"{kind}: {name}: {'same' if not result[name] else result[name][:3]} "
+                    f"({time.perf_counter() - start:.1f} s)")  # fmt: skip
+    return result
+
+
+def names() -> dict[str, list[str]]:
+    """Public names with the parameters of those that are called, and public attributes of classes."""
+    found = {}
+    for name in ar.__all__:
+        thing = getattr(ar, name)
+        if inspect.isclass(thing):
+            found[name] = sorted(each for each in dir(thing) if not each.startswith("_"))
+        elif inspect.isfunction(thing):
+            found[name] = list(inspect.signature(thing).parameters)
+        else:
+            found[name] = []
+    return found
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--record", action="store_true")
+    parser.add_argument("--kind", choices=list(KINDS), nargs="*", default=list(KINDS))
+    parser.add_argument("--only", default="")
+    args = parser.parse_args()
+    if args.record:
+        files.write(files.FOLDER)
+        kept: dict[str, Any] = {
+            "names": names(),
+            "job_keys": files.job_keys(),
+            "files": files.read(files.FOLDER),
+        }
+        for kind in KINDS:
+            kept[kind] = {}
+            for name, case in KINDS[kind]():
+                start = time.perf_counter()
+                kept[kind][name] = answer(case)
+                print(f"{kind}: {name} ({time.perf_counter() - start:.1f} s)", flush=True)
+        ANSWERS.write_text(json.dumps(kept, indent=None) + "\n", encoding="utf-8")
+        return 0
+    bad = 0
+    for kind in args.kind:
+        found = replayed(kind, args.only, lambda line: print(line, flush=True))
+        bad += sum(bool(lines) for lines in found.values())
+        print(f"{kind}: {len(found)} replayed, {sum(bool(lines) for lines in found.values())} differ")
+    return int(bad > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
