@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from math import comb
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ from ..updating.model_check import Explained
 from .evidence import FURTHEST, HIGHEST
 from .measured_states import Values
 from .roots import align
-from .words import Label
+
 
 if TYPE_CHECKING:
     from ..support.checks import FloatArray
@@ -33,7 +33,7 @@ _NO_BEFORE = (
 
 def headline_of_one_state(
     losses: Mapping[int, float],
-    label: Label,
+    label: Callable[[int], str],
     fit: Explained | None = None,
     n_elements: int = 0,
     *,
