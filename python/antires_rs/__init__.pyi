@@ -71,8 +71,8 @@ from .models.frame_parts import (
     Tube as Tube,
 )
 from .models.matrix_model import MatrixModel as MatrixModel
-from .models.parameter import Parameter as Parameter
 from .models.parameters import (
+    Parameter as Parameter,
     angle as angle,
     density as density,
     diameter as diameter,
@@ -87,15 +87,14 @@ from .models.parameters import (
     thickness as thickness,
     youngs_modulus as youngs_modulus,
 )
-from .optimize.island_ga import IslandGA as IslandGA
-from .optimize.outcome import History as History, OptimizeResult as OptimizeResult
+from .optimize.island_ga import History as History, IslandGA as IslandGA, OptimizeResult as OptimizeResult
 from .planning.detectability import detectability as detectability
 from .planning.detection_curves import DetectionCurves as DetectionCurves
 from .planning.placement import Round as Round
 from .planning.plan import SensorPlan as SensorPlan, plan_test as plan_test
 from .signals.data_check import check_data as check_data
-from .signals.findings import DataCheck as DataCheck, Finding as Finding
 from .signals.frequency_response import FrequencyResponse as FrequencyResponse
+from .signals.one_force import DataCheck as DataCheck, Finding as Finding
 from .signals.recording import Recording as Recording
 from .signals.transfer_functions import (
     frf as frf,

@@ -2,7 +2,7 @@
 
 from warnings import warn
 
-from .app.main import main as main
+from .app.main import main
 
 warn("antires_rs.cli is now antires_rs.app.main", FutureWarning, stacklevel=2)
 

@@ -2,6 +2,4 @@
 
 from warnings import warn
 
-from .figures.report import write_report as write_report
-
 warn("antires_rs.report is now antires_rs.figures.report", FutureWarning, stacklevel=2)

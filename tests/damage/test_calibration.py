@@ -3,7 +3,7 @@
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.damage.thresholds import log_odds_threshold
+from antires_rs.damage.inference import log_odds_threshold
 
 
 def test_threshold_is_the_quantile_of_integrated_evidence():

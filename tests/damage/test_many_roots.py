@@ -6,9 +6,9 @@ import numpy as np
 
 import antires_rs as ar
 from antires_rs.damage.evidence import fitted
+from antires_rs.damage.inference import Search
 from antires_rs.damage.likelihood import View
 from antires_rs.damage.question import DamagePrior, Question
-from antires_rs.damage.search import Search
 from reference.grouped_meshes import grouped, measured, of_groups, with_groups
 from reference.meshes import MESHES, frame
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.damage.search import worth_a_scan
+from antires_rs.damage.inference import worth_a_scan
 
 
 def view_of(gain):

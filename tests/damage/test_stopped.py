@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.damage.search import Search
+from antires_rs.damage.inference import Search
 from tests.support.wrong_chains import NOMINAL, chain, measured, truth
 
 

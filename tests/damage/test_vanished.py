@@ -7,7 +7,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.damage.likelihood import Foreseen, and_vanished
-from antires_rs.damage.roots import Roots, follow
+from antires_rs.damage.measured_states import Roots, follow
 
 #: The cracked element of the exhaust, and the stiffness losses of a beam that its cracks come to.
 CRACKED, EQUIVALENT = 30, {1: 0.881, 2: 0.934}

@@ -5,8 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from antires_rs.damage.assessment import Assessment
-from antires_rs.damage.hypotheses import UNKNOWN, Hypotheses, Hypothesis, figure, percent, span
+from antires_rs.damage.hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, figure, percent, span
 from antires_rs.damage.words import headline, reservations, without_idle
 from antires_rs.figures.report_parts import hypothesis_rows
 

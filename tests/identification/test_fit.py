@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.identification.forsythe import forsythe_basis, roots
-from antires_rs.identification.rational_fit import fit_rational
+from antires_rs.identification.rational_fit import fit_rational, forsythe_basis, roots
 
 
 def partial_fractions(freq, poles_hz, damping, residues):

@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from antires_rs.identification.dips import shared
 from antires_rs.identification.identify import identify_antiresonances
 from antires_rs.identification.lines import Lines
 from antires_rs.identification.numerators import NumeratorFit, NumeratorSweep, likeliest
-from antires_rs.identification.uncertainty import Influence
-from antires_rs.signals.noise import channel_noise, noise_power
+from antires_rs.identification.scores import shared
+from antires_rs.identification.selection import Influence
 from antires_rs.signals.recording import Recording
-from antires_rs.signals.segments import Segments
+from antires_rs.signals.spectra import Segments, channel_noise, noise_power
 from reference.virtual_records import (
     accelerance,
     chain8_matrices,

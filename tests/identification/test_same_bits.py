@@ -11,7 +11,7 @@ import pytest
 import scipy.linalg  # noqa: F401  (its BLAS must be there to be counted)
 from threadpoolctl import threadpool_info
 
-from antires_rs.support.threads import one_blas_thread
+from antires_rs.support.progress import one_blas_thread
 
 CURVES = """
 import hashlib, numpy as np, antires_rs as ar

@@ -10,7 +10,7 @@ from antires_rs import (
     InvalidInputError,
     identify_antiresonances,
 )
-from antires_rs.identification.dips import dips, unexplained
+from antires_rs.identification.scores import dips, unexplained
 from antires_rs.identification.windows import MARGIN, local_windows
 from reference.measured import DATA, REFERENCE, STATES, as_transmissibilities, counted, plate, structures
 from tests.support.campaign import some_of

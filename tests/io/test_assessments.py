@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.damage.assessment import Assessment
-from antires_rs.damage.hypotheses import UNKNOWN, Hypotheses, Hypothesis
+from antires_rs.damage.hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis
 from tests.support.four_masses import chain, exact
 
 

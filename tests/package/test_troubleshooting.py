@@ -11,13 +11,13 @@ import pytest
 import antires_rs as ar
 from antires_rs.app.main import main
 from antires_rs.measured import antiresonance_set as doubts
-from antires_rs.signals import channel_faults as channels, data_check as check, resolution
+from antires_rs.signals import channel_checks as channels, data_check as check
 from antires_rs.support.messages import entries
 
 SOURCES = Path(ar.__file__).parent
 #: Said in headlines and notes of results.
 OF_RESULTS = {"unexplained", "no_baseline", "one_of_several"}
-FINDINGS = {*check.TESTS, resolution.LENGTH, resolution.AVERAGES, check.SINGLE_HIT, check.MISSED_HIT}
+FINDINGS = {*check.TESTS, channels.LENGTH, channels.AVERAGES, check.SINGLE_HIT, check.MISSED_HIT}
 
 
 def warned():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.damage.roots import roots_at
+from antires_rs.damage.measured_states import roots_at
 from antires_rs.models.parameters import stiffness_reduction
 from antires_rs.planning.placement import CRITERIA, Information, exhaustive, greedy, information
 from antires_rs.planning.virtual_roots import ExpectedErrors, objective, virtual_roots

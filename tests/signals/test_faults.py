@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.signals.findings import Finding, one_of_a_kind
+from antires_rs.signals.one_force import Finding, one_of_a_kind
 from reference import faults
 from tests.support.campaign import some_of
 from tests.support.measured_data import DATA, needs_plates

@@ -5,7 +5,7 @@ import tracemalloc
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.signals.segments import Segments
+from antires_rs.signals.spectra import Segments
 
 
 def record(n_samples):

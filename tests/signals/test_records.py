@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 
 from antires_rs.exceptions import InvalidInputError
+from antires_rs.signals.channel_checks import of_segments
 from antires_rs.signals.data_check import check_data
-from antires_rs.signals.findings import DataCheck, Finding
-from antires_rs.signals.noise import noise_power
-from antires_rs.signals.one_force import noise_ratio
+from antires_rs.signals.one_force import DataCheck, Finding, noise_ratio
 from antires_rs.signals.recording import Recording
-from antires_rs.signals.resolution import of_segments
-from antires_rs.signals.spectra import cross_spectra
+from antires_rs.signals.spectra import cross_spectra, noise_power
 from reference.virtual_records import hit_record
 from tests.support.campaign import some_of
 from tests.support.checked_records import BAND, FS, MASS, STIFFNESS, check, data, record, seen

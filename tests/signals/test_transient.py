@@ -5,7 +5,7 @@ import pytest
 
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
 from antires_rs.identification.identify import identify_antiresonances
-from antires_rs.signals.impacts import find_events, is_transient, transient_spectra
+from antires_rs.signals.averaging import find_events, is_transient, transient_spectra
 from antires_rs.signals.recording import Recording
 from antires_rs.signals.transfer_functions import frf, transmissibility
 from reference.virtual_records import (

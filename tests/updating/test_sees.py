@@ -90,7 +90,7 @@ def test_halves_of_complex_zeros_are_left_out_and_named():
     case = next(c for c in cases() if c.name == "10 masses, 2 held")
     model = case.build(0.003)
     # At sensor 2 of this ring two antiresonances have met.
-    from antires_rs.updating.steady_roots import complex_zeros
+    from antires_rs.updating.targets import complex_zeros
 
     dof, freq, part = next(
         (d, f[0], p[0])

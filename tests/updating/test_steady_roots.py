@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.updating.steady_roots import STEP, complex_zeros, followed, steady
+from antires_rs.updating.targets import STEP, complex_zeros, followed, steady
 from reference.symmetric_structures import cases, true_zeros
 
 

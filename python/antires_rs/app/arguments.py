@@ -8,18 +8,17 @@ from dataclasses import MISSING, fields
 from functools import partial
 from typing import Any
 
-from .. import io
 from ..damage.assess import assess_damage
 from ..damage.measured_states import measured_states
 from ..damage.question import DamagePrior
 from ..damage.result import DamageResult
+from ..io import __init__ as io
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models import parameters
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
 from ..models.frame_parts import Rectangle, Section, Tube
-from ..models.parameter import Parameter
-from ..models.parameters import stiffness_reduction
+from ..models.parameters import Parameter, stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import IslandGA, seed_of, thread_count
 from ..support.checks import finite_scalar

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .. import io
 from ..exceptions import InvalidInputError, reject
 from ..identification.identify import identify_antiresonances
+from ..io import __init__ as io
 from ..io.channels import kept, renamed
 from ..io.common import Signal
 from ..io.own_format import relabelled

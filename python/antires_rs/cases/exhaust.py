@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..models.parameter import Parameter
-from ..models.parameters import angle, point_mass, stiffness_reduction, thickness, youngs_modulus
+from ..models.parameters import Parameter, angle, point_mass, stiffness_reduction, thickness, youngs_modulus
 from ..models.structural_model import StructuralModel, simulate
 from ..signals.recording import Recording
 from ..support.checks import FloatArray, finite_scalar, integer

@@ -13,8 +13,7 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
-from ..optimize.island_ga import IslandGA, seed_of, thread_count
-from ..optimize.outcome import History, OptimizeResult
+from ..optimize.island_ga import History, IslandGA, OptimizeResult, seed_of, thread_count
 from ..support.checks import finite_scalar, integer, shape_of
 from ..support.progress import waiting
 from ..updating.problem import DamagePenalty, Measured, UpdatingProblem

@@ -21,17 +21,14 @@ from ..support.values import FrozenDict, ReadOnly
 from ..updating.problem import UpdatingProblem
 from ..views import Viewed
 from .assess import checked_model, checked_prior, elements_of
-from .assessment import Assessment
 from .assessor_plan import Plan, plan_of, values_of
 from .assessor_search import QuickSearch
 from .evidence import HIGHEST, fitted
-from .hypotheses import UNKNOWN, Hypotheses, Hypothesis
-from .inference import STD_COMMON, note_of_shift
+from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis
+from .inference import STD_COMMON, Elements, allowed, note_of_shift, together
 from .likelihood import Band
-from .posterior import allowed, together
 from .question import DamagePrior, Question
 from .reduced_roots import wanted_reduced
-from .search import Elements
 from .words import headline, reservations
 
 # -- What an :class:`Assessor` says of one test

@@ -16,25 +16,23 @@ from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
 from ..support.checks import FloatArray
-from ..support.progress import step
-from ..support.threads import one_blas_thread
-from ..updating.steady_roots import looked_up_to, real_zeros, sorted_out, usual_damping, zero_series
-from ..updating.targets import model_dof
-from .inference import roots_beside
+from ..support.progress import one_blas_thread, step
+from ..updating.targets import looked_up_to, model_dof, real_zeros, sorted_out, usual_damping, zero_series
+from .inference import intact_slopes, log_odds_threshold, roots_beside, smallest_found
 from .likelihood import ERRORS, Band, Foreseen, Likelihood
 from .measured_states import (
     ASSUMED_STD,
     LEAST_STD,
     Responses,
+    Roots,
     Values,
     measured_states,
     note_of_same_data,
+    roots_at,
     same_data,
 )
 from .model_error import ModelError, factors_of
 from .question import Prepared, Question
-from .roots import Roots, roots_at
-from .thresholds import intact_slopes, log_odds_threshold, smallest_found
 
 # -- The model's antiresonances over the severity of each element, computed once
 

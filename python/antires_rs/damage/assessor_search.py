@@ -19,10 +19,10 @@ from .. import _core
 from ..support.checks import FloatArray
 from .assessor_plan import LEVELS, Interpolated
 from .evidence import FURTHEST, HIGHEST, Fit, fitted, log_between
+from .inference import Elements, explained
 from .likelihood import ALIKE, ALIKE_SHARE, ANY_CHANGE, Band, Foreseen, View, associated
 from .measured_states import Values
 from .question import DamagePrior
-from .search import Elements, explained
 
 # -- Evidence of many sets of one or two elements at once, as one view has them
 #

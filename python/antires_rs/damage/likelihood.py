@@ -21,10 +21,9 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support.checks import FloatArray
 from .measured_modes import ModeRoots
-from .measured_states import Values
+from .measured_states import FALSE, FOUND, FOUND_ONCE, Roots, Source, Values, roots_at
 from .model_error import ModelError
 from .reduced_roots import ReducedRoots
-from .roots import FALSE, FOUND, FOUND_ONCE, Roots, Source, roots_at
 
 # -- The values of now, seen from one point of the severities: which root each belongs to, and what it says
 #

@@ -14,8 +14,7 @@ from ..exceptions import reject
 from ..measured.modal_set import ModalSet
 from ..support.checks import FloatArray
 from ..updating.targets import model_dof
-from .measured_states import ASSUMED_STD, LEAST_STD, Values, note_of_same_data, same_data
-from .roots import Roots
+from .measured_states import ASSUMED_STD, LEAST_STD, Roots, Values, note_of_same_data, same_data
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel

@@ -25,11 +25,10 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..exceptions import InvalidInputError
-from ..models.parameter import Parameter
+from ..models.parameters import Parameter
 from ..support.checks import FloatArray
 from ..support.progress import step
-from .measured_states import Values
-from .roots import FALSE, FOUND_ONCE, Roots, Source, roots_at
+from .measured_states import FALSE, FOUND_ONCE, Roots, Source, Values, roots_at
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -10,9 +10,7 @@ import numpy as np
 
 from ..updating.model_check import Explained
 from .evidence import FURTHEST, HIGHEST
-from .measured_states import Values
-from .roots import align
-
+from .measured_states import Values, align
 
 if TYPE_CHECKING:
     from ..support.checks import FloatArray

@@ -12,8 +12,7 @@ import numpy as np
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..models.parameter import Parameter
-from ..models.parameters import stiffness_reduction
+from ..models.parameters import Parameter, stiffness_reduction
 from ..support.checks import FloatArray, finite_scalar
 from ..support.progress import step
 from ..updating.model_check import Lists, hint_between_states, hint_of

@@ -25,14 +25,14 @@ from ..updating.reduced_model import (
     point_basis,
     solved,
 )
-from .roots import SHOWN, Roots
+from .measured_states import SHOWN, Roots
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from .. import _core
     from .._core import Model as CoreModel
-    from ..models.parameter import Parameter
+    from ..models.parameters import Parameter
     from ..models.structural_model import StructuralModel
     from ..support.checks import FloatArray
     from .measured_states import Part

@@ -24,13 +24,12 @@ from .words import headline, largest_left, note_of_reduction, reservations
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ..optimize.outcome import OptimizeResult
+    from ..optimize.island_ga import OptimizeResult
     from ..updating.posterior import Method, ParameterIntervals
     from ..updating.problem import UpdatingProblem
     from ..updating.profile import ProfileLikelihood
     from ..updating.reduced_search import ReductionReport
-    from .assessment import Assessment
-    from .hypotheses import Hypotheses
+    from .hypotheses import Assessment, Hypotheses
 
 #: Width of the 90 % interval of a Gaussian, in standard deviations.
 _WIDTH_90 = 2.0 * 1.6448536269514722

@@ -11,15 +11,13 @@ import numpy as np
 from ..exceptions import reject
 from ..optimize.island_ga import seed_of, thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer
-from ..support.progress import patient, step
-from ..support.threads import one_blas_thread
+from ..support.progress import one_blas_thread, patient, step
 from ..updating.posterior import Method, ParameterIntervals
 from ..updating.profile import ProfileLikelihood, kind_of, threshold
-from .assessment import Assessment
 from .evidence import FURTHEST, HIGHEST, Fit, Truncated, fitted, truncated
-from .hypotheses import Hypothesis
+from .hypotheses import Assessment, Hypothesis
+from .inference import LEVEL
 from .likelihood import Likelihood
-from .posterior import LEVEL
 from .question import Question
 
 if TYPE_CHECKING:

@@ -10,9 +10,8 @@ import numpy as np
 
 from ..updating.model_check import few_alone
 from ..updating.reduced_search import ReductionReport
-from .assessment import Assessment
-from .hypotheses import Hypotheses, Hypothesis, figure, percent, span
-from .posterior import together
+from .hypotheses import Assessment, Hypotheses, Hypothesis, figure, percent, span
+from .inference import together
 
 if TYPE_CHECKING:
     from ..updating.tables import FrequencyTable, ModalTable

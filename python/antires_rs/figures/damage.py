@@ -13,8 +13,7 @@ from ..support.checks import FloatArray, integer
 from .canvas import COLOURS, below, fit_across, new_axes, offer, text_width_pt
 
 if TYPE_CHECKING:
-    from ..damage.assessment import Assessment
-    from ..damage.hypotheses import Hypotheses, Hypothesis
+    from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
     from ..damage.result import DamageResult
 
 

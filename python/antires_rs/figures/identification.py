@@ -14,7 +14,7 @@ from .canvas import COLOURS, GREY, LINES, band_shown, below, new_axes, offer, pl
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
-    from ..signals.findings import DataCheck
+    from ..signals.one_force import DataCheck
 
 #: Lighter than every mark, also where colours are lost.
 CURVE = "#B8B8B8"

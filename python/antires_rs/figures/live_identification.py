@@ -10,9 +10,9 @@ import numpy as np
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.response_table import ResponseTable
 from ..signals.averaging import Averages
-from ..signals.estimators import two_channel
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
+from ..signals.spectra import two_channel
 from ..support.checks import FloatArray
 from .canvas import COLOURS
 from .identification import CURVE, pole_table

@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..damage.assessment import Assessment
-from ..damage.hypotheses import loss, span
+from ..damage.hypotheses import Assessment, loss, span
 from ..damage.result import DamageResult
 from ..damage.words import without_idle
 from ..identification.rule import rule_options
@@ -28,7 +27,7 @@ from ..models.frame import FrameModel
 from ..models.structural_model import StructuralModel
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..signals.segments import parts_of
+from ..signals.spectra import parts_of
 from ..updating.result import UpdateResult
 from ..updating.tables import ModalTable, signed
 from .canvas import picture
@@ -97,8 +96,7 @@ def of_identification(
     signal: Recording | FrequencyResponse, found: AntiresonanceSet, band_hz: Any, options: Mapping[str, Any]
 ) -> Facts:
     """Every choice of an identification, defaults among them; ``options`` are those that were given."""
-    from ..identification.diagrams import OF_SWEEP, OF_WINDOWS
-    from ..identification.identify import identify_antiresonances
+    from ..identification.identify import OF_SWEEP, OF_WINDOWS, identify_antiresonances
     from ..identification.windows import HIGHEST_ORDER
 
     known = inspect.signature(identify_antiresonances).parameters

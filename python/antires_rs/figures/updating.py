@@ -21,7 +21,7 @@ from .canvas import (
 )
 
 if TYPE_CHECKING:
-    from ..optimize.outcome import OptimizeResult
+    from ..optimize.island_ga import OptimizeResult
     from ..support.checks import FloatArray
     from ..updating.box_identifiability import BoxIdentifiability
     from ..updating.result import UpdateResult

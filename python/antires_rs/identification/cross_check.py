@@ -25,7 +25,6 @@ from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
 from ..support.checks import ComplexArray, FloatArray, choice, finite_scalar, frequency_band, integer
 from ..support.values import ReadOnly, frozen
-from .dips import shared
 from .lines import Lines, lines_of
 from .rational_fit import share_of_curve
 from .rule import (
@@ -36,6 +35,7 @@ from .rule import (
     LEAST_POLES,
     MORE_POLES,
 )
+from .scores import shared
 from .stabilization import Window, flanked, windows
 
 # -- AAA for many curves at once: barycentric rational functions with common poles

@@ -14,14 +14,24 @@ from numpy.typing import NDArray
 
 from ..exceptions import UnsuitableDataError, reject
 from ..signals.averaging import LEAST_LINES, Averages
-from ..signals.direction import ROUNDING, aligned, direction_noise, noise_shares, response_vectors
-from ..signals.estimators import two_channel
 from ..signals.frequency_response import FrequencyResponse
-from ..signals.noise import channel_noise, dominant, floors, local_noise
 from ..signals.recording import Recording
 from ..signals.repeats import AveragedResponse
-from ..signals.segments import Segments
-from ..signals.spectra import CrossSpectra, lines_in
+from ..signals.spectra import (
+    LEAST_NOISE as ROUNDING,
+    CrossSpectra,
+    Segments,
+    aligned,
+    channel_noise,
+    direction_noise,
+    dominant,
+    floors,
+    lines_in,
+    local_noise,
+    noise_shares,
+    response_vectors,
+    two_channel,
+)
 from ..support.checks import ComplexArray, FloatArray
 
 # Row index of the force in ``Lines.vectors``: the last.

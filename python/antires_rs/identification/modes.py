@@ -20,13 +20,12 @@ import numpy as np
 from ..exceptions import UnsuitableDataError, reject
 from ..measured.modal_set import ModalSet
 from ..signals.averaging import Averaging, average, choose_nperseg, holds_hits
-from ..signals.estimators import two_channel
 from ..signals.frequency_response import FrequencyResponse, band_of, covered_hz
 from ..signals.half_spectra import half_spectra
 from ..signals.recording import Recording
+from ..signals.spectra import two_channel
 from ..support.checks import ComplexArray, FloatArray, choice, integer
-from ..support.progress import patient
-from ..support.threads import one_blas_thread
+from ..support.progress import one_blas_thread, patient
 from .lines import FORCE, lines_of_response
 from .rational_fit import NestedFit, dominant_shapes, residues
 from .rule import Rule

@@ -35,12 +35,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import NumericalError
-from ..signals.noise import dominant
-from ..signals.segments import pieces
+from ..signals.spectra import dominant, pieces
 from ..support.checks import ComplexArray, FloatArray
-from .dips import shared
-from .forsythe import Basis, forsythe_basis, roots
-from .rational_fit import dominance
+from .rational_fit import Basis, dominance, forsythe_basis, roots
+from .scores import shared
 
 # Relative to the mean diagonal: exact data make A singular, and rounding must not make it indefinite. The
 # first that serves is taken.

@@ -50,9 +50,8 @@ import numpy as np
 
 from ..exceptions import reject
 from ..support.checks import ComplexArray, FloatArray, choice
-from .forsythe import comrade_roots
 from .lines import Lines
-from .rational_fit import CommonDenominator, NestedFit, guessed_weights, share_of_curve
+from .rational_fit import CommonDenominator, NestedFit, comrade_roots, guessed_weights, share_of_curve
 from .rule import Rule
 from .stabilization import PoleSweep
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ..measured.response_table import ResponseTable
 from ..signals.averaging import MOST_LINES
 from ..support.checks import ComplexArray, FloatArray, integer
-from ..support.threads import one_blas_thread
+from ..support.progress import one_blas_thread
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
 from .rational_fit import NestedFit, dominance, prepare

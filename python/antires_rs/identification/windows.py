@@ -10,18 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measured.response_table import ResponseTable
-from ..signals.direction import ROUNDING, aligned, noise_shares
+from ..signals.spectra import LEAST_NOISE as ROUNDING, aligned, noise_shares
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import step
 from ..support.values import frozen
-from .dips import dips
 from .lines import FORCE, SNR_CAP, Lines, unit
 from .numerators import Likeliest, likeliest
 from .options import IdentificationOptions
 from .rule import CLUSTER, DIP_OVER_NOISE, LEAST_DIP_DB, ONE_DIP, OWN_DIP_WITHIN, OWNER_WITHIN, Rule
-from .scores import scored, window_grades
+from .scores import dips, scored, window_grades
+from .selection import Influence, combined, excess
 from .stabilization import StabilizationDiagram
-from .uncertainty import Influence, combined, excess
 
 # -- Where the windows lie: on a grid that depends on the spacing of the lines, never on the band
 #

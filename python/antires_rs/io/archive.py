@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import __version__
-from ..damage.assessment import Assessment
 from ..damage.assessor import Assessor
 from ..damage.assessor_plan import LEVELS, Learned, Plan, Tables
-from ..damage.hypotheses import Hypotheses, Hypothesis
+from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
 from ..damage.question import DamagePrior, Question
 from ..damage.result import DamageResult
 from ..exceptions import reject
@@ -32,10 +31,10 @@ from ..models.frame import FrameModel
 from ..models.frame_parts import GroundSpring, NodeSpring, PointMass, Rectangle, Section, Tube
 from ..models.matrices import Entries
 from ..models.matrix_model import MatrixModel
-from ..models.parameter import Parameter
+from ..models.parameters import Parameter
 from ..models.recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 from ..models.structural_model import AppliedParameters, ModelDescription, Recipe, StructuralModel
-from ..optimize.outcome import History, OptimizeResult
+from ..optimize.island_ga import History, OptimizeResult
 from ..support.checks import FloatArray
 from ..support.messages import warn
 from ..updating.problem import DamagePenalty, UpdatingProblem

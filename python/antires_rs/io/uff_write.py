@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import reject
-from ..signals.estimators import std_of_coherence
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
+from ..signals.spectra import std_of_coherence
 from ..support.files import write_atomically
 from ..support.messages import warn
 from .common import Signal, signal_given

@@ -11,7 +11,7 @@ from ..support.checks import FloatArray, finite_scalar, integer, shape_of
 from ..support.messages import warn
 
 if TYPE_CHECKING:
-    from .parameter import Parameter
+    from .parameters import Parameter
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ from ..support.progress import interruptible, patient, step
 from ..support.values import AroundCore, ReadOnly, Value
 from .dof_names import DofNames
 from .matrices import check_room_for_all_modes
-from .parameter import CoreParameter, Parameter, core_parameters, parameter_tuple
+from .parameters import CoreParameter, Parameter, core_parameters, parameter_tuple
 from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 
 if TYPE_CHECKING:

@@ -9,16 +9,15 @@ import numpy as np
 
 from ..damage.assess import checked_model, elements_of
 from ..damage.evidence import HIGHEST
+from ..damage.inference import smallest_found
+from ..damage.measured_states import roots_at
 from ..damage.question import DamagePrior
-from ..damage.roots import roots_at
-from ..damage.thresholds import smallest_found
 from ..exceptions import reject
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import seed_of, thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array
-from ..support.progress import waiting
-from ..support.threads import one_blas_thread
+from ..support.progress import one_blas_thread, waiting
 from ..support.values import FrozenDict, frozen
 from .detection_curves import DetectionCurves, crossing, fit_logit, reached
 from .plan import Sees, band_of, dofs_of

@@ -11,17 +11,15 @@ import numpy as np
 from .. import _core
 from ..damage.assess import checked_model, elements_of
 from ..damage.evidence import HIGHEST
+from ..damage.inference import smallest_found
 from ..damage.question import DamagePrior
-from ..damage.thresholds import smallest_found
 from ..exceptions import reject
 from ..measured.antiresonance_set import aligned, number
-from ..models.parameter import Parameter, parameter_name, parameter_tuple
-from ..models.parameters import stiffness_reduction
+from ..models.parameters import Parameter, parameter_name, parameter_tuple, stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray, choice, frequency_band, integer, shape_of
-from ..support.progress import step, waiting
-from ..support.threads import one_blas_thread
+from ..support.progress import one_blas_thread, step, waiting
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
 from .placement import CRITERIA, Information, Placed, Round, exhaustive, greedy, information

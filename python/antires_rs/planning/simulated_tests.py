@@ -13,13 +13,11 @@ from numpy.typing import NDArray
 from .. import _core
 from ..damage.assess import assess_damage
 from ..damage.evidence import HIGHEST, log_between
-from ..damage.inference import STD_COMMON
+from ..damage.inference import STD_COMMON, intact_slopes, log_odds_threshold
 from ..damage.likelihood import ERRORS, Likelihood
-from ..damage.measured_states import Values
+from ..damage.measured_states import FALSE, FOUND, Roots, Values, follow, roots_at
 from ..damage.model_error import BOUNDS, ModelError, factors_of, learned
 from ..damage.question import DamagePrior
-from ..damage.roots import FALSE, FOUND, Roots, follow, roots_at
-from ..damage.thresholds import intact_slopes, log_odds_threshold
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel

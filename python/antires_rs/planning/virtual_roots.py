@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..damage.measured_states import LEAST_STD
-from ..damage.roots import align, roots_at
+from ..damage.measured_states import LEAST_STD, align, roots_at
 from ..support.checks import FloatArray, finite_scalar
 from ..updating.targets import antiresonance_objective
 
 if TYPE_CHECKING:
-    from ..models.parameter import Parameter
+    from ..models.parameters import Parameter
     from ..models.structural_model import StructuralModel
 
 

@@ -15,7 +15,7 @@ Random Data, 4th ed., 2010.
 """
 
 from .data_check import check_data
-from .findings import DataCheck, Finding
+from .one_force import DataCheck, Finding
 
 # -- Data check: what measured data can bear, and what is wrong with them, before anything is fitted
 #

@@ -12,16 +12,23 @@ from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import patient
 from ..support.values import frozen
-from . import channel_faults as channels, force_location, one_force, resolution, synchronization as phase
+from . import channel_checks as channels, one_force
 from .averaging import LEAST_SAMPLES, SEGMENTS, Averages, Averaging, average, holds_hits, longest_segments
-from .findings import SEVERITIES, DataCheck, Finding, NotTested, Said, one_of_a_kind
 from .frequency_response import FrequencyResponse, band_of
-from .noise import roughness
-from .one_force import Evidence, of_curves, of_spectra
+from .one_force import (
+    SEVERITIES,
+    DataCheck,
+    Evidence,
+    Finding,
+    NotTested,
+    Said,
+    of_curves,
+    of_spectra,
+    one_of_a_kind,
+)
 from .recording import Recording
 from .repeats import one_source
-from .segments import parts_of
-from .spectra import CrossSpectra
+from .spectra import CrossSpectra, parts_of, roughness
 
 # -- Findings of several records of one test, each said once, with the records that show it
 
@@ -73,12 +80,12 @@ def _listed(numbers: list[int], count: int) -> str:
 
 BY_LINE = (
     channels.DEAD,
-    phase.TIME_SHIFT,
-    phase.QUADRATURE,
+    channels.TIME_SHIFT,
+    channels.QUADRATURE,
     channels.NOISE,
-    resolution.RESOLUTION,
-    one_force.NAME,
-    force_location.NAME,
+    channels.RESOLUTION,
+    one_force.ONE_FORCE,
+    one_force.FORCE_LOCATION,
 )
 SINGLE_HIT, MISSED_HIT = "single_hit", "missed_hit"
 FORCE = "force"
@@ -114,9 +121,9 @@ def of_recording(
     if averages.nperseg is None:
         said += _single_hit(spectra.n_averages)
     else:
-        said += resolution.averages(spectra.n_effective, rec.duration_s, averages.nperseg)
-    if spectra.freq_hz.size < resolution.LEAST_LINES:
-        return said + [resolution.too_few_lines(spectra.freq_hz.size, band)] + _none_by_line(
+        said += channels.averages(spectra.n_effective, rec.duration_s, averages.nperseg)
+    if spectra.freq_hz.size < channels.LINES_OF_BAND:
+        return said + [channels.too_few_lines(spectra.freq_hz.size, band)] + _none_by_line(
             "too few lines in the band"
         ), None
     moving = [rec.dofs.index(dof) for dof in live.dofs]
@@ -138,10 +145,10 @@ def of_recording(
     return [
         *said,
         *dead,
-        *phase.in_phase(seen),
+        *channels.in_phase(seen),
         *channels.buried(seen, lost),
         *of_repeats(one_force.one_force(seen), spectra.draws is not None),
-        *force_location.force_location(seen, excitation, frfs),
+        *one_force.force_location(seen, excitation, frfs),
     ], seen
 
 
@@ -221,21 +228,21 @@ def _resolution(averages: Averages, spectra: CrossSpectra, band: tuple[float, fl
     """Lines per bandwidth, the bandwidth being measured at the longest segments' resolution if need be."""
     length = averages.nperseg
     spacing = float(spectra.freq_hz[1] - spectra.freq_hz[0])
-    lines = resolution.sharpest_lines(_power(spectra), leakage=length is not None)
+    lines = channels.sharpest_lines(_power(spectra), leakage=length is not None)
     if length is None:
         # An exponential window has widened the resonances by a known amount.
         widened = spectra.added_decay_per_s / np.pi
-        return resolution.without_leakage(
+        return channels.without_leakage(
             None if lines is None else max(lines * spacing - widened, 0.0), spacing, hit=True
         )
     longest, bandwidth = averages.correlation.longest, None
     if lines is not None:
         bandwidth = lines * spacing
-    if longest > length and (lines is None or lines < resolution.TRUSTED):
-        finer = resolution.sharpest_lines(averages.correlation.power(longest, band))
+    if longest > length and (lines is None or lines < channels.TRUSTED):
+        finer = channels.sharpest_lines(averages.correlation.power(longest, band))
         if finer is not None:
             lines, bandwidth = finer, finer * rec.fs_hz / longest
-    return resolution.of_segments(
+    return channels.of_segments(
         bandwidth,
         spacing,
         rec.duration_s,
@@ -272,7 +279,7 @@ def _single_hit(n_hits: int) -> Said:
 def _hopeless(rec: Recording) -> Finding:
     least = LEAST_SAMPLES * SEGMENTS
     return Finding(
-        resolution.LENGTH,
+        channels.LENGTH,
         "fatal",
         (),
         float(rec.n_samples),
@@ -305,15 +312,15 @@ def of_response(
     said: Said = [NotTested(name, why) for name in (channels.CLIPPED, channels.DROPOUTS, channels.SPIKES)]
     inside = (resp.freq_hz >= band[0]) & (resp.freq_hz <= band[1]) & (resp.freq_hz > 0.0)
     by_line = (
-        phase.TIME_SHIFT,
-        phase.QUADRATURE,
+        channels.TIME_SHIFT,
+        channels.QUADRATURE,
         channels.NOISE,
-        resolution.RESOLUTION,
-        one_force.NAME,
-        force_location.NAME,
+        channels.RESOLUTION,
+        one_force.ONE_FORCE,
+        one_force.FORCE_LOCATION,
     )
-    if inside.sum() < resolution.LEAST_LINES:
-        said.append(resolution.too_few_lines(int(inside.sum()), band))
+    if inside.sum() < channels.LINES_OF_BAND:
+        said.append(channels.too_few_lines(int(inside.sum()), band))
         return said + [NotTested(name, "too few lines in the band") for name in by_line], None
     values = resp.values[:, inside]
     rough = np.array([roughness(curve) for curve in values])
@@ -358,7 +365,7 @@ def of_response(
         )
         said.append(
             Finding(
-                resolution.RESOLUTION,
+                channels.RESOLUTION,
                 "fatal",
                 (),
                 float(np.median(rough)),
@@ -377,21 +384,19 @@ def of_response(
         None if resp.coherence is None else resp.coherence[live][:, inside],
     )
     twice, _ = channels.duplicated(np.hstack([values[live].real, values[live].imag]), dofs)
-    said += [*twice, *phase.in_phase(seen), *_incoherent(seen), *one_force.one_force(seen)]
+    said += [*twice, *channels.in_phase(seen), *_incoherent(seen), *one_force.one_force(seen)]
     if resp.kind == "transmissibility":
         why = (
             "peaks of transmissibilities are antiresonances of the reference, as sharp as noise lets them be"
         )
-        said.append(NotTested(resolution.RESOLUTION, why))
-        said.append(NotTested(force_location.NAME, "transmissibilities do not show the resonances"))
+        said.append(NotTested(channels.RESOLUTION, why))
+        said.append(NotTested(one_force.FORCE_LOCATION, "transmissibilities do not show the resonances"))
         return said, seen
     spacing = float(np.median(np.diff(seen.freq_hz)))
     power = np.abs(values[live]) ** 2
-    lines = resolution.sharpest_lines(
-        np.sum(power / power.mean(axis=1, keepdims=True), axis=0), leakage=False
-    )
-    said += resolution.without_leakage(None if lines is None else lines * spacing, spacing, hit=False)
-    said += force_location.force_location(seen, excitation, values[live])
+    lines = channels.sharpest_lines(np.sum(power / power.mean(axis=1, keepdims=True), axis=0), leakage=False)
+    said += channels.without_leakage(None if lines is None else lines * spacing, spacing, hit=False)
+    said += one_force.force_location(seen, excitation, values[live])
     return said, seen
 
 
@@ -422,12 +427,12 @@ TESTS = (
     channels.DUPLICATED,
     channels.DROPOUTS,
     channels.SPIKES,
-    phase.TIME_SHIFT,
-    phase.QUADRATURE,
+    channels.TIME_SHIFT,
+    channels.QUADRATURE,
     channels.NOISE,
-    resolution.RESOLUTION,
-    one_force.NAME,
-    force_location.NAME,
+    channels.RESOLUTION,
+    one_force.ONE_FORCE,
+    one_force.FORCE_LOCATION,
 )
 
 

@@ -22,8 +22,8 @@ from ..support.checks import (
 )
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
-from .estimators import std_of_coherence
 from .recording import Recording
+from .spectra import std_of_coherence
 
 ResponseKind = Literal["frf", "transmissibility"]
 

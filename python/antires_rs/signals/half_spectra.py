@@ -28,8 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support.checks import ComplexArray, FloatArray
-from .averaging import hann_autocorrelation
-from .impacts import transient_spectra
+from .averaging import hann_autocorrelation, transient_spectra
 from .recording import Recording
 from .spectra import CrossSpectra, cross_spectra
 

@@ -23,7 +23,7 @@ from ..support.checks import ComplexArray, FloatArray
 from ..support.values import frozen
 from .frequency_response import FrequencyResponse
 from .recording import Recording
-from .segments import pooled
+from .spectra import pooled
 
 # Degrees of freedom that the scatter of a mean should have, a line of one curve giving two.
 FREEDOM = 20.0

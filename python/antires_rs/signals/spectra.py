@@ -20,19 +20,354 @@ Random Data, 4th ed., 2010; G. T. Rocklin, J. Crowley, H. Vold, Proc. IMAC 3 (19
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import reject
+from .. import _core
+from ..exceptions import Argument, UnsuitableDataError, reject
 from ..support.checks import ComplexArray, FloatArray, integer, real_array
-from .noise import noise_power
 from .recording import Recording
-from .segments import Segments, add_products, parts_of, pieces, shortest
+
+# -- Spectra of many segments, kept in half the digits beside their exact average
+#
+# Sums over segments are made in double precision while the segments are transformed, some at a time. What is
+# kept of each is asked for standard deviations only, so seven digits do: of a record whose band reaches up to
+# the Nyquist frequency, segments that overlap by half take as much memory as the record.
+
+
+#: Numbers that are worked on at a time: a few times this is what a step needs beside its input.
+AT_A_TIME = 1 << 17
+
+
+def pieces(count: int, size: int, at_a_time: int = AT_A_TIME) -> Iterator[slice]:
+    """Slices of ``count`` things of ``size`` numbers each, at least one thing in each slice."""
+    step = max(1, at_a_time // max(1, size))
+    for start in range(0, count, step):
+        yield slice(start, min(start + step, count))
+
+
+def add_products(total: ComplexArray, spectra: ComplexArray) -> None:
+    """Add the sums of conj(A) B over the segments, (n_freq, n_rows, n_segments), to ``total`` in place."""
+    _, n, count = spectra.shape
+    for some in pieces(len(spectra), n * (n + count)):
+        part = spectra[some]
+        total[some] += part.conj() @ part.transpose(0, 2, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """Scaled spectra of what was averaged.
+
+    Attributes
+    ----------
+    values : (n_freq, n_rows, n_segments) complex
+        Of long records in single precision.
+    matrix : (n_freq, n_rows, n_rows) complex
+        Mean over the segments of conj(A) B, in double precision.
+    unit : (n_freq, n_rows)
+        What ``values`` are to be multiplied by for that mean.
+    scale : (n_freq, n_rows)
+        What both are to be multiplied by, ``matrix`` in rows and in columns.
+    """
+
+    values: NDArray[np.complexfloating[Any, Any]]
+    matrix: ComplexArray
+    unit: FloatArray
+    scale: FloatArray
+
+    @classmethod
+    def of(cls, values: ComplexArray) -> Self:
+        """Of spectra as they are."""
+        matrix = values.conj() @ values.transpose(0, 2, 1) / values.shape[2]
+        return cls(values, matrix, np.ones(values.shape[:2]), np.ones(values.shape[:2]))
+
+    @property
+    def count(self) -> int:
+        """Number of segments."""
+        return int(self.values.shape[2])
+
+    def covariance(self, lines: slice = slice(None)) -> ComplexArray:
+        """Mean over the segments of A conj(B) at some lines, scaled, (n_lines, n_rows, n_rows)."""
+        scaled, scale = self.matrix[lines].conj(), self.scale[lines]
+        scaled *= scale[:, :, None]
+        scaled *= scale[:, None, :]
+        return scaled
+
+    def at(self, lines: slice) -> ComplexArray:
+        """Those of some lines, scaled, in double precision."""
+        factor = self.unit[lines] * self.scale[lines]
+        return np.asarray(self.values[lines] * factor[:, :, None], dtype=np.complex128)
+
+    def times(self, scale: FloatArray) -> Self:
+        """Scaled once more, by rows (n_rows,) or by lines and rows, (n_freq, n_rows) or (n_freq, 1)."""
+        return replace(self, scale=self.scale * scale)
+
+    def part(self, lines: slice) -> Self:
+        """The same for some of the lines."""
+        values, matrix, unit, scale = self.values, self.matrix, self.unit, self.scale
+        return replace(self, values=values[lines], matrix=matrix[lines], unit=unit[lines], scale=scale[lines])
+
+    def projected(self, directions: FloatArray) -> Segments:
+        """The same in the basis ``directions``, (n_rows, n_directions)."""
+        return Segments.of(np.asarray(directions.T @ self.at(slice(None))))
+
+
+# -- Several records of one test as one: what is averaged together, and never across a joint
+
+
+class PooledRecording(Recording):
+    """Records of one test end to end, with their limits; every average is taken inside ``parts``.
+
+    Attributes
+    ----------
+    parts : tuple of Recording
+        In the order given, all with the dofs of the first in its order.
+    """
+
+    parts: tuple[Recording, ...]
+
+    def __init__(self, parts: Sequence[Recording]) -> None:
+        forces = [part.force for part in parts if part.force is not None]
+        super().__init__(
+            np.concatenate([part.responses for part in parts], axis=1),
+            parts[0].fs_hz,
+            parts[0].dofs,
+            np.concatenate(forces) if len(forces) == len(parts) else None,
+        )
+        object.__setattr__(self, "parts", tuple(parts))
+
+    def __repr__(self) -> str:
+        return f"{len(self.parts)} x {self.parts[0]!r}"
+
+
+def parts_of(rec: Recording) -> tuple[Recording, ...]:
+    """The records that a pool holds; a record alone is its own only part."""
+    return rec.parts if isinstance(rec, PooledRecording) else (rec,)
+
+
+def shortest(rec: Recording) -> int:
+    """Samples of the shortest part, in which every segment must fit."""
+    return min(part.n_samples for part in parts_of(rec))
+
+
+def without_force(rec: Recording) -> Recording:
+    """The same record as if the force had not been measured."""
+    if rec.force is None:
+        return rec
+    bare = [Recording(part.responses, part.fs_hz, part.dofs) for part in parts_of(rec)]
+    return PooledRecording(bare) if len(bare) > 1 else bare[0]
+
+
+def pooled(records: Sequence[Recording], name: str = "source") -> Recording:
+    """Records of one test as one; the force is kept where all have it."""
+    first = records[0]
+    same = [_as_first(first, rec, Argument(name).item(i)) for i, rec in enumerate(records)]
+    return PooledRecording(same) if len(same) > 1 else first
+
+
+def _as_first(first: Recording, rec: Recording, name: Argument) -> Recording:
+    """A record with its rows in the order of the first record's."""
+    if rec.fs_hz != first.fs_hz:
+        reject(
+            name,
+            f"a sampling rate of {rec.fs_hz:g} Hz",
+            f"that of the first record, {first.fs_hz:g} Hz",
+            "Resample one of them, or identify them apart.",
+        )
+    if set(rec.dofs) != set(first.dofs):
+        reject(
+            name,
+            f"a record of dofs {rec.dofs}",
+            f"the dofs of the first record, {first.dofs}",
+            "Identify setups with sensors at other places apart, and join the sets by merge_setups.",
+        )
+    if rec.dofs == first.dofs:
+        return rec
+    rows = [rec.dofs.index(dof) for dof in first.dofs]
+    return Recording(rec.responses[rows], rec.fs_hz, first.dofs, rec.force)
+
+
+# -- The noise of channels and of lines, as averaged spectra tell it
+#
+# - :func:`noise_power`: each channel's own noise, whatever number of forces acts on the structure;
+# - :func:`channel_noise`: relative noise of the channels under one force;
+# - :func:`noise_floor`, :func:`floors`: the level of the matrix, for all lines and by line.
+
+
+# -- Eigenvalues of spectral matrices, line by line, with the channels scaled to equal noise
+
+
+def scaled_eigh(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, ComplexArray]:
+    """Eigenvalues and eigenvectors line by line, channels divided by the roots of ``scale``.
+
+    ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n); eigenvalues ascend.
+    """
+    # conj(A) B is the transpose of the covariance whose eigenvectors are wanted.
+    root = np.sqrt(scale)
+    values, vectors = np.linalg.eigh((matrix / (root[:, None] * root)).transpose(0, 2, 1))
+    return values, vectors
+
+
+def spectrum(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, ComplexArray]:
+    """All eigenvalues, largest first, (n_freq, n), and the vectors of the largest, (n_freq, n)."""
+    values = _core.hermitian_values(matrix, scale)[:, ::-1]
+    return np.ascontiguousarray(values), dominant(matrix, scale)[2]
+
+
+def dominant(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, FloatArray, ComplexArray]:
+    """The largest eigenvalue, the mean of the others, (n_freq,) each, and its vectors, (n_freq, n)."""
+    return _core.dominant_pairs(matrix, scale)
+
+
+# Keeps the inverse of exact data, whose matrices are of rank one, within rounding.
+RIDGE = 1e-13
+# Independent averages needed per channel before the inverse of an averaged matrix means something.
+AVERAGES_PER_CHANNEL = 1.5
+# Passes of "eigenvector, residual noise of each channel, scale".
+PASSES = 4
+# The scales are medians over lines: so many lines tell them.
+LINES = 500
+# No channel is taken to have less than this share of the noise that the passes start from: with next to no
+# noise they would end by calling a single channel perfect.
+LEAST_NOISE = 0.1
+# Mean of the other eigenvalues over the first of a matrix that holds nothing but rounding beside its vector.
+EXACT = 1e-13
+# Share of the largest eigenvalue below which a floor is rounding.
+ROUNDING = 1e-15
+# Lines over which the noise of averaged spectra is taken to be constant.
+FLOOR_LINES = 101
+
+
+def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
+    """Noise power of each channel at the median line, (n_channels,), units of the diagonal.
+
+    What the other channels together do not tell of a channel is its noise: ``1 / inv(S)_pp``, the variance of
+    p given all others, corrected for the averages that the regression uses up. No assumption on the number
+    of forces enters, as long as there are fewer than channels. With too few averages for an inverse, what the
+    dominant eigenvector leaves of the diagonal is taken.
+    """
+    n = matrix.shape[1]
+    mean = np.einsum("fii->fi", matrix).real.mean(axis=0)
+    root = np.sqrt(np.where(mean > 0.0, mean, 1.0))
+    auto = np.einsum("fii->fi", matrix).real / root**2
+    left = np.empty(auto.shape)
+    if n_averages >= AVERAGES_PER_CHANNEL * n:
+        for some in pieces(len(matrix), n * n):
+            part = matrix[some] * (1.0 / (root[:, None] * root))
+            part[:, np.arange(n), np.arange(n)] += (
+                RIDGE * np.maximum(auto[some].mean(axis=1), 1e-300)[:, None]
+            )
+            left[some] = 1.0 / np.einsum("fii->fi", np.linalg.inv(part)).real
+        left *= n_averages / (n_averages - n + 1.0)
+    else:
+        scaled = matrix * (1.0 / (root[:, None] * root))
+        scale = channel_noise(scaled)
+        unit = dominant(scaled, scale)[2] * np.sqrt(scale)
+        unit = unit / np.linalg.norm(unit, axis=1, keepdims=True)
+        along = np.einsum("fi,fji,fj->f", unit, scaled, unit.conj(), optimize=True).real
+        left = auto - along[:, None] * np.abs(unit) ** 2
+    # The median, because near a resonance leakage looks like noise.
+    level = np.median(left, axis=0)
+    return np.asarray(np.maximum(level, RIDGE * np.maximum(auto.mean(axis=0), 1e-300)) * root**2)
+
+
+def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> FloatArray:
+    """Relative noise power of every channel: what the dominant vector leaves of the diagonal, (n_channels,).
+
+    ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n); ``start`` is a first estimate, by default
+    the same share of every channel's power.
+    """
+    some = matrix[:: max(1, matrix.shape[0] // LINES)]
+    auto = np.einsum("fii->fi", some).real
+    first = auto.mean(axis=0) if start is None else start
+    first = np.where(first > 0.0, first, 1.0)
+    scale = first
+    for _ in range(PASSES):
+        largest, rest, vectors = dominant(some, scale)
+        if scale.size > 1 and np.median(rest / np.maximum(largest, 1e-300)) < EXACT:
+            break  # of rank one but for rounding: there is no noise to tell
+        # The noise is in the largest eigenvalue as well.
+        left = auto / scale - (largest - rest)[:, None] * np.abs(vectors) ** 2
+        # By line, since otherwise coloured noise would let the quiet lines decide, where leakage counts.
+        share = np.median(left / np.maximum(np.abs(left).mean(axis=1, keepdims=True), 1e-300), axis=0)
+        scale = scale * share / max(float(share.mean()), 1e-300)
+        scale = np.maximum(scale, LEAST_NOISE * first * float(np.median(scale / first)))
+    return np.asarray(scale)
+
+
+def noise_floor(largest: FloatArray, rest: FloatArray) -> float:
+    """Noise level of all lines: the typical mean of all eigenvalues but the largest."""
+    return max(float(np.median(rest)), _rounding(largest))
+
+
+def floors(largest: FloatArray, rest: FloatArray) -> FloatArray:
+    """Noise level of every line: running median of the mean of all eigenvalues but the largest.
+
+    Noise that is not white would otherwise bias the eigenvector of smallest misfit, which takes it for even.
+    """
+    from scipy.ndimage import median_filter  # slow to import
+
+    return np.asarray(np.maximum(median_filter(rest, size=FLOOR_LINES, mode="nearest"), _rounding(largest)))
+
+
+def _rounding(largest: FloatArray) -> float:
+    """Exact rank one leaves rounding only."""
+    return max(ROUNDING * float(largest.max()), 1e-300)
+
+
+# -- What is rough from line to line is noise: second differences of curves that are smooth without it
+
+
+# Lines over which the noise of measured curves is taken to be constant.
+NOISE_LINES = 31
+# With fewer lines nothing tells noise from curve.
+LEAST_LINES = 12
+# No curve is taken to have less noise than this share of its power.
+LEAST_NOISE_ROUGHNESS = 1e-12
+# Second differences of white noise over the noise itself, in power.
+GAIN = 6.0
+# The median of abs()**2 of complex Gaussian noise over its mean.
+MEDIAN = np.log(2.0)
+
+
+def second_differences(values: ComplexArray) -> FloatArray:
+    """Squared second differences along the last axis: ``GAIN`` times the power of white noise."""
+    return np.abs(values[..., 2:] - 2.0 * values[..., 1:-1] + values[..., :-2]) ** 2
+
+
+def typical_noise(values: ComplexArray) -> FloatArray:
+    """Noise power of every curve (n_outputs, n_freq) at its median line, (n_outputs,)."""
+    noise = np.median(second_differences(values), axis=1) / (GAIN * MEDIAN)
+    return np.asarray(np.maximum(noise, LEAST_NOISE_ROUGHNESS * np.mean(np.abs(values) ** 2, axis=1)))
+
+
+def local_noise(values: ComplexArray) -> FloatArray:
+    """Noise power of every curve around every line, (n_outputs, n_freq).
+
+    At a sharp resonance the curve itself bends within a line; there the noise comes out too high, which only
+    keeps the few lines of the peak from ruling the fit.
+    """
+    from scipy.ndimage import median_filter  # slow to import
+
+    power = np.mean(np.abs(values) ** 2, axis=1)[:, None]
+    if values.shape[1] < LEAST_LINES:
+        return np.repeat(power, values.shape[1], axis=1)
+    second = second_differences(values)
+    second = np.concatenate([second[:, :1], second, second[:, -1:]], axis=1)
+    noise = median_filter(second, size=(1, NOISE_LINES), mode="nearest") / (GAIN * MEDIAN)
+    return np.asarray(np.maximum(noise, LEAST_NOISE_ROUGHNESS * power))
+
+
+def roughness(curve: ComplexArray) -> float:
+    """Noise over power of one curve, by medians: the few lines of a sharp resonance are rough too."""
+    power = float(np.median(np.abs(curve) ** 2))
+    return float(np.median(second_differences(curve))) / GAIN / power if power > 0.0 else 0.0
+
 
 #: Numbers of the spectra that are multiplied together: 4 MB.
 TOGETHER = 1 << 18
@@ -77,7 +412,7 @@ class CrossSpectra:
 
     @cached_property
     def noise_power(self) -> FloatArray:
-        """Noise power of each channel at the median line, see :mod:`~antires_rs.signals.noise`."""
+        """Noise power of each channel at the median line, see :mod:`~antires_rs.signals.spectra`."""
         return noise_power(self.matrix, self.n_effective)
 
     def rows(self, rows: list[int]) -> CrossSpectra:
@@ -235,3 +570,161 @@ def window_values(window: Any, n: int) -> FloatArray:
             "Give a value for each sample of a segment.",
         )
     return taper
+
+
+# -- The direction of the responses at each line, and its noise
+#
+# Under one force the responses at a line are a vector known up to a factor: of measured FRFs and of the
+# transmissibilities made of them the factor differs, the direction does not. So the noise of given curves is
+# taken from their directions, and is the same for both: what is rough from line to line in curves that turn
+# smoothly.
+
+
+# No channel is taken to have less noise than this share of the typical one.
+LEAST_SHARE = 1e-2
+#: No direction is taken to have less noise power than this.
+LEAST_NOISE = 1e-12
+
+
+def aligned(vectors: ComplexArray) -> ComplexArray:
+    """Vectors (n_rows, n_freq) of unit norm, each line's free phase turned to that of its neighbour."""
+    norm = np.linalg.norm(vectors, axis=0)
+    unit = vectors / np.where(norm > 0.0, norm, 1.0)
+    step = np.angle(np.sum(unit[:, :-1].conj() * unit[:, 1:], axis=0))
+    return np.asarray(unit * np.exp(-1j * np.concatenate([[0.0], np.cumsum(step)])))
+
+
+def direction_noise(directions: ComplexArray) -> FloatArray:
+    """Noise power of :func:`aligned` directions around every line, (n_rows, n_freq), from roughness."""
+    return np.maximum(local_noise(directions), LEAST_NOISE)
+
+
+def noise_shares(noise: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A noise power (n_rows, n_freq) as the product of one of the row and one of the line.
+
+    Rows by medians, since a few lines of a sharp resonance look noisy in all; lines by means.
+    """
+    row = np.median(noise, axis=1)
+    row = np.maximum(row, LEAST_SHARE * float(np.median(row)))
+    return row, np.mean(noise / row[:, None], axis=0)
+
+
+# -- One force acts: the responses as one vector a line
+#
+# Under a single force at k the spectral matrix of the responses is S = s s^H + diag(noise), where the
+# vector s is proportional to the FRFs H_pk. With the channels scaled to equal noise its dominant eigenvector
+# is the maximum-likelihood estimate of s up to a complex factor, and every transmissibility is a ratio of two
+# of its entries. The factor, and with it the resonances, cancels.
+
+
+def response_vectors(
+    matrix: ComplexArray, noise: FloatArray | None = None
+) -> tuple[ComplexArray, FloatArray]:
+    """Dominant vectors, (n_channels, n_freq) in the channels' units, and signal-to-noise power, (n_freq,).
+
+    ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n). ``noise`` is each channel's noise power in
+    the same units; where it is not known it is estimated.
+    """
+    known = noise is not None and noise.min() > 0.0
+    scale = noise if noise is not None and known else channel_noise(matrix)
+    largest, rest, vectors = dominant(matrix, scale)
+    floor = 1.0 if known else noise_floor(largest, rest)
+    return np.ascontiguousarray((vectors * np.sqrt(scale)).T), largest / floor
+
+
+# -- Two-channel estimators, and how far each estimate scatters
+#
+# With S_ab the average of conj(A) B over n_d independent pieces, and j the input:
+#
+#     H1 = S_jp / S_jj    H2 = S_pp / S_pj    Hv: total least squares on (x_j, x_p)
+#
+# Noise on the input makes H1 too small by the factor 1 / (1 + noise_j / signal_j), noise on the output
+# makes H2 too large by 1 + noise_p / signal_p. An estimate H scatters, in its real and its imaginary part
+# alike, by
+#
+#     std^2 = abs(H)^2 (1 - g2) / (2 g2 (n_d - 1)),    g2 the ordinary coherence.
+#
+# That is the textbook's expression (there with n_d: the coherence itself is estimated from the same averages
+# and comes out too high by one part in n_d). It is exact to first order for H1 and H2, and an upper limit for
+# Hv, whose magnitude may scatter less by up to sqrt(g2).
+#
+# For the rank-one estimate T = v_p / v_j, v the dominant eigenvector of a matrix whose channels are scaled to
+# equal noise, first-order perturbation moves v along every other eigenvector e_k (eigenvalue l_k, that of v
+# l_1) by a random amount of variance l_1 l_k / (n_d (l_1 - l_k)^2), hence
+#
+#     std^2 = sum_k abs(e_kp - T e_kj)^2 / abs(v_j)^2  l_1 l_k / (2 (n_d - 1) (l_1 - l_k)^2).
+#
+# In white noise that is abs(T)^2 (1 + 1/q) (1/q_p + 1/q_j) / (2 n_d), q the signal-to-noise power of all
+# channels together, q_p that of one; for H1 the factor (1 + 1/q) (1/q_p + 1/q_j) reads 1/q_p + 1/q_j +
+# 1/(q_p q_j). So the eigenvector gains over H1 where both channels are weak; with two channels both are the
+# same.
+#
+# References: J. S. Bendat and A. G. Piersol, Random Data, 4th ed., 2010, ch. 9 (random errors of H1 and H2);
+# G. T. Rocklin, J. Crowley, H. Vold, Proc. IMAC 3 (1985) 272-278 (Hv); T. W. Anderson, Ann. Math. Stat. 34
+# (1963) 122-148 (scatter of eigenvectors).
+
+
+# Below this a coherence is that of a line without energy.
+LEAST_COHERENCE = 1e-12
+# Two largest eigenvalues closer than this leave the eigenvector undetermined.
+LEAST_GAP = 1e-3
+
+
+def two_channel(matrix: ComplexArray, j: int, estimator: str) -> tuple[ComplexArray, FloatArray]:
+    """Every channel over channel j by H1, H2 or Hv, and ordinary coherence; both (n_channels, n_freq)."""
+    auto = np.einsum("fii->if", matrix).real
+    s_jp, s_jj = matrix[:, j, :].T, auto[j]
+    if not s_jj[1:].all() or not auto.any(axis=1).all():
+        silent = ~auto.any(axis=1)
+        dead = int(np.flatnonzero(silent)[0]) if silent.any() else j
+        raise UnsuitableDataError(
+            "responses",
+            f"channel {dead} without energy at some frequencies",
+            "signals that are not zero",
+            "Leave the dead channel out.",
+        )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        coherence = np.clip(np.abs(s_jp) ** 2 / (s_jj * auto), 0.0, 1.0)
+        if estimator == "h1":
+            values = s_jp / s_jj
+        elif estimator == "h2":
+            values = auto / s_jp.conj()
+        else:
+            scale = np.sqrt(auto.mean(axis=1) / s_jj.mean())[:, None]
+            a, b, c = s_jj, auto / scale**2, s_jp / scale
+            # Dominant eigenvector of [[a, conj c], [c, b]], from the row that does not cancel.
+            largest = 0.5 * (a + b + np.hypot(a - b, 2.0 * np.abs(c)))
+            values = np.where(a >= b, c / (largest - b), (largest - a) / c.conj()) * scale
+    # Lines without energy (often zero frequency, after the mean was removed) carry no information.
+    return np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0), np.nan_to_num(coherence)
+
+
+def std_of_coherence(values: ComplexArray, coherence: FloatArray, n_averages: float) -> FloatArray:
+    """Standard deviation of real and imaginary part, (n_channels, n_freq).
+
+    A line without any coherence knows nothing; its deviation is kept finite, and very large.
+    """
+    known = np.maximum(coherence, LEAST_COHERENCE)
+    # H1 is zero where coherence is: the scatter there must not be.
+    size = np.maximum(np.abs(values), LEAST_COHERENCE * np.abs(values).max(axis=1, keepdims=True))
+    return np.asarray(size * np.sqrt((1.0 - known) / (2.0 * known * (n_averages - 1.0))), dtype=np.float64)
+
+
+def std_of_rank_one(matrix: ComplexArray, j: int, n_averages: float) -> FloatArray:
+    """Standard deviation of real and imaginary part of the rank-one T_pj, (n_channels, n_freq)."""
+    noise = noise_power(matrix, n_averages)
+    root = np.sqrt(noise)
+    values, vectors = scaled_eigh(matrix, noise)
+    first = np.maximum(values[:, -1:], 1e-300)
+    values = np.clip(values[:, :-1], 0.0, (1.0 - LEAST_GAP) * first)
+    own, others = vectors[:, :, -1], vectors[:, :, :-1]
+    # The eigenvector errs along every other one; the ratio to component j takes the projections.
+    share = first * values / (first - values) ** 2
+    v_j = np.where(own[:, j] == 0.0, 1e-300, own[:, j])[:, None]
+    t = own / v_j
+    error = (
+        np.abs((others - t[:, :, None] * others[:, j : j + 1, :]) / v_j[:, :, None]) ** 2 @ share[:, :, None]
+    )
+    std = (np.sqrt(error[:, :, 0] / (2.0 * (n_averages - 1.0))) * root / root[j]).T
+    std[j] = 0.0
+    return np.asarray(std, dtype=np.float64)

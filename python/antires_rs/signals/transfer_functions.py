@@ -8,12 +8,18 @@ import numpy as np
 
 from ..exceptions import reject
 from ..support.checks import ComplexArray, choice
-from .direction import response_vectors
-from .estimators import std_of_rank_one, two_channel
+from .averaging import require_stationary, transient_spectra
 from .frequency_response import FrequencyResponse
-from .impacts import require_stationary, transient_spectra
 from .recording import Recording
-from .spectra import CrossSpectra, check_recording, cross_spectra, force_of
+from .spectra import (
+    CrossSpectra,
+    check_recording,
+    cross_spectra,
+    force_of,
+    response_vectors,
+    std_of_rank_one,
+    two_channel,
+)
 
 
 def frf(

@@ -23,8 +23,7 @@ from ..support.progress import step
 from ..support.values import Value
 from .problem import UpdatingProblem
 from .residuals import BoxResiduals
-from .steady_roots import STEP, roots_of
-from .targets import model_dof
+from .targets import STEP, model_dof, roots_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel

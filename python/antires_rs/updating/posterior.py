@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..optimize.island_ga import seed_of, thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer
-from ..support.progress import patient, step
-from ..support.threads import one_blas_thread
+from ..support.progress import one_blas_thread, patient, step
 from ..support.values import FrozenDict, Value
 from ..views import Viewed
 from .profile import open_sides, words_of

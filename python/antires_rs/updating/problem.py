@@ -24,7 +24,7 @@ from .._core import __version__
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..models.parameter import Parameter, parameter_name, parameter_tuple, warn_far
+from ..models.parameters import Parameter, parameter_name, parameter_tuple, warn_far
 from ..models.structural_model import StructuralModel
 from ..optimize.checkpoint import digest_of
 from ..optimize.island_ga import thread_count

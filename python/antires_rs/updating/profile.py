@@ -14,8 +14,7 @@ import numpy as np
 
 from ..exceptions import reject
 from ..support.checks import FloatArray, finite_scalar, integer
-from ..support.progress import patient, step
-from ..support.threads import one_blas_thread
+from ..support.progress import one_blas_thread, patient, step
 from ..support.values import Value
 from .residuals import UNSEEN, Fit, fitted, least_squares
 

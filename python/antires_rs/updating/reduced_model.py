@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .._core import Model as CoreModel
-    from ..models.parameter import Parameter
+    from ..models.parameters import Parameter
     from ..support.checks import FloatArray
     from .problem import UpdatingProblem
 

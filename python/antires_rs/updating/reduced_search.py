@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..exceptions import reject
-from ..optimize.island_ga import IslandGA
-from ..optimize.outcome import OptimizeResult
+from ..optimize.island_ga import IslandGA, OptimizeResult
 from ..support.checks import FloatArray, finite_scalar, integer
-from ..support.threads import one_blas_thread
+from ..support.progress import one_blas_thread
 from .reduced_model import Affine, ReducedProblem, basis_at, bent_by, largest_difference
 from .targets import AntiresonanceTargets
 

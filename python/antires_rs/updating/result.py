@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import os
 
     from ..models.structural_model import StructuralModel
-    from ..optimize.outcome import History, OptimizeResult
+    from ..optimize.island_ga import History, OptimizeResult
     from .problem import UpdatingProblem
     from .reduced_search import ReductionReport
 

@@ -12,8 +12,7 @@ import numpy as np
 
 from ..exceptions import NumericalError, reject
 from ..optimize.checkpoint import Checkpoint
-from ..optimize.island_ga import IslandGA, guesses, seed_of, thread_count
-from ..optimize.outcome import OptimizeResult
+from ..optimize.island_ga import IslandGA, OptimizeResult, guesses, seed_of, thread_count
 from ..support.checks import FloatArray
 from ..support.progress import watched
 from .problem import UpdatingProblem, fingerprint

@@ -31,8 +31,8 @@ from ..io.frf_files import read_frf_files
 from ..io.own_format import relabelled
 from ..io.registry import ENDINGS, READERS, format_by_ending
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..signals.findings import DataCheck, Finding
 from ..signals.frequency_response import FrequencyResponse
+from ..signals.one_force import DataCheck, Finding
 from ..signals.recording import Recording
 from ..support.progress import apart
 from ..support.values import FrozenDict

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.response_table import ResponseTable
-from ..signals.findings import DataCheck, Finding
+from ..signals.one_force import DataCheck, Finding
 from ..support.values import frozen
 
 # -- A set of antiresonances as plain data: facts about its tables, and columns with a row an antiresonance

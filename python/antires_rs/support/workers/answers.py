@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from ..threads import one_blas_thread
+from ..progress import one_blas_thread
 
 __all__ = ["Ended", "Outcome", "answers", "bound", "packed", "run_chunk", "run_here"]
 

@@ -1,0 +1,766 @@
+"""Faults of single channels: dead, clipped, duplicated, interrupted, spiked, buried in noise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..support.checks import ComplexArray, FloatArray
+from .averaging import BANDWIDTHS, NARROWEST, SEGMENTS, narrow_width, standing_peaks
+from .one_force import Evidence, Finding, NotTested, Said, Severity, rounded
+from .spectra import pieces
+
+DEAD, CLIPPED, DUPLICATED = "dead_channel", "clipped_channel", "duplicated_channels"
+DROPOUTS, SPIKES, NOISE = "dropouts", "spikes", "signal_to_noise"
+
+# Part of a channel's range that counts as one level, and how many levels below the extreme are compared with
+# it.
+LEVEL = 1e-3
+LEVELS_BELOW = 3
+# A pile of so many samples at an extreme, this many times what the levels below hold, is a clipped one. A
+# slow sine piles up by 3.
+PILE, PILE_RATIO = 8, 5.0
+# Extremes are looked for in this part of a channel's range.
+HIGH = 0.25
+# Correlation of two channels above which they are one signal.
+SAME = 1.0 - 1e-9
+# Equal samples in a row that make a dropout, unless the digits are so coarse that this share repeat anyway.
+RUN, REPEATED = 20, 0.01
+# Second differences this far out, in robust standard deviations, are spikes: Gaussian ones never reach 8.
+SPIKE_SIGMAS = 15.0
+# So many second differences tell their standard deviation within a per cent.
+MEDIAN_SAMPLES = 16384
+# A channel of which others explain less of its power in the band carries no response.
+EXPLAINED = 0.25
+LEAST_AVERAGES = 4.0
+DEAD_ADVICE = "Check sensor, cable and gain; leave the channel out."
+# Share of the band that a channel may spend under its noise without a note.
+BURIED = 0.25
+
+
+def constant(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], list[int]]:
+    """Channels that never move; also their rows."""
+    still = [p for p, x in enumerate(data) if x.max() == x.min()]
+    return [
+        Finding(
+            DEAD,
+            "fatal",
+            (labels[p],),
+            0.0,
+            0.0,
+            f"Dof {labels[p]!r} gives the constant {data[p, 0]:.3g}: no signal at all.",
+            DEAD_ADVICE,
+            f"the constant {data[p, 0]:.3g}",
+        )
+        for p in still
+    ], still
+
+
+def clipped(data: Iterable[FloatArray], labels: tuple[Any, ...]) -> Said:
+    """Channels whose samples pile up at their largest or smallest value."""
+    found: Said = []
+    for label, x in zip(labels, data, strict=True):
+        low, high = float(x.min()), float(x.max())
+        above, below = x[x >= high - HIGH * (high - low)], x[x <= low + HIGH * (high - low)]
+        piles = {high: _pile(np.sort(above), high - low, x), low: _pile(np.sort(-below), high - low, x, -1.0)}
+        count = sum(piles.values())
+        if count == 0:
+            continue
+        share = count / x.size
+        where = " and ".join(f"{value:.4g}" for value, pile in piles.items() if pile)
+        text = f"Channel {label!r} is clipped at {where}: {count} samples, {100 * share:.2g} % of the record."
+        advice = (
+            "Lower the gain or the force and record again; clipping adds harmonics that look like "
+            "noise of the channel."
+        )
+        brief = f"clipped at {where}, {100 * share:.2g} % of the record"
+        found.append(Finding(CLIPPED, "warning", (label,), share, PILE / x.size, text, advice, brief))
+    return found
+
+
+def _pile(high: FloatArray, spread: float, x: FloatArray, sign: float = 1.0) -> int:
+    """Samples at the largest of ``sign * x`` if they are a pile, else 0; ``high`` are its high ones."""
+    largest = float(high[-1])
+    steps = np.diff(high)
+    steps = steps[steps > 1e-9 * spread]
+    # Levels as wide as the digits of the converter, where these are coarse.
+    level = max(LEVEL * spread, 1.5 * float(steps.min()) if steps.size else 0.0)
+    count = int(np.count_nonzero(high >= largest - level))
+    more = int(np.count_nonzero(high >= largest - (1 + LEVELS_BELOW) * level))
+    if count < PILE or count <= PILE_RATIO * (more - count) / LEVELS_BELOW:
+        return 0
+    # Rest is no pile: the force between two impacts.
+    return count if largest - sign * np.median(x) > level else 0
+
+
+def duplicated(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], list[int]]:
+    """Pairs of channels that are one signal up to a factor; also the rows to leave out."""
+    mean = data.mean(axis=1, keepdims=True)
+    products = np.zeros((len(data), len(data)))
+    for some in pieces(data.shape[1], len(data)):
+        moved = data[:, some] - mean
+        products += moved @ moved.T
+    norm = np.sqrt(np.diag(products))
+    same = np.abs(products) / np.maximum(norm[:, None] * norm, 1e-300)
+    found, extra = [], []
+    for p, q in zip(*np.nonzero(np.triu(same > SAME, 1)), strict=True):
+        if q in extra:
+            continue
+        extra.append(int(q))
+        factor = float(products[p, q]) / float(norm[p]) ** 2
+        text = f"Channels {labels[p]!r} and {labels[q]!r} hold one signal, up to a factor of {factor:.4g}."
+        found.append(
+            Finding(
+                DUPLICATED,
+                "warning",
+                (labels[p], labels[q]),
+                float(same[p, q]),
+                SAME,
+                text,
+                "Check the wiring and the channel list; leave one of them out.",
+                f"one signal, up to a factor of {factor:.4g}",
+            )
+        )
+    return found, extra
+
+
+def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said:
+    """Channels that stand still for a while within a steady record, or jump."""
+    found: Said = []
+    for label, x in zip(labels, data, strict=True):
+        step = np.diff(x)
+        still = step == 0.0
+        run = _longest_run(still)
+        if (
+            run[1] >= RUN
+            and still.mean() < max(REPEATED, 2.0 * run[1] / x.size)
+            and x.min() < x[run[0]] < x.max()
+        ):
+            text = f"Channel {label!r} stands still for {run[1]} samples at {run[0] / fs_hz:.3g} s."
+            found.append(
+                Finding(
+                    DROPOUTS,
+                    "warning",
+                    (label,),
+                    float(run[1]),
+                    RUN,
+                    text,
+                    "Look for a loose contact or lost data; use the part of the record without it.",
+                    f"still for {run[1]} samples at {run[0] / fs_hz:.3g} s",
+                )
+            )
+        second = np.diff(step)
+        scale = float(np.median(np.abs(second[:: max(1, second.size // MEDIAN_SAMPLES)]))) / 0.6745
+        largest = max(float(second.max()), -float(second.min()))
+        if scale > 0.0 and largest > SPIKE_SIGMAS * scale:
+            second = np.abs(second)
+            count = int(np.count_nonzero(second > SPIKE_SIGMAS * scale))
+            text = (
+                f"Channel {label!r} jumps: {count} second differences lie beyond {SPIKE_SIGMAS:g} "
+                f"standard deviations, the largest at {largest / scale:.0f}, "
+                f"{int(np.argmax(second)) / fs_hz:.3g} s into the record."
+            )
+            found.append(
+                Finding(
+                    SPIKES,
+                    "warning",
+                    (label,),
+                    largest / scale,
+                    SPIKE_SIGMAS,
+                    text,
+                    "Look for loose contacts, electric switching or blows; use the part of the "
+                    "record without them.",
+                    f"{count} jumps, the largest at {largest / scale:.0f} standard deviations",
+                )
+            )
+    return found
+
+
+def _longest_run(still: Any) -> tuple[int, int]:
+    """Start of the longest run of equal samples, and its length in samples."""
+    if not still.any():
+        return 0, 1
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int8), [0]])))
+    starts, lengths = edges[::2], edges[1::2] - edges[::2]
+    best = int(np.argmax(lengths))
+    return int(starts[best]), int(lengths[best]) + 1
+
+
+def unrelated(seen: Evidence) -> Said:
+    """Channels that share nothing with any other in the band: only noise."""
+    if seen.explained is None:
+        return [
+            NotTested(DEAD, "one average does not tell a response from noise; constant channels are found")
+        ]
+    if len(seen.dofs) < 2:
+        return [NotTested(DEAD, "a single channel has nothing to be compared with; a constant one is found")]
+    if seen.n_averages < LEAST_AVERAGES:
+        return [
+            NotTested(
+                DEAD,
+                f"{seen.n_averages:.1f} independent averages explain noise by noise; "
+                "constant channels are found",
+            )
+        ]
+    # Noise explains 1/n of noise.
+    limit = max(EXPLAINED, 2.0 / seen.n_averages)
+    lost = [p for p, share in enumerate(seen.explained) if share < limit]
+    if len(lost) == 2 and len(seen.dofs) == 2:
+        text = (
+            f"Dofs {seen.dofs[0]!r} and {seen.dofs[1]!r} have nothing in common in the band: either "
+            f"explains {100 * seen.explained.max():.0f} % of the other's power. One of them, or both, "
+            "hold only noise."
+        )
+        return [
+            Finding(
+                DEAD,
+                "fatal",
+                seen.dofs,
+                float(seen.explained.max()),
+                limit,
+                text,
+                "Check cables, sensors and the band.",
+            )
+        ]
+    return [
+        Finding(
+            DEAD,
+            "fatal",
+            (seen.dofs[p],),
+            float(seen.explained[p]),
+            limit,
+            f"Dof {seen.dofs[p]!r} holds only noise in the band: no other channel explains more than "
+            f"{100 * seen.explained[p]:.0f} % of its power (limit {100 * limit:.0f} %).",
+            DEAD_ADVICE,
+            f"only noise in the band, of which no other explains more than {100 * seen.explained[p]:.0f} %",
+        )
+        for p in lost
+    ]
+
+
+BURIED_ADVICE = (
+    "Antiresonances there come from the other channels or not at all; force harder or average longer."
+)
+
+
+def buried(seen: Evidence, skip: set[Any]) -> Said:
+    """Channels that spend much of the band under their noise."""
+    if seen.signal is None:
+        return [NotTested(NOISE, "the noise of a single average is not known")]
+    share = np.mean(seen.signal < 1.0, axis=1)
+    return [
+        Finding(
+            NOISE,
+            "note",
+            (dof,),
+            float(part),
+            BURIED,
+            f"Dof {dof!r} lies under its own noise in {100 * part:.0f} % of the band.",
+            BURIED_ADVICE,
+            f"under its noise in {100 * part:.0f} % of the band",
+        )
+        for dof, part in zip(seen.dofs, share, strict=True)
+        if part > BURIED and dof not in skip
+    ]
+
+
+# -- Are all channels on one clock and of one kind?
+#
+# A channel that was sampled later turns against the others in proportion to frequency; one of another kind
+# (a velocity among accelerations) stands at right angles. What it takes to say so is more than a phase that
+# is off: real structures have channels, near a clamp for instance, whose phase is off at every resonance. A
+# finding needs a delay, or a right angle, that brings the channel back into the common phase
+# (``agreement``) about as well as the other channels keep it, at so many modes that random phases would not
+# do so: the bound of that probability, times the number of channels of this structure that are out of phase
+# without such a reason, has to be small.
+#
+# Polarity cannot be seen: a sensor upside down is at half a turn, like a mode shape with a node in between.
+
+
+# -- How well a channel keeps the common phase, and how sure that is
+#
+# Where the modes are real all responses at one line are in phase or against phase. That holds at the
+# resonances of any lightly damped structure; between them, near clamps and at nodes, what is left may be
+# noise, cross-talk or the imaginary part of the modes, and its phase means nothing. So a line speaks about
+# channel p only where
+#
+# - the *others* are in phase or against phase among themselves, in power, each at its typical share of the
+#   line (the shares are those of the direction of the vector of responses, which FRFs and transmissibilities
+#   have in common);
+# - p itself takes part: it has at least half of its typical share of the line. A channel that follows no
+#   resonance falls below it exactly there.
+#
+# Twice the phase, which does not know the sign, is compared: z_p = exp(2i (phase of p - phase of the
+# others)). Neighbouring lines of one direction are one mode, and one piece of evidence, however many they
+# are. For a delay t and an offset c the agreement is
+#
+#     R(t, c) = mean over modes of the mean over their lines of Re(z_p exp(2i (2 pi f t - c)))
+#
+# and, by Chernoff's bound, n modes of random phase reach R with a probability of at most exp(-n I(R)), times
+# the number of independent delays up to t that were tried.
+#
+# Reference: K. V. Mardia and P. E. Jupp, Directional Statistics, 2000, ch. 4 (sums of random phases).
+
+
+# Signal-to-noise power of an averaged line from which its phase counts: an error of 13 degrees.
+LEAST_SNR = 10.0
+# The others agree on a line if doubled phases leave this part of their power: a scatter of 13 degrees.
+COMMON = 0.9
+# Where there are several others, no line is judged by one of them alone.
+LEAST_OTHERS = 1.5
+# Least share of a line, of the typical one, with which a channel takes part; largest that counts, so that
+# none speaks for all.
+LEAST_SHARE, LARGEST_SHARE = 0.5, 2.0
+# Cosine between the directions of two lines below which they are two modes (60 degrees).
+SAME_MODE = 0.5
+# Lines that make a mode, and in all.
+LINES_OF_MODE, LEAST_LINES = 3, 8
+# Delays are at most this part of the time that the spacing of the lines resolves.
+SPAN = 0.25
+# Zero padding of the transform that scans the delays.
+PADDING = 4
+
+
+class Fit(NamedTuple):
+    """What the lines say of one channel.
+
+    Attributes
+    ----------
+    in_phase : float
+        R without delay and offset: 1 for a channel that keeps the common phase.
+    fits : float
+        R with the delay and the offset found.
+    delay_s : float
+    quadrature : bool
+        Whether the offset is a right angle.
+    chance : float
+        Bound of the probability that random phases fit as well.
+    modes : int
+    """
+
+    in_phase: float
+    fits: float
+    delay_s: float
+    quadrature: bool
+    chance: float
+    modes: int
+
+
+class Agreement:
+    """Which lines speak about which of some channels, and what they say.
+
+    Parameters
+    ----------
+    seen : Evidence
+    channels : list of int
+        Those that are compared, n of them.
+    """
+
+    def __init__(self, seen: Evidence, channels: list[int]) -> None:
+        self.freq_hz = seen.freq_hz
+        vectors = seen.vectors[:, channels]
+        size = np.abs(vectors)
+        unit = vectors / np.maximum(size, 1e-300)
+        level = np.log(np.maximum(size, 1e-300))
+        level -= np.median(level, axis=1, keepdims=True)
+        level -= np.median(level, axis=0)
+        loud = size**2 * seen.n_averages >= LEAST_SNR
+        share = np.where(loud, np.exp(np.minimum(level, 10.0)), 0.0)
+        power = np.minimum(share, LARGEST_SHARE) ** 2
+        doubled = unit**2
+        common, total, squares = (
+            part.sum(axis=1, keepdims=True) - part for part in (power * doubled, power, power**2)
+        )
+        agreed = (np.abs(common) >= COMMON * total) & (total > 0.0)
+        if len(channels) > 2:
+            agreed &= total**2 >= LEAST_OTHERS * squares
+        #: Lines that speak about each channel, (n_freq, n), and what they say.
+        self.heard = agreed & (share >= LEAST_SHARE)
+        self.votes: ComplexArray = doubled * np.conj(common / np.maximum(np.abs(common), 1e-300))
+        direction = np.sqrt(power) * unit
+        direction /= np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-300)
+        self._mode = _modes(direction, self.heard.any(axis=1))
+
+    def fit(self, p: int, largest_turn_deg: float) -> Fit | None:
+        """The likeliest delay and offset of channel ``p``; None where too few lines speak.
+
+        An offset of a right angle is another kind of quantity, which has no delay beyond ``largest_turn_deg``
+        at the highest line.
+        """
+        lines = np.flatnonzero(self.heard[:, p])
+        if lines.size:
+            counts = np.bincount(self._mode[lines])
+            lines = lines[counts[self._mode[lines]] >= LINES_OF_MODE]
+        if lines.size < LEAST_LINES:
+            return None
+        _, mode, counts = np.unique(self._mode[lines], return_inverse=True, return_counts=True)
+        weighted = self.votes[lines, p] / (counts.size * counts[mode])
+        freq = self.freq_hz[lines]
+        delays, sums = _scanned(freq, weighted, float(np.diff(self.freq_hz).min()))
+        tried = np.log1p(4.0 * np.abs(delays) * float(freq[-1] - freq[0]))
+        late = _log_chance(sums.real, counts.size) + tried
+        short = 360.0 * np.abs(delays) * float(self.freq_hz[-1]) <= largest_turn_deg
+        turned = np.where(short, _log_chance(-sums.real, counts.size), 0.0)
+        quadrature = bool(turned.min() < late.min())
+        best = int(np.argmin(turned if quadrature else late))
+        sign = -1.0 if quadrature else 1.0
+        return Fit(
+            float(weighted.real.sum()),
+            float(sign * sums.real[best]),
+            _refined(freq, sign * weighted, float(delays[best]), float(delays[1] - delays[0])),
+            quadrature,
+            float(np.exp(turned[best] if quadrature else late[best])),
+            int(counts.size),
+        )
+
+
+def _modes(direction: ComplexArray, used: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Number of the mode that each used line belongs to, -1 for the others."""
+    mode = np.full(used.size, -1)
+    first, number = None, -1
+    for i in np.flatnonzero(used):
+        if first is None or abs(np.vdot(first, direction[i])) < SAME_MODE:
+            first, number = direction[i], number + 1
+        mode[i] = number
+    return mode
+
+
+def _scanned(
+    freq_hz: FloatArray, weighted: ComplexArray, spacing_hz: float
+) -> tuple[FloatArray, ComplexArray]:
+    """Delays in s, and the sum of the votes brought together by each: one transform."""
+    index = np.rint((freq_hz - freq_hz[0]) / spacing_hz).astype(int)
+    n = PADDING * int(2 ** np.ceil(np.log2(index[-1] + 2)))
+    grid = np.zeros(n, dtype=np.complex128)
+    np.add.at(grid, index, weighted)
+    sums = np.fft.ifft(grid) * n
+    sums = np.fft.fftshift(sums)
+    steps = np.arange(n) - n // 2
+    allowed = np.abs(steps) <= SPAN * n
+    delays = steps[allowed] / (2.0 * spacing_hz * n)
+    return delays, sums[allowed] * np.exp(4j * np.pi * delays * freq_hz[0])
+
+
+def _refined(freq_hz: FloatArray, weighted: ComplexArray, delay: float, step: float) -> float:
+    """The delay between those of the scan, by parabolas."""
+    for width in (step, step / 4.0, step / 16.0):
+        left, middle, right = (
+            float((np.exp(4j * np.pi * t * freq_hz) @ weighted).real)
+            for t in (delay - width, delay, delay + width)
+        )
+        bend = left - 2.0 * middle + right
+        if bend < 0.0:
+            delay += width * float(np.clip(0.5 * (left - right) / bend, -1.0, 1.0))
+    return delay
+
+
+@cache
+def _rates() -> tuple[FloatArray, FloatArray]:
+    """R and its rate I(R) = sup (s R - ln I0(s)), by their common parameter s."""
+    from scipy.special import i0e, i1e  # slow to import
+
+    s = np.geomspace(1e-3, 1e4, 400)
+    r = i1e(s) / i0e(s)
+    return r, s * r - (np.log(i0e(s)) + s)
+
+
+def _log_chance(r: FloatArray, modes: int) -> FloatArray:
+    """Bound of the logarithm of the probability that the mean of so many random cosines reaches r."""
+    return np.asarray(-modes * np.interp(r, *_rates()), dtype=np.float64)
+
+
+TIME_SHIFT, QUADRATURE = "time_shift", "quadrature"
+# Phase (degrees) at the band's upper edge from which a delay is named. Damping of 2 % looks like 30 degrees
+# on the ends of a chain; identification itself bears any delay that is short beside a segment.
+SHIFT_DEG = 60.0
+# Limit of the offset that a finding states.
+QUADRATURE_DEG = 45.0
+# A channel is out of phase below this agreement (33 degrees of scatter), ...
+IN_PHASE = 0.7
+# ... and a delay or an offset explains it if it mends so much of the agreement, ...
+MENDED = 0.3
+# ... leaves at most so many times the disagreement of the median channel, ...
+AS_THE_OTHERS = 3.0
+# ... which is taken to be no less than this (a scatter of 13 degrees in doubled phase), ...
+LEAST_SCATTER = 0.05
+# ... and is expected so often, at most, of channels whose phase means nothing.
+FALSE_ALARMS = 0.1
+
+
+def in_phase(seen: Evidence) -> Said:
+    """Delay and right-angle tests of every channel against the others."""
+    if len(seen.dofs) < 2:
+        why = "a single channel has nothing to be compared with"
+        return [NotTested(TIME_SHIFT, why), NotTested(QUADRATURE, why)]
+    left = list(range(len(seen.dofs)))
+    found: Said = []
+    # The worst channel first, and without it again: a late channel makes the others look early.
+    while len(left) > 1:
+        fits = _fits(seen, left)
+        if not fits and not found:
+            why = "at too few lines do the channels rise out of their noise in phase or against phase"
+            return [NotTested(TIME_SHIFT, why), NotTested(QUADRATURE, why)]
+        off = sorted((p for p, fit in fits.items() if _is_off(seen, fit)), key=lambda p: fits[p].chance)
+        worst = next((p for p in off if _proved(fits[p], _without(seen, left, p))), None)
+        if worst is None:
+            break
+        found.append(_finding(seen, tuple(left) if len(left) == 2 else (worst,), fits[worst]))
+        if len(left) == 2:
+            break
+        left.remove(worst)
+    return found
+
+
+def _fits(seen: Evidence, channels: list[int]) -> dict[int, Fit]:
+    lines = Agreement(seen, channels)
+    fits = {p: lines.fit(i, SHIFT_DEG) for i, p in enumerate(channels)}
+    return {p: fit for p, fit in fits.items() if fit is not None}
+
+
+def _without(seen: Evidence, channels: list[int], p: int) -> dict[int, Fit]:
+    """What the others say of each other; of two no one knows which is off."""
+    others = [q for q in channels if q != p]
+    return _fits(seen, others) if len(others) > 2 else {}
+
+
+def _is_off(seen: Evidence, fit: Fit) -> bool:
+    mended = fit.fits >= IN_PHASE and fit.fits - fit.in_phase >= MENDED and fit.chance < FALSE_ALARMS
+    return mended and (fit.quadrature or _shift_deg(seen, fit) >= SHIFT_DEG)
+
+
+def _proved(fit: Fit, others: dict[int, Fit]) -> bool:
+    """Whether the fit is as good as the others' phases, and no chance among so many that are off."""
+    kept = [other.in_phase for other in others.values()]
+    astray = sum(each < IN_PHASE for each in kept)
+    scatter = max(1.0 - float(np.median(kept)), LEAST_SCATTER) if kept else 1.0
+    return (astray + 0.5) * fit.chance <= FALSE_ALARMS and 1.0 - fit.fits <= AS_THE_OTHERS * scatter
+
+
+def _shift_deg(seen: Evidence, fit: Fit) -> float:
+    return 360.0 * abs(fit.delay_s) * float(seen.freq_hz[-1])
+
+
+def _finding(seen: Evidence, where: tuple[int, ...], fit: Fit) -> Finding:
+    dofs = tuple(seen.dofs[p] for p in where)
+    name = " and ".join(repr(dof) for dof in dofs)
+    who = f"Dof {name} is" if len(dofs) == 1 else f"One of dofs {name} is"
+    modes = f"{fit.modes} modes" if fit.modes > 1 else "1 mode"
+    if fit.quadrature:
+        text = (
+            f"{who} at right angles to the other channels at {modes}: it looks like another kind of "
+            "quantity, a velocity among accelerations."
+        )
+        return Finding(
+            QUADRATURE,
+            "warning",
+            dofs,
+            90.0,
+            QUADRATURE_DEG,
+            text,
+            "Check the sensor and its conditioning; convert all channels to one kind.",
+            f"at right angles to the other channels at {modes}",
+        )
+    samples = "" if seen.fs_hz is None else f", {fit.delay_s * seen.fs_hz:+.2f} samples"
+    brief = (
+        f"{'late' if fit.delay_s > 0 else 'early'} against the other channels by "
+        f"{1e3 * abs(fit.delay_s):.3g} ms{samples}"
+    )
+    return Finding(
+        TIME_SHIFT,
+        "warning",
+        dofs,
+        fit.delay_s,
+        SHIFT_DEG / 360.0 / float(seen.freq_hz[-1]),
+        f"{who} {brief}: {_shift_deg(seen, fit):.0f} degrees at {seen.freq_hz[-1]:g} Hz.",
+        "Check that all channels share one clock and one filter, or shift it back.",
+        brief,
+    )
+
+
+# -- Is the resolution enough for the damping, and the record long enough for the resolution?
+
+
+RESOLUTION, LENGTH, AVERAGES = "resolution", "record_length", "averages"
+# Lines per half-power bandwidth of the sharp resonances, for averaged segments, whose leakage fills what is
+# narrower than a line. On the 8-mass chain two were enough for all 28 values to 1e-3; one gave false ones now
+# and then, half a line gave several in every run.
+ENOUGH, TOO_FEW = 2.0, 1.0
+# Whole impacts and measured responses have no leakage; what is narrower than two lines is poorly sampled.
+ENOUGH_WITHOUT_LEAKAGE = 0.5
+# Width that a pure tone has through a Hann window.
+TONE = 0.95
+# Bandwidth over what the top of a resonance, cut off at a tenth of its height, measures.
+TOP = 1.6
+# Widths are trusted from so many lines on.
+TRUSTED = 4.0
+# Independent averages below which noise and coherence are guesses.
+STEADY_AVERAGES = 6.0
+# Lines in the band below which nothing can be said by line.
+LINES_OF_BAND = 8
+
+
+def sharpest_lines(power: FloatArray, leakage: bool = True) -> float | None:
+    """Half-power bandwidth of the sharp resonances in lines, or None if nothing stands out."""
+    if power.size < LINES_OF_BAND:
+        return None
+    if not leakage:
+        widths = [_width_at(power, peak) for peak in standing_peaks(power)]
+        return float(np.quantile(widths, NARROWEST)) if widths else None
+    width = narrow_width(power)
+    return None if width is None else max(TOP * (width - TONE), 0.0)
+
+
+def _width_at(power: FloatArray, peak: int) -> float:
+    """Half-power bandwidth in lines from three lines of a resonance, however coarse they are.
+
+    The inverse of the power of one mode is a parabola, a ((f - f0)^2 + (B / 2)^2).
+    """
+    left, middle, right = 1.0 / np.maximum(power[peak - 1 : peak + 2], 1e-300)
+    bend = 0.5 * (left + right) - middle
+    least = middle - (right - left) ** 2 / (16.0 * bend)
+    return float(2.0 * np.sqrt(max(least, 0.0) / bend))
+
+
+def of_segments(
+    bandwidth_hz: float | None,
+    spacing_hz: float,
+    duration_s: float,
+    *,
+    longer: bool,
+    chosen: bool,
+    known: bool,
+) -> Said:
+    """Lines per bandwidth of averaged segments, and what would mend it.
+
+    ``longer``: the record allows longer segments. ``chosen``: these were not the user's, so that leaving the
+    choice is no advice. ``known``: the bandwidth was resolved; otherwise it is an upper limit.
+    """
+    if bandwidth_hz is None:
+        return [_nothing_sharp()]
+    lines = bandwidth_hz / spacing_hz
+    if lines >= ENOUGH:
+        return []
+    severity: Severity = "fatal" if lines < TOO_FEW else "warning"
+    width = (
+        f"{rounded(bandwidth_hz)} Hz wide at half power"
+        if known
+        else f"not resolved (narrower than about {rounded(max(bandwidth_hz, spacing_hz))} Hz at half power)"
+    )
+    seen = (
+        f"the sharp resonances are {width}, the lines {spacing_hz:.3g} Hz apart. That is "
+        f"{'' if known else 'at most '}{lines:.1f} lines per bandwidth; {ENOUGH:g} are needed, "
+        f"{BANDWIDTHS:g} are good."
+    )
+    wanted_s = BANDWIDTHS / max(bandwidth_hz, 0.5 * spacing_hz)
+    if longer:
+        leave_it = "" if chosen else ", or let nperseg=None choose"
+        return [
+            Finding(
+                RESOLUTION,
+                severity,
+                (),
+                lines,
+                ENOUGH,
+                "The resolution is too coarse: " + seen,
+                f"Use longer segments, of {rounded(wanted_s)} s{leave_it}.",
+            )
+        ]
+    constants = np.pi * bandwidth_hz * duration_s
+    # With as few lines as are needed; more are better. Segments are powers of two, which may fall short of a
+    # record that is long enough by this count.
+    least_s = SEGMENTS * wanted_s * ENOUGH / BANDWIDTHS
+    return [
+        Finding(
+            LENGTH,
+            severity,
+            (),
+            lines,
+            ENOUGH,
+            f"The record of {duration_s:.3g} s is too short: {seen} It holds {constants:.0f} time "
+            "constants of these resonances.",
+            (
+                f"Record {'' if known else 'at least '}{rounded(least_s)} s, better "
+                if least_s > duration_s
+                else "Record for longer, at best "
+            )
+            + f"{rounded(SEGMENTS * wanted_s)} s.",
+        )
+    ]
+
+
+def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool) -> Said:
+    """The same for whole impacts and for measured responses."""
+    if bandwidth_hz is None:
+        return [_nothing_sharp()]
+    lines = bandwidth_hz / spacing_hz
+    if lines >= ENOUGH_WITHOUT_LEAKAGE:
+        return []
+    limit = ENOUGH_WITHOUT_LEAKAGE
+    wanted_hz = max(bandwidth_hz, 0.25 * spacing_hz) / ENOUGH
+    seen = (
+        f"the sharp resonances are about {rounded(bandwidth_hz)} Hz wide at half power, the lines "
+        f"{spacing_hz:.3g} Hz apart; {limit:g} lines per bandwidth is the least."
+    )
+    if hit:
+        return [
+            Finding(
+                LENGTH,
+                "warning",
+                (),
+                lines,
+                limit,
+                f"The record after the impact ({1.0 / spacing_hz:.3g} s) is too short: {seen}",
+                f"Record until the response has died, for some {rounded(1.0 / wanted_hz)} s.",
+            )
+        ]
+    return [
+        Finding(
+            RESOLUTION,
+            "warning",
+            (),
+            lines,
+            limit,
+            f"The resolution is too coarse: {seen}",
+            f"Measure with lines {rounded(wanted_hz)} Hz apart.",
+        )
+    ]
+
+
+def averages(n_averages: float, duration_s: float, nperseg: int) -> Said:
+    """Enough averages to tell noise from signal?"""
+    if n_averages >= STEADY_AVERAGES:
+        return []
+    return [
+        Finding(
+            AVERAGES,
+            "warning",
+            (),
+            n_averages,
+            STEADY_AVERAGES,
+            f"Segments of {nperseg} samples leave {n_averages:.1f} independent averages in "
+            f"{duration_s:.3g} s; {STEADY_AVERAGES:g} are needed for noise and coherence to mean "
+            "something.",
+            "Use shorter segments, or record for longer.",
+        )
+    ]
+
+
+def too_few_lines(n_lines: int, band: tuple[float, float]) -> Finding:
+    """A band with hardly a line in it."""
+    return Finding(
+        RESOLUTION,
+        "fatal",
+        (),
+        float(n_lines),
+        LINES_OF_BAND,
+        f"Only {n_lines} lines lie in {band[0]:g}-{band[1]:g} Hz, {LINES_OF_BAND} being the least.",
+        "Widen the band, or use longer segments.",
+    )
+
+
+def _nothing_sharp() -> NotTested:
+    return NotTested(RESOLUTION, "no resonance stands out of the band by 10 dB")
