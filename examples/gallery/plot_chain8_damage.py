@@ -10,7 +10,7 @@ on a model without error; then with a baseline, on one that is wrong.
 import matplotlib.pyplot as plt
 
 import antires_rs as ar
-from antires_rs.figures import __init__ as plotting
+from antires_rs import figures as plotting
 
 case = ar.cases.chain8()
 record = case.experiment(level=1, noise=0.01, duration_s=128.0, rng=1)

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.figures import __init__ as plotting
+from antires_rs import figures as plotting
 
 case = ar.cases.chain8(perturbation=0.08, rng=2)
 record = case.experiment(noise=0.01, duration_s=128.0, rng=2)

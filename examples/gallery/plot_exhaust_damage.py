@@ -11,7 +11,7 @@ the two never agree fully.
 import matplotlib.pyplot as plt
 
 import antires_rs as ar
-from antires_rs.figures import __init__ as plotting
+from antires_rs import figures as plotting
 
 case = ar.cases.exhaust()
 intact, cracked = (

@@ -10,7 +10,7 @@ thickness also varies from piece to piece, so no choice of the 21 parameters fit
 import matplotlib.pyplot as plt
 
 import antires_rs as ar
-from antires_rs.figures import __init__ as plotting
+from antires_rs import figures as plotting
 
 case = ar.cases.exhaust()
 fig, ax = plt.subplots(figsize=(10, 4), layout="constrained")

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.figures import __init__ as plotting
+from antires_rs import figures as plotting
 
 
 def frame(wall_m=0.0015, tip_kg=0.8, turned_deg=0.0):

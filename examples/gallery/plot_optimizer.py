@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.figures import __init__ as plotting
+from antires_rs import figures as plotting
 
 
 def rastrigin(x):

@@ -9,7 +9,7 @@ same record, with the same search and penalties.
 import matplotlib.pyplot as plt
 
 import antires_rs as ar
-from antires_rs.figures import __init__ as plotting
+from antires_rs import figures as plotting
 
 case = ar.cases.chain8()
 record = case.experiment(level=1, noise=0.05, duration_s=128.0, rng=5)

@@ -5,7 +5,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import antires_rs as ar
-from antires_rs.figures import __init__ as plotting
+from antires_rs import figures as plotting
 from antires_rs.figures.canvas import below, picture
 from antires_rs.signals.data_check import check_data
 from tests.support.four_masses import BAND, chain, exact

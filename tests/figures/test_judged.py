@@ -5,7 +5,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import antires_rs as ar
-from antires_rs.figures import __init__ as plotting
+from antires_rs import figures as plotting
 from tests.support.four_masses import chain, exact
 
 

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import antires_rs as ar
-from antires_rs.figures import __init__ as plotting
+from antires_rs import figures as plotting
 from antires_rs.figures.canvas import picture, spread
 from tests.support.four_masses import DOFS, SPRINGS, chain, exact
 

@@ -18,7 +18,7 @@ def sets_of(*tests):
 def test_pictures_of_tracks(kind, conditions):
     from matplotlib.figure import Figure
 
-    from antires_rs.figures import __init__ as plotting
+    from antires_rs import figures as plotting
 
     followed = ar.track(sets_of([10.0, 20.0], [10.1, 30.0], [10.2, 20.1]), conditions)
     ax = followed.plot(0, kind=kind, ax=Figure().subplots())
@@ -33,7 +33,7 @@ def test_pictures_of_tracks(kind, conditions):
 def test_picture_of_a_comparison():
     from matplotlib.figure import Figure
 
-    from antires_rs.figures import __init__ as plotting
+    from antires_rs import figures as plotting
 
     std = {0: [0.01, 0.01], 1: [0.01]}
     a, b = (ar.AntiresonanceSet(0, {0: f, 1: [14.4]}, std_hz=std) for f in ([8.7, 23.9], [8.7, 23.5]))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from antires_rs.identification.rule import Rule
 
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError
@@ -15,7 +16,6 @@ from antires_rs.identification.paper import (
     sweep_of,
 )
 from antires_rs.identification.rational_fit import guessed_poles, guessed_weights
-from antires_rs.identification.rule import Rule
 from antires_rs.identification.stabilization import diagram
 from antires_rs.signals.averaging import Averaging, average
 from antires_rs.signals.recording import Recording

@@ -1,9 +1,9 @@
 """Presets: what they hold, and that what is given wins."""
 
 import pytest
+from antires_rs.identification.rule import DEFAULTS, PRESETS, Rule, rule_options
 
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.identification.rule import DEFAULTS, PRESETS, Rule, rule_options
 
 
 def test_without_a_preset_the_defaults_hold():

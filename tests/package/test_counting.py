@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs import figures as plotting
 from antires_rs.app.main import main
-from antires_rs.figures import __init__ as plotting
 from antires_rs.figures.report import write_report
 from tests.support.four_masses import exact
 

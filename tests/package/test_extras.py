@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs import figures as plotting
 from antires_rs.app import main as cli
-from antires_rs.figures import __init__ as plotting
 from reference.io_signals import recording
 from tests.support.paths import ROOT
 

@@ -58,7 +58,7 @@ def test_every_import_keeps_the_contracts():
             "from ..measured.antiresonance_set import AntiresonanceSet",
             "f\\(x\\) only",
         ),
-        ("signals/noise.py", "from .transfer_functions import frf", "No cycles are allowed"),
+        ("signals/spectra.py", "from .transfer_functions import frf", "No cycles are allowed"),
     ],
     ids=["above", "model", "lazy", "search", "circle"],
 )
@@ -76,7 +76,7 @@ def test_a_wrong_import_is_found(copied, file, line, rule):
 
 
 #: Eigenvalues of many small matrices, which the core finds and which know nothing of models.
-LINEAR_ALGEBRA = {"noise.py"}
+LINEAR_ALGEBRA = {"spectra.py"}
 
 
 def test_the_signal_side_does_not_load_the_core():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.figures import __init__ as plotting
+from antires_rs import figures as plotting
 from tests.watch.drawn_tests import MASSES, SPRINGS, chain, exact, many
 
 
