@@ -35,6 +35,7 @@ _NAMES = {
     ),
     "identification.identify": ("identify_antiresonances",),
     "identification.modes": ("identify_modes",),
+    "identification.options": ("FitOptions",),
     "identification.rational_fit": ("RationalFit", "fit_rational"),
     "identification.stabilization": ("StabilizationDiagram", "stabilization"),
     "io": (

@@ -22,6 +22,7 @@ from .exceptions import (
 )
 from .identification.identify import identify_antiresonances as identify_antiresonances
 from .identification.modes import identify_modes as identify_modes
+from .identification.options import FitOptions as FitOptions
 from .identification.rational_fit import RationalFit as RationalFit, fit_rational as fit_rational
 from .identification.stabilization import (
     StabilizationDiagram as StabilizationDiagram,
@@ -138,6 +139,7 @@ __all__ = [
     "DetectionCurves",
     "Fault",
     "Finding",
+    "FitOptions",
     "FrameModel",
     "FrequencyResponse",
     "FrequencyTable",

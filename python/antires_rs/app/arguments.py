@@ -8,11 +8,11 @@ from dataclasses import MISSING, fields
 from functools import partial
 from typing import Any
 
+from .. import io
 from ..damage.assess import assess_damage
 from ..damage.measured_states import measured_states
 from ..damage.question import DamagePrior
 from ..damage.result import DamageResult
-from ..io import __init__ as io
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models import parameters
 from ..models.chain import MassSpringChain

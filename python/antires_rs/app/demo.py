@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from .. import cases
 from .._core import __version__
-from ..cases import __init__ as cases
 from ..cases.chain8 import DURATION_S, FS_HZ, Chain8
 from ..damage.assess import assess_damage
 from ..damage.result import DamageResult
@@ -275,7 +275,7 @@ NPERSEG = 8192
 
 def write_pictures(story: Story, folder: Path) -> None:
     """The paper's pictures, as PNG."""
-    from ..figures import __init__ as plotting
+    from .. import figures as plotting
     from ..figures.canvas import picture
 
     case, updated = story.case, story.updated

@@ -14,6 +14,7 @@ from pathlib import PurePath
 from textwrap import wrap
 from typing import Any
 
+from ..identification.options import declared
 from ..io.registry import ENDINGS
 
 # -- What a key and a section of a job file are: name, kind of value, and the sentence that explains it
@@ -240,71 +241,12 @@ IDENTIFICATION = Section(
     "identification",
     "How antiresonances are identified. The defaults suit most records.",
     (
-        Key("preset", "text", '"paper", "strict" or "sensitive": a named set of the options below.'),
         Key("dofs", "list", "Dofs whose antiresonances are used; by default all that were measured."),
-        Key(
-            "route",
-            "text",
-            '"transmissibility" reads responses only, "frf" uses a measured force.',
-            '"transmissibility"',
+        *(
+            Key(name, "whole" if one.kind == "segment" else one.kind, one.sentence, one.shown)
+            for name, one in declared().items()
         ),
-        Key(
-            "formulation",
-            "text",
-            '"auto", "windows", "numerators", "joint", "power", "eq10" or "eq10_squared".',
-            '"auto"',
-        ),
-        Key("estimator", "text", '"rank1", "h1", "h2" or "hv".', '"rank1"'),
-        Key("method", "text", '"auto", "welch" for random records, "transient" for impacts.', '"auto"'),
-        Key("nperseg", "whole", "Samples in a segment; by default chosen from the data."),
-        Key("noverlap", "whole", "Samples shared by neighbouring segments; by default half."),
-        Key("window", "text", "Window of the segments.", '"hann"'),
-        Key("min_order", "whole", "Lowest order of the stabilization diagram.", "2"),
-        Key(
-            "max_order",
-            "whole",
-            "Highest order of the stabilization diagram; by default as the data want. Of fits over windows "
-            "16 at most.",
-        ),
-        Key(
-            "freq_tol",
-            "number",
-            "Relative change of frequency from order to order that counts as stable.",
-            "0.01",
-        ),
-        Key("damping_tol", "number", "The same for damping; of the sweep over orders, as min_rows.", "0.1"),
-        Key(
-            "min_rows", "whole", "An antiresonance must be stable in more consecutive orders than this.", "10"
-        ),
-        Key("max_damping", "number", "Largest damping ratio of an antiresonance.", "0.1"),
-        Key(
-            "min_dominance",
-            "number",
-            "How much of the curve a value must own, in the sweep over orders.",
-            "0.05",
-        ),
-        Key(
-            "min_share",
-            "number",
-            "Share of the fits over windows (curves, single impacts) that must see a value.",
-            "0.5",
-        ),
-        Key(
-            "min_depth_db",
-            "number",
-            "Depth in dB of the dip that a value must make, in fits over windows.",
-            "3.0",
-        ),
-        Key(
-            "persistent",
-            "switch",
-            "Whether the sweep accepts values that are there at most orders without being stable.",
-            "true",
-        ),
-        Key("keep_common", "switch", "Whether to keep values that all channels share.", "false"),
-        Key("cross_check", "text", '"aaa" or "vector_fitting": another method that confirms or flags.'),
         Key("second_opinion", "text", "The older name of cross_check."),
-        Key("check", "text", 'What to do about data that are not fit: "warn", "raise" or "off".', '"warn"'),
     ),
 )
 

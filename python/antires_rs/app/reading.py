@@ -7,9 +7,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
+from .. import io
 from ..exceptions import InvalidInputError, reject
 from ..identification.identify import identify_antiresonances
-from ..io import __init__ as io
+from ..identification.options import sorted_out
 from ..io.channels import kept, renamed
 from ..io.common import Signal
 from ..io.own_format import relabelled
@@ -249,7 +250,9 @@ def one_measured(
     if "dofs" in chosen:
         chosen["dofs"] = [find(("identification", "dofs"), dof) for dof in chosen["dofs"]]
     with job.blame(place, {"source": file_at, **_OPTIONS}):
-        found = identify_antiresonances(signal, excitation=force, band_hz=table["band_hz"], **chosen)
+        found = identify_antiresonances(
+            signal, excitation=force, band_hz=table["band_hz"], **sorted_out(chosen)
+        )
     return Measured(file, found, signal, tuple(path for _, path in further), table)
 
 

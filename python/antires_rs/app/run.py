@@ -251,7 +251,7 @@ def measurement_of(job: Job, measured: list[Measured]) -> list[dict[str, list[st
                 if table.get("unit")
                 else "SI (m/s2 for accelerations); what the file names otherwise was converted"
             ]
-            own |= of_identification(each.signal, each.found, table["band_hz"], job.section("identification"))
+            own |= of_identification(each.signal, each.found)
         facts.append(own | of_evidence(each.found))
     return facts
 

@@ -72,13 +72,14 @@ def _of_file(args: argparse.Namespace) -> AntiresonanceSet:
 
         return edited(of_setups(args, kind), args)
     from ..identification.identify import identify_antiresonances
+    from ..identification.options import sorted_out
 
     given = measurement(args, kind)
     _reached(args, given.signal)
     say(f"identifying the antiresonances of {len(given.signal.dofs)} responses")
     with arguments(NAMES):
         found = identify_antiresonances(
-            given.signal, excitation=given.force, band_hz=args.band, **given.options
+            given.signal, excitation=given.force, band_hz=args.band, **sorted_out(given.options)
         )
     return edited(found, args)
 

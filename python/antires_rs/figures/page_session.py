@@ -18,6 +18,7 @@ import numpy as np
 
 from ..exceptions import AntiresError, AntiresWarning, InvalidInputError, reject
 from ..identification.identify import Hit, identify_antiresonances, identify_roving
+from ..identification.options import sorted_out
 from ..measured.antiresonance_set import AntiresonanceSet, doubts_of
 from ..measured.edits import NAMED_WITHIN
 from ..measured.replay import Asked, asked_of, replayed, to_json
@@ -217,7 +218,7 @@ class OneMeasurement:
     def identify(self, excitation: Any, band_hz: Band, options: Mapping[str, Any]) -> AntiresonanceSet:
         """As :func:`~antires_rs.identify_antiresonances`."""
         return identify_antiresonances(
-            self._signal, excitation=excitation, band_hz=band_hz, progress=False, **options
+            self._signal, excitation=excitation, band_hz=band_hz, progress=False, **sorted_out(options)
         )
 
     def curve(self, dof: Any, band_hz: Band, options: Mapping[str, Any]) -> Curve | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import inspect
 import json
 from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
@@ -20,7 +19,6 @@ import numpy as np
 from ..damage.hypotheses import Assessment, loss, span
 from ..damage.result import DamageResult
 from ..damage.words import without_idle
-from ..identification.rule import rule_options
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
@@ -92,50 +90,29 @@ def of_signal(signal: Recording | FrequencyResponse) -> Facts:
     return facts
 
 
-def of_identification(
-    signal: Recording | FrequencyResponse, found: AntiresonanceSet, band_hz: Any, options: Mapping[str, Any]
-) -> Facts:
-    """Every choice of an identification, defaults among them; ``options`` are those that were given."""
-    from ..identification.identify import OF_SWEEP, OF_WINDOWS, identify_antiresonances
+def of_identification(signal: Recording | FrequencyResponse, found: AntiresonanceSet) -> Facts:
+    """Every choice of an identification, defaults among them, as the set keeps them."""
+    from ..identification.options import OF_SWEEP, OF_WINDOWS, FitOptions
     from ..identification.windows import HIGHEST_ORDER
 
-    known = inspect.signature(identify_antiresonances).parameters
-    used = {name: given.default for name, given in known.items() if given.default is not given.empty}
-    used |= options
-    rule = rule_options(
-        used["preset"],
-        **{
-            name: used[name]
-            for name in (
-                "formulation",
-                "max_order",
-                "freq_tol",
-                "damping_tol",
-                "min_rows",
-                "max_damping",
-                "min_dominance",
-                "min_share",
-                "min_depth_db",
-                "persistent",
-            )
-        },
-    )
-    formulation, max_order = rule.pop("formulation"), rule.pop("max_order")
-    chosen = formulation
+    used = found.options
+    if not used:
+        return {}
+    formulation, fitted, max_order = used["formulation"], used["fitted"], used["max_order"]
     if formulation == "auto":
-        # Only two fits are graded, see order_sweep.scores; those over windows know shares.
-        every = set().union(*(scores for scores in found.scores.values()))
-        chosen = "windows" if "share" in every else "numerators" if "grade" in every else "joint"
-        formulation = f"auto, here {chosen}"
-    if chosen == "windows":
+        formulation = f"auto, here {fitted}"
+    if fitted == "windows":
         max_order = min(max_order, HIGHEST_ORDER)
     elif found.diagrams:
         max_order = int(max(one.orders[-1] for one in found.diagrams.values()))
-    for name in OF_SWEEP if chosen == "windows" else OF_WINDOWS:
-        del rule[name]
-    thresholds = [f"{name} {value}" for name, value in rule.items()]
+    others = OF_SWEEP if fitted == "windows" else OF_WINDOWS
+    thresholds = [
+        f"{name} {used[name]}"
+        for name, one in FitOptions.declared().items()
+        if one.kind in ("number", "whole", "switch") and name not in (*others, "min_order")
+    ]
     preset = [] if used["preset"] is None else [f"preset {used['preset']}"]
-    low, high = band_hz
+    low, high = used["band_hz"]
     facts = {
         "Band": [f"{low:g} to {high:g} Hz"],
         "Method": [f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"],
@@ -143,7 +120,7 @@ def of_identification(
     if isinstance(signal, Recording):
         facts["Spectra"] = [_spectra(signal, found, used)]
     facts["Orders"] = [f"{used['min_order']} to {max_order}"]
-    facts["Thresholds"] = [", ".join([*preset, *thresholds, f"keep_common {used['keep_common']}"])]
+    facts["Thresholds"] = [", ".join([*preset, *thresholds])]
     return facts
 
 

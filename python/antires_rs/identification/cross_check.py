@@ -25,9 +25,7 @@ from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
 from ..support.checks import ComplexArray, FloatArray, choice, finite_scalar, frequency_band, integer
 from ..support.values import ReadOnly, frozen
-from .lines import Lines, lines_of
-from .rational_fit import share_of_curve
-from .rule import (
+from .limits import (
     CANDIDATE_DOMINANCE,
     CANDIDATE_SNR,
     CONFIRMING_DOMINANCE,
@@ -35,6 +33,8 @@ from .rule import (
     LEAST_POLES,
     MORE_POLES,
 )
+from .lines import Lines, lines_of
+from .rational_fit import share_of_curve
 from .scores import shared
 from .stabilization import Window, flanked, windows
 

@@ -22,17 +22,19 @@ Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
+from .._core import __version__
 from ..exceptions import UnsuitableDataError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.merge import merge_setups
 from ..measured.response_table import ResponseTable, label
-from ..signals.averaging import Averages, Averaging, average
+from ..signals.averaging import Averages, average
 from ..signals.data_check import judged
 from ..signals.frequency_response import FrequencyResponse, band_of
 from ..signals.one_force import DataCheck
@@ -44,7 +46,16 @@ from ..support.messages import warn
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import frozen
 from .lines import FORCE, Lines, lines_of
-from .options import DEFAULT, IdentificationOptions, checked_options
+from .options import (
+    OF_BOTH,
+    OF_SWEEP,
+    OF_WINDOWS,
+    CallOptions,
+    FitOptions,
+    IdentificationOptions,
+    options_of,
+    sorted_out,
+)
 from .paper import sweep_of
 from .scores import graded, scored, unexplained, without_common
 from .selection import freedom, independent_averages, select
@@ -78,7 +89,7 @@ def diagrams_of(
         found = _from_numerators(dofs, first, band, options)
     else:
         found = _one_by_one(dofs, lines_for, band, options, formulation)
-    if not options.keep_common:
+    if not options.rule.keep_common:
         found = without_common(found)
     for row, (dof, one) in enumerate(found.items()):
         peaks = unexplained(
@@ -148,11 +159,6 @@ def _one_by_one(
 # is said, not refused.
 
 
-#: Options of the sweep over orders alone, and of the fits over windows alone.
-OF_SWEEP = ("damping_tol", "min_rows", "min_dominance", "persistent")
-OF_WINDOWS = ("min_share", "min_depth_db")
-#: What either listens to.
-OF_BOTH = ("freq_tol", "max_damping")
 #: With fewer lines there is no window of the narrow scale, and no fit that others could confirm.
 FEW_LINES = SCALES[-1][1]
 
@@ -162,12 +168,14 @@ def settled(options: IdentificationOptions, lines: Lines) -> IdentificationOptio
     formulation = options.formulation
     if formulation == "auto":
         averaged = lines.segments is not None
-        formulation = "windows" if not averaged else "numerators" if options.estimator == "rank1" else "joint"
+        formulation = (
+            "windows" if not averaged else "numerators" if options.call.estimator == "rank1" else "joint"
+        )
     if formulation == "windows":
         idle = [name for name in OF_SWEEP if name in options.given]
         if "max_order" in options.given and options.max_order > HIGHEST_ORDER:
             idle.append(f"max_order above {HIGHEST_ORDER}")
-        if options.min_order > HIGHEST_ORDER:
+        if options.rule.min_order > HIGHEST_ORDER:
             idle.append(f"min_order above {HIGHEST_ORDER}")
         fit = "fits over windows (formulation 'windows': given curves and single impacts)"
         counts = [*OF_BOTH, *OF_WINDOWS, f"orders up to {HIGHEST_ORDER}"]
@@ -205,29 +213,16 @@ def identify_antiresonances(
     excitation: Any,
     band_hz: Sequence[float],
     dofs: Iterable[Any] | None = None,
-    route: str = DEFAULT.route,
-    nperseg: int | None = DEFAULT.averaging.nperseg,
-    noverlap: int | None = DEFAULT.averaging.noverlap,
-    window: Any = DEFAULT.averaging.window,
-    method: str = DEFAULT.averaging.method,
-    estimator: str = DEFAULT.estimator,
+    route: str = "transmissibility",
+    nperseg: int | None = None,
+    estimator: str = "rank1",
     preset: str | None = None,
-    formulation: str | None = None,
     max_order: int | None = None,
-    min_order: int = DEFAULT.min_order,
-    freq_tol: float | None = None,
-    damping_tol: float | None = None,
-    min_rows: int | None = None,
-    max_damping: float | None = None,
-    min_dominance: float | None = None,
-    persistent: bool | None = None,
-    min_share: float | None = None,
-    min_depth_db: float | None = None,
-    keep_common: bool = DEFAULT.keep_common,
-    cross_check: str | None = DEFAULT.cross_check,
-    second_opinion: str | None = None,
-    check: str = DEFAULT.check,
+    cross_check: str | None = None,
+    check: str = "warn",
+    fit: FitOptions | None = None,
     progress: bool | None = None,
+    **older: Any,
 ) -> AntiresonanceSet:
     """Identify the antiresonances of every response, automatically.
 
@@ -247,48 +242,29 @@ def identify_antiresonances(
     nperseg : int, optional
         Samples per Welch segment. Default: 16 over the narrow half-power bandwidth, at most a tenth of the
         record, rounded to a power of two.
-    noverlap, window
-        As for :func:`~antires_rs.signals.spectra.cross_spectra`; for impacts ``window`` may be "rectangular"
-        or "exponential" ("hann" there means: rectangular if the response dies, else exponential).
-    method : {"auto", "welch", "transient"}
-        How a record is averaged; "auto" looks at its energy profile.
     estimator : {"rank1", "h1", "h2", "hv"}
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
         :func:`~antires_rs.transmissibility` and
         :func:`~antires_rs.frf`.
-    formulation : {"auto", "windows", "numerators", "joint", "power", "eq10", "eq10_squared"}, optional
-        See the module, and :mod:`~antires_rs.identification.paper` for the last three. "auto"
-        (default) takes "windows" for given curves and single impacts; for averaged records, and from two
-        impacts on, "numerators" with ``estimator="rank1"``, else "joint".
     preset : {None, "paper", "strict", "sensitive"}
-        A named set of the options formulation, max_order, freq_tol to min_dominance and persistent, see
-        :mod:`~antires_rs.identification.rule`. What is given beside it wins.
-    max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
-        As for :func:`~antires_rs.stabilization`, or as the preset says. Without ``max_order`` the fit of all
-        numerators goes 36 orders beyond the likeliest, up to 200. With few lines in the band the
-        highest order is lowered to two thirds of their number. Fits over windows know ``freq_tol``,
-        ``max_damping`` and orders up to 16; the others belong to the sweep over orders.
-    persistent : bool, optional
-        Of the sweep: accept also what is there in most orders without standing still. Default: True, or as
-        the preset says.
+        A named set of the options of ``fit`` and of ``max_order``, see
+        :mod:`~antires_rs.identification.options`. What is given beside it wins.
+    max_order : int, optional
+        Highest order of the sweep, 2 to 200; by default as the preset says, else 60, and 36 beyond the
+        likeliest, up to 200, for the fit of all numerators. With few lines in the band it is lowered to two
+        thirds of their number. Fits over windows know orders up to 16.
     cross_check : {None, "aaa", "vector_fitting"}
         Ask another method about every value; the answer is ``.cross_check`` of the set, see
         :func:`~antires_rs.identification.cross_check.cross_check`. It changes no value.
-    second_opinion
-        The older name of ``cross_check``.
-    min_share : float
-        Of fits over windows: accepted is what this share of those that could see it does see, 0 to 1.
-    min_depth_db : float
-        Of fits over windows: depth in dB of the dip that an antiresonance makes, in the direction of the
-        responses and, where its size is known, in the response itself. Curves that are better than measured
-        ones need less, see Notes.
-    keep_common : bool
-        Keep values that all of three or more channels share, see Notes.
     check : {"warn", "raise", "off"}
         What to do with :func:`~antires_rs.check_data`: warn of what it finds, refuse data in which it finds
         something fatal, or leave it out. The answer is ``.data_check`` of the set.
+    fit : FitOptions, optional
+        How curves are fitted and what is accepted: what few calls change.
     progress : bool, optional
         A line on standard error after a second; by default on a terminal and in a notebook.
+    **older
+        Options of ``fit`` by name, and ``second_opinion`` for ``cross_check``, as until 0.1; with a warning.
 
     Returns
     -------
@@ -353,29 +329,18 @@ def identify_antiresonances(
     >>> found[0].round(1).tolist(), found[1].tolist()
     ([15.2], [])
     """
-    options = checked_options(
-        Averaging(nperseg, noverlap, window, method),
-        preset,
+    if older:
+        fit, cross_check = _of_before(older, fit, cross_check)
+    call = CallOptions(
+        preset=preset,
         route=route,
         estimator=estimator,
-        formulation=formulation,
-        min_order=min_order,
+        nperseg=nperseg,
         max_order=max_order,
-        keep_common=keep_common,
         cross_check=cross_check,
-        second_opinion=second_opinion,
         check=check,
-        rule={
-            "freq_tol": freq_tol,
-            "damping_tol": damping_tol,
-            "min_rows": min_rows,
-            "max_damping": max_damping,
-            "min_dominance": min_dominance,
-            "persistent": persistent,
-            "min_share": min_share,
-            "min_depth_db": min_depth_db,
-        },
     )
+    options = options_of(call, FitOptions() if fit is None else fit)
     one: Recording | FrequencyResponse = one_source(source)
     band = band_of(one, band_hz)
     excitation = label("excitation", excitation)
@@ -385,7 +350,7 @@ def identify_antiresonances(
     averages = None
     if isinstance(one, Recording):
         averages = average(one, band, options.averaging, include_force=options.use_force)
-    lines_for = lines_of(one, averages, band, use_force=options.use_force, estimator=options.estimator)
+    lines_for = lines_of(one, averages, band, use_force=options.use_force, estimator=options.call.estimator)
     options = settled(options, lines_for(0))
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
@@ -398,13 +363,13 @@ def identify_antiresonances(
     elif averages is not None and fitted.of_numerators:
         known = independent_averages(averages.spectra)
     compared = None
-    if options.cross_check is not None:
+    if options.call.cross_check is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
         from .cross_check import judge
 
         step("cross-check")
         values = {dof: d.identified for dof, d in found.items()}
-        compared = judge(lines_for, one.dofs, values, band, options.cross_check)
+        compared = judge(lines_for, one.dofs, values, band, options.call.cross_check)
     return AntiresonanceSet.from_tables(
         excitation,
         {
@@ -416,7 +381,40 @@ def identify_antiresonances(
         cross_check=compared,
         sees=fitted.sees,
         channels=one.dofs,
+        options={"antires_rs": __version__, "band_hz": list(band), **options.values()},
     )
+
+
+def _of_before(
+    older: dict[str, Any], fit: FitOptions | None, cross_check: str | None
+) -> tuple[FitOptions | None, str | None]:
+    """Options as they were given until 0.1, with a warning that names the new place."""
+    known = FitOptions.declared()
+    for name in older:
+        if name not in known and name != "second_opinion":
+            raise TypeError(f"identify_antiresonances() got an unexpected keyword argument {name!r}")
+    places = [f"fit=FitOptions({name}=...)" for name in older if name in known]
+    if "second_opinion" in older:
+        places.append("cross_check=...")
+        second = older["second_opinion"]
+        if cross_check not in (None, second) and second is not None:
+            reject(
+                "second_opinion",
+                second,
+                f"None beside cross_check={cross_check!r}",
+                "It is the older name of cross_check; give that alone.",
+            )
+        cross_check = cross_check if second is None else second
+    warnings.warn(
+        f"identify_antiresonances: {' and '.join(older)}: write {', '.join(places)}",
+        FutureWarning,
+        stacklevel=4,
+    )
+    of_fit = {name: value for name, value in older.items() if name in known and value is not None}
+    if of_fit:
+        own = {} if fit is None else {name: getattr(fit, name) for name in fit.given}
+        fit = FitOptions(**(own | of_fit))
+    return fit, cross_check
 
 
 def _with_freedom(table: ResponseTable, known: float | None) -> ResponseTable:
@@ -432,12 +430,12 @@ def _checked(
     options: IdentificationOptions,
 ) -> DataCheck | None:
     """The data check of the averages that are fitted, with a warning or an error if there is cause."""
-    if options.check == "off":
+    if options.call.check == "off":
         return None
     if not options.use_force and isinstance(source, Recording):
         source = without_force(source)
     checked = judged(source, excitation, band, options.averaging, averages)
-    if options.check == "raise" and checked.fatal:
+    if options.call.check == "raise" and checked.fatal:
         fatal = [f for f in checked.findings if f.severity == "fatal"]
         raise UnsuitableDataError(
             "source",
@@ -513,7 +511,9 @@ def identify_roving(
     for hit in hits:
         if say is not None:
             say(f"identifying the antiresonances of {hit.name}, force at {hit.force}")
-        sets.append(identify_antiresonances(hit.signal, excitation=hit.force, band_hz=band_hz, **options))
+        sets.append(
+            identify_antiresonances(hit.signal, excitation=hit.force, band_hz=band_hz, **sorted_out(options))
+        )
     joined = merge_setups(sets, excitation=sensor)
     diagrams = {}
     for dof in joined:

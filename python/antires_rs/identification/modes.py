@@ -27,8 +27,8 @@ from ..signals.spectra import two_channel
 from ..support.checks import ComplexArray, FloatArray, choice, integer
 from ..support.progress import one_blas_thread, patient
 from .lines import FORCE, lines_of_response
+from .options import FitOptions
 from .rational_fit import NestedFit, dominant_shapes, residues
-from .rule import Rule
 from .stabilization import PoleSweep, StabilizationDiagram, diagram, join, windows
 
 # A joint fit needs resolution at its poles more than averages: segments longer by this than for
@@ -141,7 +141,13 @@ def identify_modes(
     choice("route", route, ("auto", "frf", "responses"))
     averaging = Averaging(nperseg, method=method).checked()
     choice("estimator", estimator, ("h1", "h2", "hv"))
-    rule = Rule(freq_tol, damping_tol, min_rows, max_damping, min_dominance).checked()
+    rule = FitOptions(
+        freq_tol=freq_tol,
+        damping_tol=damping_tol,
+        min_rows=min_rows,
+        max_damping=max_damping,
+        min_dominance=min_dominance,
+    ).checked()
     max_order = integer("max_order", max_order, low=2)
     min_order = integer("min_order", min_order, low=1, high=max_order)
     rule.check_span(min_order, max_order)
@@ -247,7 +253,7 @@ def _of_responses(rec: Recording, nperseg: int | None) -> Callable[[tuple[float,
 
 
 def _stabilized(
-    curves: Curves, band: tuple[float, float], orders: tuple[int, int], rule: Rule
+    curves: Curves, band: tuple[float, float], orders: tuple[int, int], rule: FitOptions
 ) -> StabilizationDiagram:
     """Poles of the joint fit that stay, window by window where the band has many lines."""
     parts = []

@@ -1,175 +1,406 @@
-"""The options of an identification: one value, checked once, with the defaults in one place."""
+r"""The options of an identification: each is declared here once, with its sentence and its range.
+
+Named sets of them decide what is physical:
+
+==============  =============  ==============  ===========  ===========
+option          None           "paper"         "strict"     "sensitive"
+==============  =============  ==============  ===========  ===========
+formulation     "auto"         "eq10_squared"  "auto"       "auto"
+max_order       60             70              60           60
+freq_tol        0.01           0.01            0.01         0.01
+damping_tol     0.10           0.05            0.05         0.30
+min_rows        10             10              10           5
+max_damping     0.10           0.10            0.05         0.20
+min_dominance   0.05           0               0.90         0.02
+persistent      True           False           False        True
+min_share       0.5            0.5             0.8          0.3
+min_depth_db    3.0            3.0             6.0          2.0
+==============  =============  ==============  ===========  ===========
+
+The highest order of the fit of all numerators ("auto" of averaged records) is no number unless one is
+given: 36 above the likeliest, which the data tell, up to 200.
+
+"paper" is the identification of V. Meruane, J. Sound Vib. 332 (2013) 807-820: the absolute value of Eq.
+10, here its square, fitted by rational functions of f^2 (:mod:`~antires_rs.identification.paper`), and
+values that are stable within 1 % and 5 % in more than 10 consecutive orders, with no other test; the
+kinks of that curve take more orders. With ``route="frf"`` its rule is applied to the joint fit. "strict"
+wants poles that own their curve and stand still: for values that must be right. "sensitive" is for values
+that someone will look at afterwards. The last two options are of the fits over windows (single curves),
+those before of the sweep over orders.
+
+On six states of a measured plate (80 clear dips; ``benchmarks/measured_identification.py --only presets``)
+"strict", the default and "sensitive" find 77, 80 and 80 of them, with 2 of 114, 13 of 151 and 50 of 198
+values without a dip. What the presets mean on simulated records is the output of
+``benchmarks/preset_tables.py``: the default is careful; "strict" buys fewer false ones where modes are
+many, and pays with what lies near the noise; "sensitive" has something to add there only.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..exceptions import reject
-from ..signals.averaging import Averaging
-from ..support.checks import choice, integer
-from .paper import OF_MAGNITUDES, check_formulation
-from .rule import DEFAULTS, Rule, rule_options
+from ..signals.averaging import METHODS, Averaging
+from ..support.checks import FloatArray, choice, integer
+from ..support.options import Option, Options, option
 
 # Beyond, a narrower band or windows serve better than more orders.
 HIGHEST_ORDER = 200
-ROUTES = ("transmissibility", "frf")
-ESTIMATORS = ("rank1", "h1", "h2", "hv")
-CROSS_CHECKS = (None, "aaa", "vector_fitting")
-CHECKS = ("warn", "raise", "off")
+#: Highest order of the sweep where neither the caller nor a preset names one.
+USUAL_ORDER = 60
+# Real numbers of data that an order needs: with fewer, poles follow the noise of single lines.
+DATA_PER_ORDER = 3
+
+FORMULATIONS = ("joint", "power", "eq10", "eq10_squared")
+#: Real functions of f^2; one number a line.
+OF_MAGNITUDES = FORMULATIONS[1:]
+CHOICES = ("auto", "windows", "numerators", *FORMULATIONS)
+
+#: Options by name of the preset; what a preset does not mention is the default.
+PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "paper": MappingProxyType(
+            {
+                "formulation": "eq10_squared",
+                "max_order": 70,
+                "damping_tol": 0.05,
+                "min_dominance": 0.0,
+                "persistent": False,
+            }
+        ),
+        "strict": MappingProxyType(
+            {
+                "damping_tol": 0.05,
+                "max_damping": 0.05,
+                "min_dominance": 0.90,
+                "persistent": False,
+                "min_share": 0.8,
+                "min_depth_db": 6.0,
+            }
+        ),
+        "sensitive": MappingProxyType(
+            {
+                "damping_tol": 0.30,
+                "min_rows": 5,
+                "max_damping": 0.20,
+                "min_dominance": 0.02,
+                "min_share": 0.3,
+                "min_depth_db": 2.0,
+            }
+        ),
+    }
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CallOptions(Options):
+    """The options that most calls need, arguments of their own of ``identify_antiresonances``."""
+
+    preset: str | None = option(
+        None,
+        '"paper", "strict" or "sensitive": a named set of the options below.',
+        kind="text",
+        choices=(None, *PRESETS),
+    )
+    route: str = option(
+        "transmissibility",
+        '"transmissibility" reads responses only, "frf" uses a measured force.',
+        choices=("transmissibility", "frf"),
+    )
+    estimator: str = option("rank1", '"rank1", "h1", "h2" or "hv".', choices=("rank1", "h1", "h2", "hv"))
+    nperseg: int | None = option(
+        None, "Samples in a segment; by default chosen from the data.", kind="segment"
+    )
+    max_order: int | None = option(
+        None,
+        "Highest order of the stabilization diagram; by default as the data want. Of fits over windows "
+        "16 at most.",
+        kind="whole",
+        low=2,
+        high=HIGHEST_ORDER,
+    )
+    cross_check: str | None = option(
+        None,
+        '"aaa" or "vector_fitting": another method that confirms or flags.',
+        kind="text",
+        choices=(None, "aaa", "vector_fitting"),
+    )
+    check: str = option(
+        "warn",
+        'What to do about data that are not fit: "warn", "raise" or "off".',
+        choices=("warn", "raise", "off"),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitOptions(Options):
+    """How curves are fitted and which values are accepted: options that few calls need.
+
+    What is given wins over a preset; see :mod:`antires_rs.identification.options` for those.
+
+    Attributes
+    ----------
+    formulation : {"auto", "windows", "numerators", "joint", "power", "eq10", "eq10_squared"}
+        What is fitted; for the last three see :mod:`~antires_rs.identification.paper`. "auto" takes "windows"
+        for given curves and single impacts; for averaged records, and from two impacts on, "numerators" with
+        ``estimator="rank1"``, else "joint".
+    method : {"auto", "welch", "transient"}
+        How a record is averaged; "auto" looks at its energy profile.
+    noverlap : int or None
+        Samples that neighbouring segments share; None: half a segment.
+    window : str, tuple or array_like
+        As for ``scipy.signal.get_window``; for impacts "rectangular" or "exponential" ("hann" there means:
+        rectangular if the response dies, else exponential).
+    min_order : int
+        Lowest order of the sweep; 1 or more.
+    freq_tol, damping_tol : float
+        Relative changes of frequency and damping from order to order that count as stable; to 0.5 and 1.
+    min_rows : int
+        A value must be stable in more consecutive orders than this.
+    max_damping : float
+        Largest damping ratio of an antiresonance, to 1.
+    min_dominance : float
+        Share of the curve that a value must own.
+    min_share : float
+        Of fits over windows: accepted is what this share of those that could see it does see, to 1.
+    min_depth_db : float
+        Of fits over windows: depth in dB of the dip that an antiresonance makes, in the direction of the
+        responses and, where its size is known, in the response itself. Curves that are better than measured
+        ones need less.
+    persistent : bool
+        Of the sweep: accept also what is there in most orders without standing still.
+    keep_common : bool
+        Keep values that all of three or more channels share.
+
+    Raises
+    ------
+    InvalidInputError
+        A value out of its range, when the options are used.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> ar.FitOptions(min_rows=5).min_rows, ar.FitOptions().min_rows
+    (5, 10)
+    """
+
+    formulation: str = option("auto", ", ".join(f'"{one}"' for one in CHOICES[:-1]) + f' or "{CHOICES[-1]}".')
+    method: str = option(
+        "auto", '"auto", "welch" for random records, "transient" for impacts.', choices=METHODS
+    )
+    noverlap: int | None = option(
+        None, "Samples shared by neighbouring segments; by default half.", kind="segment"
+    )
+    window: Any = option("hann", "Window of the segments.")
+    min_order: int = option(2, "Lowest order of the stabilization diagram.", low=1)
+    freq_tol: float = option(
+        0.01,
+        "Relative change of frequency from order to order that counts as stable.",
+        low=0.0,
+        high=0.5,
+        low_open=True,
+    )
+    damping_tol: float = option(
+        0.1, "The same for damping; of the sweep over orders, as min_rows.", low=0.0, high=1.0, low_open=True
+    )
+    min_rows: int = option(10, "An antiresonance must be stable in more consecutive orders than this.", low=1)
+    max_damping: float = option(
+        0.1, "Largest damping ratio of an antiresonance.", low=0.0, high=1.0, low_open=True
+    )
+    min_dominance: float = option(
+        0.05, "How much of the curve a value must own, in the sweep over orders.", low=0.0
+    )
+    min_share: float = option(
+        0.5,
+        "Share of the fits over windows (curves, single impacts) that must see a value.",
+        low=0.0,
+        high=1.0,
+        low_open=True,
+    )
+    min_depth_db: float = option(
+        3.0, "Depth in dB of the dip that a value must make, in fits over windows.", low=0.0, low_open=True
+    )
+    persistent: bool = option(
+        True, "Whether the sweep accepts values that are there at most orders without being stable."
+    )
+    keep_common: bool = option(False, "Whether to keep values that all channels share.")
+    # Zeros, unlike poles, may lie right of the axis: measured ones of light damping often do, a little.
+    both_sides: bool = field(default=False, repr=False)
+
+    def under(self, preset: str | None) -> FitOptions:
+        """These options, with those of the preset for what was not given."""
+        chosen = {} if preset is None else {k: v for k, v in PRESETS[preset].items() if k != "max_order"}
+        made = replace(self, **{name: v for name, v in chosen.items() if name not in self.given})
+        object.__setattr__(made, "given", self.given)
+        return made
+
+    def checked(self) -> Self:
+        """The same options, or the error that names the first bad one."""
+        check_formulation(self.formulation)
+        return super().checked()
+
+    def of_one_damping(self, damping: FloatArray, own: float, apart: float) -> NDArray[np.bool_]:
+        """Which damping ratios are that of a value, within the tolerance and what is no difference."""
+        return np.abs(damping - own) <= self.damping_tol * abs(own) + apart
+
+    def check_span(self, min_order: int, max_order: int) -> None:
+        """Refuse orders among which no chain could be long enough."""
+        if max_order - min_order < self.min_rows:
+            reject(
+                "max_order",
+                max_order,
+                f"at least min_order + min_rows = {min_order + self.min_rows}",
+                "A value is accepted only when more than min_rows consecutive orders agree.",
+            )
+
+    def orders(self, wanted: tuple[int, int], n_lines: int, *, per_line: int = 2) -> range:
+        """Of the orders wanted, (lowest, highest), those that lines of ``per_line`` real numbers can bear."""
+        low, high = wanted[0], min(wanted[1], per_line * n_lines // DATA_PER_ORDER)
+        if high - low < self.min_rows:
+            reject(
+                "band_hz",
+                f"a band with {n_lines} lines for orders {low} to {high}",
+                f"orders that span more than min_rows = {self.min_rows}",
+                "Widen the band, or use longer segments.",
+            )
+        return range(low, high + 1)
+
+
+#: Options that only one kind of fit knows: the sweep over orders, and fits over windows.
+OF_SWEEP = ("damping_tol", "min_rows", "min_dominance", "persistent")
+OF_WINDOWS = ("min_share", "min_depth_db")
+OF_BOTH = ("freq_tol", "max_damping")
+
+
+def check_formulation(formulation: str) -> str:
+    """One of the formulations; "sum", which there was, is refused with what to take instead."""
+    if formulation == "sum":
+        reject(
+            "formulation",
+            "'sum'",
+            "one of " + ", ".join(repr(name) for name in CHOICES),
+            "The fit of the sum of all transmissibilities was left out, being behind 'joint' at every noise; "
+            "use formulation='joint'.",
+        )
+    return choice("formulation", formulation, CHOICES)
+
+
+def declared() -> dict[str, Option]:
+    """Every option of an identification by its name, those of the call first."""
+    return CallOptions.declared() | FitOptions.declared()
 
 
 @dataclass(frozen=True)
 class IdentificationOptions:
-    """How antiresonances are identified.
+    """The options of one call as they hold, presets and defaults included."""
 
-    Attributes
-    ----------
-    averaging : Averaging
-        How a record is averaged, see :class:`~antires_rs.signals.averaging.Averaging`.
-    route : {"transmissibility", "frf"}
-        From the responses alone, or from FRFs.
-    estimator : {"rank1", "h1", "h2", "hv"}
-        Of the response vectors.
-    formulation : {"auto", "windows", "numerators", "joint", "power", "eq10", "eq10_squared"}
-        See :mod:`~antires_rs.identification.paper`.
-    min_order, max_order : int
-        Orders of the sweep.
-    rule : Rule
-        When a pole is stable and a value accepted, see :class:`~antires_rs.identification.rule.Rule`.
-    keep_common : bool
-        Keep values that all of three or more channels share.
-    cross_check : {None, "aaa", "vector_fitting"}
-        The method that is asked about every value.
-    check : {"warn", "raise", "off"}
-        What is done with the data check.
-    given : frozenset of str
-        Options of the choice that the caller gave, and no preset or default.
-    """
+    call: CallOptions
+    rule: FitOptions
+    averaging: Averaging
+    formulation: str
+    max_order: int
 
-    averaging: Averaging = field(default_factory=Averaging)
-    route: str = "transmissibility"
-    estimator: str = "rank1"
-    formulation: str = "auto"
-    min_order: int = 2
-    max_order: int = DEFAULTS["max_order"]
-    rule: Rule = field(default_factory=Rule)
-    keep_common: bool = False
-    cross_check: str | None = None
-    check: str = "warn"
-    given: frozenset[str] = frozenset()
+    @property
+    def given(self) -> frozenset[str]:
+        """Names of the options that the caller gave, and no preset or default."""
+        return self.rule.given | ({"max_order"} if self.call.max_order is not None else set())
+
+    def values(self) -> dict[str, Any]:
+        """Every option by name as it held, in plain data; ``fitted`` is the formulation that "auto" chose."""
+        held = self.call.values() | self.rule.values()
+        if not isinstance(held["window"], str):
+            held["window"] = np.asarray(held["window"], dtype=object).tolist()
+        return held | {"max_order": self.max_order, "fitted": self.formulation}
 
     @property
     def use_force(self) -> bool:
         """Whether the force is a row of the response vectors."""
-        return self.route == "frf"
+        return self.call.route == "frf"
 
     @property
     def orders(self) -> tuple[int, int]:
         """Lowest and highest order."""
-        return self.min_order, self.max_order
+        return self.rule.min_order, self.max_order
 
     @property
     def most(self) -> int:
         """No order above it is fitted: the highest order where one was named, else what is allowed at all."""
-        free = "max_order" not in self.given and self.max_order == DEFAULTS["max_order"]
+        free = self.call.max_order is None and self.max_order == USUAL_ORDER
         return HIGHEST_ORDER if free else self.max_order
 
-    def checked(self) -> IdentificationOptions:
-        """The same options, or an error that names the bad one."""
-        choice("route", self.route, ROUTES)
-        self.averaging.checked()
-        choice("estimator", self.estimator, ESTIMATORS)
-        choice("check", self.check, CHECKS)
-        choice("keep_common", self.keep_common, (True, False))
-        choice("cross_check", self.cross_check, CROSS_CHECKS)
-        check_formulation(self.formulation)
-        if self.formulation == "numerators" and self.estimator != "rank1":
-            reject(
-                "estimator",
-                self.estimator,
-                "'rank1' with formulation='numerators'",
-                "That fit uses the whole spectral matrix; formulation='joint' takes any estimator.",
-            )
-        if self.use_force and self.formulation in OF_MAGNITUDES:
-            reject(
-                "formulation",
-                self.formulation,
-                "'numerators' or 'joint' with route='frf'",
-                "Sums and magnitudes are those of transmissibilities.",
-            )
-        self.rule.checked()
-        integer("max_order", self.max_order, low=2, high=HIGHEST_ORDER)
-        integer("min_order", self.min_order, low=1, high=self.max_order)
-        return self
 
-
-#: The options of a call that gives none.
-DEFAULT = IdentificationOptions()
-
-
-#: Arguments of a call that are of the averages, and those of the rule: None stands for not given.
-OF_AVERAGES = ("nperseg", "noverlap", "window", "method")
-OF_RULE = (
-    "freq_tol",
-    "damping_tol",
-    "min_rows",
-    "max_damping",
-    "min_dominance",
-    "persistent",
-    "min_share",
-    "min_depth_db",
-)
-
-
-def options_of(given: Mapping[str, Any]) -> IdentificationOptions:
-    """The options of a call out of its arguments by name: all but source, place, band, dofs and progress."""
-    own = (*OF_AVERAGES, *OF_RULE)
-    return checked_options(
-        Averaging(*(given[name] for name in OF_AVERAGES)),
-        rule={name: given[name] for name in OF_RULE},
-        **{name: value for name, value in given.items() if name not in own},
-    )
-
-
-def checked_options(
-    averaging: Averaging,
-    preset: str | None,
-    *,
-    formulation: str | None,
-    min_order: int,
-    max_order: int | None,
-    cross_check: str | None,
-    second_opinion: str | None,
-    rule: dict[str, Any],
-    **others: Any,
-) -> IdentificationOptions:
-    """The options of a call: what is given beside a preset wins; None in ``rule`` stands for not given."""
-    choice("persistent", rule["persistent"], (None, True, False))
-    chosen = rule_options(preset, formulation=formulation, max_order=max_order, **rule)
-    if formulation is None and others.get("route") == "frf" and chosen["formulation"] in OF_MAGNITUDES:
+def options_of(call: CallOptions, fit: FitOptions) -> IdentificationOptions:
+    """What the options of a call mean together, checked: what is given beside a preset wins."""
+    call.checked()
+    rule = fit.under(call.preset)
+    frf = call.route == "frf"
+    if "formulation" not in fit.given and frf and rule.formulation in OF_MAGNITUDES:
         # FRFs keep the preset's rule; sums and magnitudes are those of transmissibilities.
-        chosen["formulation"] = "joint"
-    if second_opinion is not None:
-        choice("second_opinion", second_opinion, CROSS_CHECKS)
-        if cross_check not in (None, second_opinion):
-            reject(
-                "second_opinion",
-                second_opinion,
-                f"None beside cross_check={cross_check!r}",
-                "It is the older name of cross_check; give that alone.",
-            )
-        cross_check = second_opinion
-    return IdentificationOptions(
-        averaging,
-        formulation=chosen.pop("formulation"),
-        min_order=min_order,
-        max_order=chosen.pop("max_order"),
-        rule=Rule(**chosen),
-        cross_check=cross_check,
-        given=frozenset(
-            name for name, value in {"max_order": max_order, **rule}.items() if value is not None
-        ),
-        **others,
-    ).checked()
+        rule = replace(rule, formulation="joint")
+        object.__setattr__(rule, "given", fit.given)
+    rule.checked()
+    usual = PRESETS[call.preset].get("max_order", USUAL_ORDER) if call.preset is not None else USUAL_ORDER
+    max_order = usual if call.max_order is None else call.max_order
+    if rule.formulation == "numerators" and call.estimator != "rank1":
+        reject(
+            "estimator",
+            call.estimator,
+            "'rank1' with formulation='numerators'",
+            "That fit uses the whole spectral matrix; formulation='joint' takes any estimator.",
+        )
+    if frf and rule.formulation in OF_MAGNITUDES:
+        reject(
+            "formulation",
+            rule.formulation,
+            "'numerators' or 'joint' with route='frf'",
+            "Sums and magnitudes are those of transmissibilities.",
+        )
+    integer("min_order", rule.min_order, low=1, high=max_order)
+    averaging = Averaging(call.nperseg, rule.noverlap, rule.window, rule.method)
+    return IdentificationOptions(call, rule, averaging, rule.formulation, max_order)
+
+
+def flat(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of ``identify_antiresonances`` as a job has them, without those that are the default.
+
+    Raises
+    ------
+    TypeError
+        A name that is no option.
+    InvalidInputError
+        A value out of its range.
+    """
+    options = dict(options)
+    fit = options.pop("fit", None)
+    if "second_opinion" in options:
+        options.setdefault("cross_check", options.pop("second_opinion"))
+    if fit is not None:
+        options |= {name: getattr(fit, name) for name in fit.given}
+    known = declared()
+    for name in options:
+        if name not in known and name != "dofs":
+            raise TypeError(f"identify_antiresonances() got an unexpected keyword argument {name!r}")
+    by_call = {name: value for name, value in options.items() if name in CallOptions.declared()}
+    by_fit = {name: value for name, value in options.items() if name in FitOptions.declared()}
+    options_of(CallOptions(**by_call), FitOptions(**by_fit))
+    return {name: value for name, value in options.items() if name == "dofs" or _differs(value, known[name])}
+
+
+def _differs(value: Any, said: Option) -> bool:
+    return np.ndim(value) > 0 or type(value) is not type(said.default) or value != said.default
+
+
+def sorted_out(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Options by name, as a job has them, as arguments of ``identify_antiresonances``."""
+    of_fit = {name: value for name, value in options.items() if name in FitOptions.declared()}
+    if "second_opinion" in options:
+        second = options["second_opinion"]
+        options = {"cross_check": second} | {k: v for k, v in options.items() if k != "second_opinion"}
+    rest = {name: value for name, value in options.items() if name not in of_fit}
+    return {**rest, "fit": FitOptions(**of_fit)} if of_fit else rest

@@ -48,11 +48,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..exceptions import reject
 from ..support.checks import ComplexArray, FloatArray, choice
 from .lines import Lines
+from .options import FORMULATIONS, OF_MAGNITUDES, FitOptions
 from .rational_fit import CommonDenominator, NestedFit, comrade_roots, guessed_weights, share_of_curve
-from .rule import Rule
 from .stabilization import PoleSweep
 
 # -- Real rational functions of frequency squared, for data without phase
@@ -188,10 +187,6 @@ class PowerSweep(PoleSweep):
         return self.fit.peak_shares(self._solution(order, False), s)
 
 
-FORMULATIONS = ("joint", "power", "eq10", "eq10_squared")
-#: Real functions of f^2; one number a line.
-OF_MAGNITUDES = FORMULATIONS[1:]
-CHOICES = ("auto", "windows", "numerators", *FORMULATIONS)
 # Order of the denominator guessed for the weights: the trend over the band, from which every order gains.
 # Higher ones find more near the noise, and false ones with them.
 GUESS_ORDER = 4
@@ -201,7 +196,7 @@ _EQ10 = {"eq10": (1, 0.5), "eq10_squared": (2, -0.5)}
 
 
 def sweep_of(
-    lines: Lines, row: int, min_order: int, max_order: int, rule: Rule, formulation: str = "joint"
+    lines: Lines, row: int, min_order: int, max_order: int, rule: FitOptions, formulation: str = "joint"
 ) -> tuple[PoleSweep, range, FloatArray]:
     """Sweep whose poles are the antiresonances of one row."""
     choice("formulation", formulation, FORMULATIONS)
@@ -222,16 +217,3 @@ def sweep_of(
         return PowerSweep(fit), orders, power
     nested = NestedFit(lines.freq_hz, quotients, weights * guess / (1.0 + power), orders[-1])
     return PoleSweep(nested), orders, np.abs(quotients.sum(axis=0))
-
-
-def check_formulation(formulation: str) -> str:
-    """One of the formulations; "sum", which there was, is refused with what to take instead."""
-    if formulation == "sum":
-        reject(
-            "formulation",
-            "'sum'",
-            "one of " + ", ".join(repr(name) for name in CHOICES),
-            "The fit of the sum of all transmissibilities was left out, being behind 'joint' at every noise; "
-            "use formulation='joint'.",
-        )
-    return choice("formulation", formulation, CHOICES)

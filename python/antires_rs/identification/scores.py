@@ -41,7 +41,7 @@ from ..measured.response_table import (
 )
 from ..signals.half_spectra import prominent_peaks
 from ..support.checks import ComplexArray, FloatArray
-from .rule import (
+from .limits import (
     COMMON,
     COMMON_DEPTH_DB,
     DIP_LINES,

@@ -31,10 +31,7 @@ from ..signals.spectra import CrossSpectra, pieces
 from ..support.checks import ComplexArray, FloatArray
 from ..support.messages import warn
 from ..support.progress import step
-from .lines import SNR_CAP, Lines
-from .numerators import Likeliest, NumeratorFit, NumeratorSweep, likeliest
-from .options import IdentificationOptions
-from .rule import (
+from .limits import (
     KNOWN,
     LEAST_DAMPING,
     MOST_NEGATIVE,
@@ -48,8 +45,10 @@ from .rule import (
     SAME_DAMPING,
     WEAK,
     WIDEST,
-    Rule,
 )
+from .lines import SNR_CAP, Lines
+from .numerators import Likeliest, NumeratorFit, NumeratorSweep, likeliest
+from .options import FitOptions, IdentificationOptions
 from .scores import scored, shared
 from .stabilization import StabilizationDiagram, Window, diagram
 
@@ -278,8 +277,8 @@ def select(
     lines: Lines, n_responses: int, window: Window, options: IdentificationOptions
 ) -> list[StabilizationDiagram]:
     """One diagram for each of the first ``n_responses`` rows of ``lines``."""
-    rule, keep_common = replace(options.rule, both_sides=True), options.keep_common
-    orders = rule.orders((options.min_order, options.most), lines.freq_hz.size)
+    rule, keep_common = replace(options.rule, both_sides=True), options.rule.keep_common
+    orders = rule.orders((options.rule.min_order, options.most), lines.freq_hz.size)
     best = likeliest(lines.freq_hz, lines.covariance, SNR_CAP, lines.independent, orders[-1])
     if len(next_orders(best)) < len(ABOVE):
         _warn_highest(best, window.report_hz, named=best.fit.max_order == options.max_order)
@@ -346,7 +345,7 @@ def _candidates(
     s: ComplexArray,
     lines: Lines,
     report_hz: tuple[float, float],
-    rule: Rule,
+    rule: FitOptions,
 ) -> tuple[ComplexArray, FloatArray, FloatArray]:
     """Zeros in the band, lightly damped, well known, not half of a complex pair; dominance, std in Hz."""
     size = np.abs(s)
@@ -397,7 +396,9 @@ def _credible(s: ComplexArray, zeros: ResponseTable, stays: Any, others: list[Co
     return np.where(zeros.damping_ratio < LEAST_DAMPING, hardly_damped, damped)
 
 
-def _seen(zeros: ComplexArray, sweep: NumeratorSweep, higher: list[int], rule: Rule) -> list[list[float]]:
+def _seen(
+    zeros: ComplexArray, sweep: NumeratorSweep, higher: list[int], rule: FitOptions
+) -> list[list[float]]:
     """For every zero: moduli of the roots of higher orders that agree with it in frequency and damping."""
     every = [sweep.roots(order) for order in higher]
     every = [s[s.imag > 0] for s in every]
@@ -409,7 +410,7 @@ def _seen(zeros: ComplexArray, sweep: NumeratorSweep, higher: list[int], rule: R
         own_size, own_damping = abs(zero), -zero.real / abs(zero)
         near = np.flatnonzero(
             (np.abs(size / own_size - 1.0) <= rule.freq_tol)
-            & (np.abs(damping - own_damping) <= rule.damping_tol * abs(own_damping) + SAME_DAMPING)
+            & rule.of_one_damping(damping, own_damping, SAME_DAMPING)
         )
         # Of each order the nearest.
         near = near[np.argsort(np.abs(roots[near] - zero), kind="stable")]

@@ -25,8 +25,7 @@ from ..support.checks import ComplexArray, FloatArray, integer
 from ..support.progress import one_blas_thread
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
-from .rational_fit import NestedFit, dominance, prepare
-from .rule import (
+from .limits import (
     FLANK,
     PERSISTENT_DAMPING,
     PERSISTENT_DOMINANCE,
@@ -34,14 +33,15 @@ from .rule import (
     PRESENCE,
     SMALL_DAMPING,
     WIDTH,
-    Rule,
 )
+from .options import FitOptions
+from .rational_fit import NestedFit, dominance, prepare
 
 # -- Which roots of successive orders belong together
 
 
 def physical(
-    every: list[ComplexArray], band: tuple[float, float], rule: Rule, added: float
+    every: list[ComplexArray], band: tuple[float, float], rule: FitOptions, added: float
 ) -> list[ComplexArray]:
     """Of each order: upper half, left half plane, in the band, lightly damped; ascending."""
     order = np.repeat(np.arange(len(every)), [s.size for s in every])
@@ -59,7 +59,7 @@ def physical(
     return np.split(s[keep], np.searchsorted(order[keep], np.arange(1, len(every))))
 
 
-def link(rows: list[ComplexArray], rule: Rule) -> tuple[list[list[tuple[int, int]]], list[Any]]:
+def link(rows: list[ComplexArray], rule: FitOptions) -> tuple[list[list[tuple[int, int]]], list[Any]]:
     """Chains of (row, index) over consecutive orders, one to one, best pairs first; and the stable marks."""
     chains: list[list[tuple[int, int]]] = []
     marks: list[Any] = []
@@ -217,7 +217,13 @@ def stabilization(
     >>> stabilization(f, t, max_order=30).identified.round(2).tolist()
     [5.0, 10.0]
     """
-    rule = Rule(freq_tol, damping_tol, min_rows, max_damping, min_dominance).checked()
+    rule = FitOptions(
+        freq_tol=freq_tol,
+        damping_tol=damping_tol,
+        min_rows=min_rows,
+        max_damping=max_damping,
+        min_dominance=min_dominance,
+    ).checked()
     max_order = integer("max_order", max_order, low=2)
     min_order = integer("min_order", min_order, low=1)
     rule.check_span(min_order, max_order)
@@ -335,7 +341,7 @@ def diagram(
     sweep: Sweep,
     orders: range,
     band: tuple[float, float],
-    rule: Rule,
+    rule: FitOptions,
     freq_hz: FloatArray,
     background: FloatArray,
     added_decay_per_s: float = 0.0,
@@ -398,7 +404,7 @@ def _value(
     )
 
 
-def _merged(found: ResponseTable, rule: Rule) -> ResponseTable:
+def _merged(found: ResponseTable, rule: FitOptions) -> ResponseTable:
     """Chains closer than the tolerance are one pole, interrupted or split by noise; the longest stays."""
     kept: list[int] = []
     for i, freq in enumerate(found.freq_hz):
@@ -440,7 +446,11 @@ def flanked(freq_hz: FloatArray, snr: FloatArray, at_hz: FloatArray, least_snr: 
 
 
 def add_persistent(
-    found: StabilizationDiagram, sweep: Sweep, rule: Rule, channel_snr: FloatArray, added_decay_per_s: float
+    found: StabilizationDiagram,
+    sweep: Sweep,
+    rule: FitOptions,
+    channel_snr: FloatArray,
+    added_decay_per_s: float,
 ) -> StabilizationDiagram:
     """The diagram with persistent values added to the stable ones.
 

@@ -14,10 +14,10 @@ from ..signals.spectra import LEAST_NOISE as ROUNDING, aligned, noise_shares
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import step
 from ..support.values import frozen
+from .limits import CLUSTER, DIP_OVER_NOISE, LEAST_DIP_DB, ONE_DIP, OWN_DIP_WITHIN, OWNER_WITHIN
 from .lines import FORCE, SNR_CAP, Lines, unit
 from .numerators import Likeliest, likeliest
-from .options import IdentificationOptions
-from .rule import CLUSTER, DIP_OVER_NOISE, LEAST_DIP_DB, ONE_DIP, OWN_DIP_WITHIN, OWNER_WITHIN, Rule
+from .options import FitOptions, IdentificationOptions
 from .scores import dips, scored, window_grades
 from .selection import Influence, combined, excess
 from .stabilization import StabilizationDiagram
@@ -271,7 +271,7 @@ class Sightings:
 
 
 def sightings_of(
-    fit: LocalFit, lines: Lines, order: int, number: int, n_responses: int, rule: Rule, use_force: bool
+    fit: LocalFit, lines: Lines, order: int, number: int, n_responses: int, rule: FitOptions, use_force: bool
 ) -> Sightings:
     """Zeros of the first ``n_responses`` rows at one order; ``number`` is that of the fit."""
     numerators, roots = fit.numerators(order), fit.zeros(order)
@@ -318,7 +318,7 @@ def _level(values: ComplexArray, size: FloatArray) -> FloatArray:
     return np.asarray(20.0 * np.log10(np.maximum(np.abs(values) / np.maximum(size, 1e-300), 1e-300)))
 
 
-def _needed(noise: FloatArray, shoulder_db: FloatArray, rule: Rule) -> FloatArray:
+def _needed(noise: FloatArray, shoulder_db: FloatArray, rule: FitOptions) -> FloatArray:
     """Depths in dB that dips with such shoulders need to be more than noise."""
     relative = noise / 10.0 ** (shoulder_db / 20.0)
     enough = DIP_OVER_NOISE * 20.0 / np.log(10.0) * relative
@@ -397,7 +397,7 @@ WORTH_MENTIONING = 0.25
 
 
 def agreed(
-    seen: Sightings, inside: NDArray[np.bool_], covers: NDArray[np.bool_], rule: Rule
+    seen: Sightings, inside: NDArray[np.bool_], covers: NDArray[np.bool_], rule: FitOptions
 ) -> tuple[ResponseTable, ResponseTable]:
     """The antiresonances of one response, and what was left out with the score "why"."""
     dipped = seen.depth_db > 0.0
@@ -413,7 +413,7 @@ def agreed(
 
 
 def _groups(
-    seen: Sightings, inside: NDArray[np.bool_], covers: NDArray[np.bool_], rule: Rule
+    seen: Sightings, inside: NDArray[np.bool_], covers: NDArray[np.bool_], rule: FitOptions
 ) -> list[tuple[NDArray[np.intp], float]]:
     """Sightings that are one zero, the most frequent first, each with its share of the fits."""
     left = np.argsort(seen.freq_hz, kind="stable")
@@ -471,7 +471,7 @@ def _row(seen: Sightings, group: NDArray[np.intp], share: float) -> tuple[float,
 
 
 def _chosen(
-    found: list[tuple[float, ...]], hidden: list[tuple[float, ...]], rule: Rule
+    found: list[tuple[float, ...]], hidden: list[tuple[float, ...]], rule: FitOptions
 ) -> tuple[ResponseTable, ResponseTable]:
     """Accepted and left out, the most agreed first where two are one dip."""
     kept: list[tuple[float, ...]] = []
@@ -524,7 +524,7 @@ def local_diagrams(
         step(f"window {number + 1} of {len(windows)}")
         some = lines.part(window.first, window.last)
         fit = LocalFit(some, options.max_order)
-        for order in fit.orders(AROUND, options.min_order):
+        for order in fit.orders(AROUND, options.rule.min_order):
             parts.append(
                 sightings_of(fit, some, order, len(owner), n_responses, options.rule, options.use_force)
             )
@@ -570,7 +570,7 @@ def _diagram(
     own = np.where(np.abs(own) > 0.0, own, 1e-300)
     background = np.abs(quotients.sum(axis=0))
     accepted = scored(accepted, lines.freq_hz, background, quotients, np.delete(fitted, row, axis=0) / own)
-    orders = np.unique(seen.order) if seen.order.size else np.array([options.min_order])
+    orders = np.unique(seen.order) if seen.order.size else np.array([options.rule.min_order])
     by_order = [seen.where(seen.order == order) for order in orders]
     ranks = [np.argsort(one.freq_hz, kind="stable") for one in by_order]
     freq = [one.freq_hz[rank] for one, rank in zip(by_order, ranks, strict=True)]

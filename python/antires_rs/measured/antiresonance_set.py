@@ -253,6 +253,7 @@ class EvidenceTables(EditedTables, Viewed):
     _cross_check: CrossCheck | None
     _sees: Sees
     _channels: tuple[Any, ...]
+    _options: FrozenDict[str, Any]
 
     def _fill_diagrams(self, diagrams: Mapping[Any, Any]) -> None:
         """The diagrams, and what they say was not accepted."""
@@ -272,6 +273,14 @@ class EvidenceTables(EditedTables, Viewed):
     def channels(self) -> tuple[Any, ...]:
         """All responses that were measured together; empty where some of them have no name here."""
         return self._channels
+
+    @property
+    def options(self) -> Mapping[str, Any]:
+        """How it was identified: every option by name with its value, the band, and the package's version.
+
+        Empty for sets made by hand, joined, or saved by version 0.1.
+        """
+        return self._options
 
     @property
     def diagrams(self) -> Mapping[Any, Any]:
@@ -501,6 +510,7 @@ def to_json(
     before: Mapping[Any, ResponseTable] | None,
     sight: tuple[Sees, tuple[Any, ...]],
     beside: tuple[Mapping[Any, ResponseTable], Mapping[Any, FloatArray]],
+    options: Mapping[str, Any],
 ) -> str:
     """The file's text.
 
@@ -513,6 +523,8 @@ def to_json(
         data["sees"] = sees
     if channels != tuple(tables):
         data["channels"] = list(channels)
+    if options:
+        data["options"] = dict(options)
     data["dofs"] = _rows(tables)
     left_out, unexplained_hz = beside
     for row in data["dofs"]:
@@ -543,6 +555,7 @@ def from_json(text: str, path: str) -> dict[str, Any]:
             "excitation": data["excitation"],
             "sees": data.get("sees"),
             "channels": data.get("channels"),
+            "options": dict(data.get("options", {})),
             "now": _read(data["dofs"]),
             "left_out": _read(
                 [{**row["left_out"], "dof": row["dof"]} for row in data["dofs"] if "left_out" in row]
@@ -717,6 +730,7 @@ class AntiresonanceSet(EvidenceTables):
         diagrams: Mapping[Any, Any] | None = None,
         data_check: DataCheck | None = None,
         cross_check: CrossCheck | None = None,
+        options: Mapping[str, Any] | None = None,
     ) -> None:
         super().__init__(label("excitation", excitation), tables_of(freq_hz, damping_ratio, std_hz, scores))
         self._fill_diagrams(diagrams or {})
@@ -725,6 +739,7 @@ class AntiresonanceSet(EvidenceTables):
             _cross_check=cross_check,
             _sees=checked_sees(sees),
             _channels=channels_of(channels, tuple(self)),
+            _options=FrozenDict(options or {}),
         )
 
     @classmethod
@@ -750,7 +765,8 @@ class AntiresonanceSet(EvidenceTables):
         left_out, unexplained_hz : mapping of dof, optional
             What was not accepted; by default as the diagrams say.
         **evidence
-            ``sees``, ``channels``, ``diagrams``, ``data_check``, ``cross_check`` as for the constructor.
+            ``sees``, ``channels``, ``diagrams``, ``data_check``, ``cross_check``, ``options``: as for the
+            constructor.
         """
         new = cls(excitation, {dof: table.freq_hz for dof, table in tables.items()}, **evidence)
         if left_out is not None:
@@ -816,6 +832,7 @@ class AntiresonanceSet(EvidenceTables):
             unexplained_hz=moved(self.unexplained_hz),
             sees=self.sees,
             channels=moved_channels(self.channels, dofs),
+            options=self.options,
         )
 
     def __str__(self) -> str:
@@ -915,6 +932,7 @@ class AntiresonanceSet(EvidenceTables):
             self.original().tables if self.edits else None,
             (self.sees, self.channels),
             (self.left_out, self.unexplained_hz),
+            self.options,
         )
 
     @classmethod
@@ -956,6 +974,7 @@ class AntiresonanceSet(EvidenceTables):
                 },
                 sees=data["sees"],
                 channels=data["channels"],
+                options=data["options"],
             )
         except (TypeError, ValueError) as exc:
             raise damaged(name, exc) from exc

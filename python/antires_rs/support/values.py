@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 Core = TypeVar("Core")
 Key = TypeVar("Key")
-Value = TypeVar("Value")
+Held = TypeVar("Held")
 
 
 class AroundCore(Generic[Core]):
@@ -66,7 +66,7 @@ class ReadOnly(Immutable):
         _freeze(state)
 
 
-class FrozenDict(dict[Key, Value]):
+class FrozenDict(dict[Key, Held]):
     """A dict that nobody may change; unlike a ``MappingProxyType`` it can be pickled and copied.
 
     Examples
@@ -86,7 +86,7 @@ class FrozenDict(dict[Key, Value]):
         return _frozen_dict, (dict(self),)
 
 
-def _frozen_dict(items: Mapping[Key, Value]) -> FrozenDict[Key, Value]:
+def _frozen_dict(items: Mapping[Key, Held]) -> FrozenDict[Key, Held]:
     _freeze(items)
     return FrozenDict(items)
 

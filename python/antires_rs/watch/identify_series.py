@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import json
 import re
 from collections import deque
@@ -18,8 +17,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..exceptions import InvalidInputError, MissingDependencyError, reject
-from ..identification.identify import identify_antiresonances
-from ..identification.options import options_of
+from ..identification.options import declared, flat
 from ..measured.response_table import label
 from ..support.checks import frequency_band
 from ..support.messages import warn
@@ -116,10 +114,6 @@ def _failed(error: BaseException) -> str:
     if of_all or not isinstance(error, Exception):
         raise error
     return why_not(error)
-
-
-#: Arguments of the identification that a series gives itself.
-_OURS = ("source", "excitation", "band_hz", "progress")
 
 
 def identify_series(
@@ -306,23 +300,14 @@ def _progress(at: int, count: int | None, failed: int, seconds: float, done: int
 
 def _checked(options: Mapping[str, Any]) -> dict[str, Any]:
     """Options of the identification that are not the default; a wrong one is not kept as a failed test."""
-    known = {
-        name: one.default
-        for name, one in inspect.signature(identify_antiresonances).parameters.items()
-        if name not in _OURS
-    }
+    known = declared()
     for name in options:
-        if name not in known:
+        if name not in known and name not in ("dofs", "fit", "second_opinion"):
             raise TypeError(f"identify_series() got an unexpected keyword argument {name!r}")
-    options_of({name: value for name, value in (known | dict(options)).items() if name != "dofs"})
-    chosen = {name: value for name, value in options.items() if not _is_default(value, known[name])}
+    chosen = flat(options)
     if isinstance(chosen.get("dofs"), Iterable) and not isinstance(chosen["dofs"], str):
         chosen["dofs"] = list(chosen["dofs"])
-    return chosen
-
-
-def _is_default(value: Any, default: Any) -> bool:
-    return value is default or (type(value) is type(default) and np.ndim(value) == 0 and value == default)
+    return {name: value for name, value in chosen.items() if name != "dofs" or value is not None}
 
 
 def _band(band_hz: Any) -> tuple[float, float]:

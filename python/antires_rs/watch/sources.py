@@ -27,6 +27,7 @@ from ..exceptions import (
     reject,
 )
 from ..identification.identify import identify_antiresonances
+from ..identification.options import sorted_out
 from ..io.frf_files import read_frf_files
 from ..io.own_format import relabelled
 from ..io.registry import ENDINGS, READERS, format_by_ending
@@ -254,7 +255,7 @@ def _set_of(signal: Any, options: Mapping[str, Any]) -> AntiresonanceSet:
     options = dict(options)
     if dead and options.get("dofs") is not None:
         options["dofs"] = [dof for dof in options["dofs"] if dof not in dead]
-    found = identify_antiresonances(signal, **options, progress=False)
+    found = identify_antiresonances(signal, **sorted_out(options), progress=False)
     if not sum(map(len, found.tables.values())):
         raise ValueError("no antiresonance was found in the band")
     checked = found.data_check
@@ -275,6 +276,7 @@ def _set_of(signal: Any, options: Mapping[str, Any]) -> AntiresonanceSet:
         left_out=found.left_out,
         unexplained_hz=found.unexplained_hz,
         sees=found.sees,
+        options=found.options,
         channels=found.channels,
         data_check=replace(checked, findings=(out, *checked.findings)),
     )

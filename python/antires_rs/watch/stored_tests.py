@@ -51,6 +51,7 @@ def encoded(found: AntiresonanceSet) -> dict[str, Any]:
         "channels": list(found.channels),
         "tables": tables,
         "check": _check_facts(found.data_check),
+        "options": dict(found.options),
     }
     if found.edits:
         facts["edited"] = found.to_json()
@@ -83,6 +84,7 @@ def decoded(plain: Mapping[str, Any]) -> AntiresonanceSet:
         sees=facts["sees"],
         channels=facts["channels"],
         data_check=_check_of(facts["check"]),
+        options=facts.get("options"),
     )
 
 
