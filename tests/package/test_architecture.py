@@ -1,5 +1,7 @@
-"""ARCHITECTURE.md is the map of what is there: every room has its line, every file it names exists."""
+"""ARCHITECTURE.md is the map: 900 words, a line a room, files that exist; its index is made of first lines."""
 
+import ast
+import os
 import re
 
 import pytest
@@ -7,10 +9,10 @@ import pytest
 from tests.support.paths import ROOT
 
 MAP = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+INDEX = ROOT / "docs" / "house.md"
 FACE = ROOT / "python" / "antires_rs"
 CORE = ROOT / "rust" / "antires-core" / "src"
-BINDING = ROOT / "rust" / "antires-py" / "src"
-ROOTS = {"py": FACE, "core": CORE, "binding": BINDING}
+PLACES = [FACE, CORE, ROOT / "rust", ROOT]
 
 
 def section(title):
@@ -18,53 +20,80 @@ def section(title):
     return MAP.split(f"\n## {title}\n")[1].split("\n## ")[0]
 
 
-def rooms(folder):
-    return sorted(path.name for path in folder.iterdir() if path.is_dir() and path.name != "__pycache__")
+def folders(root):
+    return sorted(path.name for path in root.iterdir() if path.is_dir() and path.name != "__pycache__")
 
 
-@pytest.mark.parametrize("room", rooms(FACE))
-def test_every_package_has_a_line(room):
-    assert f"\n| `{room}/` | " in section("Rooms of python/antires_rs")
+def first_line(path):
+    """What a file says of itself in its first line, None if it says nothing."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".rs":
+        return next((line[3:].strip() for line in text.splitlines() if line.startswith("//!")), None)
+    doc = ast.get_docstring(ast.parse(text))
+    return doc.split("\n\n")[0].replace("\n", " ") if doc else None
 
 
-@pytest.mark.parametrize("room", rooms(CORE))
-def test_every_module_of_the_core_has_a_line(room):
-    assert f"\n| `{room}/` | " in section("Rooms of rust/antires-core/src")
+def files(root, ending):
+    """Files of a folder of rooms, room by room; the root's own first."""
+    own = sorted(root.glob(f"*.{ending}"))
+    yield from ((root.name, path) for path in own)
+    for room in folders(root):
+        yield from (
+            (room, path) for path in sorted((root / room).rglob(f"*.{ending}")) if path.stem != "tests"
+        )
 
 
-def named():
-    """Files of the table of changes, each under the root that the word before it names."""
-    for line in section("Where a change goes").splitlines():
-        if not line.startswith("| ") or line.startswith("| change"):
-            continue
-        root = None
-        for word, token in re.findall(r"\b(py|core|binding)\b|`([^`]+)`", line.split("|")[2]):
-            root = ROOTS[word] if word else root
-            if token and "NAME" not in token and re.search(r"\.(py|rs)$", token):
-                yield root / token
+def index():
+    """The page docs/house.md."""
+    lines = [
+        "# The house, file by file",
+        "",
+        "Made of the first lines of all files by `ANTIRES_SNAPSHOTS=write pytest tests/package/test_architecture.py`.",
+        "ARCHITECTURE.md, beside the README, says how the rooms hang together.",
+    ]
+    for title, root, ending in [("python/antires_rs", FACE, "py"), ("rust/antires-core/src", CORE, "rs")]:
+        lines += ["", f"## {title}"]
+        room = None
+        for name, path in files(root, ending):
+            if name != room:
+                room = name
+                lines += ["", f"### {name}", "", "| file | what it is |", "|---|---|"]
+            said = (first_line(path) or "").replace("|", "\\|")
+            lines.append(f"| `{path.relative_to(root).as_posix()}` | {said} |")
+    return "\n".join(lines) + "\n"
 
 
-def test_the_table_of_changes_names_files():
-    assert len(list(named())) >= 20
+def test_it_has_900_words():
+    assert len(MAP.split()) <= 900
 
 
-@pytest.mark.parametrize("file", sorted(set(named())), ids=lambda file: str(file.relative_to(ROOT)))
-def test_every_file_of_the_table_of_changes_exists(file):
-    assert file.is_file()
+@pytest.mark.parametrize("room", folders(FACE))
+def test_every_room_has_a_line(room):
+    assert f"\n| `{room}` | " in section("Rooms of the package")
+
+
+@pytest.mark.parametrize("module", folders(CORE))
+def test_every_module_of_the_core_has_a_line(module):
+    assert f"\n| `{module}` | " in section("Modules of the core")
+
+
+@pytest.mark.parametrize("name", sorted(set(re.findall(r"`([\w/-]+/[\w.-]+)`", MAP))))
+def test_every_path_exists(name):
+    assert any((place / name).exists() for place in PLACES)
 
 
 @pytest.mark.parametrize(
-    "name", sorted(set(re.findall(r"`([a-z_]+)`", section("Rooms of python/antires_rs"))))
+    ("root", "ending"), [pytest.param(FACE, "py", id="python"), pytest.param(CORE, "rs", id="core")]
 )
-def test_every_module_of_a_room_exists(name):
-    fields = {"argument", "got", "wanted", "remedy", "data_of", "antires"}
-    assert name in fields or any(FACE.glob(f"*/**/{name}.py"))
+def test_every_file_says_what_it_is_as_no_other_does(root, ending):
+    said = {}
+    for _, path in files(root, ending):
+        line = first_line(path)
+        assert line, f"{path.relative_to(root)} has no first line"
+        assert said.setdefault(line, path) == path, f"{path} and {said[line]} say the same: {line}"
 
 
-@pytest.mark.parametrize("path", sorted(set(re.findall(r"`([a-z_]+/[\w/]+\.py)`", section("Three walks")))))
-def test_every_file_of_the_walks_exists(path):
-    assert (FACE / path).is_file()
-
-
-def test_it_is_read_in_ten_minutes():
-    assert len(MAP.splitlines()) <= 250
+def test_the_index_is_made_of_the_first_lines():
+    if os.environ.get("ANTIRES_SNAPSHOTS") == "write":
+        INDEX.write_text(index(), encoding="utf-8")
+    assert INDEX.read_text(encoding="utf-8") == index()
