@@ -83,7 +83,7 @@ def ours(formulation, route="transmissibility"):
             excitation=source.excitation,
             band_hz=(source.low_hz, source.high_hz),
             route=route,
-            formulation=formulation,
+            fit=ar.FitOptions(formulation=formulation),
             max_order=None if highest == MAX_ORDER else max(highest, 14),
         )
 

@@ -162,7 +162,7 @@ def test_a_click_on_a_curve_means_its_dip(identified, session):
 
 def test_what_fits_saw_and_did_not_accept_can_be_added(record):
     h = ar.frf(record, nperseg=512)
-    zeros = ar.identify_antiresonances(h, excitation=0, band_hz=BAND, min_share=1.0)
+    zeros = ar.identify_antiresonances(h, excitation=0, band_hz=BAND, fit=ar.FitOptions(min_share=1.0))
     dof = next(dof for dof, table in zeros.left_out.items() if len(table))
     table, diagram = zeros.left_out[dof], zeros.diagrams[dof]
     pick = picked(

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from antires_rs.identification.rule import CONFIRMING_DOMINANCE
 
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
 from antires_rs.identification.cross_check import METHODS, cross_check, set_valued_aaa, vector_fitting
+from antires_rs.identification.limits import CONFIRMING_DOMINANCE
 
 CHAIN = ar.MassSpringChain(np.ones(4), [500.0, 450.0, 520.0])
 BAND = (0.5, 9.0)

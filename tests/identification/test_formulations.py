@@ -2,19 +2,13 @@
 
 import numpy as np
 import pytest
-from antires_rs.identification.rule import Rule
 
 import antires_rs as ar
+from antires_rs import FitOptions
 from antires_rs.exceptions import InvalidInputError
 from antires_rs.identification.lines import Lines, lines_of_recording
-from antires_rs.identification.paper import (
-    PowerFit,
-    PowerSweep,
-    check_formulation,
-    real_basis,
-    real_roots,
-    sweep_of,
-)
+from antires_rs.identification.options import check_formulation
+from antires_rs.identification.paper import PowerFit, PowerSweep, real_basis, real_roots, sweep_of
 from antires_rs.identification.rational_fit import guessed_poles, guessed_weights
 from antires_rs.identification.stabilization import diagram
 from antires_rs.signals.averaging import Averaging, average
@@ -47,11 +41,11 @@ def lines():
 
 
 #: The paper's: 1 % and 5 % in more than ten orders, and no other test.
-PAPER = Rule(damping_tol=0.05, min_dominance=0.0, persistent=False)
+PAPER = FitOptions(damping_tol=0.05, min_dominance=0.0, persistent=False)
 
 
 def found_by(formulation, lines, row, rule=None):
-    rule = rule or Rule()
+    rule = rule or FitOptions()
     sweep, orders, background = sweep_of(lines, row, 2, 60, rule, formulation)
     assert background.shape == lines.freq_hz.shape
     assert background.min() >= 0.0
@@ -134,10 +128,12 @@ def test_the_papers_preset_on_frfs_keeps_its_rule():
     record = three.record(noise=0.01, seed=7, duration_s=30.0)
     options = {"excitation": 0, "band_hz": three.band_hz, "route": "frf", "check": "off"}
     by_preset = ar.identify_antiresonances(record, **options, preset="paper")
-    by_name = ar.identify_antiresonances(record, **options, preset="paper", formulation="joint")
+    by_name = ar.identify_antiresonances(
+        record, **options, preset="paper", fit=ar.FitOptions(formulation="joint")
+    )
     assert by_preset == by_name
     with pytest.raises(InvalidInputError, match="^formulation: got eq10_squared"):
-        ar.identify_antiresonances(record, **options, formulation="eq10_squared")
+        ar.identify_antiresonances(record, **options, fit=ar.FitOptions(formulation="eq10_squared"))
 
 
 def test_noise_at_one_percent():
@@ -156,14 +152,14 @@ def test_noise_at_one_percent():
 
 def test_bad_arguments_are_named(lines):
     with pytest.raises(InvalidInputError, match="^formulation: got 'eq11'"):
-        sweep_of(lines, 0, 2, 60, Rule(), "eq11")
+        sweep_of(lines, 0, 2, 60, FitOptions(), "eq11")
     with pytest.raises(InvalidInputError, match="^formulation: got 'sum'.* use formulation='joint'"):
         check_formulation("sum")
     few = lines.part(0, 30)
-    assert sweep_of(few, 0, 2, 60, Rule(), "joint")[1] == range(2, 21)
+    assert sweep_of(few, 0, 2, 60, FitOptions(), "joint")[1] == range(2, 21)
     # Without phase a line is one number, not two.
     with pytest.raises(InvalidInputError, match="^band_hz: got a band with 30 lines"):
-        sweep_of(few, 0, 2, 60, Rule(), "power")
+        sweep_of(few, 0, 2, 60, FitOptions(), "power")
 
 
 # ---- the real rational function of f^2 ---------------------------------------------------------------

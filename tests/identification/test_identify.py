@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from antires_rs import FitOptions
 from antires_rs.exceptions import AntiresWarning, InvalidInputError, UnsuitableDataError
 from antires_rs.identification.identify import identify_antiresonances
 from antires_rs.signals.frequency_response import FrequencyResponse
@@ -143,7 +144,7 @@ def test_a_time_scale_does_not_matter():
         ({"band_hz": (50.0, 50.2)}, "band_hz"),
         ({"band_hz": (np.nan, 10.0)}, "band_hz"),
         ({"route": "modal"}, "route"),
-        ({"method": "burst"}, "method"),
+        ({"fit": FitOptions(method="burst")}, "method"),
         ({"estimator": "h4"}, "estimator"),
         ({"dofs": [0, 11]}, "dofs"),
         ({"dofs": []}, "dofs"),
@@ -153,8 +154,8 @@ def test_a_time_scale_does_not_matter():
         ({"nperseg": 10**6}, "nperseg"),
         ({"max_order": 0}, "max_order"),
         ({"max_order": 8}, "max_order"),
-        ({"min_rows": -1}, "min_rows"),
-        ({"window": "bell"}, "window"),
+        ({"fit": FitOptions(min_rows=-1)}, "min_rows"),
+        ({"fit": FitOptions(window="bell")}, "window"),
     ],
 )
 def test_bad_arguments_are_named(kwargs, name):
@@ -213,5 +214,9 @@ def test_options_of_curves_are_named_for_records():
         AntiresWarning, match=r"min_share and min_depth_db have no effect on the sweep.*'numerators'"
     ):
         identify_antiresonances(
-            record(duration_s=40.0), excitation=0, band_hz=BAND, check="off", min_share=0.4, min_depth_db=2.0
+            record(duration_s=40.0),
+            excitation=0,
+            band_hz=BAND,
+            check="off",
+            fit=FitOptions(min_share=0.4, min_depth_db=2.0),
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from antires_rs import FitOptions
 from antires_rs.identification.identify import identify_antiresonances
 from antires_rs.identification.lines import Lines
 from antires_rs.identification.numerators import NumeratorFit, NumeratorSweep, likeliest
@@ -199,7 +200,9 @@ def test_what_no_reference_alone_shows():
     rec = Recording(responses, 512.0)
     counts = {}
     for formulation in ("numerators", "joint"):
-        found = identify_antiresonances(rec, excitation=0, band_hz=BAND8, formulation=formulation)
+        found = identify_antiresonances(
+            rec, excitation=0, band_hz=BAND8, fit=FitOptions(formulation=formulation)
+        )
         counts[formulation] = 0
         for dof in range(8):
             true = true_antiresonances(stiffness, mass, dof, 0)
@@ -220,7 +223,7 @@ def test_only_averaged_records_have_standard_deviations_of_segments():
         assert (found.std_hz[dof] < 0.005 * found[dof]).all()
 
 
-@pytest.mark.parametrize("options", [{"keep_common": True}, {"channels": 2}])
+@pytest.mark.parametrize("options", [{"fit": FitOptions(keep_common=True)}, {"channels": 2}])
 def test_light_damping_without_a_third_witness(options):
     """Whether all rows share a root cannot be asked: what stays over the orders is still found."""
     stiffness, mass = chain8_matrices()

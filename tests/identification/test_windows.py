@@ -6,6 +6,7 @@ import pytest
 from antires_rs import (
     AntiresonanceSet,
     AntiresWarning,
+    FitOptions,
     FrequencyResponse,
     InvalidInputError,
     identify_antiresonances,
@@ -198,12 +199,21 @@ def plate_counts(state):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"min_rows": 5}, "min_rows has no effect on fits over windows"),
-        ({"damping_tol": 0.05, "persistent": False}, "damping_tol and persistent have no effect"),
-        ({"min_dominance": 0.1}, "what counts there is freq_tol, max_damping, min_share, min_depth_db"),
+        ({"fit": FitOptions(min_rows=5)}, "min_rows has no effect on fits over windows"),
+        (
+            {"fit": FitOptions(damping_tol=0.05, persistent=False)},
+            "damping_tol and persistent have no effect",
+        ),
+        (
+            {"fit": FitOptions(min_dominance=0.1)},
+            "what counts there is freq_tol, max_damping, min_share, min_depth_db",
+        ),
         ({"max_order": 30}, "max_order above 16 has no effect"),
-        ({"min_order": 17}, "min_order above 16 has no effect"),
-        ({"min_share": 0.4, "formulation": "joint"}, r"min_share has no effect.*formulation 'joint'"),
+        ({"fit": FitOptions(min_order=17)}, "min_order above 16 has no effect"),
+        (
+            {"fit": FitOptions(min_share=0.4, formulation="joint")},
+            r"min_share has no effect.*formulation 'joint'",
+        ),
     ],
 )
 def test_options_without_effect_are_named(options, said):
@@ -213,7 +223,12 @@ def test_options_without_effect_are_named(options, said):
 
 
 @pytest.mark.parametrize(
-    "options", [{"preset": "strict"}, {"max_order": 16, "min_share": 0.4}, {"freq_tol": 0.02}]
+    "options",
+    [
+        {"preset": "strict"},
+        {"max_order": 16, "fit": FitOptions(min_share=0.4)},
+        {"fit": FitOptions(freq_tol=0.02)},
+    ],
 )
 def test_options_that_count_are_no_cause_for_a_warning(options):
     frfs = free_chain(noise=0.01, seed=1, sensors=(0, 3, 6))
@@ -228,7 +243,12 @@ def test_few_orders_are_enough_for_windows():
     assert max(d.orders.max() for d in found.diagrams.values()) <= 8
     with pytest.raises(InvalidInputError, match="^max_order"):
         identify_antiresonances(
-            frfs, excitation=0, band_hz=BAND, check="off", max_order=8, formulation="numerators"
+            frfs,
+            excitation=0,
+            band_hz=BAND,
+            check="off",
+            max_order=8,
+            fit=FitOptions(formulation="numerators"),
         )
 
 
