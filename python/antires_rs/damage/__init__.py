@@ -5,9 +5,6 @@ the changes that damage of each element, pair and triple of elements would make 
 
     ln f_now - ln f_intact = ln r(beta, theta) - ln r(0, theta) + errors
 
-``model_error`` learns from the intact state how wrong the model is (theta), ``likelihood`` says how probable
-the values of now are for given severities, ``search`` finds the sets of elements that explain them,
-``posterior`` weighs these.
-
-Uses: updating, models, measured, optimize, support, the core.
+The intact state tells how wrong the model is (theta); the likelihood says how probable the values of now are
+for given severities; the search finds the sets of elements that explain them and weighs these.
 """
