@@ -1,4 +1,4 @@
-"""ARCHITECTURE.md is the map: 900 words, a line a room, files that exist; its index is made of first lines."""
+"""ARCHITECTURE.md is the map: 900 words, a line a room, files that exist; and its index of first lines."""
 
 import ast
 import os
@@ -48,7 +48,8 @@ def index():
     lines = [
         "# The house, file by file",
         "",
-        "Made of the first lines of all files by `ANTIRES_SNAPSHOTS=write pytest tests/package/test_architecture.py`.",
+        "Made of the first lines of all files, by `pytest tests/package/test_architecture.py` with",
+        "`ANTIRES_SNAPSHOTS=write` in the environment.",
         "ARCHITECTURE.md, beside the README, says how the rooms hang together.",
     ]
     for title, root, ending in [("python/antires_rs", FACE, "py"), ("rust/antires-core/src", CORE, "rs")]:

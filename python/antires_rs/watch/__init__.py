@@ -1,4 +1,4 @@
-r"""A structure watched over many tests: which of them differ from the baseline, at a stated rate of false alarms.
+r"""A structure watched over many tests: which differ from the baseline, at a stated rate of false alarms.
 
 The logarithms y of a test's antiresonances follow
 
