@@ -7,8 +7,8 @@ import pytest
 
 import antires_rs as ar
 from tests.main_results import files
-from tests.main_results.cases import KINDS, answer
-from tests.main_results.replay import ANSWERS, LIMITS, differences, names
+from tests.main_results.cases import KINDS
+from tests.main_results.replay import ANSWERS, ELSEWHERE, LIMITS, compared, differences, names
 
 KEPT = json.loads(ANSWERS.read_text(encoding="utf-8"))
 
@@ -22,8 +22,7 @@ KEPT = json.loads(ANSWERS.read_text(encoding="utf-8"))
     ],
 )
 def test_a_result_is_as_before(kind, name, case):
-    now = json.loads(json.dumps(answer(case)))
-    assert differences(KEPT[kind][name], now, LIMITS[kind]) == []
+    assert compared(kind, KEPT[kind][name], case, here=False) == []
 
 
 #: These take their less common arguments in one value; the old ones still work, and warn.
@@ -63,3 +62,7 @@ def test_what_is_compared_can_differ():
     assert differences([1.0], [1.0, 2.0], 1.0)
     assert differences("0x1p0", "0x1p1", 1.0)
     assert differences([0.5], [0.5 + 1e-7], LIMITS["assessments"]) == []
+    values = {"freq_hz": [5.0], "std_hz": [0.1]}
+    assert differences(values, {"freq_hz": [5.001], "std_hz": [0.11]}, 0.0, by_name=ELSEWHERE) == [
+        "/freq_hz/0: 5.0 was, 5.001 is"
+    ]
