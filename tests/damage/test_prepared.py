@@ -33,13 +33,7 @@ def both(request):
     plan = ar.Assessor(NOMINAL, baseline=before, workers=1)._plan
     asked = plan.question
     question = Question(
-        NOMINAL,
-        tuple(before),
-        tuple(now),
-        asked.elements,
-        asked.prior,
-        asked.std_common,
-        reduced=asked.reduced,
+        NOMINAL, tuple(before), tuple(now), asked.elements, asked.prior, asked.options, reduced=asked.reduced
     )
     likelihood = question.prepared(1).likelihood
     values, *_ = values_of(now, plan.expected, plan.learned.scatter)
@@ -48,7 +42,7 @@ def both(request):
         plan.interpolated,
         values,
         Band(min(plan.learned.low, low), max(plan.learned.high, high)),
-        asked.std_common,
+        asked.options.std_common,
         plan.errors,
         plan.learned.outside,
         len(plan.numbers),

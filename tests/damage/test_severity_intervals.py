@@ -45,7 +45,9 @@ def test_what_the_baseline_taught_is_kept(one, monkeypatch):
     monkeypatch.setattr(question, "learned", again)
     same = one.intervals(method="ensemble", draws=60, rng=1)
     np.testing.assert_array_equal(same.draws, kept.draws)
-    other = replace(one._question, std_common=1e-3)  # another question has to ask for itself
+    other = replace(
+        one._question, options=ar.SearchOptions(std_common=1e-3)
+    )  # another question has to ask for itself
     with pytest.raises(AssertionError, match="learned again"):
         other.prepared(1)
 

@@ -15,19 +15,20 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import seed_of, thread_count
-from ..support.checks import finite_scalar
+from ..support.options import gathered
 from ..support.progress import patient
 from ..support.values import FrozenDict, ReadOnly
 from ..updating.problem import UpdatingProblem
 from ..views import Viewed
-from .assess import checked_model, checked_prior, elements_of
+from .assess import checked_model, checked_search, elements_of
 from .assessor_plan import Plan, plan_of, values_of
 from .assessor_search import QuickSearch
 from .evidence import HIGHEST, fitted
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis
-from .inference import STD_COMMON, Elements, allowed, note_of_shift, together
+from .inference import Elements, allowed, note_of_shift, together
 from .likelihood import Band
-from .question import DamagePrior, Question
+from .options import TWO_STATES, DamagePrior, SearchOptions, checked_prior
+from .question import Question
 from .reduced_roots import wanted_reduced
 from .words import headline, reservations
 
@@ -354,7 +355,7 @@ def assess_at_once(plan: Plan, sets: tuple[AntiresonanceSet, ...]) -> AssessedTe
         plan.interpolated,
         now,
         band,
-        question.std_common,
+        question.options.std_common,
         plan.errors,
         learned.outside,
         len(plan.numbers),
@@ -421,17 +422,16 @@ class Assessor(ReadOnly, Viewed):
         Candidate elements, zero-based. Default as for :func:`assess_damage`.
     prior : DamagePrior, optional
         What is believed before the test.
-    false_alarm_rate : float, optional
-        Share of intact tests in which damage may be declared, in (0, 0.5], of tests as exact as the baseline.
-    std_common : float, optional
-        Standard deviation of what moves all values alike between two tests, relative, within [0, 0.1].
-        Default 0.0005.
+    search : SearchOptions, optional
+        Those with a baseline; a rate of false alarms is that of tests as exact as the baseline.
     rng : int or numpy.random.Generator, optional
-        For ``false_alarm_rate``.
+        For a rate of false alarms.
     workers : int, optional
         Threads that compute the tables; all processors by default. No bit depends on it.
     progress : bool, optional
         Show a line of progress; by default on a terminal.
+    **older
+        Options of ``search`` by name, as until 0.1; with a warning.
 
     Raises
     ------
@@ -468,11 +468,11 @@ class Assessor(ReadOnly, Viewed):
         baseline: AntiresonanceSet | Sequence[AntiresonanceSet],
         elements: Any = None,
         prior: DamagePrior | None = None,
-        false_alarm_rate: float | None = None,
-        std_common: float | None = None,
+        search: SearchOptions | None = None,
         rng: int | np.random.Generator | None = None,
         workers: int | None = None,
         progress: bool | None = None,
+        **older: Any,
     ) -> None:
         checked_model(model)
         before = _sets("baseline", baseline)
@@ -482,10 +482,8 @@ class Assessor(ReadOnly, Viewed):
             )
         chosen = elements_of(model, elements)
         UpdatingProblem(model, stiffness_reduction(chosen), before)  # speaks up where they do not fit
-        believed = checked_prior(prior, false_alarm_rate)
-        common = (
-            STD_COMMON if std_common is None else finite_scalar("std_common", std_common, low=0.0, high=0.1)
-        )
+        options = gathered("Assessor", "search", checked_search(search), older, stacklevel=4).of(TWO_STATES)
+        believed = checked_prior(prior, options)
         first = {each.excitation: each for each in reversed(before)}
         question = Question(
             model,
@@ -493,11 +491,11 @@ class Assessor(ReadOnly, Viewed):
             tuple(reversed(first.values())),
             tuple(chosen),
             believed,
-            common,
-            reduced=wanted_reduced(model, before[0], "auto"),
+            options,
+            reduced=wanted_reduced(model, before[0], options.reduction),
         )
         generator = np.random.default_rng(seed_of(rng))
-        self._fill(_plan=plan_of(question, false_alarm_rate, generator, thread_count(workers)))
+        self._fill(_plan=plan_of(question, generator, thread_count(workers)))
 
     @classmethod
     def _of(cls, plan: Plan) -> Assessor:

@@ -480,18 +480,13 @@ class Plan:
 
 
 @one_blas_thread
-def plan_of(
-    question: Question, false_alarm_rate: float | None, rng: np.random.Generator, threads: int
-) -> Plan:
+def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
     """Learn from the baseline and compute the tables."""
     prepared = question.prepared(threads)
     likelihood, error, odd = prepared.likelihood, prepared.error, prepared.odd
     slopes = intact_slopes(likelihood, len(question.elements))
-    threshold = (
-        None
-        if false_alarm_rate is None
-        else log_odds_threshold(slopes, question.prior, false_alarm_rate, rng)
-    )
+    rate = question.options.false_alarm_rate
+    threshold = None if rate is None else log_odds_threshold(slopes, question.prior, rate, rng)
     learned = Learned(
         factors=np.exp(error.theta),
         tau=error.tau,

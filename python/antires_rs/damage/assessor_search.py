@@ -22,7 +22,7 @@ from .evidence import FURTHEST, HIGHEST, Fit, fitted, log_between
 from .inference import Elements, explained
 from .likelihood import ALIKE, ALIKE_SHARE, ANY_CHANGE, Band, Foreseen, View, associated
 from .measured_states import Values
-from .question import DamagePrior
+from .options import DamagePrior
 
 # -- Evidence of many sets of one or two elements at once, as one view has them
 #

@@ -21,12 +21,13 @@ from .likelihood import Likelihood, View
 from .measured_modes import ModeResponses
 from .measured_states import Responses, Roots, Values
 from .one_state import mostly_risen
-from .question import DamagePrior, Question
+from .options import DamagePrior
+from .question import Question
 from .reduced_roots import TOLERANCE, ReducedRoots
 
 if TYPE_CHECKING:
     from .likelihood import Likelihood
-    from .question import DamagePrior
+    from .options import DamagePrior
 
 
 # -- Which elements may be damaged: a beam search over sets of elements
@@ -521,8 +522,6 @@ def _settled(search: Search, likelihood: Likelihood, source: ReducedRoots, eleme
 
 #: Largest number of damaged elements in one hypothesis.
 MOST = 3
-#: Relative standard deviation of what moves all values alike between two tests.
-STD_COMMON = 5e-4
 
 
 @dataclass(frozen=True)
@@ -543,9 +542,7 @@ class Inferred:
 
 
 @one_blas_thread
-def infer(
-    question: Question, *, false_alarm_rate: float | None, rng: np.random.Generator, threads: int
-) -> Inferred:
+def infer(question: Question, *, rng: np.random.Generator, threads: int) -> Inferred:
     """Judge all hypotheses."""
     elements, prior, baseline = question.elements, question.prior, question.baseline
     prepared = question.prepared(threads)
@@ -561,8 +558,8 @@ def infer(
     names = {e: question.model.element_label(e) for e in numbers}
     threshold, slopes = None, intact_slopes(likelihood, len(elements))
     declared = rows[0].elements if rows[0].candidate else ()
-    if false_alarm_rate is not None:
-        threshold = log_odds_threshold(slopes, prior, false_alarm_rate, rng)
+    if question.options.false_alarm_rate is not None:
+        threshold = log_odds_threshold(slopes, prior, question.options.false_alarm_rate, rng)
         odds = float(np.logaddexp.reduce([-np.inf, *damage.values()])) - weights[()]
         declared = tuple(numbers[e] for e in likeliest) if odds > threshold else ()
         if not rows[0].candidate:
