@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.damage.evidence import fitted
+from antires_rs.damage.evidence import refitted
 from antires_rs.damage.inference import Search
 from antires_rs.damage.likelihood import View
 from antires_rs.damage.options import DamagePrior
@@ -80,7 +80,7 @@ def test_a_single_damage_that_leads_nowhere_does_not_keep_the_search_going():
     for of_other, given_up in ((100.0, True), (490.0, False)):
         likelihood = Walks(of_other)
         search = Search(likelihood, 2)
-        search.fits[()] = fitted(likelihood.start, ())
+        search.fits[()] = refitted(likelihood.start, ())
         search._refine(chosen)
         assert (0,) in search.fits
         assert (1,) not in search.fits  # it never came to rest

@@ -187,15 +187,16 @@ def _result(question: Question, inferred: Inferred, seed: int) -> DamageResult:
     problem = UpdatingProblem(
         learned, stiffness_reduction(elements), inferred.corrected, penalty=DamagePenalty(0.0, 0.0, 0.0)
     )
-    x = np.array([inferred.severities.get(e, 0.0) for e in elements])
+    x = np.array([inferred.assessment.severities.get(e, 0.0) for e in elements])
     judged = len(inferred.assessment.hypotheses)
     none = np.empty(0)
     search_result = OptimizeResult(
         x=x,
         fun=problem.cost(x),
-        success=not inferred.interrupted,
-        status="interrupted" if inferred.interrupted else "judged",
-        message=f"{judged} hypotheses were judged" + (" before Ctrl-C" if inferred.interrupted else ""),
+        success=not inferred.assessment.interrupted,
+        status="interrupted" if inferred.assessment.interrupted else "judged",
+        message=f"{judged} hypotheses were judged"
+        + (" before Ctrl-C" if inferred.assessment.interrupted else ""),
         nfev=inferred.nfev,
         njev=None,
         nit=0,

@@ -178,11 +178,7 @@ class DamageResult(UpdateResult):
     @property
     def interval(self) -> dict[int, tuple[float, float]]:
         """90 % interval of each severity, given the elements declared damaged; (0, 0) of the others."""
-        found = self.assessment
-        one = next((h for h in found.hypotheses if h.elements == tuple(self.assessment.declared)), None)
-        limits = (
-            {} if one is None else dict(zip(one.elements, zip(one.low, one.high, strict=True), strict=True))
-        )
+        limits = self.assessment.intervals
         return {e: limits.get(e, (0.0, 0.0)) for e in self.elements}
 
     def intervals(

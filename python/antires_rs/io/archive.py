@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from .._core import __version__
 from ..damage.assessor import Assessor
-from ..damage.assessor_plan import LEVELS, Learned, Plan, Tables
+from ..damage.assessor_plan import LEVELS, Plan, Tables
 from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
+from ..damage.inference import Learned
 from ..damage.options import DamagePrior, SearchOptions
 from ..damage.question import Question
 from ..damage.result import DamageResult
