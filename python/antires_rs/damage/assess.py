@@ -187,16 +187,16 @@ def _result(question: Question, inferred: Inferred, seed: int) -> DamageResult:
     problem = UpdatingProblem(
         learned, stiffness_reduction(elements), inferred.corrected, penalty=DamagePenalty(0.0, 0.0, 0.0)
     )
-    x = np.array([inferred.assessment.severities.get(e, 0.0) for e in elements])
-    judged = len(inferred.assessment.hypotheses)
+    found = inferred.assessment
+    x = np.array([found.severities.get(e, 0.0) for e in elements])
+    judged, interrupted = len(found.hypotheses), found.interrupted
     none = np.empty(0)
     search_result = OptimizeResult(
         x=x,
         fun=problem.cost(x),
-        success=not inferred.assessment.interrupted,
-        status="interrupted" if inferred.assessment.interrupted else "judged",
-        message=f"{judged} hypotheses were judged"
-        + (" before Ctrl-C" if inferred.assessment.interrupted else ""),
+        success=not interrupted,
+        status="interrupted" if interrupted else "judged",
+        message=f"{judged} hypotheses were judged" + (" before Ctrl-C" if interrupted else ""),
         nfev=inferred.nfev,
         njev=None,
         nit=0,
@@ -205,9 +205,7 @@ def _result(question: Question, inferred: Inferred, seed: int) -> DamageResult:
         population_costs=np.empty((0, 0)),
     )
     told = {"antires_rs": __version__, "prior": vars(question.prior), **question.options.held(TWO_STATES)}
-    return DamageResult(
-        problem, search_result, seed, inferred.assessment, question, inferred.reduction, options=told
-    )
+    return DamageResult(problem, search_result, seed, found, question, inferred.reduction, options=told)
 
 
 def _sets(name: str, given: Any) -> tuple[Any, ...]:

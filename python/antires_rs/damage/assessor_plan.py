@@ -173,10 +173,9 @@ def _slots(
         if k in slot_of:
             slots.append(slot_of[k])
             numbers.append(number)
-        elif k < 0 and low < roots.log_f[number] < high:
-            if left := free.get(int(roots.response[number])):
-                slots.append(left.pop(0))
-                numbers.append(number)
+        elif k < 0 and low < roots.log_f[number] < high and (left := free.get(int(roots.response[number]))):
+            slots.append(left.pop(0))
+            numbers.append(number)
     return np.array(slots, dtype=np.intp), np.array(numbers, dtype=np.intp)
 
 

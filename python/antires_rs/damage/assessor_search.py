@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -52,18 +53,28 @@ class TabulatedLikelihood(ValueLikelihood):
 
     def without_damage(self, extra: float, common: float) -> View:
         """The values as seen from no damage, with an extra error of each and one of all alike."""
-        std, errors = (np.hypot(self.now.std, extra), _STATED) if extra else (self.now.std, self.plan.errors)
+        std, errors = self._moved(extra)
         return self._view(np.zeros(self.n), self._test(std, common, errors).look([], []), errors)
+
+    def log_without_damage(self, extra: float, common: float) -> float:
+        """The same without slopes."""
+        std, errors = self._moved(extra)
+        return float(self._test(std, common, errors).settle([([], [])], 1, 0.0, True)[0][-1])
+
+    def _moved(self, extra: float) -> tuple[FloatArray, Sequence[Any]]:
+        if not extra:
+            return self.now.std, self.plan.errors
+        return np.hypot(self.now.std, extra), _STATED
 
     def of_frequencies(self, view: View) -> Any:
         """All values are."""
         return np.ones(view.residual.size, dtype=bool)
 
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
-        """The values as seen from each row of severities, with computed antiresonances and slopes."""
+        """The values as seen from each row of severities, with computed antiresonances."""
         sets = [tuple(np.flatnonzero(beta).tolist()) for beta in betas]
         pairs = zip(sets, betas, strict=True)
-        return [self.computed(s, -np.log1p(-beta[list(s)]), slopes=True) for s, beta in pairs]
+        return [self.computed(s, -np.log1p(-beta[list(s)])) for s, beta in pairs]
 
     def unexplained(self, betas: FloatArray) -> FloatArray:
         """How far the values are from the nearest roots of the tables, (m,)."""
@@ -98,10 +109,14 @@ class TabulatedLikelihood(ValueLikelihood):
 #: Sets so near to the likeliest (log probability) are judged, at most so many of each size; more of them may
 #: be found than are.
 _NEAR, _MOST = 2.5, 8
+#: The same of sets in the linear model of another one's view.
+_NEAR_LINEAR = 1.0
 #: Sets that a scan leaves, by their number of elements; what it refines, by distances and by misfits.
 _LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (14, 8, 6), 12, 14
 #: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
 _STEPS, _HOPELESS = 2, 25.0
+#: So many elements join a set of one and of two in the linear model of its view.
+_JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
 #: the same for those of the answer.
 _RESTS, _LOOKS, _SURE_RESTS = 0.03, 3, 2e-3
@@ -126,21 +141,30 @@ class QuickSearch(Search):
         return {}
 
     def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
-        """The sets with one element more that explain most of all its severities, and their severities (u)."""
+        """The sets with one element more that explain most at any severity, and their severities (u)."""
         known = {s: fit.log_evidence for s, fit in self.fits.items() if len(s) == size - 1}
         known |= {s: one[0] for s, one in self.rough.items() if len(s) == size - 1 and s not in known}
         own = [s for s in known if not self.outside(s)]
+        parents_of = sorted(own, key=lambda s: -known[s])[: self._most_parents(size - 1)]
+        scans: tuple[list[FloatArray], ...] = ([], [])
+        joined: list[tuple[Elements, int]] = []
+        for parent in parents_of:
+            further = self._further(parent)
+            if further:
+                found = self.likelihood.test.scan(list(parent), self._u(parent).tolist(), further)
+                for scan, one in zip(scans, found, strict=True):
+                    scan.append(one)
+                joined += [(parent, e) for e in further]
         chosen: dict[tuple[Elements, int], list[float]] = {}
-        for criterion in (0, 1):
-            rows = []
-            for parent in sorted(own, key=lambda s: -known[s])[: self._most_parents(size - 1)]:
-                further = self._further(parent)
-                if further:
-                    rows += self._scanned(parent, further, criterion)
-            rows.sort(key=lambda row: row[0])
-            few = (_BY_DISTANCE, _BY_MISFIT if size > 1 else len(rows))[criterion]
-            for _, elements, level, u in rows[:few]:
-                chosen.setdefault((elements, level), u)
+        few = (_BY_DISTANCE, _BY_MISFIT if size > 1 else len(joined))
+        for scan, most in zip(scans if joined else (), few, strict=False):
+            left = np.concatenate(scan)
+            level = np.argmin(left, axis=1)
+            order = np.argsort(left[np.arange(level.size), level], kind="stable").tolist()
+            sets = (self._with(joined[nth], int(level[nth])) for nth in order)
+            new = ((elements, at, u) for elements, at, u in sets if elements not in self.judged)
+            for elements, at, u in islice(new, most):
+                chosen.setdefault((elements, at), u)
         asked = [(list(elements), u) for (elements, _), u in chosen.items()]
         best: dict[Elements, tuple[float, FloatArray]] = {}
         for (elements, _), (u, score) in zip(chosen, self.likelihood.test.refine(asked, _STEPS), strict=True):
@@ -151,25 +175,27 @@ class QuickSearch(Search):
             self.hopeless.update((e,) for e in range(self.likelihood.n) if (e,) not in likeliest)
         return {s: best[s][1] for s in likeliest if best[s][0] < best[likeliest[0]][0] + _HOPELESS}
 
-    def _scanned(
-        self, parent: Elements, further: list[int], criterion: int
-    ) -> list[tuple[float, Elements, int, list[float]]]:
-        """What is left by each further element at its best level: elements, level, severities (u)."""
-        u = self._u(parent)
-        left = self.likelihood.test.scan(list(parent), u.tolist(), further)[criterion]
-        level = np.argmin(left, axis=1)
-        found = []
-        for nth, e in enumerate(further):
-            joined = sorted([*zip(parent, u.tolist(), strict=True), (e, float(LEVELS[level[nth]]))])
-            elements = tuple(each for each, _ in joined)
-            if elements not in self.judged:
-                score = float(left[nth, level[nth]])
-                found.append((score, elements, int(level[nth]), [x for _, x in joined]))
-        return found
+    def _with(self, both: tuple[Elements, int], level: int) -> tuple[Elements, int, list[float]]:
+        """A set with one element more, the level of its severity, and all severities (u)."""
+        parent, further = both
+        own = zip(parent, self._u(parent).tolist(), strict=True)
+        joined = sorted([*own, (further, float(LEVELS[level]))])
+        return tuple(e for e, _ in joined), level, [u for _, u in joined]
+
+    def _larger(self, elements: Elements, view: View) -> list[int]:
+        """Elements that would gain something, and those without damage all."""
+        gains = 0.5 * np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
+        further = self._further(elements)
+        if not elements:
+            return further
+        return sorted(further, key=lambda e: -gains[e])[: _JOINED[len(elements)]]
 
     def _u(self, elements: Elements) -> FloatArray:
-        fit = self.fits.get(elements)
-        return self.rough[elements][1] if fit is None else -np.log1p(-np.minimum(fit.beta, HIGHEST))
+        fit, rough = self.fits.get(elements), self.rough.get(elements)
+        if rough and (fit is None or rough[0] > fit.log_evidence):
+            return rough[1]
+        assert fit is not None
+        return np.asarray(-np.log1p(-np.minimum(fit.beta, HIGHEST)))
 
     def _refine(self, chosen: dict[Elements, FloatArray]) -> None:
         """Judge those that may be the most probable ones, the likeliest first."""
@@ -180,20 +206,27 @@ class QuickSearch(Search):
             if elements not in self.judged:
                 self.rough[elements] = log_evidence, np.minimum(ahead, FURTHEST)
         for _ in range(_MOST):
-            near = self._near_rough()
+            near = self._open()
             if not near:
                 return
-            self._settle(near[0], self.rough.pop(near[0])[1])
-        self.cut = bool(self._near_rough())
+            self._settle(near[0])
+        self.cut = bool(self._open())
 
-    def _near_rough(self) -> list[Elements]:
-        """Sets of the tables that may be the most probable ones, the likeliest first."""
-        weights = {s: one[0] + self.log_prior(s) for s, one in self.rough.items()}
-        top = max(fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items())
-        return sorted((s for s in weights if weights[s] > top - _NEAR), key=lambda s: -weights[s])
+    def _open(self) -> list[Elements]:
+        """Sets that may be the answer and were not judged from their own severities, the likeliest first."""
+        weights = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
+        top = max(weights.values())
+        room = {s: _NEAR_LINEAR for s in weights}
+        for s, (log_evidence, _) in self.rough.items():
+            weight = log_evidence + self.log_prior(s)
+            if s not in weights or weight + _NEAR > weights[s] + _NEAR_LINEAR:
+                weights[s], room[s] = weight, _NEAR
+        near = (s for s, w in weights.items() if s and s not in self.judged and w > top - room[s])
+        return sorted(near, key=lambda s: -weights[s])
 
-    def _settle(self, elements: Elements, u: FloatArray) -> None:
+    def _settle(self, elements: Elements) -> None:
         """Judge a set from its own severities."""
+        u = self._u(elements)
         ((_, ahead, *_),) = self.likelihood.test.settle([(list(elements), u.tolist())], 5, _RESTS, True)
         u = np.minimum(ahead, FURTHEST)
         for _ in range(_LOOKS):
@@ -202,6 +235,7 @@ class QuickSearch(Search):
             if np.abs(moved).max() <= _RESTS:
                 break
             u = u + moved
+        self.rough.pop(elements, None)
         self.judged.add(elements)
         self.fits[elements] = refitted(view, elements)
         self._judge(elements, view)
@@ -218,7 +252,7 @@ class QuickSearch(Search):
             best = max(near, key=lambda s: weights[s])
             for _ in range(_LOOKS):
                 u = self._u(best)
-                self.fits[best] = refitted(self.likelihood.computed(best, u, slopes=True), best)
+                self.fits[best] = refitted(self.likelihood.computed(best, u, slopes=len(best) > 1), best)
                 if np.abs(self._u(best) - u).max() <= _SURE_RESTS:
                     break
             done.add(best)

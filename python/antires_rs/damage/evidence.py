@@ -120,7 +120,7 @@ class Truncated:
     high: float
 
     def draws(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Points (k, n) of uniform numbers (k, n), and ln of the weights that make them the one Gaussian's."""
+        """Points (k, n) of uniform numbers (k, n), and ln of the weights that make them one Gaussian's."""
         z, log_weight = self._transformed(uniform)
         found = np.empty_like(z)
         found[:, self.order] = np.clip(self.mean + z @ self.factor.T, self.low, self.high)
@@ -176,7 +176,8 @@ def log_inside(mean: FloatArray, covariance: FloatArray, low: float, high: float
     sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
     near = np.minimum(mean - low, high - mean) < _FAR * sd
     alone = log_between((low - mean) / sd, (high - mean) / sd)
-    found, count = np.where(near, alone, 0.0).sum(axis=1), near.sum(axis=1)
+    found: FloatArray = np.where(near, alone, 0.0).sum(axis=1)
+    count = near.sum(axis=1)
     for size in range(2, mean.shape[1] + 1):
         row = np.flatnonzero(count == size)
         if row.size:
@@ -261,13 +262,13 @@ class Fit:
 
 
 def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = _LINEAR) -> list[Fit | None]:
-    """Sets of one size as they are seen from one point; None where severities are too far from there, in u."""
+    """Sets of one size as seen from one point; None where severities are too far from there, in u."""
     at = np.array(sets, dtype=np.intp).reshape(len(sets), -1)
     size = at.shape[1]
     room = 1.0 - view.beta[at]
     start = -np.log(room)
     matrix = view.curvature[at[:, :, None], at[:, None, :]] * room[:, :, None] * room[:, None, :]
-    covariance = np.linalg.inv(matrix + _BLIND * np.eye(size))
+    covariance: FloatArray = np.asarray(np.linalg.inv(matrix + _BLIND * np.eye(size)), dtype=np.float64)
     # All severities are equally probable, so that large u are less.
     gain = view.gain[at] * room - 1.0
     step = (covariance @ gain[:, :, None])[:, :, 0]

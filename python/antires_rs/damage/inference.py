@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import combinations, product
 from typing import Any
 
@@ -194,11 +195,13 @@ class Search:
         count = self.n_candidates if elements else self.likelihood.n
         return [e for e in range(count) if e not in elements]
 
+    def _larger(self, elements: Elements, view: View) -> list[int]:
+        """Elements with which a set is judged too, from the same point."""
+        return self._further(elements)
+
     def _judge(self, elements: Elements, view: View) -> None:
         """Tell the evidence of a set, and of those with one element more, as seen from one point."""
-        larger = self._further(elements) if len(elements) < self.most else []
-        if any(e >= self.n_candidates for e in elements):
-            larger = []
+        larger = [] if len(elements) == self.most or self.outside(elements) else self._larger(elements, view)
         for sets in ([elements], [tuple(sorted((*elements, e))) for e in larger]):
             for fit in fitted(view, sets) if sets else ():
                 known = self.fits.get(fit.elements) if fit else None
@@ -227,16 +230,19 @@ class Search:
 
     def outside(self, elements: Elements) -> bool:
         """Whether a set has an element that is no candidate."""
-        return any(e >= self.n_candidates for e in elements)
+        return max(elements, default=-1) >= self.n_candidates
+
+    @cached_property
+    def _log_priors(self) -> tuple[float, ...]:
+        """Of each set of none to three candidates, of one element that is none, and of something else."""
+        n, others = self.n_candidates, self.likelihood.n - self.n_candidates
+        own = [self.prior.log_of(k, n) if k <= n else -np.inf for k in range(4)]
+        return (*own, self.prior.log_elsewhere(others) if others else -np.inf, self.prior.log_unknown(others))
 
     def log_prior(self, elements: Elements) -> float:
         """Log probability of a set before the test; ``UNKNOWN`` is something else."""
-        others = self.likelihood.n - self.n_candidates
-        if elements == UNKNOWN:
-            return self.prior.log_unknown(others)
-        if self.outside(elements):
-            return self.prior.log_elsewhere(others)
-        return self.prior.log_of(len(elements), self.n_candidates)
+        kind = -1 if elements == UNKNOWN else 4 if self.outside(elements) else len(elements)
+        return self._log_priors[kind]
 
     def log_weights(self) -> dict[Elements, float]:
         """Log of prior times evidence by elements; ``UNKNOWN`` for something else."""
@@ -536,7 +542,7 @@ class Learned:
     n_intact: int
     n_intact_matched: int
     n_intact_roots: int
-    hint: str
+    hint: str | None
     n_baselines: int
     scatter: float
     notes: tuple[str, ...]
@@ -564,7 +570,7 @@ def learned_from(
         n_intact=prepared.intact.size,
         n_intact_matched=int((error.partner >= 0).sum()),
         n_intact_roots=roots_beside(prepared.intact, error.intact),
-        hint=question.hint() if hint else "",
+        hint=question.hint() if hint else None,
         n_baselines=prepared.n_baselines,
         scatter=prepared.scatter,
         notes=tuple(dict.fromkeys(prepared.responses.left_out)),
@@ -627,7 +633,7 @@ def concluded(
         n_intact_roots=learned.n_intact_roots,
     )
     if not found.model_fits:
-        found = replace(found, hint=learned.hint or question.hint())
+        found = replace(found, hint=question.hint() if learned.hint is None else learned.hint)
     elif question.baseline and 2 * matched < now.size:
         found = replace(found, hint=question.hint_between(measured))
     if question.baseline and not shift and not found.explained:  # a change of unknown kind explains nothing

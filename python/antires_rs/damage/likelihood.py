@@ -304,7 +304,7 @@ class ValueLikelihood(ABC):
     def something_else(self) -> float:
         """Log evidence of a change that has nothing to do with any element: of every value, by any amount,
         or of all values alike."""
-        found = [self.without_damage(extra, 0.0).log_likelihood for extra in ANY_CHANGE]
+        found = [self.log_without_damage(extra, 0.0) for extra in ANY_CHANGE]
         by_itself = np.logaddexp.reduce(found) - np.log(len(found))
         return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, self._alike))
 
@@ -313,20 +313,23 @@ class ValueLikelihood(ABC):
         """Relative change of all values, where that is what something else comes to; else 0."""
         if self.something_else > np.log(2.0) + self._alike:  # less than half of it
             return 0.0
-        view = max(self._shifted, key=lambda view: view.log_likelihood)
+        view = self.without_damage(0.0, ALIKE[int(np.argmax(self._shifted))])
         moved = view.residual[self.of_frequencies(view)]
         return float(np.expm1(np.median(moved))) if moved.size else 0.0
 
+    def log_without_damage(self, extra: float, common: float) -> float:
+        """The log-likelihood of that."""
+        return self.without_damage(extra, common).log_likelihood
+
     @cached_property
-    def _shifted(self) -> list[View]:
-        """The values as seen from no damage, all of them moved alike by one of ``ALIKE``."""
-        return [self.without_damage(0.0, each) for each in ALIKE]
+    def _shifted(self) -> list[float]:
+        """Log-likelihood without damage, all values moved alike by each of ``ALIKE``."""
+        return [self.log_without_damage(0.0, each) for each in ALIKE]
 
     @property
     def _alike(self) -> float:
         """Log evidence of a change of all values alike, with its share of the probability."""
-        found = [view.log_likelihood for view in self._shifted]
-        return float(np.logaddexp.reduce(found) - np.log(len(found)) + np.log(ALIKE_SHARE))
+        return float(np.logaddexp.reduce(self._shifted) - np.log(len(ALIKE)) + np.log(ALIKE_SHARE))
 
 
 class Likelihood(ValueLikelihood):
