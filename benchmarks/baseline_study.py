@@ -63,7 +63,9 @@ def one_run(task):
     case = ar.cases.chain8(perturbation=off, rng=rng)
     before, now = identified(case, np.zeros(7), rng), identified(case, losses, rng)
     result = ar.assess_damage(case.model, now, baseline=before, workers=1)
-    bounded = ar.assess_damage(case.model, now, baseline=before, workers=1, false_alarm_rate=RATE, rng=seed)
+    bounded = ar.assess_damage(
+        case.model, now, baseline=before, workers=1, search=ar.SearchOptions(false_alarm_rate=RATE), rng=seed
+    )
     return {
         "kind": kind,
         "seed": seed,

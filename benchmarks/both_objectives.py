@@ -51,7 +51,9 @@ def one_record(task):
     rows = []
     for measured in identified(case, case.experiment(level=1, noise=noise, rng=seed)):
         start = time.perf_counter()
-        result = ar.assess_damage(case.model, measured, gamma1=0.1, gamma2=0.1, rng=seed)
+        result = ar.assess_damage(
+            case.model, measured, search=ar.SearchOptions(gamma1=0.1, gamma2=0.1), rng=seed
+        )
         rows.append((result, time.perf_counter() - start))
     return rows
 

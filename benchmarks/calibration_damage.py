@@ -53,7 +53,9 @@ def one_run(seed, sure=False):
     losses[list(elements)] = rng.uniform(0.0, 0.99, count)
     before, now = values(masses, springs, rng), values(masses, springs * (1.0 - losses), rng)
     nominal = ar.MassSpringChain(MASSES_KG, SPRINGS_N_PER_M)
-    result = ar.assess_damage(nominal, now, baseline=before, workers=1, std_common=0.0)
+    result = ar.assess_damage(
+        nominal, now, baseline=before, workers=1, search=ar.SearchOptions(std_common=0.0)
+    )
     true = next((h for h in result.hypotheses if h.elements == elements and h.candidate), None)
     ranks, held, sampled = [], [], []
     if true is not None and elements:

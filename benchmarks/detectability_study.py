@@ -27,7 +27,7 @@ import time
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.damage.question import DamagePrior
+from antires_rs.damage.options import DamagePrior
 from antires_rs.planning.detectability import _virtual_test
 from antires_rs.planning.detection_curves import fit_logit
 from antires_rs.planning.simulated_tests import Task, judged

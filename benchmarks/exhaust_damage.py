@@ -72,7 +72,12 @@ def assess(case, model, data, seed):
     start = time.perf_counter()
     values = data if isinstance(data, ar.ModalSet) else case.damage_problem(data, model=model).measured
     result = ar.assess_damage(
-        model, values, elements=case.candidates, gamma1=0.1, gamma2=0.1, rng=seed, progress=False
+        model,
+        values,
+        elements=case.candidates,
+        search=ar.SearchOptions(gamma1=0.1, gamma2=0.1),
+        rng=seed,
+        progress=False,
     )
     return result, time.perf_counter() - start
 

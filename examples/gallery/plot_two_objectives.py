@@ -18,7 +18,7 @@ modes = ar.identify_modes(record, band_hz=(3, 130))  # FRFs, since this record h
 print(modes)
 
 # %%
-penalties = {"gamma1": 0.1, "gamma2": 0.1}
+penalties = {"search": ar.SearchOptions(gamma1=0.1, gamma2=0.1)}
 damages = {
     "antiresonances": ar.assess_damage(case.model, zeros, **penalties, rng=0),
     "resonances, shapes": ar.assess_damage(case.model, modes, **penalties, rng=0),

@@ -18,7 +18,8 @@ def visible(force, gamma):
     """Smallest visible loss of each spring, in %, from exact antiresonances of all eight responses."""
     zeros = ar.AntiresonanceSet(force, dict(enumerate(chain.antiresonances(range(8), force))))
     search = ar.IslandGA(max_evaluations=2000)
-    damage = ar.assess_damage(chain, zeros, gamma1=gamma, gamma2=gamma, optimizer=search, rng=0)
+    price = ar.SearchOptions(gamma1=gamma, gamma2=gamma)
+    damage = ar.assess_damage(chain, zeros, search=price, optimizer=search, rng=0)
     return 100 * np.array(list(damage.detectable.values()))
 
 

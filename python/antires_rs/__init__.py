@@ -18,7 +18,7 @@ _NAMES = {
     "damage.assess": ("assess_damage",),
     "damage.assessor": ("AssessedTest", "Assessor"),
     "damage.hypotheses": ("Hypotheses", "Hypothesis"),
-    "damage.question": ("DamagePrior",),
+    "damage.options": ("DamagePrior", "SearchOptions"),
     "damage.result": ("DamageResult",),
     "damage.severity_intervals": ("SampledSet", "SeverityIntervals"),
     "exceptions": (

@@ -5,7 +5,7 @@ from ._core import __version__
 from .damage.assess import assess_damage as assess_damage
 from .damage.assessor import AssessedTest as AssessedTest, Assessor as Assessor
 from .damage.hypotheses import Hypotheses as Hypotheses, Hypothesis as Hypothesis
-from .damage.question import DamagePrior as DamagePrior
+from .damage.options import DamagePrior as DamagePrior, SearchOptions as SearchOptions
 from .damage.result import DamageResult as DamageResult
 from .damage.severity_intervals import SampledSet as SampledSet, SeverityIntervals as SeverityIntervals
 from .exceptions import (
@@ -172,6 +172,7 @@ __all__ = [
     "ReductionReport",
     "Round",
     "SampledSet",
+    "SearchOptions",
     "Section",
     "SensorPlan",
     "Series",

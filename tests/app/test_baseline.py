@@ -59,7 +59,7 @@ def test_saved_sets(tmp_path, capsys):
         ar.AntiresonanceSet.load(tmp_path / "measured.json"),
         baseline=ar.AntiresonanceSet.load(tmp_path / "intact.json"),
         prior=ar.DamagePrior(0.9, 0.1, 0, 0, 0, 0),
-        false_alarm_rate=0.05,
+        search=ar.SearchOptions(false_alarm_rate=0.05),
         rng=1,
     )
     kept = ar.DamageResult.load(tmp_path / "job_results" / "result.npz")

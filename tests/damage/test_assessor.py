@@ -67,8 +67,12 @@ def test_most_answers_need_no_full_run():
 
 def test_a_rate_of_false_alarms_is_kept():
     before, now = states(302, (0, 0, 0, 0, 0))
-    assessor = ar.Assessor(NOMINAL, baseline=before, false_alarm_rate=0.05, rng=1, workers=1)
-    full = ar.assess_damage(NOMINAL, now, baseline=before, false_alarm_rate=0.05, rng=1, workers=1)
+    assessor = ar.Assessor(
+        NOMINAL, baseline=before, search=ar.SearchOptions(false_alarm_rate=0.05), rng=1, workers=1
+    )
+    full = ar.assess_damage(
+        NOMINAL, now, baseline=before, search=ar.SearchOptions(false_alarm_rate=0.05), rng=1, workers=1
+    )
     quick = assessor.assess(now)
     assert quick.assessment.threshold == pytest.approx(full.assessment.threshold, abs=0.02)
     assert quick.assessment.declared == full.assessment.declared
@@ -187,8 +191,8 @@ def test_all_values_moved_alike_is_no_damage(prepared):
         ({"elements": []}, "elements"),
         ({"elements": [99]}, r"elements\[0\]: got 99"),
         ({"prior": 0.5}, "prior"),
-        ({"false_alarm_rate": 0.9}, "false_alarm_rate"),
-        ({"std_common": -1.0}, "std_common"),
+        ({"search": ar.SearchOptions(false_alarm_rate=0.9)}, "false_alarm_rate"),
+        ({"search": ar.SearchOptions(std_common=-1.0)}, "std_common"),
     ],
 )
 def test_wrong_arguments_are_refused(prepared, options, argument):
@@ -246,7 +250,9 @@ def test_priors_that_exclude_the_usual(prepared, prior):
 def test_priors_that_allow_nothing_are_refused_as_by_a_full_run(prepared):
     _, before, now = prepared
     with pytest.raises(ar.exceptions.InvalidInputError, match="always damage"):
-        ar.Assessor(NOMINAL, baseline=before, prior=ALWAYS, false_alarm_rate=0.05, workers=1)
+        ar.Assessor(
+            NOMINAL, baseline=before, prior=ALWAYS, search=ar.SearchOptions(false_alarm_rate=0.05), workers=1
+        )
     assessor = ar.Assessor(NOMINAL, baseline=before, prior=ONLY_THREE, workers=1)
     with pytest.raises(ar.exceptions.InvalidInputError, match="allows none of the hypotheses"):
         assessor.assess(before)

@@ -86,7 +86,14 @@ def test_same_bits_for_any_number_of_workers():
     rng, factors = truth(33)
     sets = measured(chain(factors, [0.2, 0, 0, 0.1, 0]), rng), measured(chain(factors), rng)
     one, two = (
-        ar.assess_damage(NOMINAL, sets[0], baseline=sets[1], false_alarm_rate=0.05, rng=1, workers=workers)
+        ar.assess_damage(
+            NOMINAL,
+            sets[0],
+            baseline=sets[1],
+            search=ar.SearchOptions(false_alarm_rate=0.05),
+            rng=1,
+            workers=workers,
+        )
         for workers in (1, 2)
     )
     assert one.x.tobytes() == two.x.tobytes()
@@ -101,7 +108,9 @@ def test_a_rate_of_false_alarms_is_kept(tests, fewest, most):
     for seed in range(tests):
         rng, factors = truth(1000 + seed)
         before, now = measured(chain(factors), rng), measured(chain(factors), rng)
-        result = ar.assess_damage(NOMINAL, now, baseline=before, false_alarm_rate=0.2, rng=seed)
+        result = ar.assess_damage(
+            NOMINAL, now, baseline=before, search=ar.SearchOptions(false_alarm_rate=0.2), rng=seed
+        )
         alarms += bool(result.damaged)
     assert fewest <= alarms <= most
 
@@ -146,13 +155,15 @@ def test_options_of_the_other_way_are_refused():
     rng, factors = truth(50)
     sets = measured(chain(factors), rng)
     with pytest.raises(ar.InvalidInputError, match="gamma1"):
-        ar.assess_damage(NOMINAL, sets, baseline=sets, gamma1=0.1)
+        ar.assess_damage(NOMINAL, sets, baseline=sets, search=ar.SearchOptions(gamma1=0.1))
     with pytest.raises(ar.InvalidInputError, match="false_alarm_rate"):
-        ar.assess_damage(NOMINAL, sets, false_alarm_rate=0.05)
+        ar.assess_damage(NOMINAL, sets, search=ar.SearchOptions(false_alarm_rate=0.05))
     with pytest.raises(ar.InvalidInputError, match="baseline"):
         ar.assess_damage(NOMINAL, sets, baseline=sets[:1])
     pairs_only = ar.DamagePrior(nothing=0.5, one=0.0, two=0.4, three=0.0, elsewhere=0.05, unknown=0.05)
     with pytest.raises(ar.InvalidInputError, match="false_alarm_rate.*one element alone"):
-        ar.assess_damage(NOMINAL, sets, baseline=sets, prior=pairs_only, false_alarm_rate=0.05)
+        ar.assess_damage(
+            NOMINAL, sets, baseline=sets, prior=pairs_only, search=ar.SearchOptions(false_alarm_rate=0.05)
+        )
     with pytest.raises(ar.InvalidInputError, match="prior"):
         ar.DamagePrior(nothing=0.9)

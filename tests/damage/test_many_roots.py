@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.damage.evidence import fitted
+from antires_rs.damage.evidence import refitted
 from antires_rs.damage.inference import Search
 from antires_rs.damage.likelihood import View
-from antires_rs.damage.question import DamagePrior, Question
+from antires_rs.damage.options import DamagePrior
+from antires_rs.damage.question import Question
 from reference.grouped_meshes import grouped, measured, of_groups, with_groups
 from reference.meshes import MESHES, frame
 
@@ -35,7 +36,7 @@ def test_a_wide_first_association_does_not_decide():
     rng.integers(n_groups)
     before = measured(structure, sensors, force, limit_hz, rng)
     grouped_model = with_groups(mesh, model, groups)
-    question = Question(grouped_model, (before,), (before,), tuple(range(n_groups)), DamagePrior(), 5e-4)
+    question = Question(grouped_model, (before,), (before,), tuple(range(n_groups)), DamagePrior())
     error = question.prepared(1).error
     assert np.count_nonzero(error.partner < 0) <= 0.02 * error.partner.size
     assert 0.5 * OFF_STIFFNESS < error.s < 2.0 * OFF_STIFFNESS
@@ -79,7 +80,7 @@ def test_a_single_damage_that_leads_nowhere_does_not_keep_the_search_going():
     for of_other, given_up in ((100.0, True), (490.0, False)):
         likelihood = Walks(of_other)
         search = Search(likelihood, 2)
-        search.fits[()] = fitted(likelihood.start, ())
+        search.fits[()] = refitted(likelihood.start, ())
         search._refine(chosen)
         assert (0,) in search.fits
         assert (1,) not in search.fits  # it never came to rest

@@ -158,7 +158,9 @@ def test_several_setups_of_sensors_each_with_its_own_shapes():
 def test_a_saved_assessment_of_modes_is_the_same(tmp_path):
     rng, factors = truth(60)
     now, before = measured(chain(factors, [0, 0.3, 0, 0, 0]), rng), measured(chain(factors), rng)
-    result = ar.assess_damage(NOMINAL, now, baseline=before, false_alarm_rate=0.05, rng=0)
+    result = ar.assess_damage(
+        NOMINAL, now, baseline=before, search=ar.SearchOptions(false_alarm_rate=0.05), rng=0
+    )
     result.save(tmp_path / "damage.npz")
     again = ar.DamageResult.load(tmp_path / "damage.npz")
     assert again.assessment == result.assessment

@@ -109,7 +109,9 @@ def test_a_settled_point_has_the_roots_of_the_full_model(sources):
 def test_the_answer_is_that_of_the_full_model(seed, hit):
     before, now = measured(structure(seed), seed), measured(structure(seed, damaged=hit), seed + 100)
     reduced, full = (
-        ar.assess_damage(nominal(), now, baseline=before, reduction=how, progress=False)
+        ar.assess_damage(
+            nominal(), now, baseline=before, search=ar.SearchOptions(reduction=how), progress=False
+        )
         for how in (True, False)
     )
     assert full.reduction is None
@@ -130,7 +132,9 @@ def test_groups_that_cannot_be_told_apart_are_both_named():
     before, now = (
         measured(between_walls(damaged=hit), seed, [middle], middle) for hit, seed in ((None, 21), (3, 22))
     )
-    found = ar.assess_damage(between_walls(), now, baseline=before, reduction=True, progress=False)
+    found = ar.assess_damage(
+        between_walls(), now, baseline=before, search=ar.SearchOptions(reduction=True), progress=False
+    )
     alike = {one.elements: one for one in found.hypotheses[:4]}
     twins = alike[3,], alike[GROUPS - 1 - 3,]
     assert all(0.1 < one.probability < 0.5 for one in twins)
@@ -143,9 +147,9 @@ def test_small_models_are_not_reduced_unless_asked_to():
     model = nominal()
     before, now = measured(structure(5), 5), measured(structure(5, damaged=2), 6)
     with pytest.raises(ar.InvalidInputError, match="reduction"):
-        ar.assess_damage(model, now, baseline=before, reduction="always")
+        ar.assess_damage(model, now, baseline=before, search=ar.SearchOptions(reduction="always"))
     with pytest.raises(ar.InvalidInputError, match="only together with a baseline"):
-        ar.assess_damage(model, now, reduction=True)
+        ar.assess_damage(model, now, search=ar.SearchOptions(reduction=True))
 
 
 def test_factors_that_may_not_change_are_found_among_many():

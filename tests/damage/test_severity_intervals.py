@@ -11,7 +11,7 @@ from scipy.stats import kstest
 
 import antires_rs as ar
 from antires_rs.damage import question
-from antires_rs.damage.evidence import HIGHEST, fitted
+from antires_rs.damage.evidence import HIGHEST, refitted
 from antires_rs.damage.severity_intervals import sampled
 from tests.support.campaign import some_of
 from tests.support.wrong_chains import N, assessed
@@ -45,7 +45,9 @@ def test_what_the_baseline_taught_is_kept(one, monkeypatch):
     monkeypatch.setattr(question, "learned", again)
     same = one.intervals(method="ensemble", draws=60, rng=1)
     np.testing.assert_array_equal(same.draws, kept.draws)
-    other = replace(one._question, std_common=1e-3)  # another question has to ask for itself
+    other = replace(
+        one._question, options=ar.SearchOptions(std_common=1e-3)
+    )  # another question has to ask for itself
     with pytest.raises(AssertionError, match="learned again"):
         other.prepared(1)
 
@@ -56,7 +58,7 @@ def test_the_sampler_is_exact_against_quadrature(one):
     likelihood = prepared.likelihood
     beta = np.zeros((1, likelihood.n))
     beta[0, 1] = one.severity[1]
-    fit = fitted(likelihood.views(beta)[0], (1,))
+    fit = refitted(likelihood.views(beta)[0], (1,))
     found = sampled(likelihood, fit, 400, np.random.default_rng(0))
     low, high = one.interval[1]
     grid = np.linspace(2.5 * low - 1.5 * high, 2.5 * high - 1.5 * low, 161)

@@ -31,13 +31,13 @@ def test_the_probability_of_a_box(n):
         ).cdf(np.full(n, FURTHEST), lower_limit=np.zeros(n))
         if exact > 1e-4:  # the other method is exact to about 1e-9
             compared += 1
-            assert abs(log_inside(mean, spread, 0.0, FURTHEST) - np.log(exact)) < 0.02
+            assert abs(log_inside(mean[None], spread[None], 0.0, FURTHEST)[0] - np.log(exact)) < 0.02
     assert compared > 30
 
 
 def test_far_outside_the_tail_counts():
     """One coordinate 40 standard deviations below its bound, and one that goes with it."""
-    found = log_inside(np.array([-4.0, 1.0]), np.diag([0.01, 0.04]), 0.0, FURTHEST)
+    found = log_inside(np.array([[-4.0, 1.0]]), np.diag([0.01, 0.04])[None], 0.0, FURTHEST)
     assert np.isclose(found, norm.logsf(40.0), rtol=1e-6)
 
 
@@ -75,7 +75,7 @@ def test_particles_find_both_peaks_and_their_integral():
 
 
 def fit_of(mean, spread):
-    beta = -np.expm1(-peak_in_box(mean, spread, 0.0, FURTHEST))
+    beta = -np.expm1(-peak_in_box(mean[None], spread[None], 0.0, FURTHEST)[0])
     return Fit((*range(mean.size),), 0.0, beta, mean, spread, None)
 
 

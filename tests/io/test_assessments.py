@@ -19,7 +19,12 @@ def made():
     """Springs off the model by a few per cent, the second softened; the third is no candidate."""
     intact, damaged = chain([510.0, 441.0, 525.0]), chain([510.0, 331.0, 525.0])
     return ar.assess_damage(
-        chain(), exact(damaged), baseline=exact(intact), elements=[0, 1], false_alarm_rate=0.05, rng=0
+        chain(),
+        exact(damaged),
+        baseline=exact(intact),
+        elements=[0, 1],
+        search=ar.SearchOptions(false_alarm_rate=0.05),
+        rng=0,
     )
 
 

@@ -189,8 +189,11 @@ def assessments() -> Iterator[Case]:
         for seed in (810 + i, 830 + i):
             yield f"baseline {losses} {seed}", lambda a=(losses, seed): _assessed(*a)
     yield "baseline, some candidates", lambda: _assessed({2: 0.3}, 850, elements=[0, 1, 3, 4])
-    yield "baseline, alarm rate", lambda: _assessed({3: 0.05}, 851, false_alarm_rate=0.2)
-    yield "baseline, common", lambda: _assessed({3: 0.25}, 852, std_common=0.002)
+    yield (
+        "baseline, alarm rate",
+        lambda: _assessed({3: 0.05}, 851, search=ar.SearchOptions(false_alarm_rate=0.2)),
+    )
+    yield "baseline, common", lambda: _assessed({3: 0.25}, 852, search=ar.SearchOptions(std_common=0.002))
     yield (
         "baseline, prior",
         lambda: _assessed(

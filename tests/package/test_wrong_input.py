@@ -161,7 +161,10 @@ WRONG = {
     "damage without terms": ("elements", lambda: ar.assess_damage(ar.MatrixModel(EYE, EYE), SET)),
     "damage of a ragged list": ("elements[0]", lambda: ar.assess_damage(MODEL, SET, elements=[[0], [1, 2]])),
     "damage of an element outside": ("elements[0]", lambda: ar.assess_damage(MODEL, SET, elements=[20])),
-    "damage with a wrong gamma": ("gamma1", lambda: ar.assess_damage(MODEL, SET, gamma1=INF)),
+    "damage with a wrong gamma": (
+        "gamma1",
+        lambda: ar.assess_damage(MODEL, SET, search=ar.SearchOptions(gamma1=INF)),
+    ),
     "plan of nothing": ("model", lambda: ar.plan_test(EYE, n_sensors=2)),
     "plan of an element outside": ("elements", lambda: ar.plan_test(MODEL, [20], n_sensors=2)),
     "plan of an element twice": ("elements", lambda: ar.plan_test(MODEL, [1, 1], n_sensors=2)),

@@ -77,7 +77,7 @@ def test_the_same_data_three_times_leave_the_answer(tested, seed):
 
 def test_the_papers_penalties_do_not_grow_and_can_be_had():
     model, measured = chain(14)
-    given = {"gamma1": 0.1, "gamma2": 0.1, "rng": 0}
+    given = {"search": ar.SearchOptions(gamma1=0.1, gamma2=0.1), "rng": 0}
     once, thrice = (ar.assess_damage(model, [measured] * n, **given) for n in (1, 3))
     assert once.problem.penalty == thrice.problem.penalty == ar.DamagePenalty()
     assert once.damaged == [4]
@@ -90,7 +90,7 @@ def test_the_numbers_in_force_go_with_values_and_weights(weights):
     errors = {dof: 0.001 * (1 + dof) * freq for dof, freq in zeros.items()}
     measured = ar.AntiresonanceSet(0, zeros, std_hz=errors)
     factors = np.linspace(0.1, 2.0, 28) if weights == "given" else weights
-    problem = ar.assess_damage(CASE.model, measured, weights=factors, rng=0).problem
+    problem = ar.assess_damage(CASE.model, measured, search=ar.SearchOptions(weights=factors), rng=0).problem
     counted = np.ones(28) if problem.weights is None else problem.weights
     assert problem.penalty.gamma1 == problem.penalty.gamma2 == pytest.approx(SHARE * counted.sum())
     if weights != "given":
@@ -100,7 +100,7 @@ def test_the_numbers_in_force_go_with_values_and_weights(weights):
 def test_chain8_has_the_papers_numbers_to_the_bit():
     assert ar.assess_damage(CASE.model, CASE.exact(1), rng=0).problem.penalty == ar.DamagePenalty()
     assert ar.DamagePenalty.scaled(28) == ar.DamagePenalty()
-    one = ar.assess_damage(CASE.model, CASE.exact(1), gamma2=0.07, rng=0)
+    one = ar.assess_damage(CASE.model, CASE.exact(1), search=ar.SearchOptions(gamma2=0.07), rng=0)
     assert one.problem.penalty == ar.DamagePenalty(0.1, 0.07)
     assert any("gamma1 = 0.1 and gamma2 = 0.07 outweigh" in note for note in one.notes)
 

@@ -60,7 +60,7 @@ def test_an_intact_symmetric_chain_is_found_undamaged_in_each_kind():
         (None, dict(enumerate(both))),
     ):
         measured = ar.AntiresonanceSet(0, zeros, sees=sees)
-        result = ar.assess_damage(CHAIN, measured, gamma1=0.1, gamma2=0.1, rng=0)
+        result = ar.assess_damage(CHAIN, measured, search=ar.SearchOptions(gamma1=0.1, gamma2=0.1), rng=0)
         assert (result.damaged, result.table.largest_before_percent) == ([], 0.0)
         assert min(result.detectable.values()) > 0.015
 

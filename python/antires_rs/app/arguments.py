@@ -11,7 +11,7 @@ from typing import Any
 from .. import io
 from ..damage.assess import assess_damage
 from ..damage.measured_states import measured_states
-from ..damage.question import DamagePrior
+from ..damage.options import TWO_STATES, DamagePrior, SearchOptions
 from ..damage.result import DamageResult
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models import parameters
@@ -21,8 +21,7 @@ from ..models.frame_parts import Rectangle, Section, Tube
 from ..models.parameters import Parameter, stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import IslandGA, seed_of, thread_count
-from ..support.checks import finite_scalar
-from ..updating.problem import DamagePenalty, UpdatingProblem
+from ..updating.problem import UpdatingProblem
 from ..updating.result import UpdateResult
 from .job import Job, Path_lines as Keys, nearest
 from .keys import CHAIN, ELEMENTS, FRAME, LUMPED, MATRICES, RESULT, SECTIONED, SUPPORT, shown
@@ -281,39 +280,27 @@ def damage_search(
 ) -> Callable[..., DamageResult]:
     """The assessment of a job, to be called with what every search takes."""
     table = job.section("damage")
-    options = {key: table[key] for key in ("gamma1", "gamma2", "snap", "weights") if key in table}
+    options = SearchOptions(**{key: table[key] for key in SearchOptions.declared() if key in table})
     elements = elements_of(job)
     chosen = (
         model.default_elements if elements is None else [elements] if isinstance(elements, int) else elements
     )
-    prices = (options.get("gamma1"), options.get("gamma2"), options.get("snap", DamagePenalty.snap))
     places: list[Keys] = [("damage", "elements", i) for i in range(len(chosen))]
     with job.blame(("damage",), {"measured": ("data",), "parameters": places}):
         UpdatingProblem(
-            model, stiffness_reduction(chosen), measured, penalty=prices, weights=options.get("weights")
+            model, stiffness_reduction(chosen), measured, penalty=options.prices, weights=options.weights
         )
     if not baseline:
-        return partial(assess_damage, model, measured, elements=elements, **options)
+        return partial(assess_damage, model, measured, elements=elements, search=options)
     prior = _prior(job)
-    rate, common = table.get("false_alarm_rate"), table.get("std_common")
     with job.blame(("damage",), {"measured": ("data",)}):  # known before anything is written
-        if rate is not None:
-            finite_scalar("false_alarm_rate", rate, low=0.0, high=0.5, low_open=True)
-        if common is not None:
-            finite_scalar("std_common", common, low=0.0, high=0.1)
+        options.of(TWO_STATES)
         measured_states(model, baseline, measured if isinstance(measured, list) else [measured])
 
     def judged(*, optimizer: Any, checkpoint: Any, **how: Any) -> DamageResult:
         """Nothing is searched, so that there is nothing to keep."""
         return assess_damage(
-            model,
-            measured,
-            baseline=baseline,
-            elements=elements,
-            prior=prior,
-            false_alarm_rate=rate,
-            std_common=common,
-            **how,
+            model, measured, baseline=baseline, elements=elements, prior=prior, search=options, **how
         )
 
     return judged

@@ -14,6 +14,7 @@ from pathlib import PurePath
 from textwrap import wrap
 from typing import Any
 
+from ..damage.options import ONE_STATE, TWO_STATES, SearchOptions, options_with
 from ..identification.options import declared
 from ..io.registry import ENDINGS
 
@@ -415,6 +416,13 @@ UPDATING = Section(
     ),
 )
 
+#: Options of a search for damage that a job may set.
+SEARCH_KEYS = {
+    name: Key(name, one.kind, one.explanation, one.shown)
+    for name, one in SearchOptions.declared().items()
+    if one.kind != "value"
+}
+
 DAMAGE = Section(
     "damage",
     "Where damage is looked for.",
@@ -427,37 +435,14 @@ DAMAGE = Section(
             "changes are compared, and errors of the model do not count as damage.",
         ),
         Key("elements", "terms", 'Candidates: "all" or a list such as [0, 1, 2].', '"all"'),
-        Key(
-            "false_alarm_rate",
-            "number",
-            "With a baseline: share of intact tests in which damage may be declared, up to 0.5; by default "
-            "damage is declared where it is more probable than none.",
-        ),
-        Key(
-            "std_common",
-            "number",
-            "With a baseline: relative standard deviation of what moves all values alike between two tests, "
-            "such as temperature; up to 0.1.",
-            "0.0005",
-        ),
+        *(SEARCH_KEYS[name] for name in options_with(TWO_STATES) if name in SEARCH_KEYS),
         Key(
             "prior",
             "shares",
             "With a baseline: probabilities before the test that add up to one, { nothing = 0.5, one = 0.3, "
             "two = 0.1, three = 0.03, elsewhere = 0.05, unknown = 0.02 } by default.",
         ),
-        Key(
-            "gamma1",
-            "number",
-            "Without a baseline: price of a unit of stiffness loss; by default 0.1 for 28 values.",
-        ),
-        Key(
-            "gamma2",
-            "number",
-            "Without a baseline: price of each damaged element; by default 0.1 for 28 values.",
-        ),
-        Key("snap", "number", "Without a baseline: losses below it are exactly 0.", "0.001"),
-        Key("weights", "text", 'Without a baseline: "std", so that what is known badly counts less.'),
+        *(SEARCH_KEYS[name] for name in options_with(ONE_STATE) if name in SEARCH_KEYS),
     ),
 )
 

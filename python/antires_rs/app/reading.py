@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .. import io
+from ..damage.options import ONE_STATE, TWO_STATES, options_with
 from ..exceptions import InvalidInputError, reject
 from ..identification.identify import identify_antiresonances
 from ..identification.options import sorted_out
@@ -342,19 +343,15 @@ def _checked(job: Job, place: Keys, dof: Any, model: StructuralModel | None, nam
 
 
 _KEY: Keys = ("damage", "baseline")
-#: Keys of [damage] without a baseline, and with one; and those of [search] that count with one.
-_ALONE, _TOGETHER, _SEARCH = (
-    ("gamma1", "gamma2", "snap", "weights"),
-    ("prior", "false_alarm_rate", "std_common"),
-    ("seed", "workers"),
-)
+#: Keys of [search] that count with a baseline.
+_SEARCH = ("seed", "workers")
 
 
 def check_options(job: Job) -> None:
     """Refuse keys that would have no effect, with a baseline or without one."""
     damage = job.section("damage")
     if "baseline" not in damage:
-        for name in _TOGETHER:
+        for name in ("prior", *options_with(TWO_STATES)):
             if name in damage:
                 job.reject(
                     ("damage", name),
@@ -363,7 +360,7 @@ def check_options(job: Job) -> None:
                     "Name the measurement of the intact structure, or remove it.",
                 )
         return
-    for name in _ALONE:
+    for name in options_with(ONE_STATE):
         if name in damage:
             job.reject(
                 ("damage", name),

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
+from .._core import __version__
 from ..exceptions import part, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import History, IslandGA, OptimizeResult, seed_of, thread_count
-from ..support.checks import finite_scalar, integer, shape_of
+from ..support.checks import integer, shape_of
+from ..support.options import gathered
 from ..support.progress import waiting
 from ..updating.problem import DamagePenalty, Measured, UpdatingProblem
-from ..updating.update import search
-from .inference import STD_COMMON, Inferred, infer
-from .question import DamagePrior, Question
+from ..updating.update import search as find
+from .inference import Inferred, infer
+from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
+from .question import Question
 from .reduced_roots import wanted_reduced
 from .result import DamageResult
 
@@ -38,21 +41,11 @@ def checked_model(model: Any) -> StructuralModel:
     return model
 
 
-def checked_prior(prior: Any, false_alarm_rate: Any) -> DamagePrior:
-    """What is believed before the test; a rate of false alarms needs some that there is none."""
-    if prior is not None and not isinstance(prior, DamagePrior):
-        reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
-    if false_alarm_rate is not None:
-        finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.5, low_open=True)
-        if prior is not None and not (prior.nothing and prior.one):
-            reject(
-                "false_alarm_rate",
-                false_alarm_rate,
-                "None: by this prior there is "
-                + ("always damage" if prior.nothing == 0.0 else "never damage of one element alone"),
-                "Give prior.nothing and prior.one more than 0.",
-            )
-    return prior or DamagePrior()
+def checked_search(search: Any) -> SearchOptions:
+    """Options of a search."""
+    if search is not None and not isinstance(search, SearchOptions):
+        reject("search", search, "a SearchOptions", "As in search=SearchOptions(false_alarm_rate=0.05).")
+    return search or SearchOptions()
 
 
 def elements_of(model: StructuralModel, elements: Any) -> list[int]:
@@ -81,20 +74,14 @@ def assess_damage(
     baseline: Measured | None = None,
     elements: Any = None,
     prior: DamagePrior | None = None,
-    false_alarm_rate: float | None = None,
-    std_common: float | None = None,
-    gamma1: float | None = None,
-    gamma2: float | None = None,
-    snap: float | None = None,
-    weights: Any = None,
+    search: SearchOptions | None = None,
     optimizer: IslandGA | None = None,
     rng: int | np.random.Generator | None = None,
     workers: int | None = None,
     callback: Callable[[dict[str, Any]], bool | None] | None = None,
-    x0: Any = None,
     progress: bool | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
-    reduction: Literal["auto"] | bool = "auto",
+    **older: Any,
 ) -> DamageResult:
     """Locate and size damage: the stiffness loss of each element that explains the measurement.
 
@@ -118,30 +105,15 @@ def assess_damage(
         all stiffness terms.
     prior : DamagePrior, optional
         What is believed before the test; with a baseline.
-    false_alarm_rate : float, optional
-        Share of intact tests in which damage may be declared, in (0, 0.5]; with a baseline. Default: damage
-        is declared where it is more probable than none, which happens more rarely.
-    std_common : float, optional
-        With a baseline: standard deviation of what moves all values alike between the two tests, relative,
-        such as temperature or a sampling clock. Default 0.0005, three kelvin of steel.
-    gamma1, gamma2 : float, optional
-        Penalties on the sum and the number of damages, without a baseline; small damage costs more than it
-        explains, see ``DamageResult.detectable``. Default: as :meth:`DamagePenalty.scaled` gives them, 0.1
-        for every 28 values of weight one, so that the same data given three times leave the answer. The
-        paper's are 0.1 and 0.1. ``result.problem.penalty`` has the numbers in force.
-    snap : float, optional
-        Without a baseline: severities below count as exactly 0; within [0, 1e-3], the default; 0 for the
-        algorithm as printed.
-    weights : 'std' or array_like, optional
-        Without a baseline, as for :class:`UpdatingProblem`.
-    optimizer, callback, x0, checkpoint
+    search : SearchOptions, optional
+        What few calls change: the rate of false alarms and reduced models with a baseline, the penalties
+        without one.
+    optimizer, callback, checkpoint
         Of the search without a baseline, as in :func:`update`.
     rng, workers, progress
-        As in :func:`update`. With a baseline ``rng`` serves ``false_alarm_rate`` only.
-    reduction : {'auto', True, False}, optional
-        With a baseline: whether antiresonances are sought on reduced models, which are made for the elements
-        that are looked at. Hypotheses that have a share in the answer are judged where reduced and full model
-        agree to 1e-6; ``reduction`` of the result tells. 'auto' does for more than 2,000 dofs.
+        As in :func:`update`. With a baseline ``rng`` serves a rate of false alarms only.
+    **older
+        Options of ``search`` by name, as until 0.1; with a warning.
 
     Returns
     -------
@@ -176,23 +148,19 @@ def assess_damage(
     """
     checked_model(model)
     chosen = elements_of(model, elements)
-    of_search = {
-        "gamma1": gamma1, "gamma2": gamma2, "snap": snap, "weights": weights, "optimizer": optimizer,
-        "callback": callback, "x0": x0, "checkpoint": checkpoint,
-    }  # fmt: skip
+    options = gathered("assess_damage", "search", checked_search(search), older)
     if baseline is None:
-        only = {"prior": prior, "false_alarm_rate": false_alarm_rate, "std_common": std_common}
-        only["reduction"] = True if reduction is True else None
-        _without(only, "together with a baseline")
-        prices = (gamma1, gamma2, DamagePenalty.snap if snap is None else snap)
+        _without({"prior": prior}, "together with a baseline")
+        options = options.of(ONE_STATE)
         problem = UpdatingProblem(
-            model, stiffness_reduction(chosen), measured, penalty=prices, weights=weights
+            model, stiffness_reduction(chosen), measured, penalty=options.prices, weights=options.weights
         )
-        found, seed = search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
-        return DamageResult(problem, found, seed)
-    _without(of_search, "without a baseline")
-    believed = checked_prior(prior, false_alarm_rate)
-    common = STD_COMMON if std_common is None else finite_scalar("std_common", std_common, low=0.0, high=0.1)
+        found, seed = find(problem, optimizer, rng, workers, callback, options.x0, progress, checkpoint)
+        told = {"antires_rs": __version__, **options.held(ONE_STATE), **found.options}
+        return DamageResult(problem, found, seed, options=told)
+    options = options.of(TWO_STATES)
+    _without({"optimizer": optimizer, "callback": callback, "checkpoint": checkpoint}, ONE_STATE)
+    believed = checked_prior(prior, options)
     before, now = _sets("baseline", baseline), _sets("measured", measured)
     problem = UpdatingProblem(model, stiffness_reduction(chosen), now)  # speaks up where they do not fit
     if type(before[0]) is not type(now[0]):
@@ -205,15 +173,10 @@ def assess_damage(
     ):
         reject("baseline", f"no {problem.noun}", "those of the intact structure", "Identify in a wider band.")
     seed = seed_of(rng)
-    reduced = wanted_reduced(model, now[0], reduction)
-    question = Question(model, before, now, tuple(chosen), believed, common, reduced=reduced)
+    reduced = wanted_reduced(model, now[0], options.reduction)
+    question = Question(model, before, now, tuple(chosen), believed, options, reduced=reduced)
     with waiting("assessing damage", progress):
-        inferred = infer(
-            question,
-            false_alarm_rate=false_alarm_rate,
-            rng=np.random.default_rng(seed),
-            threads=thread_count(workers),
-        )
+        inferred = infer(question, rng=np.random.default_rng(seed), threads=thread_count(workers))
     return _result(question, inferred, seed)
 
 
@@ -224,15 +187,16 @@ def _result(question: Question, inferred: Inferred, seed: int) -> DamageResult:
     problem = UpdatingProblem(
         learned, stiffness_reduction(elements), inferred.corrected, penalty=DamagePenalty(0.0, 0.0, 0.0)
     )
-    x = np.array([inferred.severities.get(e, 0.0) for e in elements])
-    judged = len(inferred.assessment.hypotheses)
+    found = inferred.assessment
+    x = np.array([found.severities.get(e, 0.0) for e in elements])
+    judged, interrupted = len(found.hypotheses), found.interrupted
     none = np.empty(0)
     search_result = OptimizeResult(
         x=x,
         fun=problem.cost(x),
-        success=not inferred.interrupted,
-        status="interrupted" if inferred.interrupted else "judged",
-        message=f"{judged} hypotheses were judged" + (" before Ctrl-C" if inferred.interrupted else ""),
+        success=not interrupted,
+        status="interrupted" if interrupted else "judged",
+        message=f"{judged} hypotheses were judged" + (" before Ctrl-C" if interrupted else ""),
         nfev=inferred.nfev,
         njev=None,
         nit=0,
@@ -240,7 +204,8 @@ def _result(question: Question, inferred: Inferred, seed: int) -> DamageResult:
         populations=np.empty((0, 0, x.size)),
         population_costs=np.empty((0, 0)),
     )
-    return DamageResult(problem, search_result, seed, inferred.assessment, question, inferred.reduction)
+    told = {"antires_rs": __version__, "prior": vars(question.prior), **question.options.held(TWO_STATES)}
+    return DamageResult(problem, search_result, seed, found, question, inferred.reduction, options=told)
 
 
 def _sets(name: str, given: Any) -> tuple[Any, ...]:

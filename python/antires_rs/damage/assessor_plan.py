@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -18,8 +17,8 @@ from ..models.parameters import stiffness_reduction
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import looked_up_to, model_dof, real_zeros, sorted_out, usual_damping, zero_series
-from .inference import intact_slopes, log_odds_threshold, roots_beside, smallest_found
-from .likelihood import ERRORS, Band, Foreseen, Likelihood
+from .inference import Learned, learned_from
+from .likelihood import ERRORS, Band, Likelihood
 from .measured_states import (
     ASSUMED_STD,
     LEAST_STD,
@@ -174,8 +173,8 @@ def _slots(
         if k in slot_of:
             slots.append(slot_of[k])
             numbers.append(number)
-        elif k < 0 and low < roots.log_f[number] < high:
-            slots.append(free[int(roots.response[number])].pop(0))
+        elif k < 0 and low < roots.log_f[number] < high and (left := free.get(int(roots.response[number]))):
+            slots.append(left.pop(0))
             numbers.append(number)
     return np.array(slots, dtype=np.intp), np.array(numbers, dtype=np.intp)
 
@@ -209,59 +208,6 @@ def _check_size(shape: tuple[int, int, int], n: int, q: int) -> None:
             f"one with {n} stiffness terms, whose tables take {size / 1e9:.1f} GB",
             f"at most {_MOST_BYTES / 1e9:.0f} GB",
             "Use assess_damage, or a model with fewer terms.",
-        )
-
-
-# -- The tables as the core reads them, and the antiresonances without damage
-
-
-#: Roots so far outside of the band (ln f) are not looked at.
-_MARGIN_INTERPOLATED = 0.3
-
-
-@dataclass(frozen=True)
-class Interpolated:
-    """Tables, read between their levels."""
-
-    tables: Tables
-    #: Variance of a root that has just appeared.
-    tau2: float
-
-    @cached_property
-    def spread(self) -> FloatArray:
-        """Covariance of the roots without damage (r, r)."""
-        rows = self.tables.errors[0, 0].astype(np.float64)
-        return np.asarray(rows @ rows.T)
-
-    @cached_property
-    def core(self) -> _core.PreparedTables:
-        """The tables, handed over."""
-        t = self.tables
-        c: Any = np.ascontiguousarray
-        return _core.PreparedTables(
-            c(LEVELS), c(t.response), c(t.seen), c(t.old), c(t.intact), c(t.there), c(t.place), c(t.beside),
-            c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors), self.spread, self.tau2,
-        )  # fmt: skip
-
-    def undamaged(self, band: Band, alike: float) -> Foreseen:
-        """As the likelihood has the roots without damage, ascending."""
-        t = self.tables
-        place, model = t.place[0, 0], t.place[0, 0] - t.beside[0, 0]
-        near = (
-            t.there[0, 0]
-            & (model > band.low - _MARGIN_INTERPOLATED)
-            & (model < band.high + _MARGIN_INTERPOLATED)
-        )
-        shown = np.flatnonzero(near)
-        shown = shown[np.lexsort((place[shown], t.response[shown]))]
-        return Foreseen(
-            response=t.response[shown],
-            place=place[shown],
-            beside=t.beside[0, 0, shown],
-            spread=self.spread[np.ix_(shown, shown)] + alike**2,
-            change=np.zeros(shown.size),
-            slopes=np.empty((shown.size, 0)),
-            seen=t.seen[shown],
         )
 
 
@@ -373,35 +319,6 @@ def values_of(
 
 
 @dataclass(frozen=True)
-class Learned:
-    """What the baseline has told; see :class:`~antires_rs.damage.assessment.Assessment`.
-
-    ``factors`` are those of the model, ``outside`` the share of a change that counts as its error, ``low``
-    and ``high`` the band in ln f.
-    """
-
-    factors: FloatArray
-    tau: float
-    s: float
-    outside: float
-    low: float
-    high: float
-    threshold: float | None
-    detectable: tuple[float, ...]
-    assumed_std: bool
-    n_intact: int
-    n_intact_matched: int
-    n_intact_roots: int
-    hint: str
-    n_baselines: int
-    scatter: float
-    notes: tuple[str, ...]
-    odd_baselines: tuple[int, ...]
-    baseline_gap: float
-    usual_gap: float
-
-
-@dataclass(frozen=True)
 class Plan:
     """All that an assessment uses; ``question`` has the baseline in place of a test of now."""
 
@@ -433,33 +350,35 @@ class Plan:
         return tuple((self.learned.outside * kappa, times, p) for kappa, times, p in ERRORS)
 
     @cached_property
-    def pairs(self) -> NDArray[np.intp]:
-        """All pairs of candidates, (k, 2)."""
-        found = list(combinations(range(len(self.question.elements)), 2))
-        return np.array(found, dtype=np.intp).reshape(-1, 2)
+    def tables_in_core(self) -> _core.PreparedTables:
+        """The tables, handed over."""
+        t = self.tables
+        c: Any = np.ascontiguousarray
+        undamaged = t.errors[0, 0].astype(np.float64)
+        return _core.PreparedTables(
+            c(LEVELS), c(t.response), c(t.seen), c(t.old), c(t.intact), c(t.there), c(t.place), c(t.beside),
+            c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors), undamaged @ undamaged.T,
+            self.learned.tau**2,
+        )  # fmt: skip
 
     @cached_property
-    def interpolated(self) -> Interpolated:
-        """The tables between their levels."""
-        return Interpolated(self.tables, self.learned.tau**2)
-
-    @cached_property
-    def responses(self) -> Responses:
-        """The responses of the baseline."""
+    def states(self) -> tuple[Responses, Values]:
+        """The responses of the baseline, and its values."""
         sets: Any = self.question.baseline
-        return measured_states(self.question.model, sets, self.question.measured)[0]  # type: ignore[arg-type]
+        now: Any = self.question.measured
+        return measured_states(self.question.model, sets, now)[:2]
 
     @cached_property
     def core(self) -> Any:
         """The model's antiresonances, computed."""
         model = self.question.model
         parts = (*stiffness_reduction(self.numbers), *factors_of(model))
-        return self.responses.source(model, model.description.core_parameters(parts))
+        return self.states[0].source(model, model.description.core_parameters(parts))
 
     @cached_property
     def expected(self) -> dict[Any, Expected]:
         """By force label: what a new set may hold."""
-        return expected_of(self.question, self.responses)
+        return expected_of(self.question, self.states[0])
 
     def exact(self, beta: FloatArray, band: Band, *, slopes: bool) -> tuple[FloatArray, FloatArray | None]:
         """ln f of the roots of the tables (r,), computed at severities (n,), NaN where the model has none;
@@ -469,48 +388,18 @@ class Plan:
         roots = roots_at(self.core, x[None], slopes=slopes, threads=1, band_hz=limits)[0]
         t = self.tables
         _, identity = roots.since(Roots(t.all_response, t.all_log_f, np.empty((0, 0))))
-        known = np.flatnonzero(identity >= 0)
-        number = np.full(t.all_log_f.size, -1)
-        number[identity[known]] = known
-        at = np.where(t.old, number[t.identity], -1)
-        log_f = np.where(at >= 0, roots.log_f[at], np.nan)
+        slot, root = _slots(t.identity, t.response, roots, identity, band.low - _MARGIN, band.high + _MARGIN)
+        log_f = np.full(t.response.size, np.nan)
+        log_f[slot] = roots.log_f[root]
         if not slopes:
             return log_f, None
-        return log_f, np.where((at >= 0)[:, None], roots.slopes[at, : beta.size] * (1.0 - beta), 0.0)
+        by_u = np.zeros((t.response.size, beta.size))
+        by_u[slot] = roots.slopes[root, : beta.size] * (1.0 - beta)
+        return log_f, by_u
 
 
 @one_blas_thread
-def plan_of(
-    question: Question, false_alarm_rate: float | None, rng: np.random.Generator, threads: int
-) -> Plan:
+def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
     """Learn from the baseline and compute the tables."""
     prepared = question.prepared(threads)
-    likelihood, error, odd = prepared.likelihood, prepared.error, prepared.odd
-    slopes = intact_slopes(likelihood, len(question.elements))
-    threshold = (
-        None
-        if false_alarm_rate is None
-        else log_odds_threshold(slopes, question.prior, false_alarm_rate, rng)
-    )
-    learned = Learned(
-        factors=np.exp(error.theta),
-        tau=error.tau,
-        s=error.s,
-        outside=error.outside,
-        low=likelihood.band.low,
-        high=likelihood.band.high,
-        threshold=threshold,
-        detectable=tuple(smallest_found(slopes, question.prior).tolist()),
-        assumed_std=prepared.responses.assumed,
-        n_intact=prepared.intact.size,
-        n_intact_matched=int((error.partner >= 0).sum()),
-        n_intact_roots=roots_beside(prepared.intact, error.intact),
-        hint=question.hint(),
-        n_baselines=prepared.n_baselines,
-        scatter=max(prepared.scatter, 1.0),
-        notes=tuple(dict.fromkeys(prepared.responses.left_out)),
-        odd_baselines=odd.tests if odd else (),
-        baseline_gap=odd.apart if odd else 0.0,
-        usual_gap=odd.usual if odd else 0.0,
-    )
-    return Plan(question, tables_of(prepared), learned)
+    return Plan(question, tables_of(prepared), learned_from(prepared, question, rng, hint=True))

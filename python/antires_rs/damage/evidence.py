@@ -12,6 +12,7 @@ Reference: R. E. Kass and A. E. Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -26,23 +27,26 @@ from .likelihood import View
 
 
 def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> FloatArray:
-    """Most probable point of a Gaussian in the box [low, high]^n.
+    """Most probable points (k, n) of Gaussians in the box [low, high]^n.
 
     Coordinates whose peak lies outside are put on their bound one by one, the worst first; given these, the
     others follow.
     """
-    best, spread, free = mean.copy(), covariance.copy(), list(range(mean.size))
-    while free:
-        sd = np.sqrt(np.diag(spread))
+    best, spread, free = mean.copy(), covariance.copy(), np.ones(mean.shape, dtype=bool)
+    for _ in range(mean.shape[1]):
+        sd = np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
         below, above = (low - best) / sd, (best - high) / sd
-        worst = max(free, key=lambda i: max(below[i], above[i]))
-        if max(below[worst], above[worst]) <= 0.0:
+        outside = np.where(free, np.maximum(below, above), -np.inf)
+        worst = np.argmax(outside, axis=1)
+        row = np.flatnonzero(outside[np.arange(worst.size), worst] > 0.0)
+        if not row.size:
             break
-        gain = spread[:, worst] / spread[worst, worst]
-        best = best + gain * ((low if below[worst] > above[worst] else high) - best[worst])
-        spread = spread - np.outer(gain, spread[worst])
-        free.remove(worst)
-        spread[worst, worst] = 1.0
+        at = worst[row]
+        gain = spread[row, :, at] / spread[row, at, at][:, None]
+        bound = np.where(below[row, at] > above[row, at], low, high)
+        best[row] += gain * (bound - best[row, at])[:, None]
+        spread[row] -= gain[:, :, None] * spread[row, at][:, None, :]
+        free[row, at], spread[row, at, at] = False, 1.0
     return best
 
 
@@ -107,7 +111,7 @@ _HALF_LOG_TAU = 0.5 * float(np.log(2.0 * np.pi))
 
 @dataclass(frozen=True)
 class Truncated:
-    """A Gaussian within [low, high]^n: mean, Cholesky factor, both in the order of ``order``."""
+    """Gaussians within [low, high]^n: mean (..., n), Cholesky factor, both in the order of ``order``."""
 
     mean: FloatArray
     factor: FloatArray
@@ -116,7 +120,7 @@ class Truncated:
     high: float
 
     def draws(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Points (k, n) of uniform numbers (k, n), and ln of the weights that make them the Gaussian's."""
+        """Points (k, n) of uniform numbers (k, n), and ln of the weights that make them one Gaussian's."""
         z, log_weight = self._transformed(uniform)
         found = np.empty_like(z)
         found[:, self.order] = np.clip(self.mean + z @ self.factor.T, self.low, self.high)
@@ -133,45 +137,54 @@ class Truncated:
             total -= log_between(below, above)
         return total
 
-    def log_probability(self) -> float:
-        """ln of the probability of the box under the whole Gaussian."""
+    def log_probability(self) -> FloatArray:
+        """ln of the probability of the box under each whole Gaussian, (...)."""
         from scipy.special import logsumexp
 
-        points, weights = _rule(self.mean.size - 1)
-        return float(logsumexp(self._transformed(points)[1], b=weights))
+        points, weights = _rule(self.mean.shape[-1] - 1)
+        return np.asarray(logsumexp(self._transformed(points)[1], b=weights, axis=-1))
 
     def _limits(self, z: FloatArray, i: int) -> tuple[FloatArray, FloatArray]:
         """Limits of coordinate i in standard deviations, given those before."""
-        middle = self.mean[i] + z[:, :i] @ self.factor[i, :i]
-        return (self.low - middle) / self.factor[i, i], (self.high - middle) / self.factor[i, i]
+        before = (z[..., :i] @ self.factor[..., i, :i, None])[..., 0]
+        middle, scale = self.mean[..., i, None] + before, self.factor[..., i, i, None]
+        return (self.low - middle) / scale, (self.high - middle) / scale
 
     def _transformed(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Standard normal coordinates of as many uniform numbers as there are, and ln of the product."""
-        z = np.zeros((len(uniform), self.mean.size))
-        total = np.zeros(len(uniform))
-        for i in range(self.mean.size):
+        z = np.zeros((*self.mean.shape[:-1], len(uniform), self.mean.shape[-1]))
+        total = np.zeros(z.shape[:-1])
+        for i in range(self.mean.shape[-1]):
             below, above = self._limits(z, i)
             total += log_between(below, above)
             if i < uniform.shape[1]:
-                z[:, i] = _between(below, above, uniform[:, i])
+                z[..., i] = _between(below, above, uniform[:, i])
         return z, total
 
 
 def truncated(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> Truncated:
-    """A Gaussian within [low, high]^n."""
-    sd = np.sqrt(np.diag(covariance))
-    order = np.argsort(log_between((low - mean) / sd, (high - mean) / sd), kind="stable")
-    factor = np.asarray(np.linalg.cholesky(covariance[np.ix_(order, order)]), dtype=np.float64)
-    return Truncated(mean[order], factor, order, low, high)
+    """Gaussians of mean (..., n) within [low, high]^n."""
+    sd = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
+    order = np.argsort(log_between((low - mean) / sd, (high - mean) / sd), axis=-1, kind="stable")
+    rows = np.take_along_axis(covariance, order[..., :, None], axis=-2)
+    factor = np.linalg.cholesky(np.take_along_axis(rows, order[..., None, :], axis=-1))
+    return Truncated(np.take_along_axis(mean, order, axis=-1), np.asarray(factor), order, low, high)
 
 
-def log_inside(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> float:
-    """ln of the probability that a Gaussian gives to [low, high]^n, by a fixed rule."""
-    sd = np.sqrt(np.diag(covariance))
-    near = np.flatnonzero(np.minimum(mean - low, high - mean) < _FAR * sd)
-    if near.size < 2:
-        return float(np.sum(log_between((low - mean[near]) / sd[near], (high - mean[near]) / sd[near])))
-    return truncated(mean[near], covariance[np.ix_(near, near)], low, high).log_probability()
+def log_inside(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> FloatArray:
+    """ln of the probability that each Gaussian of mean (k, n) gives to [low, high]^n, by a fixed rule."""
+    sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    near = np.minimum(mean - low, high - mean) < _FAR * sd
+    alone = log_between((low - mean) / sd, (high - mean) / sd)
+    found: FloatArray = np.where(near, alone, 0.0).sum(axis=1)
+    count = near.sum(axis=1)
+    for size in range(2, mean.shape[1] + 1):
+        row = np.flatnonzero(count == size)
+        if row.size:
+            at = np.nonzero(near[row])[1].reshape(-1, size)
+            own = covariance[row[:, None, None], at[:, :, None], at[:, None, :]]
+            found[row] = truncated(mean[row[:, None], at], own, low, high).log_probability()
+    return found
 
 
 def _between(low: FloatArray, high: FloatArray, p: FloatArray) -> FloatArray:
@@ -248,30 +261,33 @@ class Fit:
         return quantiles(mean, std, 0.0, FURTHEST, shares)
 
 
-def fitted(view: View, elements: tuple[int, ...], reach: float = _LINEAR) -> Fit | None:
-    """A set as it is seen from one point; None where its severities are too far from there, in u."""
-    at = np.array(elements, dtype=np.intp)
-    if not at.size:
-        none = np.empty(0)
-        return Fit((), view.log_likelihood, none, none, np.empty((0, 0)), view)
+def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = _LINEAR) -> list[Fit | None]:
+    """Sets of one size as seen from one point; None where severities are too far from there, in u."""
+    at = np.array(sets, dtype=np.intp).reshape(len(sets), -1)
+    size = at.shape[1]
     room = 1.0 - view.beta[at]
     start = -np.log(room)
-    matrix = view.curvature[np.ix_(at, at)] * np.outer(room, room) + _BLIND * np.eye(at.size)
-    covariance = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+    matrix = view.curvature[at[:, :, None], at[:, None, :]] * room[:, :, None] * room[:, None, :]
+    covariance: FloatArray = np.asarray(np.linalg.inv(matrix + _BLIND * np.eye(size)), dtype=np.float64)
     # All severities are equally probable, so that large u are less.
     gain = view.gain[at] * room - 1.0
-    step = covariance @ gain
-    best = peak_in_box(start + step, covariance, 0.0, FURTHEST)
-    if np.any(np.abs(best - start) > reach):
-        return None
-    inside = log_inside(start + step, covariance, 0.0, FURTHEST)
-    size = np.linalg.slogdet(covariance)[1]
-    volume = 0.5 * (at.size * np.log(2.0 * np.pi) + size) - at.size * np.log(HIGHEST) - start.sum()
-    return Fit(
-        elements,
-        float(view.log_likelihood + 0.5 * gain @ step + volume + inside),
-        -np.expm1(-best),
-        start + step,
-        covariance,
-        view,
-    )
+    step = (covariance @ gain[:, :, None])[:, :, 0]
+    mean = start + step
+    best = peak_in_box(mean, covariance, 0.0, FURTHEST)
+    near = np.flatnonzero(np.all(np.abs(best - start) <= reach, axis=1))
+    inside = log_inside(mean[near], covariance[near], 0.0, FURTHEST)
+    spread = np.linalg.slogdet(covariance[near])[1] - 2.0 * start[near].sum(axis=1)
+    volume = 0.5 * (size * np.log(2.0 * np.pi) + spread) - size * np.log(HIGHEST)
+    evidence = view.log_likelihood + 0.5 * np.sum(gain * step, axis=1)[near] + volume + inside
+    found: list[Fit | None] = [None] * len(sets)
+    for nth, log_evidence in zip(near.tolist(), evidence.tolist(), strict=True):
+        beta = -np.expm1(-best[nth])
+        found[nth] = Fit(tuple(sets[nth]), log_evidence, beta, mean[nth], covariance[nth], view)
+    return found
+
+
+def refitted(view: View, elements: tuple[int, ...]) -> Fit:
+    """One set, however far its severities are."""
+    (fit,) = fitted(view, [elements], np.inf)
+    assert fit is not None  # none is too far away
+    return fit

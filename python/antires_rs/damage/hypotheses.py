@@ -310,6 +310,22 @@ class Assessment(Value):
         fits = float(chdtrc(spare, self.chi_square * spare)) > _HARDLY
         return bool(fits and not self.best.unknown)
 
+    @property
+    def severities(self) -> dict[int, float]:
+        """Losses of the elements declared damaged."""
+        one = self._declared
+        return dict(zip(one.elements, one.severities, strict=True)) if one else {}
+
+    @property
+    def intervals(self) -> dict[int, tuple[float, float]]:
+        """90 % intervals of these."""
+        one = self._declared
+        return dict(zip(one.elements, zip(one.low, one.high, strict=True), strict=True)) if one else {}
+
+    @property
+    def _declared(self) -> Hypothesis | None:
+        return next((one for one in self.hypotheses if one.elements == tuple(self.declared)), None)
+
     def marginal(self, element: int) -> float:
         """Probability that a candidate is damaged."""
         return float(

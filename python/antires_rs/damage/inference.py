@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations, product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,19 +16,15 @@ from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.model_check import roots_between
 from ..updating.reduced_search import ReductionReport
-from .evidence import HIGHEST, Fit, fitted, log_between
+from .evidence import HIGHEST, Fit, fitted, log_between, refitted
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, figure
-from .likelihood import Likelihood, View
+from .likelihood import Likelihood, ValueLikelihood, View
 from .measured_modes import ModeResponses
 from .measured_states import Responses, Roots, Values
 from .one_state import mostly_risen
-from .question import DamagePrior, Question
+from .options import DamagePrior
+from .question import Prepared, Question
 from .reduced_roots import TOLERANCE, ReducedRoots
-
-if TYPE_CHECKING:
-    from .likelihood import Likelihood
-    from .question import DamagePrior
-
 
 # -- Which elements may be damaged: a beam search over sets of elements
 #
@@ -96,8 +93,9 @@ _MANY = 8
 class Search:
     """The sets found so far, by elements; ``n_candidates`` first, then those that are none."""
 
-    likelihood: Likelihood
+    likelihood: ValueLikelihood
     n_candidates: int
+    prior: DamagePrior = field(default_factory=DamagePrior)
     most: int = 3
     fits: dict[Elements, Fit] = field(default_factory=dict)
     interrupted: bool = False
@@ -106,11 +104,6 @@ class Search:
     #: Sets that explain far less than others wherever they came to, without coming to rest, and single
     #: elements that the sensitivities rule out.
     hopeless: set[Elements] = field(default_factory=set)
-
-    @cached_property
-    def something_else(self) -> float:
-        """Log evidence of a change that no element explains."""
-        return self.likelihood.something_else()
 
     def run(self) -> None:
         """Judge sets of up to ``most`` elements; after Ctrl-C those judged so far stay."""
@@ -121,7 +114,7 @@ class Search:
                 likeliest = max(self.fits.values(), key=lambda fit: fit.log_evidence)
                 # No single element may be missing from the answer because it was not looked at.
                 singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-                if self._explained(likeliest) and singles:
+                if self.explained(likeliest) and singles:
                     break
                 parents = self._parents(size - 1)
                 self._refine(self._starts(parents, size))
@@ -134,7 +127,7 @@ class Search:
 
     def _any(self) -> bool:
         """Whether some set is more probable than a change that has nothing to do with elements."""
-        return max(fit.log_evidence for fit in self.fits.values()) > self.something_else
+        return max(fit.log_evidence for fit in self.fits.values()) > self.likelihood.something_else
 
     def _pairs(self) -> dict[Elements, FloatArray]:
         """Pairs that explain most, both severities scanned: of two large damages one may not show alone."""
@@ -148,8 +141,7 @@ class Search:
         rows = np.zeros((len(pairs), len(severities), self.likelihood.n))
         for nth, pair in enumerate(pairs):
             rows[nth][:, pair] = severities
-        roots = self.likelihood.roots(rows.reshape(-1, self.likelihood.n), slopes=False)
-        left = np.array([self.likelihood.unexplained(each) for each in roots]).reshape(len(pairs), -1)
+        left = self.likelihood.unexplained(rows.reshape(-1, self.likelihood.n)).reshape(len(pairs), -1)
         best = np.argsort(left.min(axis=1), kind="stable")[: _REFINED[0]]
         return {pairs[nth]: rows[nth, np.argmin(left[nth])] for nth in best}
 
@@ -182,7 +174,7 @@ class Search:
         for row, elements in enumerate(sets):
             betas[row, list(elements)] = np.minimum(self.fits[elements].beta, HIGHEST)
         for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
-            fit = fitted(view, elements)
+            (fit,) = fitted(view, [elements])
             if fit:
                 self.fits[elements] = fit
 
@@ -192,27 +184,70 @@ class Search:
             for elements, fit in self.fits.items()
             if len(elements) == size and all(e < self.n_candidates for e in elements)
         ]
-        most = _PARENTS[min(size, len(_PARENTS) - 1)] if self._any() else _UNTOLD
-        return sorted(own, key=lambda fit: -fit.log_evidence)[:most]
+        return sorted(own, key=lambda fit: -fit.log_evidence)[: self._most_parents(size)]
+
+    def _most_parents(self, size: int) -> int:
+        """How many sets of a size get another element."""
+        return _PARENTS[min(size, len(_PARENTS) - 1)] if self._any() else _UNTOLD
 
     def _further(self, elements: Elements) -> list[int]:
         """Elements that may join a set."""
         count = self.n_candidates if elements else self.likelihood.n
         return [e for e in range(count) if e not in elements]
 
+    def _larger(self, elements: Elements, view: View) -> list[int]:
+        """Elements with which a set is judged too, from the same point."""
+        return self._further(elements)
+
     def _judge(self, elements: Elements, view: View) -> None:
         """Tell the evidence of a set, and of those with one element more, as seen from one point."""
-        larger = self._further(elements) if len(elements) < self.most else []
-        if any(e >= self.n_candidates for e in elements):
-            larger = []
-        for each in (elements, *(tuple(sorted((*elements, e))) for e in larger)):
-            fit = fitted(view, each)
-            if fit and (each not in self.fits or fit.log_evidence > self.fits[each].log_evidence):
-                self.fits[each] = fit
+        larger = [] if len(elements) == self.most or self.outside(elements) else self._larger(elements, view)
+        for sets in ([elements], [tuple(sorted((*elements, e))) for e in larger]):
+            for fit in fitted(view, sets) if sets else ():
+                known = self.fits.get(fit.elements) if fit else None
+                if fit and (known is None or fit.log_evidence > known.log_evidence):
+                    self.fits[fit.elements] = fit
 
-    def _explained(self, parent: Fit) -> bool:
+    @property
+    def finished(self) -> bool:
+        """Whether the likeliest set leaves nothing to be explained."""
+        return self.explained(max(self.fits.values(), key=lambda fit: fit.log_evidence))
+
+    def explained(self, fit: Fit) -> bool:
         """Whether a set leaves nothing to be explained."""
-        return explained(parent, self.something_else)
+        view = fit.view
+        gains = 0.5 * np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
+        gains[list(fit.elements)] = 0.0
+        count = int(view.matched.sum())
+        fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
+        all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
+        # Errors as they are stated: larger ones would explain anything.
+        stated = view.times <= (_WIDER if fit.elements else 1.0)
+        # A few values are explained by much that is not so, and what is no damage may explain them better.
+        many = not fit.elements or count >= _MANY + len(fit.elements)
+        whole = bool(fits and all_there and gains.max() < _GAIN and stated and many)
+        return whole and fit.log_evidence > self.likelihood.something_else
+
+    def outside(self, elements: Elements) -> bool:
+        """Whether a set has an element that is no candidate."""
+        return max(elements, default=-1) >= self.n_candidates
+
+    @cached_property
+    def _log_priors(self) -> tuple[float, ...]:
+        """Of each set of none to three candidates, of one element that is none, and of something else."""
+        n, others = self.n_candidates, self.likelihood.n - self.n_candidates
+        own = [self.prior.log_of(k, n) if k <= n else -np.inf for k in range(4)]
+        return (*own, self.prior.log_elsewhere(others) if others else -np.inf, self.prior.log_unknown(others))
+
+    def log_prior(self, elements: Elements) -> float:
+        """Log probability of a set before the test; ``UNKNOWN`` is something else."""
+        kind = -1 if elements == UNKNOWN else 4 if self.outside(elements) else len(elements)
+        return self._log_priors[kind]
+
+    def log_weights(self) -> dict[Elements, float]:
+        """Log of prior times evidence by elements; ``UNKNOWN`` for something else."""
+        found = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
+        return {**found, UNKNOWN: self.likelihood.something_else + self.log_prior(UNKNOWN)}
 
     def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""
@@ -230,7 +265,7 @@ class Search:
             rows = np.repeat(base[None], len(further) * grid.size, axis=0)
             for nth, e in enumerate(further):
                 rows[nth * grid.size : (nth + 1) * grid.size, e] = grid
-            left = [self.likelihood.unexplained(roots) for roots in self.likelihood.roots(rows, slopes=False)]
+            left = self.likelihood.unexplained(rows)
             for nth, e in enumerate(further):
                 at = nth * grid.size + int(np.argmin(left[nth * grid.size : (nth + 1) * grid.size]))
                 found.append((left[at], tuple(sorted((*parent.elements, e))), rows[at]))
@@ -268,23 +303,6 @@ class Search:
         self.hopeless.update(elements for elements in far if elements not in self.fits)
 
 
-def explained(parent: Fit, something_else: float) -> bool:
-    """Whether a set leaves nothing to be explained; ``something_else`` is the log evidence of a change that
-    no element explains."""
-    view = parent.view
-    gains = 0.5 * np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
-    gains[list(parent.elements)] = 0.0
-    count = int(view.matched.sum())
-    fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
-    all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
-    # Errors as they are stated: larger ones would explain anything.
-    stated = view.times <= (_WIDER if parent.elements else 1.0)
-    # A few values are explained by much that is not so, and what is no damage may explain them better.
-    many = not parent.elements or count >= _MANY + len(parent.elements)
-    whole = bool(fits and all_there and gains.max() < _GAIN and stated and many)
-    return whole and parent.log_evidence > something_else
-
-
 def _worth(sets: list[Elements], views: list[View]) -> list[int]:
     """Those that may still win, and all single elements."""
     logs = np.array([view.log_likelihood for view in views])
@@ -305,30 +323,29 @@ _GROUPED, _MOST_ALTERNATIVES = 0.9, 4
 _LEAST = 1e-9
 
 
-def log_weights(search: Search, likelihood: Likelihood, prior: DamagePrior) -> dict[Elements, float]:
-    """Log of prior times evidence by elements, numbered as in the search; ``UNKNOWN`` for something else."""
-    n, others = search.n_candidates, likelihood.n - search.n_candidates
-    found = {
-        elements: fit.log_evidence
-        + (prior.log_elsewhere(others) if _outside(elements, n) else prior.log_of(len(elements), n))
-        for elements, fit in search.fits.items()
-    }
-    found[UNKNOWN] = search.something_else + prior.log_unknown(others)
-    return found
-
-
 def posterior(
-    search: Search, weights: dict[Elements, float], numbers: list[int], kept: Elements = ()
+    search: Search,
+    weights: dict[Elements, float],
+    numbers: Sequence[int],
+    kept: Elements = (),
+    least: float = _LEAST,
 ) -> list[Hypothesis]:
     """Hypotheses with their probabilities, the most probable first; ``numbers`` are the elements' own.
-    Those that are all but impossible are dropped, but for ``kept``."""
+    Those of less than the ``least`` probability are dropped, but for no damage and ``kept``."""
     from scipy.special import logsumexp
 
-    total = allowed(float(logsumexp(list(weights.values()))))
+    total = float(logsumexp(list(weights.values())))
+    if not np.isfinite(total):
+        reject(
+            "prior",
+            "one that allows none of the hypotheses that were judged",
+            "some probability for no damage or one element",
+            "Leave the prior out, or give nothing, one and unknown more than 0.",
+        )
     rows = []
     for elements, weight in weights.items():
         probability = min(float(np.exp(weight - total)), 1.0)
-        if probability < _LEAST and elements and elements != kept:
+        if probability < least and elements and elements != kept:
             continue
         if elements == UNKNOWN:
             rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))
@@ -342,22 +359,10 @@ def posterior(
                 tuple(float(b) for b in fit.beta),
                 tuple(low for low, _ in limits),
                 tuple(high for _, high in limits),
-                candidate=not _outside(elements, search.n_candidates),
+                candidate=not search.outside(elements),
             )
         )
     return sorted(rows, key=lambda one: (-one.probability, one.elements))
-
-
-def allowed(total: float) -> float:
-    """Log of the sum of prior times evidence, which no prior may make zero."""
-    if not np.isfinite(total):
-        reject(
-            "prior",
-            "one that allows none of the hypotheses that were judged",
-            "some probability for no damage or one element",
-            "Leave the prior out, or give nothing, one and unknown more than 0.",
-        )
-    return total
 
 
 def together(hypotheses: list[Hypothesis]) -> list[Hypothesis]:
@@ -375,10 +380,6 @@ def together(hypotheses: list[Hypothesis]) -> list[Hypothesis]:
         if sum(each.probability for each in group) >= _GROUPED * total:
             return group if len(group) <= _MOST_ALTERNATIVES else []
     return []
-
-
-def _outside(elements: Elements, n_candidates: int) -> bool:
-    return any(e >= n_candidates for e in elements)
 
 
 # -- The threshold at which damage is declared, for a wanted rate of false alarms
@@ -467,7 +468,7 @@ _SHARE, _MOST = 0.01, 6
 _STEPS, _RESTS = 4, 1e-4
 
 
-def confirmed(search: Search, likelihood: Likelihood, prior: DamagePrior) -> ReductionReport | None:
+def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
     """Judge what matters of a search anew, and tell how full and reduced model agree; None without one."""
     source = likelihood.core
     if not isinstance(source, ReducedRoots):
@@ -475,10 +476,11 @@ def confirmed(search: Search, likelihood: Likelihood, prior: DamagePrior) -> Red
     apart: dict[Elements, float] = {}
     try:
         while True:
-            new = [elements for elements in _near(search, likelihood, prior) if elements not in apart]
+            new = [elements for elements in _near(search) if elements not in apart]
             if not new or len(apart) >= _MOST:
                 break
-            apart[new[0]] = _settled(search, likelihood, source, new[0])
+            step("the answers on the full model")
+            search.fits[new[0]], apart[new[0]] = settled(likelihood, new[0], search.fits[new[0]].beta)
     except KeyboardInterrupt:
         search.interrupted = True
     worst = max(apart.values(), default=float("inf"))
@@ -493,36 +495,151 @@ def confirmed(search: Search, likelihood: Likelihood, prior: DamagePrior) -> Red
     )
 
 
-def _near(search: Search, likelihood: Likelihood, prior: DamagePrior) -> list[Elements]:
+def _near(search: Search) -> list[Elements]:
     """No damage, and the likeliest hypotheses, first the likeliest."""
-    weights = log_weights(search, likelihood, prior)
+    weights = search.log_weights()
     total = float(np.logaddexp.reduce(list(weights.values())))
     known = [s for s, weight in weights.items() if s != UNKNOWN and weight > total + np.log(_SHARE)]
     return [(), *sorted((s for s in known if s), key=lambda s: -weights[s])]
 
 
-def _settled(search: Search, likelihood: Likelihood, source: ReducedRoots, elements: Elements) -> float:
-    """Judge one hypothesis from its own severities on a basis made there; what full and reduced differ by."""
+def settled(likelihood: Likelihood, elements: Elements, beta: FloatArray) -> tuple[Fit, float]:
+    """A set as seen from its own most probable severities, begun at ``beta``; how far a reduced model, made
+    anew there, is from the full one."""
     at = list(elements)
-    apart = 0.0
     for _ in range(_STEPS):
-        step("the answers on the full model")
         betas = np.zeros((1, likelihood.n))
-        betas[0, at] = np.minimum(search.fits[elements].beta, HIGHEST)
+        betas[0, at] = np.minimum(beta, HIGHEST)
         apart = likelihood.settle(betas[0])
-        fit = fitted(likelihood.views(betas)[0], elements, reach=np.inf)
-        assert fit is not None  # none is too far away
-        search.fits[elements] = fit
-        beyond = np.log1p(-np.minimum(fit.beta, HIGHEST)) - np.log1p(-betas[0, at])
-        if np.abs(beyond).max(initial=0.0) < _RESTS:
+        fit = refitted(likelihood.views(betas)[0], elements)
+        moved = np.log1p(-np.minimum(fit.beta, HIGHEST)) - np.log1p(-betas[0, at])
+        beta = fit.beta
+        if np.abs(moved).max(initial=0.0) < _RESTS:
             break
-    return apart
+    return fit, apart
 
 
-#: Largest number of damaged elements in one hypothesis.
-MOST = 3
-#: Relative standard deviation of what moves all values alike between two tests.
-STD_COMMON = 5e-4
+# -- From a search to an assessment
+
+
+@dataclass(frozen=True)
+class Learned:
+    """What the baseline has told; see :class:`~antires_rs.damage.hypotheses.Assessment`.
+
+    ``factors`` are those of the model, ``outside`` the share of a change that counts as its error, ``low``
+    and ``high`` the band in ln f.
+    """
+
+    factors: FloatArray
+    tau: float
+    s: float
+    outside: float
+    low: float
+    high: float
+    threshold: float | None
+    detectable: tuple[float, ...]
+    assumed_std: bool
+    n_intact: int
+    n_intact_matched: int
+    n_intact_roots: int
+    hint: str | None
+    n_baselines: int
+    scatter: float
+    notes: tuple[str, ...]
+    odd_baselines: tuple[int, ...]
+    baseline_gap: float
+    usual_gap: float
+
+
+def learned_from(
+    prepared: Prepared, question: Question, rng: np.random.Generator, *, hint: bool = False
+) -> Learned:
+    """What is known before the values of now are looked at; the hint at once, or where it is needed."""
+    likelihood, error, odd, prior = prepared.likelihood, prepared.error, prepared.odd, question.prior
+    slopes, rate = intact_slopes(likelihood, len(question.elements)), question.options.false_alarm_rate
+    return Learned(
+        factors=np.exp(error.theta),
+        tau=error.tau,
+        s=error.s,
+        outside=error.outside,
+        low=likelihood.band.low,
+        high=likelihood.band.high,
+        threshold=None if rate is None else log_odds_threshold(slopes, prior, rate, rng),
+        detectable=tuple(smallest_found(slopes, prior).tolist()),
+        assumed_std=prepared.responses.assumed,
+        n_intact=prepared.intact.size,
+        n_intact_matched=int((error.partner >= 0).sum()),
+        n_intact_roots=roots_beside(prepared.intact, error.intact),
+        hint=question.hint() if hint else None,
+        n_baselines=prepared.n_baselines,
+        scatter=prepared.scatter,
+        notes=tuple(dict.fromkeys(prepared.responses.left_out)),
+        odd_baselines=odd.tests if odd else (),
+        baseline_gap=odd.apart if odd else 0.0,
+        usual_gap=odd.usual if odd else 0.0,
+    )
+
+
+def concluded(
+    search: Search,
+    question: Question,
+    learned: Learned,
+    numbers: Sequence[int],
+    intact: Values,
+    *,
+    measured: Sequence[Any],
+    notes: Sequence[str] = (),
+    least: float = _LEAST,
+) -> Assessment:
+    """Hypotheses with their probabilities, and how well the best explains the values."""
+    likelihood, now = search.likelihood, search.likelihood.now
+    weights = search.log_weights()
+    damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and max(s) < search.n_candidates}
+    likeliest = max(damage, key=lambda s: damage[s], default=())
+    rows = posterior(search, weights, numbers, likeliest, least)
+    best = rows[0]
+    declared = best.elements if best.candidate else ()
+    if best.candidate and learned.threshold is not None:
+        odds = float(np.logaddexp.reduce([-np.inf, *damage.values()])) - weights[()]
+        declared = tuple(numbers[e] for e in likeliest) if odds > learned.threshold else ()
+    own = () if best.unknown else tuple(numbers.index(e) for e in best.elements)
+    view = search.fits[own].view
+    matched = int(view.matched.sum())
+    shift = likelihood.moved_alike if best.unknown else 0.0
+    found = Assessment(
+        hypotheses=Hypotheses(rows, {e: question.model.element_label(e) for e in numbers}),
+        group=tuple(together(rows)),
+        declared=declared,
+        chi_square=view.chi_square / max(matched - len(own), 1) if matched else np.nan,
+        n_values=now.size,
+        n_matched=matched,
+        kappa=view.kappa,
+        factor_std=learned.s,
+        root_std=learned.tau,
+        threshold=learned.threshold,
+        detectable=learned.detectable,
+        baseline=bool(question.baseline),
+        assumed_std=learned.assumed_std,
+        n_intact=learned.n_intact,
+        n_intact_matched=learned.n_intact_matched,
+        n_baselines=learned.n_baselines,
+        scatter=learned.scatter,
+        notes=(*learned.notes, *notes, *note_of_shift(shift), *_of_screening(search)),
+        odd_baselines=learned.odd_baselines,
+        baseline_gap=learned.baseline_gap,
+        usual_gap=learned.usual_gap,
+        interrupted=search.interrupted,
+        moved_alike=shift,
+        n_intact_roots=learned.n_intact_roots,
+    )
+    if not found.model_fits:
+        found = replace(found, hint=question.hint() if learned.hint is None else learned.hint)
+    elif question.baseline and 2 * matched < now.size:
+        found = replace(found, hint=question.hint_between(measured))
+    if question.baseline and not shift and not found.explained:  # a change of unknown kind explains nothing
+        up, moved = mostly_risen(intact.plain, now.plain)
+        found = replace(found, n_risen=up, n_moved=moved)
+    return found
 
 
 @dataclass(frozen=True)
@@ -532,9 +649,7 @@ class Inferred:
     assessment: Assessment
     factors: tuple[Parameter, ...]
     values: FloatArray
-    severities: dict[int, float]
     nfev: int
-    interrupted: bool
     #: The values of now as the model after the baseline would have them: what is wrong in both states taken
     #: out.
     corrected: list[Any]
@@ -543,82 +658,21 @@ class Inferred:
 
 
 @one_blas_thread
-def infer(
-    question: Question, *, false_alarm_rate: float | None, rng: np.random.Generator, threads: int
-) -> Inferred:
+def infer(question: Question, *, rng: np.random.Generator, threads: int) -> Inferred:
     """Judge all hypotheses."""
-    elements, prior, baseline = question.elements, question.prior, question.baseline
     prepared = question.prepared(threads)
-    likelihood, error, numbers = prepared.likelihood, prepared.error, list(prepared.numbers)
-    intact, now, responses, odd = prepared.intact, prepared.now, prepared.responses, prepared.odd
-    search = Search(likelihood, len(elements), MOST)
+    likelihood, numbers = prepared.likelihood, prepared.numbers
+    search = Search(likelihood, len(question.elements), question.prior)
     search.run()
-    reduction = confirmed(search, likelihood, prior)
-    weights = log_weights(search, likelihood, prior)
-    damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and max(s) < len(elements)}
-    likeliest = max(damage, key=lambda s: damage[s], default=())
-    rows = posterior(search, weights, numbers, likeliest)
-    names = {e: question.model.element_label(e) for e in numbers}
-    threshold, slopes = None, intact_slopes(likelihood, len(elements))
-    declared = rows[0].elements if rows[0].candidate else ()
-    if false_alarm_rate is not None:
-        threshold = log_odds_threshold(slopes, prior, false_alarm_rate, rng)
-        odds = float(np.logaddexp.reduce([-np.inf, *damage.values()])) - weights[()]
-        declared = tuple(numbers[e] for e in likeliest) if odds > threshold else ()
-        if not rows[0].candidate:
-            declared = ()
-    key = tuple(numbers.index(e) for e in rows[0].elements) if rows[0].elements != UNKNOWN else ()
-    fit = search.fits[key]
-    matched = int(fit.view.matched.sum())
-    shift = (likelihood.moved_alike() if rows[0].unknown else None) or 0.0
-    assessment = Assessment(
-        hypotheses=Hypotheses(rows, names),
-        group=tuple(together(rows)),
-        declared=declared,
-        chi_square=fit.view.chi_square / max(matched - len(key), 1) if matched else np.nan,
-        n_values=now.size,
-        n_matched=matched,
-        kappa=fit.view.kappa,
-        factor_std=error.s,
-        root_std=error.tau,
-        threshold=threshold,
-        detectable=tuple(smallest_found(slopes, prior).tolist()),
-        baseline=bool(baseline),
-        assumed_std=responses.assumed,
-        n_intact=intact.size,
-        n_intact_matched=int((error.partner >= 0).sum()),
-        n_baselines=prepared.n_baselines,
-        scatter=prepared.scatter,
-        notes=(*responses.left_out, *note_of_shift(shift), *_of_screening(search)),
-        odd_baselines=odd.tests if odd else (),
-        baseline_gap=odd.apart if odd else 0.0,
-        usual_gap=odd.usual if odd else 0.0,
-        interrupted=search.interrupted,
-        moved_alike=shift,
-        n_intact_roots=roots_beside(intact, error.intact),
-    )
-    if not assessment.model_fits:
-        assessment = replace(assessment, hint=question.hint())
-    elif baseline and 2 * matched < now.size:
-        assessment = replace(assessment, hint=question.hint_between(question.measured))
-    if baseline and not shift and not assessment.explained:  # a change of unknown kind explains nothing
-        up, moved = mostly_risen(intact.plain, now.plain)
-        assessment = replace(assessment, n_risen=up, n_moved=moved)
-    found = next((one for one in rows if one.elements == declared), None)
-    severities = dict(zip(declared, found.severities, strict=True)) if found else {}
+    reduction = confirmed(search, likelihood)
+    learned = learned_from(prepared, question, rng)
+    found = concluded(search, question, learned, numbers, prepared.intact, measured=question.measured)
     betas = np.zeros((1, len(numbers)))
-    for e, beta in severities.items():
+    for e, beta in found.severities.items():
         betas[0, numbers.index(e)] = beta
-    return Inferred(
-        assessment,
-        prepared.factors,
-        np.exp(error.theta),
-        severities,
-        likelihood.nfev,
-        search.interrupted,
-        _corrected(likelihood, betas, responses),
-        reduction,
-    )
+    nfev = likelihood.nfev
+    corrected = _corrected(likelihood, betas, prepared.responses)
+    return Inferred(found, prepared.factors, learned.factors, nfev, corrected, reduction)
 
 
 def roots_beside(intact: Any, roots: Roots) -> int:

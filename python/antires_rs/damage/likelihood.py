@@ -12,6 +12,7 @@ at every beta (:mod:`~antires_rs.damage.roots`).
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -275,8 +276,64 @@ _NEW = 0.1
 _MARGIN = 0.3
 
 
-class Likelihood:
-    """p(values of now | severities), after the baseline."""
+class ValueLikelihood(ABC):
+    """p(values of a test | severities), wherever the roots come from; and how probable other changes are."""
+
+    #: How many severities; of the model without damage.
+    n: int
+    start: View
+    now: Values
+
+    @abstractmethod
+    def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
+        """The values as seen from each row of severities (m, n), with an extra error of every value."""
+
+    @abstractmethod
+    def unexplained(self, betas: FloatArray) -> FloatArray:
+        """How far the values are from the nearest roots at each row of severities, (m,)."""
+
+    @abstractmethod
+    def without_damage(self, extra: float, common: float) -> View:
+        """The values as seen from no damage, with an extra error of each and one of all alike."""
+
+    @abstractmethod
+    def of_frequencies(self, view: View) -> NDArray[np.bool_]:
+        """Which of the values that have a root in the undamaged model are frequencies."""
+
+    @cached_property
+    def something_else(self) -> float:
+        """Log evidence of a change that has nothing to do with any element: of every value, by any amount,
+        or of all values alike."""
+        found = [self.log_without_damage(extra, 0.0) for extra in ANY_CHANGE]
+        by_itself = np.logaddexp.reduce(found) - np.log(len(found))
+        return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, self._alike))
+
+    @property
+    def moved_alike(self) -> float:
+        """Relative change of all values, where that is what something else comes to; else 0."""
+        if self.something_else > np.log(2.0) + self._alike:  # less than half of it
+            return 0.0
+        view = self.without_damage(0.0, ALIKE[int(np.argmax(self._shifted))])
+        moved = view.residual[self.of_frequencies(view)]
+        return float(np.expm1(np.median(moved))) if moved.size else 0.0
+
+    def log_without_damage(self, extra: float, common: float) -> float:
+        """The log-likelihood of that."""
+        return self.without_damage(extra, common).log_likelihood
+
+    @cached_property
+    def _shifted(self) -> list[float]:
+        """Log-likelihood without damage, all values moved alike by each of ``ALIKE``."""
+        return [self.log_without_damage(0.0, each) for each in ALIKE]
+
+    @property
+    def _alike(self) -> float:
+        """Log evidence of a change of all values alike, with its share of the probability."""
+        return float(np.logaddexp.reduce(self._shifted) - np.log(len(ALIKE)) + np.log(ALIKE_SHARE))
+
+
+class Likelihood(ValueLikelihood):
+    """From the roots of a model after the baseline: the core's, or those of reduced models."""
 
     def __init__(
         self,
@@ -323,11 +380,14 @@ class Likelihood:
         found = self.roots(betas, slopes=True)
         return [self._view(beta, roots, extra) for beta, roots in zip(betas, found, strict=True)]
 
-    def unexplained(self, roots: Roots) -> float:
-        """Distance of the values from roots as far beside the model's as the intact ones lie."""
-        roots, identity = roots.since(self.error.intact)
-        place = roots.log_f + np.where(identity >= 0, self._beside[identity], 0.0)
-        return self.now.unexplained(roots, place)
+    def unexplained(self, betas: FloatArray) -> FloatArray:
+        """Distance of the values from roots as far beside the model's as the intact ones lie, (m,)."""
+        left = []
+        for each in self.roots(betas, slopes=False):
+            roots, identity = each.since(self.error.intact)
+            place = roots.log_f + np.where(identity >= 0, self._beside[identity], 0.0)
+            left.append(self.now.unexplained(roots, place))
+        return np.array(left)
 
     def near(self, roots: Roots) -> tuple[Roots, NDArray[np.intp], NDArray[np.intp]]:
         """The roots near the band, which of the intact ones these have been, and which all have been."""
@@ -335,33 +395,13 @@ class Likelihood:
         kept = roots.between(self.band.low - _MARGIN, self.band.high + _MARGIN)
         return roots.only(kept), followed[kept], followed
 
-    def something_else(self) -> float:
-        """Log evidence of a change that has nothing to do with any element: of every value, by any amount,
-        or of all values alike."""
-        zero = np.zeros(self.n)
-        found = [self._view(zero, self._undamaged, extra).log_likelihood for extra in ANY_CHANGE]
-        by_itself = np.logaddexp.reduce(found) - np.log(len(found))
-        alike = np.log(ALIKE_SHARE) + self._alike
-        return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, alike))
+    def of_frequencies(self, view: View) -> NDArray[np.bool_]:
+        """Which of the values that have a root in the undamaged model are frequencies."""
+        return np.asarray(self.near(self._undamaged)[0].kind[view.partner[view.matched]] == 0)
 
-    def moved_alike(self) -> float | None:
-        """Relative change of all values, where that is what something else comes to."""
-        if self.something_else() > np.log(2.0 * ALIKE_SHARE) + self._alike:  # less than half of it
-            return None
-        view = max(self._shifted, key=lambda view: view.log_likelihood)
-        kind = self.near(self._undamaged)[0].kind[view.partner[view.matched]]
-        return float(np.expm1(np.median(view.residual[kind == 0]))) if view.matched.any() else None
-
-    @cached_property
-    def _shifted(self) -> list[View]:
-        """The values as seen from no damage, all of them moved alike by one of ``ALIKE``."""
-        return [self._view(np.zeros(self.n), self._undamaged, 0.0, each) for each in ALIKE]
-
-    @property
-    def _alike(self) -> float:
-        """Log evidence of a change of all values alike."""
-        found = [view.log_likelihood for view in self._shifted]
-        return float(np.logaddexp.reduce(found) - np.log(len(found)))
+    def without_damage(self, extra: float, common: float) -> View:
+        """The values as seen from no damage, with an extra error of each and one of all alike."""
+        return self._view(np.zeros(self.n), self._undamaged, extra, common)
 
     def _view(self, beta: FloatArray, roots: Roots, extra: float, common: float = 0.0) -> View:
         roots, identity, followed = self.near(roots)

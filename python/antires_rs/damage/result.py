@@ -17,7 +17,8 @@ from ..updating.result import UpdateResult
 from .hypotheses import figure
 from .inference import infer
 from .one_state import all_lost, common_loss, headline_of_one_state, many
-from .question import DamagePrior, Question
+from .options import DamagePrior, SearchOptions
+from .question import Question
 from .severity_intervals import severity_intervals, severity_profile
 from .words import headline, largest_left, note_of_reduction, reservations
 
@@ -63,8 +64,10 @@ class DamageResult(UpdateResult):
         assessment: Assessment | None = None,
         question: Question | None = None,
         reduction: ReductionReport | None = None,
+        *,
+        options: Mapping[str, Any] | None = None,
     ) -> None:
-        super().__init__(problem, search, seed, reduction)
+        super().__init__(problem, search, seed, reduction, options=options)
         self._fill(_assessment=assessment, _question=question)
 
     @cached_property
@@ -73,13 +76,14 @@ class DamageResult(UpdateResult):
         if self._assessment is not None:
             return self._assessment
         rng = np.random.default_rng(self.seed)
-        return infer(self._alone, false_alarm_rate=None, rng=rng, threads=thread_count(None)).assessment
+        return infer(self._alone, rng=rng, threads=thread_count(None)).assessment
 
     @cached_property
     def _alone(self) -> Question:
         """What is asked of one state."""
         model, measured, elements = self.problem.model, tuple(self.problem.measured), tuple(self.elements)
-        return Question(model, (), measured, elements, DamagePrior(), 0.0, ASSUMED_MODEL_ERROR)
+        options = SearchOptions(std_common=0.0)
+        return Question(model, (), measured, elements, DamagePrior(), options, ASSUMED_MODEL_ERROR)
 
     @property
     def has_baseline(self) -> bool:
@@ -174,11 +178,7 @@ class DamageResult(UpdateResult):
     @property
     def interval(self) -> dict[int, tuple[float, float]]:
         """90 % interval of each severity, given the elements declared damaged; (0, 0) of the others."""
-        found = self.assessment
-        one = next((h for h in found.hypotheses if h.elements == tuple(self.assessment.declared)), None)
-        limits = (
-            {} if one is None else dict(zip(one.elements, zip(one.low, one.high, strict=True), strict=True))
-        )
+        limits = self.assessment.intervals
         return {e: limits.get(e, (0.0, 0.0)) for e in self.elements}
 
     def intervals(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from ..support.checks import FloatArray, choice, finite_scalar, integer
 from ..support.progress import one_blas_thread, patient, step
 from ..updating.posterior import Method, ParameterIntervals
 from ..updating.profile import ProfileLikelihood, kind_of, threshold
-from .evidence import FURTHEST, HIGHEST, Fit, Truncated, fitted, truncated
+from .evidence import FURTHEST, HIGHEST, Fit, Truncated, truncated
 from .hypotheses import Assessment, Hypothesis
-from .inference import LEVEL
+from .inference import LEVEL, settled
 from .likelihood import Likelihood
 from .question import Question
 
@@ -344,8 +344,6 @@ _WORTH, _LEAST = 0.15, 30
 _MAIN = 0.2
 #: Change of a probability that is worth a word, and share of the wanted draws that are too few.
 _CHANGED, _FEW = 0.02, 0.5
-#: Newton steps from the severities of a hypothesis, and when they have come to rest, in u.
-_STEPS, _RESTS = 4, 1e-4
 
 
 @patient("intervals")
@@ -375,7 +373,8 @@ def severity_intervals(
     parts: list[tuple[Fit, Sampled]] = []
     notes: list[str] = []
     for nth, one in enumerate(near):
-        fit = _settled(prepared.likelihood, one, prepared.numbers)
+        own_numbers = tuple(prepared.numbers.index(e) for e in one.elements)
+        fit, _ = settled(prepared.likelihood, own_numbers, np.array(one.severities))
         own = np.random.default_rng([seed, nth])
         wanted = _WORTH * draws * (1.0 if one is declared else one.probability)
         few = max(int(wanted), _LEAST)
@@ -423,20 +422,6 @@ def severity_intervals(
         _mixture(near, confirmed, parts, nothing, column, draws, rng),
         sets,
     )
-
-
-def _settled(likelihood: Likelihood, one: Hypothesis, numbers: tuple[int, ...]) -> Fit:
-    """The Gaussian of a hypothesis, as seen from its own severities."""
-    elements, beta = tuple(numbers.index(e) for e in one.elements), np.array(one.severities)
-    for _ in range(_STEPS):
-        betas = np.zeros((1, likelihood.n))
-        betas[0, list(elements)] = np.minimum(beta, HIGHEST)
-        fit = cast("Fit", fitted(likelihood.views(betas)[0], elements, reach=np.inf))
-        apart = np.abs(np.log1p(-np.minimum(fit.beta, HIGHEST)) - np.log1p(-betas[0, list(elements)]))
-        beta = fit.beta
-        if apart.max() < _RESTS:
-            break
-    return fit
 
 
 def _central(level: float) -> tuple[float, float]:

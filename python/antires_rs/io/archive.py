@@ -19,9 +19,11 @@ from numpy.typing import NDArray
 
 from .._core import __version__
 from ..damage.assessor import Assessor
-from ..damage.assessor_plan import LEVELS, Learned, Plan, Tables
+from ..damage.assessor_plan import LEVELS, Plan, Tables
 from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
-from ..damage.question import DamagePrior, Question
+from ..damage.inference import Learned
+from ..damage.options import DamagePrior, SearchOptions
+from ..damage.question import Question
 from ..damage.result import DamageResult
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -358,7 +360,7 @@ def describe_question(asked: Question, store: Store) -> dict[str, Any]:
         "measured": [describe_measured(each, store) for each in asked.measured],
         "elements": list(asked.elements),
         "prior": asdict(asked.prior),
-        "std_common": asked.std_common,
+        "options": asked.options.values() | {"weights": None, "x0": None},
     }
 
 
@@ -373,7 +375,7 @@ def made_question(data: dict[str, Any], name: str, *, reduced: bool = False) -> 
         states[1],
         tuple(data["elements"]),
         DamagePrior(**data["prior"]),
-        data["std_common"],
+        SearchOptions(**(data.get("options") or {"std_common": data["std_common"]})),
         reduced=reduced,
     )
 
@@ -552,6 +554,7 @@ def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
         },
         "assessment": None if assessment is None else describe_assessment(assessment, store),
         "question": None if question is None else describe_question(question, store),
+        "options": dict(result.options),
         "made_with": {
             "antires_rs": __version__,
             "numpy": np.__version__,
@@ -598,4 +601,4 @@ def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateR
             f"path: {str(file)!r} was made by antires_rs {maker}; its objective was {search.fun:.9g} where "
             f"this version computes {cost:.9g}.",
         )
-    return made(problem, search, data["seed"], *more)
+    return made(problem, search, data["seed"], *more, options=data.get("options"))

@@ -462,7 +462,7 @@ class IslandGA:
 
         ``polish=False, improvement_tolerance=0, agreement='genes', gene_tolerance=0``: no local search, any
         gain counts, and only equal genes end the search. For damage give the problem ``snap=0`` as well, by
-        ``DamagePenalty(snap=0)`` or ``assess_damage(..., snap=0)``: the paper rounds no severity to zero.
+        ``DamagePenalty(snap=0)`` or ``SearchOptions(snap=0)``: the paper rounds no severity to zero.
 
         Parameters
         ----------

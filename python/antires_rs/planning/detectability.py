@@ -11,7 +11,7 @@ from ..damage.assess import checked_model, elements_of
 from ..damage.evidence import HIGHEST
 from ..damage.inference import smallest_found
 from ..damage.measured_states import roots_at
-from ..damage.question import DamagePrior
+from ..damage.options import DamagePrior, SearchOptions, checked_prior
 from ..exceptions import reject
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
@@ -130,15 +130,12 @@ def detectability(
     choice("sees", sees, ("transmissibility", "frf"))
     if len(dofs) == 1 and sees == "transmissibility":
         reject("sensors", "1 sensor", "at least 2, for transmissibilities", "Add one, or pass sees='frf'.")
-    if false_alarm_rate is not None:
-        finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.5, low_open=True)
-    if prior is not None and not isinstance(prior, DamagePrior):
-        reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
+    options = SearchOptions(false_alarm_rate=false_alarm_rate).checked()
     given = None if severities is None else _severities(severities)
     spread = isinstance(workers, str) or callable(getattr(workers, "submit", getattr(workers, "map", None)))
     threads = thread_count(None if spread else workers)
     seed = np.random.SeedSequence(seed_of(rng))
-    judging = (prior or DamagePrior(), false_alarm_rate)
+    judging = (checked_prior(prior, options), options)
     test, linear = _virtual_test(
         model, chosen, dofs, force, band, sees, errors, model_error, judging[0], threads
     )

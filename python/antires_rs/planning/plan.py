@@ -12,7 +12,7 @@ from .. import _core
 from ..damage.assess import checked_model, elements_of
 from ..damage.evidence import HIGHEST
 from ..damage.inference import smallest_found
-from ..damage.question import DamagePrior
+from ..damage.options import DamagePrior
 from ..exceptions import reject
 from ..measured.antiresonance_set import aligned, number
 from ..models.parameters import Parameter, parameter_name, parameter_tuple, stiffness_reduction

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from .. import _core
 from ..damage.assess import assess_damage
 from ..damage.evidence import HIGHEST, log_between
-from ..damage.inference import STD_COMMON, intact_slopes, log_odds_threshold
+from ..damage.inference import intact_slopes, log_odds_threshold
 from ..damage.likelihood import ERRORS, Likelihood
 from ..damage.measured_states import FALSE, FOUND, Roots, Values, follow, roots_at
 from ..damage.model_error import BOUNDS, ModelError, factors_of, learned
-from ..damage.question import DamagePrior
+from ..damage.options import DamagePrior, SearchOptions
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
@@ -163,7 +163,7 @@ class Judge:
     prior: DamagePrior
     baseline: Values
     threads: int
-    false_alarm_rate: float | None
+    options: SearchOptions
     rng: np.random.Generator
 
     def __post_init__(self) -> None:
@@ -179,10 +179,11 @@ class Judge:
         found = roots_at(core, rows, slopes=True, threads=self.threads)
         self._tabulate(error, found)
         self.threshold = None
-        if self.false_alarm_rate is not None:
-            likelihood = Likelihood(core, n, error, self.baseline, self.baseline, STD_COMMON, self.threads)
+        rate, common = self.options.false_alarm_rate, self.options.std_common
+        if rate is not None:
+            likelihood = Likelihood(core, n, error, self.baseline, self.baseline, common, self.threads)
             slopes = intact_slopes(likelihood, len(self.test.elements))
-            self.threshold = log_odds_threshold(slopes, self.prior, self.false_alarm_rate, self.rng)
+            self.threshold = log_odds_threshold(slopes, self.prior, rate, self.rng)
 
     def _tabulate(self, error: ModelError, found: list[Roots]) -> None:
         """Place, covariance and slope of every value under every hypothesis."""
@@ -205,7 +206,7 @@ class Judge:
             change = roots.log_f[root] - error.intact.log_f[identity[root]]
             size = change**2 + _COMMON * np.mean(change**2) if root.size else change
             spread[np.diag_indices(root.size)] += self.baseline.std[has] ** 2 + kappa**2 * size
-            spread += STD_COMMON**2
+            spread += self.options.std_common**2
             triangle = np.linalg.cholesky(spread)
             self.white[h][np.ix_(has, has)] = np.linalg.inv(triangle)
             self.log_det[h] = float(np.log(np.diag(triangle)).sum())
@@ -333,7 +334,7 @@ def predicted(
     test: VirtualTest,
     severities: Sequence[FloatArray],
     prior: DamagePrior,
-    false_alarm_rate: float | None,
+    options: SearchOptions,
     seeds: Sequence[np.random.SeedSequence],
     threads: int,
 ) -> tuple[list[FloatArray], float, int]:
@@ -347,7 +348,7 @@ def predicted(
     try:
         for nth, seed in enumerate(seeds):
             step(f"structure {nth + 1} of {len(seeds)}")
-            share, call = _one(test, severities, prior, false_alarm_rate, seed, threads)
+            share, call = _one(test, severities, prior, options, seed, threads)
             shares.append(share)
             calls.append(call)
     except KeyboardInterrupt:
@@ -361,7 +362,7 @@ def _one(
     test: VirtualTest,
     severities: Sequence[FloatArray],
     prior: DamagePrior,
-    false_alarm_rate: float | None,
+    options: SearchOptions,
     seed: np.random.SeedSequence,
     threads: int,
 ) -> tuple[list[FloatArray], float]:
@@ -371,7 +372,7 @@ def _one(
     steps = [np.unique(np.concatenate([betas, GRID[betas[-1] > GRID]])) for betas in severities]
     damage = [(place, float(beta)) for place, betas in enumerate(steps) for beta in betas]
     intact, *damaged = test.roots(factors, [(0, 0.0), *damage], threads)
-    judge = Judge(test, prior, test.values(intact, rng), threads, false_alarm_rate, rng)
+    judge = Judge(test, prior, test.values(intact, rng), threads, options, rng)
     kept = np.flatnonzero(test.inside(intact))
     found, start = [], 0
     for place, (betas, asked) in enumerate(zip(steps, severities, strict=True)):
@@ -402,7 +403,7 @@ class Task:
     place: int | None
     severity: float
     prior: DamagePrior
-    false_alarm_rate: float | None
+    options: SearchOptions
     seed: np.random.SeedSequence
     threads: int
 
@@ -419,7 +420,7 @@ def judged(test: VirtualTest, task: Task) -> tuple[int, ...]:
         baseline=test.measured(intact, rng),
         elements=list(test.elements),
         prior=task.prior,
-        false_alarm_rate=task.false_alarm_rate,
+        search=task.options,
         rng=int(rng.integers(2**32)),
         workers=task.threads,
         progress=False,

@@ -13,8 +13,10 @@ them come the checks of values, the keys of jobs, the arguments of the command l
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
@@ -32,6 +34,17 @@ class Option:
     high: float | None = None
     low_open: bool = False
     choices: tuple[Any, ...] = ()
+    #: What it is a measure in, and the kind of call for which alone it counts; '' for none, and for all.
+    unit: str = ""
+    scope: str = ""
+
+    @property
+    def explanation(self) -> str:
+        """The sentence, after the scope."""
+        if not self.scope:
+            return self.sentence
+        first = self.sentence[0].lower() if self.sentence[1].islower() else self.sentence[0]
+        return f"{self.scope[0].upper()}{self.scope[1:]}: {first}{self.sentence[1:]}"
 
     @property
     def shown(self) -> str:
@@ -102,3 +115,25 @@ class Options:
     def values(self) -> dict[str, Any]:
         """Every option by name with its value."""
         return {name: getattr(self, name) for name in self.declared()}
+
+    def joined(self, more: Mapping[str, Any]) -> Self:
+        """These options with more of them by name, where a value is given."""
+        own = {name: getattr(self, name) for name in self.given}
+        return type(self)(**(own | {name: value for name, value in more.items() if value is not None}))
+
+
+Chosen = TypeVar("Chosen", bound=Options)
+
+
+def gathered(
+    call: str, place: str, chosen: Chosen, older: Mapping[str, Any], *, stacklevel: int = 3
+) -> Chosen:
+    """The options of ``place=``, joined by those given flat, as until 0.1, with a warning."""
+    for name in older:
+        if name not in chosen.declared():
+            raise TypeError(f"{call}() got an unexpected keyword argument {name!r}")
+    if not older:
+        return chosen
+    now = ", ".join(f"{place}={type(chosen).__name__}({name}=...)" for name in older)
+    warnings.warn(f"{call}: {' and '.join(older)}: write {now}", FutureWarning, stacklevel=stacklevel)
+    return chosen.joined(older)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 import numpy as np
 
 from ..support.checks import FloatArray
-from ..support.values import ReadOnly
+from ..support.values import FrozenDict, ReadOnly
 from ..views import Viewed
 from .identifiability import Identifiability, identifiability
 from .model_check import Explained, explained
@@ -19,6 +19,7 @@ from .tables import FrequencyTable, ModalTable
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Mapping
 
     from ..models.structural_model import StructuralModel
     from ..optimize.island_ga import History, OptimizeResult
@@ -158,6 +159,8 @@ class UpdateResult(WithIntervals, Viewed):
         Master seed in force.
     reduction : ReductionReport or None
         What the reduced models came to that served the search; None if there were none, and in a file.
+    options : mapping of str to value
+        Options of the call by name, as they held, with the version ``antires_rs``.
 
     Examples
     --------
@@ -175,6 +178,7 @@ class UpdateResult(WithIntervals, Viewed):
     search: OptimizeResult
     seed: int
     reduction: ReductionReport | None
+    options: Mapping[str, Any]
     x: FloatArray
     fun: float
     success: bool
@@ -191,10 +195,13 @@ class UpdateResult(WithIntervals, Viewed):
         search: OptimizeResult,
         seed: int,
         reduction: ReductionReport | None = None,
+        *,
+        options: Mapping[str, Any] | None = None,
     ) -> None:
         told = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations")
         of_search = {name: getattr(search, name) for name in told}
         self._fill(problem=problem, search=search, seed=seed, reduction=reduction, **of_search)
+        self._fill(options=FrozenDict(search.options if options is None else options))
 
     @property
     def history(self) -> History:

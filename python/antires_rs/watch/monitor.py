@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..damage.assess import assess_damage, elements_of
+from ..damage.assess import assess_damage, checked_search, elements_of
 from ..damage.assessor import Assessor
-from ..damage.question import DamagePrior
+from ..damage.options import TWO_STATES, SearchOptions, checked_prior, sorted_out
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import MAX_SHIFT, check_shift
@@ -36,9 +36,9 @@ from .watched import Watched, assessed, runs_of
 LEAST = 8
 #: Further outside the baseline than so many times its range, a condition is an error of its logger.
 _ABSURD = 10.0
-#: Options of ``assess_damage`` that are for a search without a baseline, or that the watch fills itself.
-_NOT_HERE = ("gamma1", "gamma2", "snap", "weights", "optimizer", "callback", "x0", "checkpoint")
-_OWN = ("model", "measured", "baseline")
+#: Arguments of ``assess_damage`` that are for a search without a baseline, or that the watch fills itself.
+_NOT_HERE = ("optimizer", "callback", "checkpoint")
+_OWN = ("model", "measured", "baseline", "older")
 
 
 def series_of(given: Any) -> Series:
@@ -159,7 +159,10 @@ def check_assessor(assessor: Assessor, one: AntiresonanceSet) -> None:
 
 def check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:
     """Refuse wrong options of ``assess_damage`` now, not at the first alarm."""
-    known = [name for name in inspect.signature(assess_damage).parameters if name not in _OWN]
+    known = [
+        *(name for name in inspect.signature(assess_damage).parameters if name not in _OWN),
+        *SearchOptions.declared(),
+    ]
     for name, value in options.items():
         if name not in known:
             reject(name, "an unknown option", f"one of assess_damage: {', '.join(known)}", "Look for a typo.")
@@ -168,12 +171,7 @@ def check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Map
     wanted = options.get("elements")
     if wanted is not None or model.default_elements:
         UpdatingProblem(model, stiffness_reduction(elements_of(model, wanted)), [one])
-    std = options.get("std_common")
-    if std is not None:
-        finite_scalar("std_common", std, low=0.0, high=0.1)
-    prior = options.get("prior")
-    if prior is not None and not isinstance(prior, DamagePrior):
-        reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
+    checked_prior(options.get("prior"), checked_search(sorted_out(options).get("search")).of(TWO_STATES))
 
 
 #: Places that so many tests of the baseline have are followed, at least.
@@ -224,7 +222,7 @@ def monitor(
     progress : bool, optional
         Show a line of progress; by default on a terminal.
     **assessment
-        Options of :func:`~antires_rs.assess_damage`: ``elements``, ``prior``, ``std_common``, ...
+        Options of :func:`~antires_rs.assess_damage`: ``elements``, ``prior``, ``search``, ...
 
     Returns
     -------

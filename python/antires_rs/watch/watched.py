@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..damage.assess import assess_damage
 from ..damage.assessor import AssessedTest, Assessor
+from ..damage.options import SearchOptions, sorted_out
 from ..damage.result import DamageResult
 from ..exceptions import reject
 from ..io.data_frames import frame_of
@@ -388,7 +389,10 @@ def assessed(
     )
     unsure = [directions(learned, own, i, free=False) for i in range(len(tests))]
     common = max([_COMMON] + [float(np.sqrt(np.mean(g**2)) * np.sqrt(g.shape[1])) for g in unsure if g.size])
-    given = {"std_common": min(common, 0.1), "progress": False} | dict(options)
+    given = sorted_out({"search": None, "progress": False} | dict(options))
+    search = given["search"] or SearchOptions()
+    if "std_common" not in search.given:
+        given["search"] = search.joined({"std_common": min(common, 0.1)})
     return assess_damage(by, measured, baseline=baseline, **given)
 
 
