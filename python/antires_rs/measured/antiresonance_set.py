@@ -360,19 +360,10 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         unexplained_hz: Mapping[Any, FloatArray] | None = None,
         **evidence: Any,
     ) -> Self:
-        """A set of tables that are there.
+        """A set of tables that are there, by dof; ``evidence`` as for the constructor.
 
-        Parameters
-        ----------
-        excitation : int or str
-        tables : mapping of dof to ResponseTable
-        edits, before : optional
-            What was edited by hand in these tables, and the tables before it.
-        left_out, unexplained_hz : mapping of dof, optional
-            What was not accepted; by default as the diagrams say.
-        **evidence
-            ``sees``, ``channels``, ``diagrams``, ``data_check``, ``cross_check``, ``options``: as for the
-            constructor.
+        ``edits`` and ``before`` are what was edited by hand in these tables, and the tables before it;
+        ``left_out`` and ``unexplained_hz`` by default as the diagrams say.
         """
         new = cls(excitation, {dof: table.freq_hz for dof, table in tables.items()}, **evidence)
         told = {"left_out": left_out, "unexplained_hz": unexplained_hz}
@@ -452,7 +443,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         return dof
 
     def drop(self, dof: Any, freq_hz: Any, *, reason: str = "", tol_hz: float | None = None) -> Self:
-        """A new set without some values; this one stays as it is.
+        """A new set without some values; this one stays as it is, ``original()`` of the new one.
 
         Parameters
         ----------
@@ -463,11 +454,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             Kept with the record of what was done, ``edits``.
         tol_hz : float, optional
             How far the nearest value may be; default 1 % of ``freq_hz``.
-
-        Returns
-        -------
-        AntiresonanceSet
-            ``original()`` gives back the set before all edits.
 
         Raises
         ------
@@ -490,7 +476,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     def add(
         self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None, reason: str = ""
     ) -> Self:
-        """A new set with more values; this one stays as it is.
+        """A new set with more values, whose source is "by hand"; this one stays as it is.
 
         Parameters
         ----------
@@ -501,11 +487,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             One for all, or one each. Not known by default.
         reason : str
             Kept with the record of what was done, ``edits``.
-
-        Returns
-        -------
-        AntiresonanceSet
-            ``original()`` gives back the set before all edits. In tables the values' source is "by hand".
 
         Raises
         ------
@@ -659,7 +640,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     ) -> Any:
         """Open a page of this computer on which the set is looked at and edited.
 
-        Diagram, curve, coherence and singular values of each response, and the table of values with grade,
+        It has diagram, curve, coherence and singular values of each response, and the values with grade,
         error and doubts. A click drops or adds a value, with a reason if one is typed.
 
         Parameters
@@ -701,18 +682,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     def to_dataframe(self) -> Any:
         """One row a value: dof, freq_hz, damping_ratio, std_hz (NaN where not known), source, and the scores.
 
-        ``source`` is "by hand" for values that were added by hand, "identified" for those that the set was
-        made with. A column for each score follows, and, after a cross-check, ``confirmed`` (None where an
-        antiresonance was not judged).
-
-        Returns
-        -------
-        pandas.DataFrame
-
-        Raises
-        ------
-        MissingDependencyError
-            pandas is not installed.
+        ``source`` is "by hand" or "identified"; after a cross-check ``confirmed`` follows, None where an
+        antiresonance was not judged. A ``pandas.DataFrame``; needs pandas.
         """
         return self._view("to_dataframe")(self)
 
@@ -724,17 +695,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         """Write as JSON, whole or not at all; every float comes back bit for bit.
 
         Tables, edits, the tables before them and what was not accepted are saved; diagrams and checks
-        are not.
-
-        Parameters
-        ----------
-        path : path-like
-            Replaced if it exists.
-
-        Raises
-        ------
-        InvalidInputError
-            The folder does not exist.
+        are not. A file that exists is replaced; an InvalidInputError names a folder that does not.
         """
         write_atomically(path, self.to_json().encode())
 
@@ -764,10 +725,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
         """Read what :meth:`save` wrote, in this version or an older one.
-
-        Parameters
-        ----------
-        path : path-like
 
         Raises
         ------

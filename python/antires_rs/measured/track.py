@@ -28,11 +28,9 @@ class TrackEvent:
     Attributes
     ----------
     kind : {"new", "lost", "merged", "back"}
-    test : int
-        The first test without it, or with it.
+    test, track : int
+        The first test without it, or with it, and its column in :class:`Tracks`.
     dof : int or str
-    track : int
-        Its column in :class:`Tracks`.
     freq_hz : float
         Where it was seen last, or first.
 
@@ -134,14 +132,7 @@ class Tracks(ReadOnly, Viewed):
     def to_dataframe(self) -> Any:
         """One row a test and track: test, condition, dof, track, freq_hz, std_hz, change_percent, event.
 
-        Returns
-        -------
-        pandas.DataFrame
-
-        Raises
-        ------
-        MissingDependencyError
-            pandas is not installed.
+        A ``pandas.DataFrame``; needs pandas.
         """
         return self._view("to_dataframe")(self)
 

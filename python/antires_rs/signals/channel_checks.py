@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support.checks import ComplexArray, FloatArray
-from .averaging import BANDWIDTHS, NARROWEST, SEGMENTS, narrow_width, standing_peaks
+from .averaging import BANDWIDTHS, NARROWEST, SEGMENTS, narrow_width, owned_by_peaks
 from .one_force import Evidence, Finding, NotTested, Said, Severity, rounded
 from .spectra import pieces
 
@@ -608,7 +608,7 @@ def sharpest_lines(power: FloatArray, leakage: bool = True) -> float | None:
     if power.size < LINES_OF_BAND:
         return None
     if not leakage:
-        widths = [_width_at(power, peak) for peak in standing_peaks(power)]
+        widths = [_width_at(power, peak) for _, peak, _ in owned_by_peaks(power)]
         return float(np.quantile(widths, NARROWEST)) if widths else None
     width = narrow_width(power)
     return None if width is None else max(TOP * (width - TONE), 0.0)

@@ -26,9 +26,9 @@ from .one_force import (
     of_spectra,
     one_of_a_kind,
 )
-from .recording import Recording
+from .recording import Recording, parts_of
 from .repeats import one_source
-from .spectra import CrossSpectra, parts_of, roughness
+from .spectra import CrossSpectra, roughness
 
 # -- Findings of several records of one test, each said once, with the records that show it
 
@@ -104,7 +104,7 @@ def of_recording(
 
     ``averages`` of the record, where it was averaged already.
     """
-    hits = averages.of_hits if averages is not None else holds_hits(rec, options)
+    hits = averages.nperseg is None if averages is not None else holds_hits(rec, options)
     said, live = _in_parts(rec, hits)
     if live is None:
         return said + _none_by_line("no channel moves"), None

@@ -12,8 +12,7 @@ import numpy as np
 from ..support.checks import ComplexArray, FloatArray
 from ..support.values import ReadOnly
 from ..views import Viewed
-from .half_spectra import prominent_peaks
-from .spectra import CrossSpectra, pieces, spectrum, typical_noise
+from .spectra import CrossSpectra, pieces, prominent_peaks, running_mean, spectrum, typical_noise
 
 Severity = Literal["fatal", "warning", "note"]
 #: From the one that forbids to the one that informs.
@@ -471,7 +470,7 @@ def expected(seen: Evidence) -> FloatArray:
 def noise_level(seen: Evidence) -> FloatArray:
     """Mean second eigenvalue under one force and noise, by line, from the lower ones; (n_freq,)."""
     assert seen.eigenvalues is not None
-    rest = _smoothed(seen.eigenvalues[:, 2:].mean(axis=1))
+    rest = running_mean(seen.eigenvalues[:, 2:].mean(axis=1), SMOOTHING)
     return noise_ratio(len(seen.dofs), seen.n_averages) * rest
 
 
@@ -496,13 +495,6 @@ def _two_channels(seen: Evidence) -> NotTested:
         "two channels cannot tell a second force from noise; their coherence is "
         f"{level:.3g} at the median line, and what lacks to one is either",
     )
-
-
-def _smoothed(values: FloatArray) -> FloatArray:
-    """Running mean, so that the noise of a few channels has enough samples."""
-    width = min(SMOOTHING, values.size)
-    kernel = np.ones(width)
-    return np.asarray(np.convolve(values, kernel, "same") / np.convolve(np.ones(values.size), kernel, "same"))
 
 
 # -- Does the force act where it is said to?
