@@ -24,7 +24,7 @@ VIEWS = {
     ("DamageResult", "plot"): "figures.damage:plot_damage",
     ("DataCheck", "plot"): "figures.identification:plot_singular_values",
     ("DetectionCurves", "plot"): "figures.planning:plot_detectability",
-    ("EvidenceTables", "look"): "figures.page:of_set",
+    ("AntiresonanceSet", "look"): "figures.page:of_set",
     ("FrameModel", "plot"): "figures.structure:plot_frame",
     ("FrequencyResponse", "to_dataframe"): "io.data_frames:to_dataframe",
     ("FrequencyResponse", "to_xarray"): "io.data_frames:to_xarray",

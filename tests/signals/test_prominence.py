@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from antires_rs.signals.half_spectra import prominent_peaks
+from antires_rs.signals.spectra import prominent_peaks
 
 
 @pytest.mark.parametrize("digits", [0, 1, 6])

@@ -24,8 +24,7 @@ from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
 from ..models.structural_model import StructuralModel
 from ..signals.frequency_response import FrequencyResponse
-from ..signals.recording import Recording
-from ..signals.spectra import parts_of
+from ..signals.recording import Recording, parts_of
 from ..updating.result import UpdateResult
 from ..updating.tables import ModalTable, signed
 from .canvas import picture

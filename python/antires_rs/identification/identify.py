@@ -38,9 +38,8 @@ from ..signals.averaging import Averages, average
 from ..signals.data_check import judged
 from ..signals.frequency_response import FrequencyResponse, band_of
 from ..signals.one_force import DataCheck
-from ..signals.recording import Recording
+from ..signals.recording import Recording, without_force
 from ..signals.repeats import AveragedResponse, one_source
-from ..signals.spectra import without_force
 from ..support.checks import FloatArray
 from ..support.messages import warn
 from ..support.progress import one_blas_thread, patient, step

@@ -39,7 +39,7 @@ from ..measured.response_table import (
     SURE_SPREAD,
     ResponseTable,
 )
-from ..signals.half_spectra import prominent_peaks
+from ..signals.spectra import prominent_peaks
 from ..support.checks import ComplexArray, FloatArray
 from .limits import (
     COMMON,

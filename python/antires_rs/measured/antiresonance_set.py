@@ -6,19 +6,20 @@ import copy
 import json
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any, Literal, Protocol, Self, runtime_checkable
+from typing import TYPE_CHECKING, Any, Literal, Protocol, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..exceptions import InvalidInputError, reject
 from ..support.checks import FloatArray, choice
 from ..support.files import write_atomically
-from ..support.values import FrozenDict, frozen
+from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
-from .edits import Edit, added, described, dropped, marked
+from .edits import Edit, added, dropped, edit_of, marked
 from .response_table import (
     LEAST_DOMINANCE,
     LEAST_PROMINENCE_DB,
@@ -29,344 +30,29 @@ from .response_table import (
     SURE_SHARE,
     SURE_SPREAD,
     ResponseTable,
-    ResponseTables,
     frequencies_hz,
     label,
     tables_of,
 )
 
-# -- A set of antiresonances with a memory of what a person changed in it
+if TYPE_CHECKING:
+    from ..signals.one_force import DataCheck
 
-
-class EditedTables(ResponseTables):
-    """Tables by dof from which rows can be dropped, and to which some can be added, on record.
-
-    Nothing is changed: each edit gives another set, which remembers the one before the first.
-    """
-
-    _edits: tuple[Edit, ...]
-    _original: Self | None
-
-    def __init__(self, excitation: Any, tables: Mapping[Any, ResponseTable]) -> None:
-        super().__init__(excitation, tables)
-        self._fill(_edits=(), _original=None)
-
-    @property
-    def edits(self) -> tuple[Edit, ...]:
-        """What was dropped and added by hand, in order."""
-        return self._edits
-
-    def drop(self, dof: Any, freq_hz: Any, *, reason: str = "", tol_hz: float | None = None) -> Self:
-        """A new set without some values; this one stays as it is.
-
-        Parameters
-        ----------
-        dof : int or str
-        freq_hz : float or array_like
-            Each drops the value nearest to it.
-        reason : str
-            Kept with the record of what was done, ``edits``.
-        tol_hz : float, optional
-            How far the nearest value may be; default 1 % of ``freq_hz``.
-
-        Returns
-        -------
-        AntiresonanceSet
-            ``original()`` gives back the set before all edits.
-
-        Raises
-        ------
-        InvalidInputError
-            No such dof, no value that near, or two frequencies that mean the same value.
-
-        Examples
-        --------
-        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
-        >>> table = AntiresonanceSet(0, {0: [8.7, 12.2], 1: 14.4})
-        >>> fewer = table.drop(0, 12.2, reason="mains hum of the shaker")
-        >>> table[0].tolist(), fewer[0].tolist()
-        ([8.7, 12.2], [8.7])
-        >>> print(fewer.edits[0])
-        dropped 12.20 Hz at dof 0 (mains hum of the shaker)
-        """
-        dof = self._dof(dof)
-        return self._edited(dof, *dropped(dof, self.tables[dof], freq_hz, reason, tol_hz))
-
-    def add(
-        self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None, reason: str = ""
-    ) -> Self:
-        """A new set with more values; this one stays as it is.
-
-        Parameters
-        ----------
-        dof : int or str
-            One of the set's.
-        freq_hz : float or array_like, (n,)
-        damping_ratio, std_hz : float or array_like, (n,), optional
-            One for all, or one each. Not known by default.
-        reason : str
-            Kept with the record of what was done, ``edits``.
-
-        Returns
-        -------
-        AntiresonanceSet
-            ``original()`` gives back the set before all edits. In tables the values' source is "by hand".
-
-        Raises
-        ------
-        InvalidInputError
-            No such dof, a frequency that is not positive, or a value that is there already.
-
-        Examples
-        --------
-        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
-        >>> more = AntiresonanceSet(0, {0: [8.7], 1: 14.4}).add(0, 12.2, reason="clear in the phase")
-        >>> print(more)
-        antiresonances, force at 0
-        dof  freq_hz  doubts
-          0    8.700
-              12.200  added by hand
-          1   14.400
-        edited by hand: added 12.20 Hz at dof 0 (clear in the phase)
-        """
-        dof = self._dof(dof)
-        return self._edited(dof, *added(dof, self.tables[dof], freq_hz, damping_ratio, std_hz, reason))
-
-    def original(self) -> Self:
-        """The set before the first edit by hand; itself if there was none."""
-        return self if self._original is None else self._original
-
-    def _edited(self, dof: Any, table: ResponseTable, records: Sequence[Edit]) -> Self:
-        return self._with(
-            _tables=FrozenDict({**self._tables, dof: table}),
-            _edits=(*self._edits, *records),
-            _original=self.original(),
-        )
-
-    def _with(self, **parts: Any) -> Self:
-        """A copy with other parts; whatever else the set carries stays with it."""
-        new = copy.copy(self)
-        new._fill(**parts)
-        return new
-
-
-# -- What a set of antiresonances carries beside its tables, and what it asks of it
-#
-# The data check and the cross-check are made by packages that use this one: here stands what a set itself
-# reads of them. Whoever asks a set for them gets the objects themselves, with all that they have.
-
-
-class Finding(Protocol):
-    """One thing seen in the data, see :class:`antires_rs.Finding`."""
-
-    @property
-    def severity(self) -> str:
-        """Fatal, warning or note."""
-
-    @property
-    def text(self) -> str:
-        """What was seen."""
-
-
-class DataCheck(Protocol):
-    """Whether the data were fit for identification, see :class:`antires_rs.DataCheck`."""
-
-    @property
-    def findings(self) -> Sequence[Finding]:
-        """Worst first."""
+#: What a set was identified from, and so which roots of a model it can show.
+Sees = Literal["frf", "transmissibility"] | None
 
 
 class CrossCheck(Protocol):
-    """What another method says, see :class:`antires_rs.identification.cross_check.SecondOpinion`."""
+    """What another method says; identification, which makes it, stands above this room."""
 
     def is_confirmed(self, dof: Any, freq_hz: float) -> bool | None:
         """Whether this very antiresonance is confirmed; None if it was not judged."""
 
 
-@runtime_checkable
-class SeriesOfTests(Protocol):
-    """Many tests of one structure, see :class:`antires_rs.Series`."""
-
-    def tracks(self, conditions: Any = None, **options: Any) -> Any:
-        """Every antiresonance followed over them."""
-
-    def average(self, **options: Any) -> Any:
-        """One set that stands for all of them."""
-
-
-# -- What a set of antiresonances was identified from, and so which roots of a model it can show
-
-
-Sees = Literal["frf", "transmissibility"] | None
-_KINDS = ("frf", "transmissibility", None)
-
-
-def checked_sees(sees: Any) -> Sees:
-    """One of the kinds."""
-    if sees not in _KINDS:
-        reject("sees", repr(sees), "'frf', 'transmissibility' or None", "Leave it out where it is not known.")
-    kind: Sees = sees
-    return kind
-
-
-def channels_of(given: Iterable[Any] | None, dofs: tuple[Any, ...]) -> tuple[Any, ...]:
-    """All responses measured together, those with a table among them; empty if not all are known."""
-    if given is None:
-        return dofs
-    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
-        reject("channels", given, "a list of dofs", "Put the dofs in a list, such as channels=[0, 1].")
-    named = tuple(dict.fromkeys(label("channels", dof) for dof in given))
-    missing = [dof for dof in dofs if dof not in named]
-    if named and missing:
-        reject(
-            "channels",
-            f"{named} without {missing[0]!r}",
-            "every dof of freq_hz among them",
-            "Add it: it was measured too. Leave channels out if there were no others.",
-        )
-    return named
-
-
-def moved_channels(channels: tuple[Any, ...], names: Mapping[Any, Any]) -> tuple[Any, ...]:
-    """The channels under other names; empty if one has none, for what all share cannot be told then."""
-    return tuple(names[dof] for dof in channels) if all(dof in names for dof in channels) else ()
-
-
-def sight_of_all(sets: Sequence[Any], force: Any) -> dict[str, Any]:
-    """``sees`` and ``channels`` of setups that are joined: of one kind, all channels if the force stayed."""
-    kinds = {one.sees for one in sets}
-    stayed = all(one.excitation == force and one.channels for one in sets)
-    channels = tuple(dict.fromkeys(dof for one in sets for dof in one.channels)) if stayed else ()
-    return {"sees": kinds.pop() if len(kinds) == 1 else None, "channels": channels}
-
-
-# -- A set of antiresonances with what speaks for it and what was seen beside it
-
-
-class EvidenceTables(EditedTables, Viewed):
-    """Tables by dof with diagrams, checks, and what was seen and not accepted."""
-
-    _diagrams: FrozenDict[Any, Any]
-    _left_out: FrozenDict[Any, ResponseTable]
-    _unexplained_hz: FrozenDict[Any, FloatArray]
-    _data_check: DataCheck | None
-    _cross_check: CrossCheck | None
-    _sees: Sees
-    _channels: tuple[Any, ...]
-    _options: FrozenDict[str, Any]
-
-    def _fill_diagrams(self, diagrams: Mapping[Any, Any]) -> None:
-        """The diagrams, and what they say was not accepted."""
-        drawn = {dof: one for dof, one in diagrams.items() if hasattr(one, "unexplained_hz")}
-        self._fill(
-            _diagrams=FrozenDict(diagrams),
-            _left_out=FrozenDict({dof: one.left_out for dof, one in drawn.items()}),
-            _unexplained_hz=FrozenDict({dof: one.unexplained_hz for dof, one in drawn.items()}),
-        )
-
-    @property
-    def sees(self) -> Sees:
-        """What it was identified from: "frf", "transmissibility", or None where that is not known."""
-        return self._sees
-
-    @property
-    def channels(self) -> tuple[Any, ...]:
-        """All responses that were measured together; empty where some of them have no name here."""
-        return self._channels
-
-    @property
-    def options(self) -> Mapping[str, Any]:
-        """How it was identified: every option by name with its value, the band, and the package's version.
-
-        Empty for sets made by hand, joined, or saved by version 0.1.
-        """
-        return self._options
-
-    @property
-    def diagrams(self) -> Mapping[Any, Any]:
-        """Stabilization diagram by dof where the set was identified."""
-        return self._diagrams
-
-    @property
-    def left_out(self) -> Mapping[Any, ResponseTable]:
-        """By dof, where curves were identified: what fits saw and did not accept, with the score "why"."""
-        return self._left_out
-
-    @property
-    def unexplained_hz(self) -> Mapping[Any, FloatArray]:
-        """By dof, where it was identified: peaks of its curve beside which nothing was seen."""
-        return self._unexplained_hz
-
-    @property
-    def data_check(self) -> Any | None:
-        """Whether the data were fit for identification, where they were checked."""
-        return self._data_check
-
-    @property
-    def cross_check(self) -> Any | None:
-        """What another method says of the antiresonances, where it was asked."""
-        return self._cross_check
-
-    @property
-    def second_opinion(self) -> Any | None:
-        """The older name of ``cross_check``."""
-        return self._cross_check
-
-    def look(
-        self,
-        source: Any = None,
-        *,
-        save_to: Any = None,
-        wait: bool | None = None,
-        browser: bool = True,
-        **options: Any,
-    ) -> Any:
-        """Open a page of this computer on which the set is looked at and edited.
-
-        Diagram, curve, coherence and singular values of each response, and the table of values with grade,
-        error and doubts. A click drops or adds a value, with a reason if one is typed.
-
-        Parameters
-        ----------
-        source : Recording, FrequencyResponse or a list of either, optional
-            What it was identified from. With it curves are shown, and band and orders can be changed.
-        save_to : path-like, optional
-            Where the page saves the set; without it the page offers a download.
-        wait : bool, optional
-            Return when the page was closed, or Ctrl-C. By default everywhere but in a notebook, where the
-            page stands below the cell and stays open.
-        browser : bool
-            Open the browser; else the address is printed only.
-        **options
-            Of :func:`~antires_rs.identify_antiresonances`, for the page to identify again as the set was.
-
-        Returns
-        -------
-        Page
-            ``.zeros`` is the set as it is now, with all edits; ``.url`` the address, ``.stop()`` ends it.
-
-        Raises
-        ------
-        MissingDependencyError
-            bokeh is not installed.
-        InvalidInputError
-            A source of another kind, or a band outside of it.
-
-        Examples
-        --------
-        >>> import antires_rs as ar
-        >>> page = ar.AntiresonanceSet(0, {0: [8.7, 12.2]}).look(wait=False, browser=False)
-        looking at antiresonances, force at 0: http://127.0.0.1:...
-        >>> page.zeros[0].tolist(), page.stop()
-        ([8.7, 12.2], None)
-        """
-        return self._view("look")(self, source, save_to, options, wait=wait, browser=browser)
-
-
 # -- Why an antiresonance asks for a look: a few words for each
 
 
-#: What a grade's tests are called where they fail.
+#: What a grade's tests are called where they fail: of the sweep over orders, and of fits over windows.
 _TESTS: tuple[tuple[str, Callable[[ResponseTable, int], Any]], ...] = (
     ("few orders", lambda table, i: table.rows[i] > MORE_ROWS),
     ("unsteady", lambda table, i: table.spread[i] <= MOST_SPREAD),
@@ -374,7 +60,6 @@ _TESTS: tuple[tuple[str, Callable[[ResponseTable, int], Any]], ...] = (
     ("poor fit", lambda table, i: table.residual[i] <= MOST_RESIDUAL),
     ("no clear peak", lambda table, i: table.prominence_db[i] >= LEAST_PROMINENCE_DB),
 )
-#: The same of fits over windows.
 _OF_WINDOWS: tuple[tuple[str, Callable[[ResponseTable, int], Any]], ...] = (
     ("not in all fits", lambda table, i: table.scores["share"][i] >= SURE_SHARE),
     ("unsteady", lambda table, i: table.spread[i] <= SURE_SPREAD),
@@ -389,28 +74,20 @@ _OF_WINDOWS: tuple[tuple[str, Callable[[ResponseTable, int], Any]], ...] = (
 _HOW = {"persistent": "does not stand still", "likeliest order": "one order only"}
 
 
-class _Confirms(Protocol):
-    def is_confirmed(self, dof: Any, freq_hz: float) -> bool | None: ...
-
-
-def doubts_of(dof: Any, table: ResponseTable, cross_check: _Confirms | None = None) -> list[list[str]]:
+def doubts_of(dof: Any, table: ResponseTable, cross_check: CrossCheck | None = None) -> list[list[str]]:
     """Words for every row: added by hand, how it was accepted, tests failed below "sure", not confirmed."""
-    return [_of(dof, table, i, cross_check) for i in range(len(table))]
-
-
-def _of(dof: Any, table: ResponseTable, i: int, cross_check: _Confirms | None) -> list[str]:
-    if table.by_hand[i]:
-        return ["added by hand"]
-    words = []
-    if "how" in table.scores and str(table.how[i]) in _HOW:
-        words.append(_HOW[str(table.how[i])])
-    grade = str(table.scores["grade"][i]) if "grade" in table.scores else "sure"
-    if grade != "sure":
-        tests = _OF_WINDOWS if "share" in table.scores else _TESTS
-        words += [word for word, passed in tests if not passed(table, i)]
-    if cross_check is not None and cross_check.is_confirmed(dof, float(table.freq_hz[i])) is False:
-        words.append("not confirmed")
-    return words
+    tests = _OF_WINDOWS if "share" in table.scores else _TESTS
+    found = []
+    for i in range(len(table)):
+        words = []
+        if "how" in table.scores and str(table.how[i]) in _HOW:
+            words.append(_HOW[str(table.how[i])])
+        if "grade" in table.scores and str(table.scores["grade"][i]) != "sure":
+            words += [word for word, passed in tests if not passed(table, i)]
+        if cross_check is not None and cross_check.is_confirmed(dof, float(table.freq_hz[i])) is False:
+            words.append("not confirmed")
+        found.append(["added by hand"] if table.by_hand[i] else words)
+    return found
 
 
 # -- Tables as text, in columns that stand under each other
@@ -434,157 +111,58 @@ def aligned(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[s
     ]
 
 
-# -- A set of antiresonances as text: one line each, with what is known of it
-
-
 # Decimals of frequencies without a deviation, and the most that are printed.
 PLAIN, MOST = 3, 6
 
 
-def rows_printed(tables: Mapping[Any, ResponseTable], cross_check: Any = None) -> list[str]:
+def rows_printed(tables: Mapping[Any, ResponseTable], cross_check: CrossCheck | None = None) -> list[str]:
     """Lines of the table; deviations, grades and doubts only where there are any."""
     std = np.concatenate([np.empty(0), *(table.std_hz for table in tables.values())])
-    digits = _decimals(std)
+    known = std[std > 0.0]
+    # As many decimals that the typical deviation has two digits.
+    digits = int(np.clip(np.ceil(-np.log10(np.median(known))) + 1, PLAIN, MOST)) if known.size else PLAIN
     rows = []
     for dof, table in tables.items():
         words = doubts_of(dof, table, cross_check)
+        grades = table.scores.get("grade", [""] * len(table))
         for i in range(len(table)):
             # A score of another kind stands in the place of one that is not known.
-            grade = str(table.scores["grade"][i]) if "grade" in table.scores else ""
-            rows.append(
-                [
-                    "" if i else str(dof),
-                    number(table.freq_hz[i], digits),
-                    number(table.std_hz[i], digits),
-                    "" if grade == "by hand" else grade,
-                    ", ".join(words[i]),
-                ]
-            )
+            grade = "" if str(grades[i]) == "by hand" else str(grades[i])
+            numbers = [number(table.freq_hz[i], digits), number(table.std_hz[i], digits)]
+            rows.append(["" if i else str(dof), *numbers, grade, ", ".join(words[i])])
         if not len(table):
             rows.append([str(dof), "-", "", "", ""])
-    head = ["dof", "freq_hz", "std_hz", "grade", "doubts"]
     there = [True, True, not np.isnan(std).all() if std.size else False]
-    there += [any(row[k] for row in rows) for k in (3, 4)]
-    chosen = [k for k in range(5) if there[k]]
+    chosen = [k for k in range(5) if (there[k] if k < 3 else any(row[k] for row in rows))]
+    head = ["dof", "freq_hz", "std_hz", "grade", "doubts"]
     return aligned(
         [head[k] for k in chosen], [[row[k] for k in chosen] for row in rows], left=("grade", "doubts")
     )
 
 
-def left_out_printed(left_out: Mapping[Any, ResponseTable]) -> list[str]:
-    """A line on what was seen and not accepted, with how many for which reason; none without any."""
-    count = sum(len(table) for table in left_out.values())
-    whys = Counter(str(why) for table in left_out.values() for why in table.scores.get("why", ()) if why)
-    reasons = "; ".join(f"{n} {why}" for why, n in whys.most_common())
-    return [f"left out: {count}{f' ({reasons})' if reasons else ''}, see .left_out"] if count else []
-
-
-def _decimals(std: FloatArray) -> int:
-    """As many that the typical deviation has two digits."""
-    known = std[std > 0.0]
-    if not known.size:
-        return PLAIN
-    return int(np.clip(np.ceil(-np.log10(np.median(known))) + 1, PLAIN, MOST))
-
-
-# -- An AntiresonanceSet as JSON
+# -- A set as JSON
 #
 # Version 1 holds excitation and, by dof, freq_hz, damping_ratio and std_hz. Version 2 adds the scores, the
 # edits made by hand, and the values as they were before the first of them. "sees" (what it was identified
-# from) and "channels" (all dofs measured together) may follow, and by dof "left_out" and "unexplained_hz"
-# (what was seen and not accepted); older versions of the package read such files too. What is not known is
-# null.
+# from), "channels" (all dofs measured together) and "options" may follow, and by dof "left_out" and
+# "unexplained_hz" (what was seen and not accepted); older versions of the package read such files too. What
+# is not known is null.
 
 
 FORMAT = "antires_rs.AntiresonanceSet"
 VERSION = 2
 COLUMNS = ("freq_hz", "damping_ratio", "std_hz")
-ACTIONS = ("drop", "add")
+_WANTED = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
 _ANOTHER = "It was cut, or is another file: save the set again, or name the file that holds it."
-
-
-def to_json(
-    excitation: Any,
-    tables: Mapping[Any, ResponseTable],
-    edits: tuple[Edit, ...],
-    before: Mapping[Any, ResponseTable] | None,
-    sight: tuple[Sees, tuple[Any, ...]],
-    beside: tuple[Mapping[Any, ResponseTable], Mapping[Any, FloatArray]],
-    options: Mapping[str, Any],
-) -> str:
-    """The file's text.
-
-    ``before`` holds the tables before the first edit, ``sight`` sees and channels, ``beside`` what was left
-    out and unexplained, by dof.
-    """
-    data: dict[str, Any] = {"format": FORMAT, "version": VERSION, "excitation": excitation}
-    sees, channels = sight
-    if sees is not None:
-        data["sees"] = sees
-    if channels != tuple(tables):
-        data["channels"] = list(channels)
-    if options:
-        data["options"] = dict(options)
-    data["dofs"] = _rows(tables)
-    left_out, unexplained_hz = beside
-    for row in data["dofs"]:
-        if row["dof"] in left_out:
-            row["left_out"] = _row(left_out[row["dof"]])
-        if row["dof"] in unexplained_hz:
-            row["unexplained_hz"] = unexplained_hz[row["dof"]].tolist()
-    if edits and before is not None:
-        data["edits"] = [asdict(edit) for edit in edits]
-        data["before_edits"] = _rows(before)
-    return json.dumps(data, indent=1, allow_nan=False) + "\n"
-
-
-def from_json(text: str, path: str) -> dict[str, Any]:
-    """What :func:`to_json` took, as plain data by its names; ``before`` is None without edits."""
-    wanted = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
-    try:
-        data = json.loads(text)
-    except ValueError as exc:
-        raise InvalidInputError("path", f"{path!r}, which is not JSON ({exc})", wanted, _ANOTHER) from exc
-    if not isinstance(data, dict) or data.get("format") != FORMAT:
-        reject("path", f"{path!r} without the mark {FORMAT!r}", wanted, _ANOTHER)
-    if not isinstance(data.get("version"), int) or data["version"] > VERSION:
-        reject("path", f"{path!r} of version {data.get('version')!r}", wanted, "Update antires_rs.")
-    try:
-        edits = tuple(edit_of(row) for row in data.get("edits", ()))
-        return {
-            "excitation": data["excitation"],
-            "sees": data.get("sees"),
-            "channels": data.get("channels"),
-            "options": dict(data.get("options", {})),
-            "now": _read(data["dofs"]),
-            "left_out": _read(
-                [{**row["left_out"], "dof": row["dof"]} for row in data["dofs"] if "left_out" in row]
-            ),
-            "unexplained_hz": {
-                row["dof"]: row["unexplained_hz"] for row in data["dofs"] if "unexplained_hz" in row
-            },
-            "edits": edits,
-            "before": _read(data["before_edits"]) if edits else None,
-        }
-    except (KeyError, TypeError, ValueError, AttributeError) as exc:
-        raise damaged(path, exc) from exc
 
 
 def damaged(path: str, exc: Exception) -> InvalidInputError:
     """The error of a file whose contents cannot be."""
-    return InvalidInputError(
-        "path",
-        f"{path!r}, which is damaged ({exc})",
-        f"a file written by AntiresonanceSet.save, version {VERSION} or older",
-        _ANOTHER,
-    )
-
-
-def _rows(tables: Mapping[Any, ResponseTable]) -> list[dict[str, Any]]:
-    return [{"dof": dof, **_row(table)} for dof, table in tables.items()]
+    return InvalidInputError("path", f"{path!r}, which is damaged ({exc})", _WANTED, _ANOTHER)
 
 
 def _row(table: ResponseTable) -> dict[str, Any]:
+    """A table as a file has it."""
     row: dict[str, Any] = {}
     for name in COLUMNS:
         values = getattr(table, name)
@@ -596,8 +174,8 @@ def _row(table: ResponseTable) -> dict[str, Any]:
     return row
 
 
-def _read(rows: Any) -> dict[str, dict[Any, Any]]:
-    """Keyword arguments of AntiresonanceSet."""
+def _read(rows: Any) -> dict[Any, ResponseTable]:
+    """Tables by dof."""
     out: dict[str, dict[Any, Any]] = {name: {} for name in (*COLUMNS, "scores")}
     for row in rows:
         dof = row["dof"]
@@ -609,37 +187,41 @@ def _read(rows: Any) -> dict[str, dict[Any, Any]]:
                 out[name][dof] = [np.nan if v is None else v for v in row[name]]
         if "scores" in row:
             out["scores"][dof] = {name: _column(values) for name, values in row["scores"].items()}
-    return out
+    return tables_of(**out)
 
 
-def edit_of(row: dict[str, Any]) -> Edit:
-    """An edit as a file has it; ValueError or TypeError for what is none."""
-    edit = Edit(**row)
-    known = isinstance(row.get("scores", {}), dict) and isinstance(edit.reason, str)
-    if edit.action not in ACTIONS or not known:
-        raise ValueError(f"edit {row!r}")
-    if not isinstance(edit.freq_hz, int | float) or not edit.freq_hz > 0.0:
-        raise ValueError(f"edit of {edit.freq_hz!r} Hz")
-    return edit
-
-
-def _column(values: list[Any]) -> Any:
+def _column(values: list[Any]) -> NDArray[Any]:
     """Text, truth, whole numbers or floats; null is NaN."""
-    if values and all(isinstance(v, str) for v in values):
-        return np.array(values)
-    if values and all(isinstance(v, bool) for v in values):
-        return np.array(values)
-    if values and all(isinstance(v, int) for v in values):
-        return np.array(values, dtype=np.int64)
+    for kind, dtype in ((str, None), (bool, None), (int, np.int64)):
+        if values and all(isinstance(v, kind) for v in values):
+            return np.array(values, dtype=dtype)
     return np.array([np.nan if v is None else v for v in values], dtype=np.float64)
 
 
-def _plain(values: Any) -> list[Any]:
+def _plain(values: NDArray[Any]) -> list[Any]:
     """NaN becomes null."""
     return [None if value != value else value for value in values.tolist()]
 
 
-class AntiresonanceSet(EvidenceTables):
+def channels_of(given: Iterable[Any] | None, dofs: tuple[Any, ...]) -> tuple[Any, ...]:
+    """All responses measured together, those with a table among them; empty if not all are known."""
+    if given is None:
+        return dofs
+    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
+        reject("channels", given, "a list of dofs", "Put the dofs in a list, such as channels=[0, 1].")
+    named = tuple(dict.fromkeys(label("channels", dof) for dof in given))
+    missing = [dof for dof in dofs if dof not in named]
+    if named and missing:
+        reject(
+            "channels",
+            f"{named} without {missing[0]!r}",
+            "every dof of freq_hz among them",
+            "Add it: it was measured too. Leave channels out if there were no others.",
+        )
+    return named
+
+
+class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     """Antiresonant frequencies by response dof, a mapping ``{dof: freq_hz}``; read-only.
 
     Parameters
@@ -666,6 +248,9 @@ class AntiresonanceSet(EvidenceTables):
     sees : str or None
     channels : tuple of dof
         Empty where some of them have no name here, see :meth:`relabelled`.
+    options : dict
+        How it was identified: every option by name with its value, the band, and the package's version. Empty
+        for sets made by hand, joined, or saved by version 0.1.
     tables : dict
         By dof: one ``ResponseTable``, from which the next three are taken.
     damping_ratio, std_hz : dict
@@ -682,7 +267,7 @@ class AntiresonanceSet(EvidenceTables):
         By dof, where it was identified: peaks of its curve beside which nothing was seen.
     diagrams : dict
         Stabilization diagram by dof where the set was identified; not saved.
-    cross_check, second_opinion : SecondOpinion or None
+    cross_check, second_opinion : CrossCheck or None
         What another method says of the antiresonances, where it was asked (one thing, two names); not saved.
     data_check : DataCheck or None
         Whether the data were fit for it; not saved.
@@ -717,6 +302,19 @@ class AntiresonanceSet(EvidenceTables):
       2        -
     """
 
+    excitation: Any = None
+    tables: Mapping[Any, ResponseTable] = FrozenDict()
+    sees: Sees = None
+    channels: tuple[Any, ...] = ()
+    options: Mapping[str, Any] = FrozenDict()
+    diagrams: Mapping[Any, Any] = FrozenDict()
+    left_out: Mapping[Any, ResponseTable] = FrozenDict()
+    unexplained_hz: Mapping[Any, FloatArray] = FrozenDict()
+    data_check: DataCheck | None = None
+    cross_check: Any = None
+    edits: tuple[Edit, ...] = ()
+    _original: Self | None = None
+
     def __init__(
         self,
         excitation: Any,
@@ -732,14 +330,22 @@ class AntiresonanceSet(EvidenceTables):
         cross_check: CrossCheck | None = None,
         options: Mapping[str, Any] | None = None,
     ) -> None:
-        super().__init__(label("excitation", excitation), tables_of(freq_hz, damping_ratio, std_hz, scores))
-        self._fill_diagrams(diagrams or {})
+        if sees not in ("frf", "transmissibility", None):
+            wanted = "'frf', 'transmissibility' or None"
+            reject("sees", repr(sees), wanted, "Leave it out where it is not known.")
+        tables = tables_of(freq_hz, damping_ratio, std_hz, scores)
+        drawn = {dof: one for dof, one in (diagrams or {}).items() if hasattr(one, "unexplained_hz")}
         self._fill(
-            _data_check=data_check,
-            _cross_check=cross_check,
-            _sees=checked_sees(sees),
-            _channels=channels_of(channels, tuple(self)),
-            _options=FrozenDict(options or {}),
+            excitation=label("excitation", excitation),
+            tables=FrozenDict(tables),
+            sees=sees,
+            channels=channels_of(channels, tuple(tables)),
+            options=FrozenDict(options or {}),
+            diagrams=FrozenDict(diagrams or {}),
+            left_out=FrozenDict({dof: one.left_out for dof, one in drawn.items()}),
+            unexplained_hz=FrozenDict({dof: one.unexplained_hz for dof, one in drawn.items()}),
+            data_check=data_check,
+            cross_check=cross_check,
         )
 
     @classmethod
@@ -754,33 +360,167 @@ class AntiresonanceSet(EvidenceTables):
         unexplained_hz: Mapping[Any, FloatArray] | None = None,
         **evidence: Any,
     ) -> Self:
-        """A set of tables that are there.
+        """A set of tables that are there, by dof; ``evidence`` as for the constructor.
+
+        ``edits`` and ``before`` are what was edited by hand in these tables, and the tables before it;
+        ``left_out`` and ``unexplained_hz`` by default as the diagrams say.
+        """
+        new = cls(excitation, {dof: table.freq_hz for dof, table in tables.items()}, **evidence)
+        told = {"left_out": left_out, "unexplained_hz": unexplained_hz}
+        new._fill(**{name: FrozenDict(given) for name, given in told.items() if given is not None})
+        if edits and before is not None:
+            sight: dict[str, Any] = {name: evidence.get(name) for name in ("sees", "channels")}
+            sight |= {name: getattr(new, name) for name in told}
+            new._fill(_original=cls.from_tables(excitation, before, **sight))
+        new._fill(tables=FrozenDict(zip(new, tables.values(), strict=True)), edits=tuple(edits))
+        return new
+
+    @property
+    def damping_ratio(self) -> Mapping[Any, FloatArray]:
+        """By dof, in the order of the frequencies: NaN where not known, without the dofs with none known."""
+        return self._known("damping_ratio")
+
+    @property
+    def std_hz(self) -> Mapping[Any, FloatArray]:
+        """Standard deviations by dof: NaN where not known, without the dofs with none known."""
+        return self._known("std_hz")
+
+    @property
+    def scores(self) -> Mapping[Any, Mapping[str, NDArray[Any]]]:
+        """By dof: what speaks for each, arrays by name, see :mod:`antires_rs.identification.scores`."""
+        return FrozenDict({dof: table.scores for dof, table in self.tables.items() if table.scores})
+
+    @property
+    def second_opinion(self) -> Any | None:
+        """The older name of ``cross_check``."""
+        return self.cross_check
+
+    def columns(self, dof: Any) -> dict[str, FloatArray]:
+        """Frequency, damping ratio and standard deviation of a dof, (n,) each; NaN where not known."""
+        return {name: getattr(self.tables[dof], name) for name in COLUMNS}
+
+    def by_hand(self) -> set[tuple[Any, float]]:
+        """(dof, frequency in Hz) of what is there because it was added by hand."""
+        return {(dof, f) for dof, one in self.tables.items() for f in one.freq_hz[one.by_hand].tolist()}
+
+    def __getitem__(self, dof: Any) -> FloatArray:
+        return self.tables[dof].freq_hz
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.tables)
+
+    def __len__(self) -> int:
+        return len(self.tables)
+
+    def __eq__(self, other: object) -> bool:
+        """Same excitation, dofs and values, bit for bit; diagrams, scores and edits do not count."""
+        if not isinstance(other, AntiresonanceSet):
+            return NotImplemented
+        return (
+            self.excitation == other.excitation
+            and self.tables.keys() == other.tables.keys()
+            and all(table.same_as(other.tables[dof]) for dof, table in self.tables.items())
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{dof!r}: {len(table)}" for dof, table in self.tables.items())
+        return f"{type(self).__name__}(excitation={self.excitation!r}, values by dof {{{counts}}})"
+
+    def _known(self, name: str) -> FrozenDict[Any, FloatArray]:
+        """A column by dof, without the dofs that have antiresonances and nothing known of any."""
+        columns = {dof: getattr(table, name) for dof, table in self.tables.items()}
+        return FrozenDict(
+            {dof: values for dof, values in columns.items() if not values.size or not np.isnan(values).all()}
+        )
+
+    def _dof(self, dof: Any) -> Any:
+        """One of the set's dofs."""
+        dof = label("dof", dof)
+        if dof not in self.tables:
+            reject("dof", dof, f"one of {tuple(self.tables)}", "Name a dof of the set; those are its keys.")
+        return dof
+
+    def drop(self, dof: Any, freq_hz: Any, *, reason: str = "", tol_hz: float | None = None) -> Self:
+        """A new set without some values; this one stays as it is, ``original()`` of the new one.
 
         Parameters
         ----------
-        excitation : int or str
-        tables : mapping of dof to ResponseTable
-        edits, before : optional
-            What was edited by hand in these tables, and the tables before it.
-        left_out, unexplained_hz : mapping of dof, optional
-            What was not accepted; by default as the diagrams say.
-        **evidence
-            ``sees``, ``channels``, ``diagrams``, ``data_check``, ``cross_check``, ``options``: as for the
-            constructor.
+        dof : int or str
+        freq_hz : float or array_like
+            Each drops the value nearest to it.
+        reason : str
+            Kept with the record of what was done, ``edits``.
+        tol_hz : float, optional
+            How far the nearest value may be; default 1 % of ``freq_hz``.
+
+        Raises
+        ------
+        InvalidInputError
+            No such dof, no value that near, or two frequencies that mean the same value.
+
+        Examples
+        --------
+        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
+        >>> table = AntiresonanceSet(0, {0: [8.7, 12.2], 1: 14.4})
+        >>> fewer = table.drop(0, 12.2, reason="mains hum of the shaker")
+        >>> table[0].tolist(), fewer[0].tolist()
+        ([8.7, 12.2], [8.7])
+        >>> print(fewer.edits[0])
+        dropped 12.20 Hz at dof 0 (mains hum of the shaker)
         """
-        new = cls(excitation, {dof: table.freq_hz for dof, table in tables.items()}, **evidence)
-        if left_out is not None:
-            new._fill(_left_out=FrozenDict(left_out))
-        if unexplained_hz is not None:
-            new._fill(_unexplained_hz=FrozenDict(unexplained_hz))
-        sight: dict[str, Any] = {name: evidence.get(name) for name in ("sees", "channels")}
-        sight |= {"left_out": new.left_out, "unexplained_hz": new.unexplained_hz}
-        original = cls.from_tables(excitation, before, **sight) if edits and before is not None else None
-        return new._with(
-            _tables=FrozenDict(zip(new, tables.values(), strict=True)),
-            _edits=tuple(edits),
-            _original=original,
+        dof = self._dof(dof)
+        return self._edited(dof, *dropped(dof, self.tables[dof], freq_hz, reason, tol_hz))
+
+    def add(
+        self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None, reason: str = ""
+    ) -> Self:
+        """A new set with more values, whose source is "by hand"; this one stays as it is.
+
+        Parameters
+        ----------
+        dof : int or str
+            One of the set's.
+        freq_hz : float or array_like, (n,)
+        damping_ratio, std_hz : float or array_like, (n,), optional
+            One for all, or one each. Not known by default.
+        reason : str
+            Kept with the record of what was done, ``edits``.
+
+        Raises
+        ------
+        InvalidInputError
+            No such dof, a frequency that is not positive, or a value that is there already.
+
+        Examples
+        --------
+        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
+        >>> more = AntiresonanceSet(0, {0: [8.7], 1: 14.4}).add(0, 12.2, reason="clear in the phase")
+        >>> print(more)
+        antiresonances, force at 0
+        dof  freq_hz  doubts
+          0    8.700
+              12.200  added by hand
+          1   14.400
+        edited by hand: added 12.20 Hz at dof 0 (clear in the phase)
+        """
+        dof = self._dof(dof)
+        return self._edited(dof, *added(dof, self.tables[dof], freq_hz, damping_ratio, std_hz, reason))
+
+    def original(self) -> Self:
+        """The set before the first edit by hand; itself if there was none."""
+        return self if self._original is None else self._original
+
+    def _edited(self, dof: Any, table: ResponseTable, records: Sequence[Edit]) -> Self:
+        """A copy with another table of a dof; whatever else the set carries stays with it."""
+        new = copy.copy(self)
+        new._fill(
+            tables=FrozenDict({**self.tables, dof: table}),
+            edits=(*self.edits, *records),
+            _original=self.original(),
         )
+        return new
 
     def relabelled(self, excitation: Any, dofs: Mapping[Any, Any]) -> Self:
         """The set with other names of the dofs, in tables and edits; diagrams and checks stay behind.
@@ -831,21 +571,27 @@ class AntiresonanceSet(EvidenceTables):
             left_out=moved(self.left_out),
             unexplained_hz=moved(self.unexplained_hz),
             sees=self.sees,
-            channels=moved_channels(self.channels, dofs),
+            channels=[dofs[dof] for dof in self.channels] if all(c in dofs for c in self.channels) else (),
             options=self.options,
         )
 
     def __str__(self) -> str:
         lines = [f"antiresonances, force at {self.excitation}"]
-        if self._data_check is not None:
-            lines += [f"do not trust: {f.text}" for f in self._data_check.findings if f.severity == "fatal"]
-        lines += rows_printed(self.tables, self._cross_check)
-        lines += left_out_printed(self.left_out)
+        if self.data_check is not None:
+            lines += [f"do not trust: {f.text}" for f in self.data_check.findings if f.severity == "fatal"]
+        lines += rows_printed(self.tables, self.cross_check)
+        count = sum(len(table) for table in self.left_out.values())
+        if count:
+            said = [
+                str(why) for table in self.left_out.values() for why in table.scores.get("why", ()) if why
+            ]
+            reasons = "; ".join(f"{n} {why}" for why, n in Counter(said).most_common())
+            lines.append(f"left out: {count}{f' ({reasons})' if reasons else ''}, see .left_out")
         unexplained = sum(len(one) for one in self.unexplained_hz.values())
         if unexplained:
             lines.append(f"unexplained: {unexplained}, see .unexplained_hz")
         if self.edits:
-            lines.append(described(self.edits))
+            lines.append("edited by hand: " + "; ".join(map(str, self.edits)))
         return "\n".join(lines)
 
     def plot(self, dof: Any, *, kind: str = "stabilization", ax: Any = None) -> Any:
@@ -883,21 +629,61 @@ class AntiresonanceSet(EvidenceTables):
             added=self[dof][~np.isin(self[dof], found)],
         )
 
-    def to_dataframe(self) -> Any:
-        """One row a value: dof, freq_hz, damping_ratio, std_hz (NaN where not known), source, and the scores.
+    def look(
+        self,
+        source: Any = None,
+        *,
+        save_to: Any = None,
+        wait: bool | None = None,
+        browser: bool = True,
+        **options: Any,
+    ) -> Any:
+        """Open a page of this computer on which the set is looked at and edited.
 
-        ``source`` is "by hand" for values that were added by hand, "identified" for those that the set was
-        made with. A column for each score follows, and, after a cross-check, ``confirmed`` (None where an
-        antiresonance was not judged).
+        It has diagram, curve, coherence and singular values of each response, and the values with grade,
+        error and doubts. A click drops or adds a value, with a reason if one is typed.
+
+        Parameters
+        ----------
+        source : Recording, FrequencyResponse or a list of either, optional
+            What it was identified from. With it curves are shown, and band and orders can be changed.
+        save_to : path-like, optional
+            Where the page saves the set; without it the page offers a download.
+        wait : bool, optional
+            Return when the page was closed, or Ctrl-C. By default everywhere but in a notebook, where the
+            page stands below the cell and stays open.
+        browser : bool
+            Open the browser; else the address is printed only.
+        **options
+            Of :func:`~antires_rs.identify_antiresonances`, for the page to identify again as the set was.
 
         Returns
         -------
-        pandas.DataFrame
+        Page
+            ``.zeros`` is the set as it is now, with all edits; ``.url`` the address, ``.stop()`` ends it.
 
         Raises
         ------
         MissingDependencyError
-            pandas is not installed.
+            bokeh is not installed.
+        InvalidInputError
+            A source of another kind, or a band outside of it.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> page = ar.AntiresonanceSet(0, {0: [8.7, 12.2]}).look(wait=False, browser=False)
+        looking at antiresonances, force at 0: http://127.0.0.1:...
+        >>> page.zeros[0].tolist(), page.stop()
+        ([8.7, 12.2], None)
+        """
+        return self._view("look")(self, source, save_to, options, wait=wait, browser=browser)
+
+    def to_dataframe(self) -> Any:
+        """One row a value: dof, freq_hz, damping_ratio, std_hz (NaN where not known), source, and the scores.
+
+        ``source`` is "by hand" or "identified"; after a cross-check ``confirmed`` follows, None where an
+        antiresonance was not judged. A ``pandas.DataFrame``; needs pandas.
         """
         return self._view("to_dataframe")(self)
 
@@ -909,39 +695,36 @@ class AntiresonanceSet(EvidenceTables):
         """Write as JSON, whole or not at all; every float comes back bit for bit.
 
         Tables, edits, the tables before them and what was not accepted are saved; diagrams and checks
-        are not.
-
-        Parameters
-        ----------
-        path : path-like
-            Replaced if it exists.
-
-        Raises
-        ------
-        InvalidInputError
-            The folder does not exist.
+        are not. A file that exists is replaced; an InvalidInputError names a folder that does not.
         """
         write_atomically(path, self.to_json().encode())
 
     def to_json(self) -> str:
         """The text that :meth:`save` writes."""
-        return to_json(
-            self.excitation,
-            self.tables,
-            self.edits,
-            self.original().tables if self.edits else None,
-            (self.sees, self.channels),
-            (self.left_out, self.unexplained_hz),
-            self.options,
-        )
+        data: dict[str, Any] = {"format": FORMAT, "version": VERSION, "excitation": self.excitation}
+        if self.sees is not None:
+            data["sees"] = self.sees
+        if self.channels != tuple(self.tables):
+            data["channels"] = list(self.channels)
+        if self.options:
+            data["options"] = dict(self.options)
+        data["dofs"] = []
+        for dof, table in self.tables.items():
+            row = {"dof": dof, **_row(table)}
+            if dof in self.left_out:
+                row["left_out"] = _row(self.left_out[dof])
+            if dof in self.unexplained_hz:
+                row["unexplained_hz"] = self.unexplained_hz[dof].tolist()
+            data["dofs"].append(row)
+        if self.edits:
+            data["edits"] = [asdict(edit) for edit in self.edits]
+            before = self.original().tables
+            data["before_edits"] = [{"dof": dof, **_row(table)} for dof, table in before.items()]
+        return json.dumps(data, indent=1, allow_nan=False) + "\n"
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
         """Read what :meth:`save` wrote, in this version or an older one.
-
-        Parameters
-        ----------
-        path : path-like
 
         Raises
         ------
@@ -959,22 +742,35 @@ class AntiresonanceSet(EvidenceTables):
     @classmethod
     def from_json(cls, text: str, name: str = "text") -> Self:
         """A set from the text of :meth:`to_json`; ``name`` stands for it in messages."""
-        data = from_json(text, name)
         try:
-            edits, before = data["edits"], data["before"]
+            data = json.loads(text)
+        except ValueError as exc:
+            raise InvalidInputError(
+                "path", f"{name!r}, which is not JSON ({exc})", _WANTED, _ANOTHER
+            ) from exc
+        if not isinstance(data, dict) or data.get("format") != FORMAT:
+            reject("path", f"{name!r} without the mark {FORMAT!r}", _WANTED, _ANOTHER)
+        if not isinstance(data.get("version"), int) or data["version"] > VERSION:
+            reject("path", f"{name!r} of version {data.get('version')!r}", _WANTED, "Update antires_rs.")
+        try:
+            edits = tuple(edit_of(row) for row in data.get("edits", ()))
+            left_out = [{**row["left_out"], "dof": row["dof"]} for row in data["dofs"] if "left_out" in row]
             return cls.from_tables(
                 data["excitation"],
-                {dof: marked(table, dof, edits) for dof, table in tables_of(**data["now"]).items()},
+                {dof: marked(table, dof, edits) for dof, table in _read(data["dofs"]).items()},
                 edits=edits,
-                before=None if before is None else tables_of(**before),
-                left_out=tables_of(**data["left_out"]) if data["left_out"]["freq_hz"] else None,
+                before=_read(data["before_edits"]) if edits else None,
+                left_out=_read(left_out) if left_out else None,
                 unexplained_hz={
-                    dof: frozen(frequencies_hz(f"unexplained_hz of {dof!r}", values))
-                    for dof, values in data["unexplained_hz"].items()
+                    row["dof"]: frozen(
+                        frequencies_hz(f"unexplained_hz of {row['dof']!r}", row["unexplained_hz"])
+                    )
+                    for row in data["dofs"]
+                    if "unexplained_hz" in row
                 },
-                sees=data["sees"],
-                channels=data["channels"],
-                options=data["options"],
+                sees=data.get("sees"),
+                channels=data.get("channels"),
+                options=dict(data.get("options", {})),
             )
-        except (TypeError, ValueError) as exc:
+        except (KeyError, TypeError, ValueError, AttributeError) as exc:
             raise damaged(name, exc) from exc

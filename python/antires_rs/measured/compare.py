@@ -13,9 +13,10 @@ from ..exceptions import reject
 from ..support.checks import FloatArray, finite_scalar
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
-from .antiresonance_set import AntiresonanceSet, SeriesOfTests, aligned, number
+from .antiresonance_set import AntiresonanceSet, aligned, number
 from .matching import (
     MAX_SHIFT,
+    SeriesOfTests,
     averages_of,
     check_set,
     check_shift,
@@ -118,16 +119,13 @@ class Comparison(ReadOnly, Viewed):
                 f"only in {name}: dof {dof}, " + ", ".join(f"{f:.3f}" for f in values) + " Hz"
                 for dof, values in alone.items()
             ]
-        return "\n".join([*lines, self._verdict()])
-
-    def _verdict(self) -> str:
         if not self.freedom:
-            return "not tested: no standard deviations; give std_between"
-        verdict = "different" if self.different else "no difference"
-        return (
+            return "\n".join([*lines, "not tested: no standard deviations; give std_between"])
+        lines.append(
             f"chi-square {self.chi_square:.1f}, {self.freedom} degrees of freedom, p = {self.p_all:.2g}: "
-            f"{verdict} (false alarms {100 * self.alpha:g} %)"
+            f"{'different' if self.different else 'no difference'} (false alarms {100 * self.alpha:g} %)"
         )
+        return "\n".join(lines)
 
     def to_dataframe(self) -> Any:
         """One row a pair; needs pandas."""

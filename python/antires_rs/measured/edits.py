@@ -11,7 +11,7 @@ import numpy as np
 from ..exceptions import reject
 from ..support.checks import FloatArray, finite_scalar, real_array
 from ..support.values import FrozenDict
-from .response_table import ResponseTable
+from .response_table import ResponseTable, check_std, frequencies_hz
 
 #: Distance of a frequency named by hand from the value it means, relative.
 NAMED_WITHIN = 0.01
@@ -19,6 +19,8 @@ NAMED_WITHIN = 0.01
 SAME = 1e-9
 #: The source of what was added by hand, and what its text scores say.
 BY_HAND = "by hand"
+#: What an edit does, and how it is told.
+VERBS = {"drop": "dropped", "add": "added"}
 
 
 @dataclass(frozen=True)
@@ -50,21 +52,49 @@ class Edit:
         object.__setattr__(self, "scores", FrozenDict(self.scores))
 
     def __str__(self) -> str:
-        verb = {"drop": "dropped", "add": "added"}[self.action]
         why = f" ({self.reason})" if self.reason else ""
-        return f"{verb} {self.freq_hz:.2f} Hz at dof {self.dof}{why}"
+        return f"{VERBS[self.action]} {self.freq_hz:.2f} Hz at dof {self.dof}{why}"
 
 
-def described(edits: Sequence[Edit]) -> str:
-    """One line for all edits."""
-    return "edited by hand: " + "; ".join(map(str, edits))
+def edit_of(row: dict[str, Any]) -> Edit:
+    """An edit as a file has it; ValueError or TypeError for what is none."""
+    edit = Edit(**row)
+    known = isinstance(row.get("scores", {}), dict) and isinstance(edit.reason, str)
+    if edit.action not in VERBS or not known:
+        raise ValueError(f"edit {row!r}")
+    if not isinstance(edit.freq_hz, int | float) or not edit.freq_hz > 0.0:
+        raise ValueError(f"edit of {edit.freq_hz!r} Hz")
+    return edit
 
 
 def dropped(
     dof: Any, table: ResponseTable, freq_hz: Any, reason: Any, tol_hz: float | None
 ) -> tuple[ResponseTable, list[Edit]]:
     """The table of a dof without the rows meant by ``freq_hz``, and the record of it."""
-    chosen = _nearest(_values_hz(freq_hz), table.freq_hz, dof, tol_hz)
+    given_hz = frequencies_hz("freq_hz", freq_hz, empty=False)
+    there = ", ".join(f"{f:.3f}" for f in table.freq_hz) + " Hz" if len(table) else "no value"
+    if tol_hz is not None:
+        finite_scalar("tol_hz", tol_hz, low=0.0, unit="Hz")
+    chosen: list[int] = []
+    for asked in given_hz:
+        within = NAMED_WITHIN * asked if tol_hz is None else tol_hz
+        gap = np.abs(table.freq_hz - asked)
+        if not gap.size or gap.min() > within:
+            reject(
+                "freq_hz",
+                f"{asked:g} Hz at dof {dof!r}, which has {there}",
+                f"a frequency within {within:.3g} Hz of a value",
+                "Name one of them, or widen tol_hz.",
+            )
+        at = int(np.argmin(gap))
+        if at in chosen:
+            reject(
+                "freq_hz",
+                f"{table.freq_hz[at]:.3f} Hz of dof {dof!r} meant twice",
+                "each value once",
+                f"Dof {dof!r} has {there}.",
+            )
+        chosen.append(at)
     reason = _check_reason(reason)
     records = [
         Edit(
@@ -86,8 +116,16 @@ def added(
     dof: Any, table: ResponseTable, freq_hz: Any, damping_ratio: Any, std_hz: Any, reason: Any
 ) -> tuple[ResponseTable, list[Edit]]:
     """The table of a dof with new rows, and the record of it."""
-    new = _values_hz(freq_hz)
-    _clash(new, table.freq_hz, dof)
+    new = frequencies_hz("freq_hz", freq_hz, empty=False)
+    for i, value in enumerate(new):
+        for other, where in ((table.freq_hz, "there already"), (new[:i], "given twice")):
+            if other.size and np.abs(other / value - 1.0).min() <= SAME:
+                reject(
+                    "freq_hz",
+                    f"{value:g} Hz at dof {dof!r}, which is {where}",
+                    "a value that is new",
+                    "Drop the old one first if it is to be replaced.",
+                )
     damping = _companion("damping_ratio", damping_ratio, new.size, "")
     std = _companion("std_hz", std_hz, new.size, " in Hz")
     reason = _check_reason(reason)
@@ -117,48 +155,11 @@ def _known(value: float) -> float | None:
     return None if np.isnan(value) else float(value)
 
 
-def _values_hz(value: Any) -> FloatArray:
-    """One or more positive frequencies, in the order given."""
-    wanted = "one or more positive frequencies in Hz"
-    array = np.atleast_1d(real_array("freq_hz", value, ndim=None, wanted=wanted)).ravel()
-    if array.min() <= 0.0:
-        reject("freq_hz", f"{array.min():g} Hz", wanted, "Leave out what is not above zero.")
-    return array
-
-
 def _check_reason(reason: Any) -> str:
     """A text, possibly empty."""
     if not isinstance(reason, str):
         reject("reason", reason, "a text", "Say in words why the value is changed.")
     return reason
-
-
-def _nearest(asked_hz: FloatArray, there_hz: FloatArray, dof: Any, tol_hz: float | None) -> list[int]:
-    """Index of the value meant by each frequency, every value once."""
-    there = ", ".join(f"{f:.3f}" for f in there_hz) + " Hz" if there_hz.size else "no value"
-    if tol_hz is not None:
-        finite_scalar("tol_hz", tol_hz, low=0.0, unit="Hz")
-    chosen: list[int] = []
-    for asked in asked_hz:
-        within = NAMED_WITHIN * asked if tol_hz is None else tol_hz
-        gap = np.abs(there_hz - asked)
-        if not gap.size or gap.min() > within:
-            reject(
-                "freq_hz",
-                f"{asked:g} Hz at dof {dof!r}, which has {there}",
-                f"a frequency within {within:.3g} Hz of a value",
-                "Name one of them, or widen tol_hz.",
-            )
-        at = int(np.argmin(gap))
-        if at in chosen:
-            reject(
-                "freq_hz",
-                f"{there_hz[at]:.3f} Hz of dof {dof!r} meant twice",
-                "each value once",
-                f"Dof {dof!r} has {there}.",
-            )
-        chosen.append(at)
-    return chosen
 
 
 def _companion(name: str, value: Any, count: int, unit: str) -> FloatArray:
@@ -169,24 +170,5 @@ def _companion(name: str, value: Any, count: int, unit: str) -> FloatArray:
     array = np.atleast_1d(real_array(name, value, ndim=None, wanted=wanted)).ravel()
     if array.size not in (1, count):
         reject(name, f"{array.size} values", wanted, "Give one for each frequency, or a single one for all.")
-    if name == "std_hz" and array.min() < 0.0:
-        reject(
-            name,
-            f"{array.min():g} Hz",
-            "standard deviations of at least 0 Hz",
-            "Pass NaN where it is not known.",
-        )
+    check_std(name, name, array)
     return np.broadcast_to(array, count)
-
-
-def _clash(new_hz: FloatArray, there_hz: FloatArray, dof: Any) -> None:
-    """Refuse values that are there already, or come twice."""
-    for i, value in enumerate(new_hz):
-        for other, where in ((there_hz, "there already"), (new_hz[:i], "given twice")):
-            if other.size and np.abs(other / value - 1.0).min() <= SAME:
-                reject(
-                    "freq_hz",
-                    f"{value:g} Hz at dof {dof!r}, which is {where}",
-                    "a value that is new",
-                    "Drop the old one first if it is to be replaced.",
-                )

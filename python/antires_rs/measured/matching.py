@@ -12,7 +12,7 @@ Reference: D. F. Crouse, IEEE Trans. Aerosp. Electron. Syst. 52 (2016) 1679-1696
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,17 @@ def variance_hz(table: ResponseTable, std_between: float) -> FloatArray:
     own = table.std_hz**2
     between = (std_between * table.freq_hz) ** 2
     return np.where(np.isnan(own), between if std_between > 0.0 else np.nan, own + between)
+
+
+@runtime_checkable
+class SeriesOfTests(Protocol):
+    """Many tests of one structure, see :class:`antires_rs.Series`, which stands above this room."""
+
+    def tracks(self, conditions: Any = None, **options: Any) -> Any:
+        """Every antiresonance followed over them."""
+
+    def average(self, **options: Any) -> Any:
+        """One set that stands for all of them."""
 
 
 def check_shift(max_shift: Any) -> float:

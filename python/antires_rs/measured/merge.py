@@ -11,7 +11,7 @@ import numpy as np
 from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import FloatArray, choice, finite_scalar
 from ..support.messages import warn
-from .antiresonance_set import AntiresonanceSet, sight_of_all
+from .antiresonance_set import AntiresonanceSet
 from .matching import MAX_SHIFT, averages_of, check_sets, check_shift, of_all, of_each, paired, variance_hz
 from .response_table import ResponseTable, label
 
@@ -35,15 +35,21 @@ class Disagreement:
 
 def joined(tables: Sequence[ResponseTable], shift: float, between: float) -> ResponseTable:
     """The values that at least half of the tables have, each the mean of its own."""
-    groups = _groups(tables, shift, between)
-    kept = [group for group in groups if 2 * len(group) >= len(tables)]
     rows, freq, std = [], [], []
-    for group in kept:
+    for group in _groups(tables, shift, between):
+        if 2 * len(group) < len(tables):
+            continue
         values = np.array([tables[i].freq_hz[row] for i, row in group])
         variances = np.array([variance_hz(tables[i], between)[row] for i, row in group])
-        mean, deviation = _mean(values, variances)
-        best = int(np.argmin(np.where(np.isnan(variances), np.inf, variances)))
-        table, row = group[best]
+        n = values.size
+        if np.isnan(variances).any() or variances.min() <= 0.0:
+            mean, deviation = values.mean(), values.std(ddof=1) / np.sqrt(n) if n > 1 else np.nan
+        else:
+            weight = 1.0 / variances
+            mean = np.sum(weight * values) / weight.sum()
+            birge = np.sum(weight * (values - mean) ** 2) / max(n - 1, 1)
+            deviation = np.sqrt(max(1.0, birge) / weight.sum())
+        table, row = group[int(np.argmin(np.where(np.isnan(variances), np.inf, variances)))]
         rows.append(tables[table].take([row]))
         freq.append(mean)
         std.append(deviation)
@@ -121,17 +127,6 @@ def _groups(tables: Sequence[ResponseTable], shift: float, between: float) -> li
             groups[group].append((i, row))
         groups += [[(i, row)] for row in range(len(table)) if row not in pairs.values()]
     return groups
-
-
-def _mean(values: FloatArray, variances: FloatArray) -> tuple[float, float]:
-    """Weighted mean and its standard deviation; a plain mean where a variance is not known."""
-    if np.isnan(variances).any() or variances.min() <= 0.0:
-        n = values.size
-        return float(values.mean()), float(values.std(ddof=1) / np.sqrt(n)) if n > 1 else float("nan")
-    weight = 1.0 / variances
-    mean = float(np.sum(weight * values) / weight.sum())
-    birge = np.sum(weight * (values - mean) ** 2) / max(values.size - 1, 1)
-    return mean, float(np.sqrt(max(1.0, birge) / weight.sum()))
 
 
 def merge_setups(
@@ -212,20 +207,56 @@ def merge_setups(
         for dof, table in _tables(number, one, force, stated=excitation is not None).items():
             shared.setdefault(dof, {})[number] = table
     copies = _counted_once(shared)
-    if copies and check != "off":
-        _warn_of_copies(copies, check)
-    if check != "off" and not (copies and all(len(tables) == 1 for tables in shared.values())):
-        _agree(shared, len(given), shift, between, rate, check)
+    if copies:
+        text = "; ".join(f"setups {a} and {b} have {n} values in common" for (a, b), n in copies.items())
+        _tell(
+            check,
+            "copied_setups",
+            f"{text} to the last bit: one measurement, which counts once.",
+            f"the same numbers to the last bit: {text}",
+            "measurements of their own, whose errors are independent",
+            "Give each setup once.",
+        )
+    common = {dof: tables for dof, tables in shared.items() if len(tables) > 1}
+    if common and check != "off":
+        found = disagreements(common, len(given), shift, between, rate)
+        text = " ".join(one.text for one in found)
+        if found:
+            _tell(
+                check,
+                "setups_disagree",
+                text,
+                f"setups that disagree: {text.rstrip('.')}",
+                f"values that agree within their errors (false alarms {100 * rate:g} %)",
+                "Test that setup again, or give std_between= for what moving the sensors changes.",
+            )
+    elif not copies and check != "off":
+        warn(
+            "nothing_in_common",
+            f"merge_setups: the {len(given)} setups have no response in common, so that nothing tells "
+            "whether they agree.",
+        )
+    kinds = {one.sees for one in given}
+    stayed = all(one.excitation == force and one.channels for one in given)
     return AntiresonanceSet.from_tables(
         force,
         {
             dof: joined(list(tables.values()), shift, between)
-            if len(tables) > 1
+            if dof in common
             else next(iter(tables.values()))
             for dof, tables in shared.items()
         },
-        **sight_of_all(given, force),
+        sees=kinds.pop() if len(kinds) == 1 else None,
+        channels=tuple(dict.fromkeys(dof for one in given for dof in one.channels)) if stayed else (),
     )
+
+
+def _tell(check: str, name: str, text: str, got: str, wanted: str, remedy: str) -> None:
+    """Warn of setups, or refuse them, as ``check`` asks."""
+    if check == "raise":
+        raise UnsuitableDataError("sets", got, wanted, remedy)
+    if check == "warn":
+        warn(name, f"merge_setups: {text}")
 
 
 def _tables(number: int, one: AntiresonanceSet, force: Any, *, stated: bool) -> dict[Any, ResponseTable]:
@@ -259,47 +290,3 @@ def _counted_once(shared: dict[Any, dict[int, ResponseTable]]) -> dict[tuple[int
                 copies[first, number] = copies.get((first, number), 0) + len(table)
                 del tables[number]
     return copies
-
-
-def _warn_of_copies(copies: dict[tuple[int, int], int], check: str) -> None:
-    """Say which setups are one measurement."""
-    text = "; ".join(f"setups {a} and {b} have {n} values in common" for (a, b), n in copies.items())
-    if check == "raise":
-        raise UnsuitableDataError(
-            "sets",
-            f"the same numbers to the last bit: {text}",
-            "measurements of their own, whose errors are independent",
-            "Give each setup once.",
-        )
-    warn("copied_setups", f"merge_setups: {text} to the last bit: one measurement, which counts once.")
-
-
-def _agree(
-    shared: dict[Any, dict[int, ResponseTable]],
-    count: int,
-    shift: float,
-    between: float,
-    rate: float,
-    check: str,
-) -> None:
-    """Say which setups differ from the others in what they have in common."""
-    common = {dof: tables for dof, tables in shared.items() if len(tables) > 1}
-    if not common:
-        warn(
-            "nothing_in_common",
-            f"merge_setups: the {count} setups have no response in common, so that nothing tells whether "
-            "they agree.",
-        )
-        return
-    found = disagreements(common, count, shift, between, rate)
-    if not found:
-        return
-    text = " ".join(one.text for one in found)
-    if check == "raise":
-        raise UnsuitableDataError(
-            "sets",
-            f"setups that disagree: {text.rstrip('.')}",
-            f"values that agree within their errors (false alarms {100 * rate:g} %)",
-            "Test that setup again, or give std_between= for what moving the sensors changes.",
-        )
-    warn("setups_disagree", f"merge_setups: {text}")

@@ -33,10 +33,7 @@ class ModalSet(ReadOnly):
     std_shapes : array_like, (n_modes,), optional
         Standard deviation of each component of a shape that is scaled to unit length.
 
-    Attributes
-    ----------
-    freq_hz, shapes, dofs, damping_ratio, diagram, std_hz, std_shapes
-        As given, read-only.
+    All are attributes, as given, read-only.
 
     Raises
     ------
@@ -124,10 +121,6 @@ class ModalSet(ReadOnly):
     def mac(self, other: ModalSet) -> FloatArray:
         """Modal assurance criterion between two sets of shapes, over the dofs that both have.
 
-        Parameters
-        ----------
-        other : ModalSet
-
         Returns
         -------
         (len(self), len(other))
@@ -180,15 +173,8 @@ class ModalSet(ReadOnly):
     def to_real(self) -> ModalSet:
         """Real shapes: each turned by the phase that leaves the least imaginary part, which is dropped.
 
-        Returns
-        -------
-        ModalSet
-            The component of largest magnitude is positive; the size is kept.
-
-        Notes
-        -----
-        The angle is half that of ``sum(phi**2)``. Sensible for lightly and proportionally damped structures,
-        whose shapes are real up to a factor.
+        That phase is half that of ``sum(phi**2)``; the component of largest magnitude is positive, the size
+        is kept. Sensible for lightly and proportionally damped structures.
 
         Examples
         --------

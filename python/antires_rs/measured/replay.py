@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..support.checks import FloatArray
-from .antiresonance_set import AntiresonanceSet, damaged, edit_of
-from .edits import NAMED_WITHIN, SAME, Edit
+from .antiresonance_set import AntiresonanceSet, damaged
+from .edits import NAMED_WITHIN, SAME, Edit, edit_of
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ written from it. It is never changed: whoever wants other rows or columns makes 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -143,16 +143,12 @@ class ResponseTable(ReadOnly):
     def concatenated(cls, tables: Sequence[ResponseTable]) -> ResponseTable:
         """All rows of some tables with the same scores."""
 
-        def stacked(column: Callable[[ResponseTable], NDArray[Any]]) -> NDArray[Any]:
-            return np.concatenate([column(table) for table in tables])
-
-        return cls(
-            stacked(lambda table: table.freq_hz),
-            stacked(lambda table: table.damping_ratio),
-            stacked(lambda table: table.std_hz),
-            {name: np.concatenate([table.scores[name] for table in tables]) for name in tables[0].scores},
-            stacked(lambda table: table.by_hand),
+        freq, damping, std, by_hand = (
+            np.concatenate([getattr(one, name) for one in tables])
+            for name in ("freq_hz", "damping_ratio", "std_hz", "by_hand")
         )
+        scores = {name: np.concatenate([one.scores[name] for one in tables]) for name in tables[0].scores}
+        return cls(freq, damping, std, scores, by_hand)
 
     def take(self, chosen: Sequence[int] | NDArray[Any]) -> ResponseTable:
         """Some of the rows, by index or by mask."""
@@ -219,11 +215,11 @@ def tables_of(
     }
 
 
-def frequencies_hz(name: str, value: Any) -> FloatArray:
-    """A 1-D array, possibly empty; a number is a list of one."""
-    if np.size(value) == 0:
+def frequencies_hz(name: str, value: Any, *, empty: bool = True) -> FloatArray:
+    """A 1-D array, which may be ``empty``, in the order given; a number is a list of one."""
+    if empty and np.size(value) == 0:
         return np.empty(0)
-    wanted = "positive frequencies in Hz"
+    wanted = "positive frequencies in Hz" if empty else "one or more positive frequencies in Hz"
     values = np.atleast_1d(real_array(name, value, ndim=None, wanted=wanted)).ravel()
     if values.min() <= 0.0:
         reject(name, f"{values.min():g} Hz", wanted, "Leave out what is not above zero.")
@@ -261,15 +257,16 @@ def _companions(name: str, given: Any, sizes: Mapping[Any, int]) -> dict[Any, Fl
             )
         if np.isinf(array).any():
             reject(part(name, dof), "an infinite value", wanted, "Pass NaN where it is not known.")
-        if name == "std_hz" and (array < 0.0).any():
-            reject(
-                part(name, dof),
-                f"{np.nanmin(array):g} Hz",
-                "standard deviations of at least 0 Hz",
-                "Pass NaN where it is not known.",
-            )
+        check_std(name, part(name, dof), array)
         columns[dof] = array
     return columns
+
+
+def check_std(name: str, where: str, array: FloatArray) -> None:
+    """Refuse standard deviations below zero, if these are some."""
+    if name == "std_hz" and (array < 0.0).any():
+        wanted = "standard deviations of at least 0 Hz"
+        reject(where, f"{np.nanmin(array):g} Hz", wanted, "Pass NaN where it is not known.")
 
 
 def _scores(
@@ -301,96 +298,3 @@ def _of_freq_hz(name: str, key: Any, sizes: Mapping[Any, int]) -> Any:
             "Leave that dof out, or give its frequencies too.",
         )
     return dof
-
-
-# -- A read-only mapping of response dofs to antiresonances, and its columns by dof
-
-
-class ResponseTables(ReadOnly, Mapping[Any, FloatArray]):
-    """One :class:`~antires_rs.measured.response_table.ResponseTable` for each response to one force.
-
-    As a mapping it gives the frequencies: ``{dof: freq_hz}``. What else it has is derived from the tables.
-    """
-
-    _excitation: Any
-    _tables: FrozenDict[Any, ResponseTable]
-
-    def __init__(self, excitation: Any, tables: Mapping[Any, ResponseTable]) -> None:
-        self._fill(_excitation=excitation, _tables=FrozenDict(tables))
-
-    @property
-    def excitation(self) -> Any:
-        """The dof of the force, int or str."""
-        return self._excitation
-
-    @property
-    def tables(self) -> Mapping[Any, ResponseTable]:
-        """By dof: all that is known of its antiresonances, a row each."""
-        return self._tables
-
-    @property
-    def damping_ratio(self) -> Mapping[Any, FloatArray]:
-        """By dof, in the order of the frequencies: NaN where not known, without the dofs with none known."""
-        return self._known(lambda table: table.damping_ratio)
-
-    @property
-    def std_hz(self) -> Mapping[Any, FloatArray]:
-        """Standard deviations by dof: NaN where not known, without the dofs with none known."""
-        return self._known(lambda table: table.std_hz)
-
-    @property
-    def scores(self) -> Mapping[Any, Mapping[str, NDArray[Any]]]:
-        """By dof: what speaks for each, arrays by name, see :mod:`antires_rs.identification.scores`."""
-        return FrozenDict({dof: table.scores for dof, table in self._tables.items() if table.scores})
-
-    def columns(self, dof: Any) -> dict[str, FloatArray]:
-        """Frequency, damping ratio and standard deviation of a dof, (n,) each; NaN where not known."""
-        table = self._tables[dof]
-        return {"freq_hz": table.freq_hz, "damping_ratio": table.damping_ratio, "std_hz": table.std_hz}
-
-    def by_hand(self) -> set[tuple[Any, float]]:
-        """(dof, frequency in Hz) of what is there because it was added by hand."""
-        return {
-            (dof, freq)
-            for dof, table in self._tables.items()
-            for freq in table.freq_hz[table.by_hand].tolist()
-        }
-
-    def __getitem__(self, dof: Any) -> FloatArray:
-        return self._tables[dof].freq_hz
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter(self._tables)
-
-    def __len__(self) -> int:
-        return len(self._tables)
-
-    def __eq__(self, other: object) -> bool:
-        """Same excitation, dofs and values, bit for bit; diagrams, scores and edits do not count."""
-        if not isinstance(other, ResponseTables):
-            return NotImplemented
-        return (
-            self._excitation == other._excitation
-            and self._tables.keys() == other._tables.keys()
-            and all(table.same_as(other._tables[dof]) for dof, table in self._tables.items())
-        )
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __repr__(self) -> str:
-        counts = ", ".join(f"{dof!r}: {len(table)}" for dof, table in self._tables.items())
-        return f"{type(self).__name__}(excitation={self._excitation!r}, values by dof {{{counts}}})"
-
-    def _known(self, column: Callable[[ResponseTable], FloatArray]) -> FrozenDict[Any, FloatArray]:
-        """A column by dof, without the dofs that have antiresonances and nothing known of any."""
-        columns = {dof: column(table) for dof, table in self._tables.items()}
-        return FrozenDict(
-            {dof: values for dof, values in columns.items() if not values.size or not np.isnan(values).all()}
-        )
-
-    def _dof(self, dof: Any) -> Any:
-        """One of the set's dofs."""
-        dof = label("dof", dof)
-        if dof not in self._tables:
-            reject("dof", dof, f"one of {tuple(self._tables)}", "Name a dof of the set; those are its keys.")
-        return dof

@@ -14,8 +14,8 @@ from ..exceptions import reject
 from ..support.checks import FloatArray, finite_scalar
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
-from .antiresonance_set import SeriesOfTests, aligned, number
-from .matching import MAX_SHIFT, check_sets, check_shift, paired, scatter, variance_hz
+from .antiresonance_set import aligned, number
+from .matching import MAX_SHIFT, SeriesOfTests, check_sets, check_shift, paired, scatter, variance_hz
 from .response_table import ResponseTable
 
 # -- What following antiresonances over many tests gives: their tracks, and what happened to them
@@ -28,11 +28,9 @@ class TrackEvent:
     Attributes
     ----------
     kind : {"new", "lost", "merged", "back"}
-    test : int
-        The first test without it, or with it.
+    test, track : int
+        The first test without it, or with it, and its column in :class:`Tracks`.
     dof : int or str
-    track : int
-        Its column in :class:`Tracks`.
     freq_hz : float
         Where it was seen last, or first.
 
@@ -83,7 +81,7 @@ class Tracks(ReadOnly, Viewed):
     @property
     def change_percent(self) -> FloatArray:
         """Change of each since its first test, (n_tests, n_tracks)."""
-        return np.asarray(100.0 * (self.freq_hz / self._first() - 1.0))
+        return np.asarray(100.0 * (self.freq_hz / self._first(self.freq_hz) - 1.0))
 
     @property
     def std_between(self) -> float:
@@ -106,13 +104,10 @@ class Tracks(ReadOnly, Viewed):
         """Columns of one response."""
         return np.flatnonzero(self.dof == dof)
 
-    def _first(self) -> FloatArray:
-        at = np.argmax(~np.isnan(self.freq_hz), axis=0)
-        return np.asarray(self.freq_hz[at, np.arange(self.freq_hz.shape[1])])
-
-    def _last(self) -> FloatArray:
-        at = len(self.conditions) - 1 - np.argmax(~np.isnan(self.freq_hz[::-1]), axis=0)
-        return np.asarray(self.freq_hz[at, np.arange(self.freq_hz.shape[1])])
+    def _first(self, freq_hz: FloatArray) -> FloatArray:
+        """What each track has in the first test that has it."""
+        at = np.argmax(~np.isnan(freq_hz), axis=0)
+        return np.asarray(freq_hz[at, np.arange(freq_hz.shape[1])])
 
     def __len__(self) -> int:
         return int(self.dof.size)
@@ -121,7 +116,7 @@ class Tracks(ReadOnly, Viewed):
         return f"Tracks({len(self)} antiresonances, {len(self.conditions)} tests, {len(self.events)} events)"
 
     def __str__(self) -> str:
-        first, last = self._first(), self._last()
+        first, last = self._first(self.freq_hz), self._first(self.freq_hz[::-1])
         seen = np.sum(~np.isnan(self.freq_hz), axis=0)
         told: dict[int, list[str]] = {}
         for event in self.events:
@@ -137,14 +132,7 @@ class Tracks(ReadOnly, Viewed):
     def to_dataframe(self) -> Any:
         """One row a test and track: test, condition, dof, track, freq_hz, std_hz, change_percent, event.
 
-        Returns
-        -------
-        pandas.DataFrame
-
-        Raises
-        ------
-        MissingDependencyError
-            pandas is not installed.
+        A ``pandas.DataFrame``; needs pandas.
         """
         return self._view("to_dataframe")(self)
 
@@ -274,25 +262,30 @@ def followed(
             )
     if not dofs:
         reject("sets", "sets without a common dof", "sets of the same responses", "Leave out the others.")
-    columns: list[tuple[Any, FloatArray, FloatArray]] = []
+    labels: list[Any] = []
     events: list[TrackEvent] = []
+    columns: list[FloatArray] = []
     for dof in dofs:
         tables = {test: one.tables[dof] for test, one in enumerate(given) if dof in one}
         tracks, seen = _followed(tables, shift, between)
         order = sorted(range(len(tracks)), key=lambda i: tracks[i].freq_hz)
-        for i in order:
-            columns.append((dof, *_column(tracks[i], tables, len(given))))
-        at = {i: len(columns) - len(order) + rank for rank, i in enumerate(order)}
+        at = {i: len(columns) + rank for rank, i in enumerate(order)}
         events += [TrackEvent(kind, test, dof, at[i], freq) for kind, test, i, freq in seen]
-    labels = np.empty(len(columns), dtype=object)
-    labels[:] = [dof for dof, _, _ in columns]
-    empty = np.empty((len(given), 0))
+        for i in order:
+            column = np.full((2, len(given)), np.nan)
+            for test, row in tracks[i].rows.items():
+                column[:, test] = tables[test].freq_hz[row], tables[test].std_hz[row]
+            columns.append(column)
+            labels.append(dof)
+    of_tracks = np.empty(len(labels), dtype=object)
+    of_tracks[:] = labels
+    freq, std = np.stack(columns, axis=2) if columns else np.empty((2, len(given), 0))
     return Tracks(
         first.excitation,
         names,
-        frozen(labels),
-        frozen(np.stack([freq for _, freq, _ in columns], axis=1) if columns else empty),
-        frozen(np.stack([std for _, _, std in columns], axis=1) if columns else empty),
+        frozen(of_tracks),
+        frozen(freq),
+        frozen(std),
         tuple(sorted(events, key=lambda event: (event.test, event.track))),
     )
 
@@ -342,14 +335,6 @@ def _assigned(
         found = paired(where, table.freq_hz[left], shift, scatter)
         pairs |= {some[i]: int(left[row]) for i, row in found}
     return pairs
-
-
-def _column(one: _Track, tables: Mapping[int, ResponseTable], count: int) -> tuple[FloatArray, FloatArray]:
-    """Frequency and deviation of a track by test."""
-    freq, std = np.full(count, np.nan), np.full(count, np.nan)
-    for test, row in one.rows.items():
-        freq[test], std[test] = tables[test].freq_hz[row], tables[test].std_hz[row]
-    return freq, std
 
 
 def _conditions(conditions: Any, count: int) -> tuple[Any, ...]:

@@ -11,17 +11,8 @@ from numpy.typing import NDArray
 
 from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import ComplexArray, FloatArray, choice
-from .recording import Recording
-from .spectra import (
-    CrossSpectra,
-    Segments,
-    cross_spectra,
-    lines_in,
-    parts_of,
-    rows_of,
-    shortest,
-    window_values,
-)
+from .recording import Recording, parts_of, rows_of, shortest
+from .spectra import CrossSpectra, Segments, cross_spectra, lines_in, window_values
 
 # -- Hammer impacts: one transform over the whole event, from before the impact until it has died
 #
@@ -96,18 +87,6 @@ def _decays(rec: Recording) -> bool:
     # A hundredfold rise is told from any few thousand samples' median.
     energy = _energy(rec, rec.n_samples // COARSE_BLOCKS, max(1, rec.n_samples // MEDIAN_SAMPLES))
     return bool(energy.max() > DECAY_RATIO * np.quantile(energy, 0.2))
-
-
-def require_stationary(rec: Recording) -> None:
-    """Raise UnsuitableDataError if Welch's method does not fit the record."""
-    if is_transient(rec):
-        raise UnsuitableDataError(
-            "method",
-            "'auto' for a record whose energy decays by more than 20 dB",
-            "steady vibration for Welch's averages, because a segment that starts within a decay does not "
-            "hold its own excitation",
-            "Use method='transient' (one transform over each whole impact), or force it with method='welch'.",
-        )
 
 
 def find_events(rec: Recording) -> tuple[Event, ...]:
@@ -231,10 +210,13 @@ class Autocorrelation:
 
     rec: Recording
 
-    @property
+    @cached_property
     def longest(self) -> int:
-        """Samples of the longest segments that leave enough averages."""
-        return longest_power(self.rec)
+        """Samples of the longest segments that leave enough averages and fit every part of the record."""
+        n = power_of_two(self.rec.n_samples / SEGMENTS)
+        while n > shortest(self.rec):
+            n //= 2
+        return n
 
     @cached_property
     def _lags(self) -> FloatArray:
@@ -247,7 +229,12 @@ class Autocorrelation:
             for first in range(0, part.n_channels, 2):
                 z: NDArray[Any] = np.zeros(n, dtype=np.complex64)
                 for row, x in zip(part.responses[first : first + 2], (z.real, z.imag), strict=False):
-                    _unit_power(row, x[: row.size])
+                    # Of unit power in seven digits, as only widths of peaks are looked for.
+                    x = x[: row.size]
+                    np.subtract(row, row.mean(), out=x, casting="same_kind")
+                    # Of what stays constant nothing is left but rounding.
+                    size = float(np.linalg.norm(x)) if row.max() > row.min() else 0.0
+                    x *= np.float32(1.0 / size if size > 0.0 else 0.0)
                 z = np.fft.fft(z)
                 total += z.real**2
                 total += z.imag**2
@@ -281,27 +268,11 @@ def fast_length(least: int) -> int:
     return best
 
 
-def _unit_power(row: FloatArray, out: FloatArray) -> None:
-    """Write a row less its mean, of unit power: in seven digits, as only widths of peaks are looked for."""
-    np.subtract(row, row.mean(), out=out, casting="same_kind")
-    # Of what stays constant nothing is left but rounding.
-    size = float(np.linalg.norm(out)) if row.max() > row.min() else 0.0
-    out *= np.float32(1.0 / size if size > 0.0 else 0.0)
-
-
 def hann_autocorrelation(n: int) -> FloatArray:
     """Of the periodic Hann window of ``n`` samples, one at lag zero."""
     taper = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n)
     r = np.fft.irfft(np.abs(np.fft.rfft(taper, 2 * n)) ** 2)[:n]
     return np.asarray(r / r[0], dtype=np.float64)
-
-
-def longest_power(rec: Recording) -> int:
-    """Samples of the longest segments that leave enough averages and fit every part of the record."""
-    n = power_of_two(rec.n_samples / SEGMENTS)
-    while n > shortest(rec):
-        n //= 2
-    return n
 
 
 def power_of_two(n: float) -> int:
@@ -311,25 +282,15 @@ def power_of_two(n: float) -> int:
 
 def narrow_width(power: FloatArray) -> float | None:
     """Half-power bandwidth, in lines, of the sharp ones among the peaks that stand out; None without any."""
-    widths = half_power_widths(power)
+    # The area over the height is steadier than the two half-power points of a ragged spectrum;
+    # pi/2 half-power widths make the area of a resonance.
+    widths = [
+        float(power[lo : hi + 1].sum() / power[peak]) * 2 / np.pi for lo, peak, hi in owned_by_peaks(power)
+    ]
     return float(np.quantile(widths, NARROWEST)) if widths else None
 
 
-def half_power_widths(power: FloatArray) -> list[float]:
-    """Widths, in lines, of the peaks that stand out."""
-    # The area over the height is steadier than the two half-power points of a ragged spectrum;
-    # pi/2 half-power widths make the area of a resonance.
-    return [
-        float(power[lo : hi + 1].sum() / power[peak]) * 2 / np.pi for lo, peak, hi in _owned_by_peaks(power)
-    ]
-
-
-def standing_peaks(power: FloatArray) -> list[int]:
-    """Lines of the peaks that stand out."""
-    return [peak for _, peak, _ in _owned_by_peaks(power)]
-
-
-def _owned_by_peaks(power: FloatArray) -> list[tuple[int, int, int]]:
+def owned_by_peaks(power: FloatArray) -> list[tuple[int, int, int]]:
     """First line, highest line and last line of each peak, which owns all down to a tenth of its height."""
     left = power.copy()
     least = PEAK_RATIO * np.median(power)
@@ -348,6 +309,12 @@ def _owned_by_peaks(power: FloatArray) -> list[tuple[int, int, int]]:
 
 
 # -- How long the segments of Welch's method should be when the user does not say
+#
+# 16 / (narrow half-power bandwidth), at most a tenth of the record; rounded to the nearest power of two; with
+# no more than 5,000 lines in the band. The bandwidth is the lower quartile of those of the peaks that stand
+# 10 dB over the median of the summed, channel-normalised power spectrum in the band, at the resolution of the
+# longest segments allowed. For the 8-mass chain with 1 % damping at 512 Hz: 32 s of a record of 600 s, 16 s
+# of one of 200 s, 8 s of one of 60 s.
 
 
 # Segments of this many half-power bandwidths' reciprocals. On a chain with 1 % damping (narrowest resonance
@@ -364,16 +331,7 @@ LEAST_LINES = 8
 def choose_nperseg(
     rec: Recording, band_hz: tuple[float, float], correlation: Autocorrelation | None = None
 ) -> int:
-    """Samples per segment from the record's length and the sharpness of its resonances.
-
-    The rule: 16 / (narrow half-power bandwidth), at most a tenth of the record; rounded to the nearest power
-    of two; with no more than 5,000 lines in the band. The bandwidth is the lower quartile of those of the
-    peaks that stand 10 dB over the median of the summed, channel-normalised power spectrum in the band, at
-    the resolution of the longest segments allowed. That spectrum comes from the autocorrelation of the whole
-    record (see :mod:`~antires_rs.signals.averaging`; pass it where it is there already), not from segments.
-    For the 8-mass chain with 1 % damping at 512 Hz: 32 s of a record of 600 s, 16 s of one of 200 s, 8 s of
-    one of 60 s.
-    """
+    """Samples per segment from the record's length and the sharpness of its resonances."""
     n_long = longest_segments(rec, band_hz)
     if n_long < LEAST_SAMPLES:
         reject(
@@ -392,7 +350,7 @@ def choose_nperseg(
 
 def longest_segments(rec: Recording, band_hz: tuple[float, float]) -> int:
     """Samples of the longest segments that leave enough averages, and not too many lines in the band."""
-    n_long = longest_power(rec)
+    n_long = Autocorrelation(rec).longest
     while n_long * (band_hz[1] - band_hz[0]) / rec.fs_hz > MOST_LINES:
         n_long //= 2
     return n_long
@@ -403,20 +361,7 @@ METHODS = ("auto", "welch", "transient")
 
 @dataclass(frozen=True)
 class Averaging:
-    """How a record is averaged; the defaults are those of every call that averages records.
-
-    Attributes
-    ----------
-    nperseg : int or None
-        Samples per Welch segment; None: :func:`~antires_rs.signals.averaging.choose_nperseg` does.
-    noverlap : int or None
-        Samples shared by neighbours; None: half a segment.
-    window : str, tuple or array_like
-        As for ``scipy.signal.get_window``; for impacts "rectangular" or "exponential", anything else meaning
-        rectangular if the response dies, else exponential.
-    method : {"auto", "welch", "transient"}
-        "auto" looks at the record's energy profile.
-    """
+    """How a record is averaged, see :class:`~antires_rs.FitOptions`; defaults of every call that averages."""
 
     nperseg: int | None = None
     noverlap: int | None = None
@@ -431,33 +376,14 @@ class Averaging:
 
 @dataclass(frozen=True, eq=False)
 class Averages:
-    """Averaged spectra of a record on the lines of a band, and how they were made.
-
-    Attributes
-    ----------
-    options : Averaging
-        As they were given.
-    spectra : CrossSpectra
-        With the segments; the force, if it is there, is the last channel.
-    nperseg : int or None
-        Samples per segment; None for impacts.
-    taper : (nperseg,) or None
-    has_force : bool
-    correlation : Autocorrelation
-        Of the whole record, for what needs the longest segments.
-    """
+    """Averaged spectra of a record on the lines of a band, and how they were made."""
 
     options: Averaging
-    spectra: CrossSpectra
-    nperseg: int | None
+    spectra: CrossSpectra  # with the segments; the force, if it is there, is the last channel
+    nperseg: int | None  # samples per segment; None for impacts
     taper: FloatArray | None
     has_force: bool
-    correlation: Autocorrelation
-
-    @property
-    def of_hits(self) -> bool:
-        """Whole impacts instead of Welch's segments."""
-        return self.nperseg is None
+    correlation: Autocorrelation  # of the whole record, for what needs the longest segments
 
 
 def holds_hits(rec: Recording, options: Averaging) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support.checks import ComplexArray, FloatArray
-from .averaging import BANDWIDTHS, NARROWEST, SEGMENTS, narrow_width, standing_peaks
+from .averaging import BANDWIDTHS, NARROWEST, SEGMENTS, narrow_width, owned_by_peaks
 from .one_force import Evidence, Finding, NotTested, Said, Severity, rounded
 from .spectra import pieces
 
@@ -38,26 +38,20 @@ MEDIAN_SAMPLES = 16384
 EXPLAINED = 0.25
 LEAST_AVERAGES = 4.0
 DEAD_ADVICE = "Check sensor, cable and gain; leave the channel out."
-# Share of the band that a channel may spend under its noise without a note.
-BURIED = 0.25
+# Share of the band that a channel may spend under its noise without a note, and the coherence below which a
+# line is more noise than response.
+BURIED, COHERENT = 0.25, 0.5
 
 
 def constant(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], list[int]]:
     """Channels that never move; also their rows."""
     still = [p for p, x in enumerate(data) if x.max() == x.min()]
-    return [
-        Finding(
-            DEAD,
-            "fatal",
-            (labels[p],),
-            0.0,
-            0.0,
-            f"Dof {labels[p]!r} gives the constant {data[p, 0]:.3g}: no signal at all.",
-            DEAD_ADVICE,
-            f"the constant {data[p, 0]:.3g}",
-        )
-        for p in still
-    ], still
+    found = []
+    for p in still:
+        brief = f"the constant {data[p, 0]:.3g}"
+        text = f"Dof {labels[p]!r} gives {brief}: no signal at all."
+        found.append(Finding(DEAD, "fatal", (labels[p],), 0.0, 0.0, text, DEAD_ADVICE, brief))
+    return found, still
 
 
 def clipped(data: Iterable[FloatArray], labels: tuple[Any, ...]) -> Said:
@@ -112,19 +106,11 @@ def duplicated(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding]
             continue
         extra.append(int(q))
         factor = float(products[p, q]) / float(norm[p]) ** 2
-        text = f"Channels {labels[p]!r} and {labels[q]!r} hold one signal, up to a factor of {factor:.4g}."
-        found.append(
-            Finding(
-                DUPLICATED,
-                "warning",
-                (labels[p], labels[q]),
-                float(same[p, q]),
-                SAME,
-                text,
-                "Check the wiring and the channel list; leave one of them out.",
-                f"one signal, up to a factor of {factor:.4g}",
-            )
-        )
+        brief = f"one signal, up to a factor of {factor:.4g}"
+        text = f"Channels {labels[p]!r} and {labels[q]!r} hold {brief}."
+        advice = "Check the wiring and the channel list; leave one of them out."
+        where = (labels[p], labels[q])
+        found.append(Finding(DUPLICATED, "warning", where, float(same[p, q]), SAME, text, advice, brief))
     return found, extra
 
 
@@ -140,43 +126,25 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said
             and still.mean() < max(REPEATED, 2.0 * run[1] / x.size)
             and x.min() < x[run[0]] < x.max()
         ):
-            text = f"Channel {label!r} stands still for {run[1]} samples at {run[0] / fs_hz:.3g} s."
-            found.append(
-                Finding(
-                    DROPOUTS,
-                    "warning",
-                    (label,),
-                    float(run[1]),
-                    RUN,
-                    text,
-                    "Look for a loose contact or lost data; use the part of the record without it.",
-                    f"still for {run[1]} samples at {run[0] / fs_hz:.3g} s",
-                )
-            )
+            brief = f"still for {run[1]} samples at {run[0] / fs_hz:.3g} s"
+            text = f"Channel {label!r} stands {brief}."
+            advice = "Look for a loose contact or lost data; use the part of the record without it."
+            found.append(Finding(DROPOUTS, "warning", (label,), float(run[1]), RUN, text, advice, brief))
         second = np.diff(step)
         scale = float(np.median(np.abs(second[:: max(1, second.size // MEDIAN_SAMPLES)]))) / 0.6745
         largest = max(float(second.max()), -float(second.min()))
         if scale > 0.0 and largest > SPIKE_SIGMAS * scale:
-            second = np.abs(second)
+            second, off = np.abs(second), largest / scale
             count = int(np.count_nonzero(second > SPIKE_SIGMAS * scale))
             text = (
                 f"Channel {label!r} jumps: {count} second differences lie beyond {SPIKE_SIGMAS:g} "
-                f"standard deviations, the largest at {largest / scale:.0f}, "
+                f"standard deviations, the largest at {off:.0f}, "
                 f"{int(np.argmax(second)) / fs_hz:.3g} s into the record."
             )
-            found.append(
-                Finding(
-                    SPIKES,
-                    "warning",
-                    (label,),
-                    largest / scale,
-                    SPIKE_SIGMAS,
-                    text,
-                    "Look for loose contacts, electric switching or blows; use the part of the "
-                    "record without them.",
-                    f"{count} jumps, the largest at {largest / scale:.0f} standard deviations",
-                )
-            )
+            advice = "Look for loose contacts, electric switching or blows; use the part of the record "
+            advice += "without them."
+            brief = f"{count} jumps, the largest at {off:.0f} standard deviations"
+            found.append(Finding(SPIKES, "warning", (label,), off, SPIKE_SIGMAS, text, advice, brief))
     return found
 
 
@@ -193,19 +161,13 @@ def _longest_run(still: Any) -> tuple[int, int]:
 def unrelated(seen: Evidence) -> Said:
     """Channels that share nothing with any other in the band: only noise."""
     if seen.explained is None:
-        return [
-            NotTested(DEAD, "one average does not tell a response from noise; constant channels are found")
-        ]
+        why = "one average does not tell a response from noise; constant channels are found"
+        return [NotTested(DEAD, why)]
     if len(seen.dofs) < 2:
         return [NotTested(DEAD, "a single channel has nothing to be compared with; a constant one is found")]
     if seen.n_averages < LEAST_AVERAGES:
-        return [
-            NotTested(
-                DEAD,
-                f"{seen.n_averages:.1f} independent averages explain noise by noise; "
-                "constant channels are found",
-            )
-        ]
+        count = f"{seen.n_averages:.1f} independent averages"
+        return [NotTested(DEAD, f"{count} explain noise by noise; constant channels are found")]
     # Noise explains 1/n of noise.
     limit = max(EXPLAINED, 2.0 / seen.n_averages)
     lost = [p for p, share in enumerate(seen.explained) if share < limit]
@@ -215,31 +177,18 @@ def unrelated(seen: Evidence) -> Said:
             f"explains {100 * seen.explained.max():.0f} % of the other's power. One of them, or both, "
             "hold only noise."
         )
-        return [
-            Finding(
-                DEAD,
-                "fatal",
-                seen.dofs,
-                float(seen.explained.max()),
-                limit,
-                text,
-                "Check cables, sensors and the band.",
-            )
-        ]
-    return [
-        Finding(
-            DEAD,
-            "fatal",
-            (seen.dofs[p],),
-            float(seen.explained[p]),
-            limit,
+        advice, most = "Check cables, sensors and the band.", float(seen.explained.max())
+        return [Finding(DEAD, "fatal", seen.dofs, most, limit, text, advice)]
+    found: Said = []
+    for p in lost:
+        share = float(seen.explained[p])
+        text = (
             f"Dof {seen.dofs[p]!r} holds only noise in the band: no other channel explains more than "
-            f"{100 * seen.explained[p]:.0f} % of its power (limit {100 * limit:.0f} %).",
-            DEAD_ADVICE,
-            f"only noise in the band, of which no other explains more than {100 * seen.explained[p]:.0f} %",
+            f"{100 * share:.0f} % of its power (limit {100 * limit:.0f} %)."
         )
-        for p in lost
-    ]
+        brief = f"only noise in the band, of which no other explains more than {100 * share:.0f} %"
+        found.append(Finding(DEAD, "fatal", (seen.dofs[p],), share, limit, text, DEAD_ADVICE, brief))
+    return found
 
 
 BURIED_ADVICE = (
@@ -251,21 +200,29 @@ def buried(seen: Evidence, skip: set[Any]) -> Said:
     """Channels that spend much of the band under their noise."""
     if seen.signal is None:
         return [NotTested(NOISE, "the noise of a single average is not known")]
-    share = np.mean(seen.signal < 1.0, axis=1)
-    return [
-        Finding(
-            NOISE,
-            "note",
-            (dof,),
-            float(part),
-            BURIED,
-            f"Dof {dof!r} lies under its own noise in {100 * part:.0f} % of the band.",
-            BURIED_ADVICE,
-            f"under its noise in {100 * part:.0f} % of the band",
-        )
-        for dof, part in zip(seen.dofs, share, strict=True)
-        if part > BURIED and dof not in skip
-    ]
+    texts = ("lies under its own noise", "under its noise")
+    return _much_of_the_band([dof for dof in seen.dofs if dof not in skip], seen, seen.signal < 1.0, *texts)
+
+
+def incoherent(seen: Evidence) -> Said:
+    """The same of measured responses, by their coherence."""
+    if seen.coherence is None:
+        return [NotTested(NOISE, "no coherence is given with the responses")]
+    brief = f"coherence under {COHERENT:g}"
+    return _much_of_the_band(seen.dofs, seen, seen.coherence < COHERENT, f"has a {brief}", brief)
+
+
+def _much_of_the_band(
+    dofs: Iterable[Any], seen: Evidence, low: NDArray[np.bool_], text: str, brief: str
+) -> Said:
+    """Notes on channels that are ``low``, (n, n_freq), at more lines than they may be."""
+    found: Said = []
+    for dof, share in zip(seen.dofs, np.mean(low, axis=1).tolist(), strict=True):
+        if share > BURIED and dof in dofs:
+            where = f"in {100 * share:.0f} % of the band"
+            parts = (f"Dof {dof!r} {text} {where}.", BURIED_ADVICE, f"{brief} {where}")
+            found.append(Finding(NOISE, "note", (dof,), share, BURIED, *parts))
+    return found
 
 
 # -- Are all channels on one clock and of one kind?
@@ -326,39 +283,18 @@ PADDING = 4
 
 
 class Fit(NamedTuple):
-    """What the lines say of one channel.
+    """What the lines say of one channel."""
 
-    Attributes
-    ----------
-    in_phase : float
-        R without delay and offset: 1 for a channel that keeps the common phase.
-    fits : float
-        R with the delay and the offset found.
-    delay_s : float
-    quadrature : bool
-        Whether the offset is a right angle.
-    chance : float
-        Bound of the probability that random phases fit as well.
-    modes : int
-    """
-
-    in_phase: float
-    fits: float
+    in_phase: float  # R without delay and offset: 1 for a channel that keeps the common phase
+    fits: float  # R with the delay and the offset found
     delay_s: float
-    quadrature: bool
-    chance: float
+    quadrature: bool  # whether the offset is a right angle
+    chance: float  # bound of the probability that random phases fit as well
     modes: int
 
 
 class Agreement:
-    """Which lines speak about which of some channels, and what they say.
-
-    Parameters
-    ----------
-    seen : Evidence
-    channels : list of int
-        Those that are compared, n of them.
-    """
+    """Which lines speak about which of some channels, n of them, and what they say."""
 
     def __init__(self, seen: Evidence, channels: list[int]) -> None:
         self.freq_hz = seen.freq_hz
@@ -505,7 +441,9 @@ def in_phase(seen: Evidence) -> Said:
             why = "at too few lines do the channels rise out of their noise in phase or against phase"
             return [NotTested(TIME_SHIFT, why), NotTested(QUADRATURE, why)]
         off = sorted((p for p, fit in fits.items() if _is_off(seen, fit)), key=lambda p: fits[p].chance)
-        worst = next((p for p in off if _proved(fits[p], _without(seen, left, p))), None)
+        # What the others say of each other; of two no one knows which is off.
+        others = (_fits(seen, [q for q in left if q != p]) if len(left) > 3 else {} for p in off)
+        worst = next((p for p, rest in zip(off, others, strict=True) if _proved(fits[p], rest)), None)
         if worst is None:
             break
         found.append(_finding(seen, tuple(left) if len(left) == 2 else (worst,), fits[worst]))
@@ -519,12 +457,6 @@ def _fits(seen: Evidence, channels: list[int]) -> dict[int, Fit]:
     lines = Agreement(seen, channels)
     fits = {p: lines.fit(i, SHIFT_DEG) for i, p in enumerate(channels)}
     return {p: fit for p, fit in fits.items() if fit is not None}
-
-
-def _without(seen: Evidence, channels: list[int], p: int) -> dict[int, Fit]:
-    """What the others say of each other; of two no one knows which is off."""
-    others = [q for q in channels if q != p]
-    return _fits(seen, others) if len(others) > 2 else {}
 
 
 def _is_off(seen: Evidence, fit: Fit) -> bool:
@@ -554,37 +486,26 @@ def _finding(seen: Evidence, where: tuple[int, ...], fit: Fit) -> Finding:
             f"{who} at right angles to the other channels at {modes}: it looks like another kind of "
             "quantity, a velocity among accelerations."
         )
-        return Finding(
-            QUADRATURE,
-            "warning",
-            dofs,
-            90.0,
-            QUADRATURE_DEG,
-            text,
-            "Check the sensor and its conditioning; convert all channels to one kind.",
-            f"at right angles to the other channels at {modes}",
-        )
+        advice = "Check the sensor and its conditioning; convert all channels to one kind."
+        brief = f"at right angles to the other channels at {modes}"
+        return Finding(QUADRATURE, "warning", dofs, 90.0, QUADRATURE_DEG, text, advice, brief)
     samples = "" if seen.fs_hz is None else f", {fit.delay_s * seen.fs_hz:+.2f} samples"
     brief = (
         f"{'late' if fit.delay_s > 0 else 'early'} against the other channels by "
         f"{1e3 * abs(fit.delay_s):.3g} ms{samples}"
     )
-    return Finding(
-        TIME_SHIFT,
-        "warning",
-        dofs,
-        fit.delay_s,
-        SHIFT_DEG / 360.0 / float(seen.freq_hz[-1]),
-        f"{who} {brief}: {_shift_deg(seen, fit):.0f} degrees at {seen.freq_hz[-1]:g} Hz.",
-        "Check that all channels share one clock and one filter, or shift it back.",
-        brief,
-    )
+    limit = SHIFT_DEG / 360.0 / float(seen.freq_hz[-1])
+    text = f"{who} {brief}: {_shift_deg(seen, fit):.0f} degrees at {seen.freq_hz[-1]:g} Hz."
+    advice = "Check that all channels share one clock and one filter, or shift it back."
+    return Finding(TIME_SHIFT, "warning", dofs, fit.delay_s, limit, text, advice, brief)
 
 
 # -- Is the resolution enough for the damping, and the record long enough for the resolution?
 
 
 RESOLUTION, LENGTH, AVERAGES = "resolution", "record_length", "averages"
+COARSE = "The resolution is too coarse: "
+NOTHING_SHARP = NotTested(RESOLUTION, "no resonance stands out of the band by 10 dB")
 # Lines per half-power bandwidth of the sharp resonances, for averaged segments, whose leakage fills what is
 # narrower than a line. On the 8-mass chain two were enough for all 28 values to 1e-3; one gave false ones now
 # and then, half a line gave several in every run.
@@ -608,21 +529,17 @@ def sharpest_lines(power: FloatArray, leakage: bool = True) -> float | None:
     if power.size < LINES_OF_BAND:
         return None
     if not leakage:
-        widths = [_width_at(power, peak) for peak in standing_peaks(power)]
+        widths = []
+        for _, peak, _ in owned_by_peaks(power):
+            # However coarse the lines are: the inverse of the power of one mode is a parabola,
+            # a ((f - f0)^2 + (B / 2)^2).
+            left, middle, right = 1.0 / np.maximum(power[peak - 1 : peak + 2], 1e-300)
+            bend = 0.5 * (left + right) - middle
+            least = middle - (right - left) ** 2 / (16.0 * bend)
+            widths.append(float(2.0 * np.sqrt(max(least, 0.0) / bend)))
         return float(np.quantile(widths, NARROWEST)) if widths else None
     width = narrow_width(power)
     return None if width is None else max(TOP * (width - TONE), 0.0)
-
-
-def _width_at(power: FloatArray, peak: int) -> float:
-    """Half-power bandwidth in lines from three lines of a resonance, however coarse they are.
-
-    The inverse of the power of one mode is a parabola, a ((f - f0)^2 + (B / 2)^2).
-    """
-    left, middle, right = 1.0 / np.maximum(power[peak - 1 : peak + 2], 1e-300)
-    bend = 0.5 * (left + right) - middle
-    least = middle - (right - left) ** 2 / (16.0 * bend)
-    return float(2.0 * np.sqrt(max(least, 0.0) / bend))
 
 
 def of_segments(
@@ -634,13 +551,11 @@ def of_segments(
     chosen: bool,
     known: bool,
 ) -> Said:
-    """Lines per bandwidth of averaged segments, and what would mend it.
-
-    ``longer``: the record allows longer segments. ``chosen``: these were not the user's, so that leaving the
-    choice is no advice. ``known``: the bandwidth was resolved; otherwise it is an upper limit.
-    """
+    """Lines per bandwidth of averaged segments, and what would mend it."""
+    # longer: the record allows longer segments. chosen: these were not the user's, so that leaving the choice
+    # is no advice. known: the bandwidth was resolved; otherwise it is an upper limit.
     if bandwidth_hz is None:
-        return [_nothing_sharp()]
+        return [NOTHING_SHARP]
     lines = bandwidth_hz / spacing_hz
     if lines >= ENOUGH:
         return []
@@ -658,44 +573,26 @@ def of_segments(
     wanted_s = BANDWIDTHS / max(bandwidth_hz, 0.5 * spacing_hz)
     if longer:
         leave_it = "" if chosen else ", or let nperseg=None choose"
-        return [
-            Finding(
-                RESOLUTION,
-                severity,
-                (),
-                lines,
-                ENOUGH,
-                "The resolution is too coarse: " + seen,
-                f"Use longer segments, of {rounded(wanted_s)} s{leave_it}.",
-            )
-        ]
+        advice = f"Use longer segments, of {rounded(wanted_s)} s{leave_it}."
+        return [Finding(RESOLUTION, severity, (), lines, ENOUGH, COARSE + seen, advice)]
     constants = np.pi * bandwidth_hz * duration_s
     # With as few lines as are needed; more are better. Segments are powers of two, which may fall short of a
     # record that is long enough by this count.
     least_s = SEGMENTS * wanted_s * ENOUGH / BANDWIDTHS
-    return [
-        Finding(
-            LENGTH,
-            severity,
-            (),
-            lines,
-            ENOUGH,
-            f"The record of {duration_s:.3g} s is too short: {seen} It holds {constants:.0f} time "
-            "constants of these resonances.",
-            (
-                f"Record {'' if known else 'at least '}{rounded(least_s)} s, better "
-                if least_s > duration_s
-                else "Record for longer, at best "
-            )
-            + f"{rounded(SEGMENTS * wanted_s)} s.",
-        )
-    ]
+    text = (
+        f"The record of {duration_s:.3g} s is too short: {seen} It holds {constants:.0f} time constants of "
+    )
+    advice = "Record for longer, at best "
+    if least_s > duration_s:
+        advice = f"Record {'' if known else 'at least '}{rounded(least_s)} s, better "
+    advice += f"{rounded(SEGMENTS * wanted_s)} s."
+    return [Finding(LENGTH, severity, (), lines, ENOUGH, text + "these resonances.", advice)]
 
 
 def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool) -> Said:
     """The same for whole impacts and for measured responses."""
     if bandwidth_hz is None:
-        return [_nothing_sharp()]
+        return [NOTHING_SHARP]
     lines = bandwidth_hz / spacing_hz
     if lines >= ENOUGH_WITHOUT_LEAKAGE:
         return []
@@ -706,61 +603,27 @@ def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool)
         f"{spacing_hz:.3g} Hz apart; {limit:g} lines per bandwidth is the least."
     )
     if hit:
-        return [
-            Finding(
-                LENGTH,
-                "warning",
-                (),
-                lines,
-                limit,
-                f"The record after the impact ({1.0 / spacing_hz:.3g} s) is too short: {seen}",
-                f"Record until the response has died, for some {rounded(1.0 / wanted_hz)} s.",
-            )
-        ]
-    return [
-        Finding(
-            RESOLUTION,
-            "warning",
-            (),
-            lines,
-            limit,
-            f"The resolution is too coarse: {seen}",
-            f"Measure with lines {rounded(wanted_hz)} Hz apart.",
-        )
-    ]
+        text = f"The record after the impact ({1.0 / spacing_hz:.3g} s) is too short: {seen}"
+        advice = f"Record until the response has died, for some {rounded(1.0 / wanted_hz)} s."
+        return [Finding(LENGTH, "warning", (), lines, limit, text, advice)]
+    advice = f"Measure with lines {rounded(wanted_hz)} Hz apart."
+    return [Finding(RESOLUTION, "warning", (), lines, limit, COARSE + seen, advice)]
 
 
 def averages(n_averages: float, duration_s: float, nperseg: int) -> Said:
     """Enough averages to tell noise from signal?"""
     if n_averages >= STEADY_AVERAGES:
         return []
-    return [
-        Finding(
-            AVERAGES,
-            "warning",
-            (),
-            n_averages,
-            STEADY_AVERAGES,
-            f"Segments of {nperseg} samples leave {n_averages:.1f} independent averages in "
-            f"{duration_s:.3g} s; {STEADY_AVERAGES:g} are needed for noise and coherence to mean "
-            "something.",
-            "Use shorter segments, or record for longer.",
-        )
-    ]
+    text = (
+        f"Segments of {nperseg} samples leave {n_averages:.1f} independent averages in {duration_s:.3g} s; "
+        f"{STEADY_AVERAGES:g} are needed for noise and coherence to mean something."
+    )
+    advice = "Use shorter segments, or record for longer."
+    return [Finding(AVERAGES, "warning", (), n_averages, STEADY_AVERAGES, text, advice)]
 
 
 def too_few_lines(n_lines: int, band: tuple[float, float]) -> Finding:
     """A band with hardly a line in it."""
-    return Finding(
-        RESOLUTION,
-        "fatal",
-        (),
-        float(n_lines),
-        LINES_OF_BAND,
-        f"Only {n_lines} lines lie in {band[0]:g}-{band[1]:g} Hz, {LINES_OF_BAND} being the least.",
-        "Widen the band, or use longer segments.",
-    )
-
-
-def _nothing_sharp() -> NotTested:
-    return NotTested(RESOLUTION, "no resonance stands out of the band by 10 dB")
+    text = f"Only {n_lines} lines lie in {band[0]:g}-{band[1]:g} Hz, {LINES_OF_BAND} being the least."
+    advice = "Widen the band, or use longer segments."
+    return Finding(RESOLUTION, "fatal", (), float(n_lines), LINES_OF_BAND, text, advice)

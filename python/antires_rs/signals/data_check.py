@@ -11,7 +11,7 @@ import numpy as np
 from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import patient
-from ..support.values import frozen
+from ..support.values import frozen_or_none
 from . import channel_checks as channels, one_force
 from .averaging import LEAST_SAMPLES, SEGMENTS, Averages, Averaging, average, holds_hits, longest_segments
 from .frequency_response import FrequencyResponse, band_of
@@ -26,9 +26,9 @@ from .one_force import (
     of_spectra,
     one_of_a_kind,
 )
-from .recording import Recording
+from .recording import Recording, parts_of
 from .repeats import one_source
-from .spectra import CrossSpectra, parts_of, roughness
+from .spectra import CrossSpectra, roughness
 
 # -- Findings of several records of one test, each said once, with the records that show it
 
@@ -52,27 +52,15 @@ def grouped(each: Sequence[Said]) -> Said:
     joined: Said = []
     for shown in found.values():
         worst = min((one for _, one in shown), key=lambda one: SEVERITIES.index(one.severity))
-        where = _listed([number for number, _ in shown], len(each))
+        *numbers, last = (str(number) for number, _ in shown)
+        where = f"In record {last} of {len(each)}, counted from 0."
+        if len(shown) == len(each):
+            where = f"In all {len(each)} records."
+        elif numbers:
+            where = f"In records {', '.join(numbers)} and {last} of {len(each)}, counted from 0."
         brief = f"{worst.brief} ({where[0].lower()}{where[1:-1]})" if worst.brief else ""
         joined.append(replace(worst, text=f"{worst.text} ({where})", brief=brief))
     return [*joined, *untested.values()]
-
-
-def of_repeats(said: Said, repeats: bool) -> Said:
-    """Findings of the one force: a structure that changes between repeats looks like a second one."""
-    if not repeats:
-        return said
-    return [
-        replace(one, advice=f"{one.advice} {CHANGED}") if isinstance(one, Finding) else one for one in said
-    ]
-
-
-def _listed(numbers: list[int], count: int) -> str:
-    if len(numbers) == count:
-        return f"In all {count} records."
-    if len(numbers) == 1:
-        return f"In record {numbers[0]} of {count}, counted from 0."
-    return f"In records {', '.join(map(str, numbers[:-1]))} and {numbers[-1]} of {count}, counted from 0."
 
 
 # -- All tests of a time record
@@ -104,24 +92,37 @@ def of_recording(
 
     ``averages`` of the record, where it was averaged already.
     """
-    hits = averages.of_hits if averages is not None else holds_hits(rec, options)
+    hits = averages.nperseg is None if averages is not None else holds_hits(rec, options)
     said, live = _in_parts(rec, hits)
     if live is None:
         return said + _none_by_line("no channel moves"), None
     if averages is None:
         try:
-            averages = _averaged(rec, band, options, hits)
+            if hits or options.nperseg is not None or longest_segments(rec, band) >= LEAST_SAMPLES:
+                averages = average(rec, band, options, include_force=rec.force is not None, hits=hits)
         except UnsuitableDataError as exc:
             advice = f"{exc.got[0].upper()}{exc.got[1:]}. {exc.remedy}"
             finding = Finding(MISSED_HIT, "fatal", (), 0.0, 0.0, "No whole impact is in the record.", advice)
             return [*said, finding, *_none_by_line("no whole impact is in the record")], None
     if averages is None:
-        return said + [_hopeless(live)] + _none_by_line("the record is too short for a spectrum"), None
+        least = LEAST_SAMPLES * SEGMENTS
+        text = (
+            f"The record of {live.n_samples} samples ({live.duration_s:.3g} s) is too short for "
+            f"averaged spectra, which need {least:.0f}."
+        )
+        advice = "Record for longer, or give nperseg."
+        said.append(Finding(channels.LENGTH, "fatal", (), float(live.n_samples), least, text, advice))
+        return said + _none_by_line("the record is too short for a spectrum"), None
     spectra = averages.spectra
-    if averages.nperseg is None:
-        said += _single_hit(spectra.n_averages)
-    else:
+    if averages.nperseg is not None:
         said += channels.averages(spectra.n_effective, rec.duration_s, averages.nperseg)
+    elif spectra.n_averages == 1:
+        text = (
+            "A single impact: no averages. Coherence, the noise by line and whether one force is enough "
+            "cannot be told."
+        )
+        advice = "Hit the same point several times and record all impacts together."
+        said.append(Finding(SINGLE_HIT, "note", (), 1.0, 2.0, text, advice))
     if spectra.freq_hz.size < channels.LINES_OF_BAND:
         return said + [channels.too_few_lines(spectra.freq_hz.size, band)] + _none_by_line(
             "too few lines in the band"
@@ -142,21 +143,18 @@ def of_recording(
         # What holds only noise must not speak in the other tests.
         frfs = None if frfs is None else frfs[rows]
         seen = evidence(spectra.rows(rows), tuple(live.dofs[p] for p in rows))
+    one = one_force.one_force(seen)
+    if spectra.draws is not None:
+        # A structure that changes between repeats looks like a second force.
+        one = [replace(f, advice=f"{f.advice} {CHANGED}") if isinstance(f, Finding) else f for f in one]
     return [
         *said,
         *dead,
         *channels.in_phase(seen),
         *channels.buried(seen, lost),
-        *of_repeats(one_force.one_force(seen), spectra.draws is not None),
+        *one,
         *one_force.force_location(seen, excitation, frfs),
     ], seen
-
-
-def _averaged(rec: Recording, band: tuple[float, float], options: Averaging, hits: bool) -> Averages | None:
-    """Averages of the record, and of its force if it has one; None if it is too short for any segments."""
-    if not hits and options.nperseg is None and longest_segments(rec, band) < LEAST_SAMPLES:
-        return None
-    return average(rec, band, options, include_force=rec.force is not None, hits=hits)
 
 
 def _in_parts(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
@@ -182,26 +180,19 @@ def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
     said: Said = list(found)
     force = rec.force
     if force is not None and force.max() == force.min():
-        said.append(
-            Finding(
-                channels.DEAD,
-                "warning",
-                (FORCE,),
-                0.0,
-                0.0,
-                "The force is recorded as a constant.",
-                "Check its cable; antiresonances do not need it.",
-            )
+        text, advice = (
+            "The force is recorded as a constant.",
+            "Check its cable; antiresonances do not need it.",
         )
+        said.append(Finding(channels.DEAD, "warning", (FORCE,), 0.0, 0.0, text, advice))
         force = None
     if not rows:
         return said, None
     moving = data if not still else data[rows]
     names = tuple(labels[p] for p in rows)
-    if force is None:
-        said += channels.clipped(moving, names)
-    else:
-        said += channels.clipped([*moving, force], (*names, FORCE))
+    said += channels.clipped(moving, names)
+    if force is not None:
+        said += channels.clipped([force], (FORCE,))
     if hits:
         why = "in a record of impacts, rest and blows look like dropouts and spikes"
         said += [NotTested(channels.DROPOUTS, why), NotTested(channels.SPIKES, why)]
@@ -259,37 +250,6 @@ def _power(spectra: CrossSpectra) -> FloatArray:
     return np.asarray((auto / mean).sum(axis=0), dtype=np.float64)
 
 
-def _single_hit(n_hits: int) -> Said:
-    if n_hits > 1:
-        return []
-    return [
-        Finding(
-            SINGLE_HIT,
-            "note",
-            (),
-            1.0,
-            2.0,
-            "A single impact: no averages. Coherence, the noise by line and whether one force is enough "
-            "cannot be told.",
-            "Hit the same point several times and record all impacts together.",
-        )
-    ]
-
-
-def _hopeless(rec: Recording) -> Finding:
-    least = LEAST_SAMPLES * SEGMENTS
-    return Finding(
-        channels.LENGTH,
-        "fatal",
-        (),
-        float(rec.n_samples),
-        least,
-        f"The record of {rec.n_samples} samples ({rec.duration_s:.3g} s) is too short for "
-        f"averaged spectra, which need {least:.0f}.",
-        "Record for longer, or give nperseg.",
-    )
-
-
 def _none_by_line(why: str) -> Said:
     return [NotTested(name, why) for name in BY_LINE]
 
@@ -300,8 +260,6 @@ def _none_by_line(why: str) -> Said:
 # Roughness from line to line over the power of a curve above which it is noise, white noise having one; if
 # another curve is smooth: lines too far apart make all of them rough.
 ROUGH, SMOOTH = 0.5, 0.1
-# Coherence below which a line is more noise than response.
-COHERENT = 0.5
 
 
 def of_response(
@@ -311,51 +269,25 @@ def of_response(
     why = "needs time records"
     said: Said = [NotTested(name, why) for name in (channels.CLIPPED, channels.DROPOUTS, channels.SPIKES)]
     inside = (resp.freq_hz >= band[0]) & (resp.freq_hz <= band[1]) & (resp.freq_hz > 0.0)
-    by_line = (
-        channels.TIME_SHIFT,
-        channels.QUADRATURE,
-        channels.NOISE,
-        channels.RESOLUTION,
-        one_force.ONE_FORCE,
-        one_force.FORCE_LOCATION,
-    )
     if inside.sum() < channels.LINES_OF_BAND:
         said.append(channels.too_few_lines(int(inside.sum()), band))
-        return said + [NotTested(name, "too few lines in the band") for name in by_line], None
+        return said + _none_by_line("too few lines in the band")[1:], None
     values = resp.values[:, inside]
     rough = np.array([roughness(curve) for curve in values])
     live = []
     for p, dof in enumerate(resp.dofs):
         if not values[p].any():
-            said.append(
-                Finding(
-                    channels.DEAD,
-                    "fatal",
-                    (dof,),
-                    0.0,
-                    0.0,
-                    f"Dof {dof!r} is zero throughout the band.",
-                    channels.DEAD_ADVICE,
-                    "zero throughout the band",
-                )
-            )
+            brief = "zero throughout the band"
+            parts = (0.0, 0.0, f"Dof {dof!r} is {brief}.", channels.DEAD_ADVICE, brief)
+            said.append(Finding(channels.DEAD, "fatal", (dof,), *parts))
         elif rough[p] > ROUGH and rough.min() < SMOOTH:
             text = (
                 f"Dof {dof!r} holds only noise in the band: from line to line it changes as much as "
                 f"white noise does ({rough[p]:.2f} of its power, limit {ROUGH:g})."
             )
-            said.append(
-                Finding(
-                    channels.DEAD,
-                    "fatal",
-                    (dof,),
-                    float(rough[p]),
-                    ROUGH,
-                    text,
-                    channels.DEAD_ADVICE,
-                    f"only noise in the band ({rough[p]:.2f} of its power)",
-                )
-            )
+            brief = f"only noise in the band ({rough[p]:.2f} of its power)"
+            parts = (float(rough[p]), ROUGH, text, channels.DEAD_ADVICE, brief)
+            said.append(Finding(channels.DEAD, "fatal", (dof,), *parts))
         else:
             live.append(p)
     if rough.min() >= SMOOTH and np.median(rough) > ROUGH:
@@ -363,19 +295,10 @@ def of_response(
             f"The curves change from line to line as white noise does ({np.median(rough):.2f} of their "
             f"power, limit {ROUGH:g}): they are noise, or their lines too far apart."
         )
-        said.append(
-            Finding(
-                channels.RESOLUTION,
-                "fatal",
-                (),
-                float(np.median(rough)),
-                ROUGH,
-                text,
-                "Measure with a finer resolution, or force harder.",
-            )
-        )
+        advice = "Measure with a finer resolution, or force harder."
+        said.append(Finding(channels.RESOLUTION, "fatal", (), float(np.median(rough)), ROUGH, text, advice))
     if not live:
-        return said + [NotTested(name, "no channel holds a response") for name in by_line], None
+        return said + _none_by_line("no channel holds a response")[1:], None
     dofs = tuple(resp.dofs[p] for p in live)
     seen = of_curves(
         resp.freq_hz[inside],
@@ -384,7 +307,7 @@ def of_response(
         None if resp.coherence is None else resp.coherence[live][:, inside],
     )
     twice, _ = channels.duplicated(np.hstack([values[live].real, values[live].imag]), dofs)
-    said += [*twice, *channels.in_phase(seen), *_incoherent(seen), *one_force.one_force(seen)]
+    said += [*twice, *channels.in_phase(seen), *channels.incoherent(seen), *one_force.one_force(seen)]
     if resp.kind == "transmissibility":
         why = (
             "peaks of transmissibilities are antiresonances of the reference, as sharp as noise lets them be"
@@ -400,40 +323,9 @@ def of_response(
     return said, seen
 
 
-def _incoherent(seen: Evidence) -> Said:
-    if seen.coherence is None:
-        return [NotTested(channels.NOISE, "no coherence is given with the responses")]
-    share = np.mean(seen.coherence < COHERENT, axis=1)
-    return [
-        Finding(
-            channels.NOISE,
-            "note",
-            (dof,),
-            float(part),
-            channels.BURIED,
-            f"Dof {dof!r} has a coherence under {COHERENT:g} in {100 * part:.0f} % of the band.",
-            channels.BURIED_ADVICE,
-            f"coherence under {COHERENT:g} in {100 * part:.0f} % of the band",
-        )
-        for dof, part in zip(seen.dofs, share, strict=True)
-        if part > channels.BURIED
-    ]
-
-
 #: The order in which the tests that could not be made are listed.
-TESTS = (
-    channels.DEAD,
-    channels.CLIPPED,
-    channels.DUPLICATED,
-    channels.DROPOUTS,
-    channels.SPIKES,
-    channels.TIME_SHIFT,
-    channels.QUADRATURE,
-    channels.NOISE,
-    channels.RESOLUTION,
-    one_force.ONE_FORCE,
-    one_force.FORCE_LOCATION,
-)
+IN_TIME = (channels.CLIPPED, channels.DUPLICATED, channels.DROPOUTS, channels.SPIKES)
+TESTS = (BY_LINE[0], *IN_TIME, *BY_LINE[1:])
 
 
 @patient("checking the data")
@@ -536,35 +428,27 @@ def judged(
         said, seen = of_recording(source, excitation, band, options, averages)
     else:
         said, seen = of_response(source, excitation, band)
-    dofs = source.dofs
     found = one_of_a_kind(one for one in said if isinstance(one, Finding))
     # A test that found something was made, even if a part of it could not be.
     named = {finding.name for finding in found}
     why = {one.name: one.why for one in reversed(said) if isinstance(one, NotTested)}
     untested = {name: why[name] for name in TESTS if name in why and name not in named}
     if seen is None:
-        return DataCheck(found, untested, dofs, excitation, band)
-    if seen.eigenvalues is None:
-        return DataCheck(
-            found,
-            untested,
-            seen.dofs,
-            excitation,
-            band,
-            frozen(seen.freq_hz),
-            coherence=None if seen.coherence is None else frozen(seen.coherence),
-        )
-    expected = one_force.expected(seen) if len(seen.dofs) > 2 else None
+        return DataCheck(found, untested, source.dofs, excitation, band)
+    averaged, second = seen.eigenvalues is not None, None
+    if averaged and len(seen.dofs) > 2:
+        # What one force gives with noise and leakage.
+        second = np.maximum(one_force.noise_level(seen), seen.leakage)
     return DataCheck(
         found,
         untested,
         seen.dofs,
         excitation,
         band,
-        frozen(seen.freq_hz),
-        frozen(seen.eigenvalues),
-        None if expected is None else frozen(expected),
-        None if seen.coherence is None else frozen(seen.coherence),
-        seen.n_averages,
-        seen.nperseg,
+        frozen_or_none(seen.freq_hz),
+        frozen_or_none(seen.eigenvalues),
+        frozen_or_none(second),
+        frozen_or_none(seen.coherence),
+        seen.n_averages if averaged else None,
+        seen.nperseg if averaged else None,
     )

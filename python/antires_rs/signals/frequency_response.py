@@ -55,9 +55,8 @@ class FrequencyResponse(ReadOnly, Viewed):
 
     Attributes
     ----------
-    freq_hz, values, dofs, kind, reference, coherence, n_averages, std
-        As given, arrays read-only. ``coherence``, ``n_averages`` and ``std`` are None where not known.
     n_outputs, n_freq : int
+        Beside the parameters: as given, arrays read-only, None where not known.
 
     Raises
     ------
@@ -159,31 +158,11 @@ class FrequencyResponse(ReadOnly, Viewed):
         return int(self.freq_hz.size)
 
     def to_dataframe(self) -> Any:
-        """The complex values, a column for each dof, over ``freq_hz``.
-
-        Returns
-        -------
-        pandas.DataFrame
-
-        Raises
-        ------
-        MissingDependencyError
-            pandas is not installed.
-        """
+        """The complex values, a column for each dof, over ``freq_hz``; needs pandas."""
         return self._view("to_dataframe")(self)
 
     def to_xarray(self) -> Any:
-        """``values``, ``coherence`` and ``std`` over ``dof`` and ``freq_hz``; the kind is an attribute.
-
-        Returns
-        -------
-        xarray.Dataset
-
-        Raises
-        ------
-        MissingDependencyError
-            xarray is not installed.
-        """
+        """``values``, ``coherence`` and ``std`` over ``dof`` and ``freq_hz``; needs xarray."""
         return self._view("to_xarray")(self)
 
     def __repr__(self) -> str:

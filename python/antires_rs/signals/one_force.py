@@ -12,8 +12,7 @@ import numpy as np
 from ..support.checks import ComplexArray, FloatArray
 from ..support.values import ReadOnly
 from ..views import Viewed
-from .half_spectra import prominent_peaks
-from .spectra import CrossSpectra, pieces, spectrum, typical_noise
+from .spectra import CrossSpectra, pieces, prominent_peaks, running_mean, spectrum, typical_noise
 
 Severity = Literal["fatal", "warning", "note"]
 #: From the one that forbids to the one that informs.
@@ -232,56 +231,28 @@ LEAST_SPREAD = 1e-6
 
 @dataclass(frozen=True)
 class Evidence:
-    """Responses as one vector a line, and, for records, how well one vector describes them.
-
-    Attributes
-    ----------
-    dofs : tuple
-        n channels.
-    freq_hz : (n_freq,)
-    vectors : (n_freq, n) complex
-        Responses by line, each line with a free phase, in units in which all channels have equal noise.
-    power : (n_freq,)
-        Signal-to-noise power of all channels together.
-    matrix : (n_freq, n, n) complex or None
-        Covariance A conj(B) of the channels by line, in those units; None without averages.
-    eigenvalues : (n_freq, n) or None
-        Of that matrix, largest first.
-    n_averages : float
-        Effective; 1 for measured responses and single impacts.
-    signal : (n, n_freq) or None
-        Signal-to-noise power of each channel by line.
-    coherence : (n, n_freq) or None
-        Highest ordinary coherence of each channel with any other.
-    explained : (n,) or None
-        Share of each channel's power in the band that its best partner explains.
-    nperseg : int or None
-    fs_hz : float or None
-    spread : tuple of float
-        Power that the window puts 0, 1, ... lines beside a tone.
-    """
+    """Responses as one vector a line, and, for records, how well one vector describes them."""
 
     dofs: tuple[Any, ...]
     freq_hz: FloatArray
     vectors: ComplexArray
-    power: FloatArray
-    matrix: ComplexArray | None = None
+    """(n_freq, n): each line with a free phase, in units in which all channels have equal noise."""
+    power: FloatArray  # signal-to-noise power of all channels together, (n_freq,)
     eigenvalues: FloatArray | None = None
-    n_averages: float = 1.0
-    signal: FloatArray | None = None
-    coherence: FloatArray | None = None
-    explained: FloatArray | None = None
+    """(n_freq, n): of the covariance of the channels in those units, largest first; None without averages."""
+    n_averages: float = 1.0  # effective; 1 for measured responses and single impacts
+    signal: FloatArray | None = None  # signal-to-noise power of each channel by line, (n, n_freq)
+    coherence: FloatArray | None = None  # highest ordinary one of each channel with any other, (n, n_freq)
+    explained: FloatArray | None = None  # share of its power in the band that its best partner explains, (n,)
     nperseg: int | None = None
     fs_hz: float | None = None
-    spread: tuple[float, ...] = HANN_SPREAD
+    spread: tuple[float, ...] = HANN_SPREAD  # power that the window puts 0, 1, ... lines beside a tone
 
     @cached_property
     def leakage(self) -> FloatArray:
-        """Second eigenvalue that the window makes out of one force, (n_freq,).
-
-        A line's matrix is then the sum of the neighbours' vectors, spread as the window spreads power; its
-        eigenvalues are those of the vectors' inner products, which are a smaller matrix.
-        """
+        """Second eigenvalue that the window makes out of one force, (n_freq,)."""
+        # A line's matrix is then the sum of the neighbours' vectors, spread as the window spreads power; its
+        # eigenvalues are those of the vectors' inner products, which are a smaller matrix.
         n = self.vectors.shape[0]
         parts = [self.vectors]
         for shift, power in enumerate(self.spread[1:], start=1):
@@ -312,9 +283,6 @@ def of_spectra(
     noise = spectra.noise if spectra.noise is not None else spectra.noise_power
     auto = np.einsum("fii->if", matrix).real
     noise = np.maximum(noise, LEAST_NOISE * auto.mean(axis=1))
-    root = np.sqrt(noise)
-    # conj(A) B is the transpose of the covariance whose eigenvectors are wanted.
-    scaled = (matrix * (1.0 / (root[:, None] * root))).transpose(0, 2, 1)
     values, vectors = spectrum(matrix, noise)
     first = np.maximum(values[:, 0], 0.0)
     coherence, explained = _best_partners(matrix, auto)
@@ -323,7 +291,6 @@ def of_spectra(
         freq,
         vectors * np.sqrt(first)[:, None],
         first,
-        scaled,
         np.maximum(values, 0.0),
         spectra.n_effective,
         np.maximum(auto / noise[:, None] - 1.0, 0.0),
@@ -413,26 +380,24 @@ UNEXPLAINED = 0.2
 def one_force(seen: Evidence) -> Said:
     """Second eigenvalue against the first, the noise and the leakage."""
     n = len(seen.dofs)
+    why = ""
     if seen.eigenvalues is None:
-        return [
-            NotTested(
-                ONE_FORCE,
-                "measured responses and single impacts hold one vector a line, which one force "
-                "always explains; a record with several averages is needed",
-            )
-        ]
-    if seen.n_averages < LEAST_AVERAGES:
-        return [
-            NotTested(
-                ONE_FORCE,
-                f"{seen.n_averages:.1f} independent averages; {LEAST_AVERAGES:g} are needed "
-                "to tell a second force from noise",
-            )
-        ]
-    if n == 1:
-        return [NotTested(ONE_FORCE, "a single channel has one eigenvalue")]
-    if n == 2:
-        return [_two_channels(seen)]
+        why = (
+            "measured responses and single impacts hold one vector a line, which one force always explains; "
+            "a record with several averages is needed"
+        )
+    elif seen.n_averages < LEAST_AVERAGES:
+        count = f"{seen.n_averages:.1f} independent averages"
+        why = f"{count}; {LEAST_AVERAGES:g} are needed to tell a second force from noise"
+    elif n == 1:
+        why = "a single channel has one eigenvalue"
+    elif n == 2 and seen.coherence is not None:
+        why = (
+            "two channels cannot tell a second force from noise; their coherence is "
+            f"{float(np.median(seen.coherence)):.3g} at the median line, and what lacks to one is either"
+        )
+    if why or seen.eigenvalues is None:
+        return [NotTested(ONE_FORCE, why)]
     first, second = seen.eigenvalues[:, 0], seen.eigenvalues[:, 1]
     share = second / np.maximum(first, 1e-300)
     limit = OVER_NOISE * noise_level(seen)
@@ -463,15 +428,10 @@ def one_force(seen: Evidence) -> Said:
     return []
 
 
-def expected(seen: Evidence) -> FloatArray:
-    """Second eigenvalue that one force gives with noise and leakage, (n_freq,)."""
-    return np.asarray(np.maximum(noise_level(seen), seen.leakage), dtype=np.float64)
-
-
 def noise_level(seen: Evidence) -> FloatArray:
     """Mean second eigenvalue under one force and noise, by line, from the lower ones; (n_freq,)."""
     assert seen.eigenvalues is not None
-    rest = _smoothed(seen.eigenvalues[:, 2:].mean(axis=1))
+    rest = running_mean(seen.eigenvalues[:, 2:].mean(axis=1), SMOOTHING)
     return noise_ratio(len(seen.dofs), seen.n_averages) * rest
 
 
@@ -486,23 +446,6 @@ def noise_ratio(n: int, n_averages: float) -> float:
     largest = ((a + b) ** 2 - 1.7711 * (a + b) * (1.0 / a + 1.0 / b) ** (1.0 / 3.0)) / m
     largest = min(max(largest, 1.0), 0.95 * p)
     return float(largest * (p - 1.0) / (p - largest))
-
-
-def _two_channels(seen: Evidence) -> NotTested:
-    assert seen.coherence is not None
-    level = float(np.median(seen.coherence))
-    return NotTested(
-        ONE_FORCE,
-        "two channels cannot tell a second force from noise; their coherence is "
-        f"{level:.3g} at the median line, and what lacks to one is either",
-    )
-
-
-def _smoothed(values: FloatArray) -> FloatArray:
-    """Running mean, so that the noise of a few channels has enough samples."""
-    width = min(SMOOTHING, values.size)
-    kernel = np.ones(width)
-    return np.asarray(np.convolve(values, kernel, "same") / np.convolve(np.ones(values.size), kernel, "same"))
 
 
 # -- Does the force act where it is said to?
@@ -561,51 +504,28 @@ def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = 
     if excitation is None:
         return [NotTested(FORCE_LOCATION, "no excitation was stated")]
     if excitation not in seen.dofs:
-        return [
-            NotTested(
-                FORCE_LOCATION, f"the response at dof {excitation!r} was not recorded, or holds no signal"
-            )
-        ]
+        why = f"the response at dof {excitation!r} was not recorded, or holds no signal"
+        return [NotTested(FORCE_LOCATION, why)]
     peaks = resonances(seen)
     if peaks.size < 2:
         return [NotTested(FORCE_LOCATION, f"{peaks.size} resonance(s) stand out of the band; two are needed")]
-    row = seen.dofs.index(excitation)
     if frfs is not None:
-        pairs = _residues(_over_peaks(seen, frfs, peaks))
-        found = _judge(
-            seen,
-            excitation,
-            peaks,
-            pairs,
-            "its residues change their sign, as those of a driving point never do,",
-        )
+        lack = "its residues change their sign, as those of a driving point never do,"
+        found = _judge(seen, excitation, peaks, _residues(_over_peaks(seen, frfs, peaks)), lack)
         if found or len(seen.dofs) < LEAST_CHANNELS:
             return found
     elif len(seen.dofs) < LEAST_CHANNELS:
-        return [
-            NotTested(
-                FORCE_LOCATION,
-                f"without the force {LEAST_CHANNELS} channels are needed, of which "
-                f"{len(seen.dofs)} are there",
-            )
-        ]
+        why = f"without the force {LEAST_CHANNELS} channels are needed, of which {len(seen.dofs)} are there"
+        return [NotTested(FORCE_LOCATION, why)]
     pairs = followed(seen, peaks)
-    if not pairs[row]:
-        return [
-            NotTested(
-                FORCE_LOCATION,
-                f"the signs of dof {excitation!r} at the {peaks.size} resonances of the band "
-                "could not be followed from one to the next: the lines are too far apart or "
-                "too noisy",
-            )
-        ]
-    return _judge(
-        seen,
-        excitation,
-        peaks,
-        pairs,
-        "it lacks an antiresonance, of which a driving point has one between any two resonances,",
-    )
+    if not pairs[seen.dofs.index(excitation)]:
+        why = (
+            f"the signs of dof {excitation!r} at the {peaks.size} resonances of the band could not be "
+            "followed from one to the next: the lines are too far apart or too noisy"
+        )
+        return [NotTested(FORCE_LOCATION, why)]
+    lack = "it lacks an antiresonance, of which a driving point has one between any two resonances,"
+    return _judge(seen, excitation, peaks, pairs, lack)
 
 
 def _judge(

@@ -1,15 +1,16 @@
-"""What is measured: time records and frequency responses, as immutable values.
+"""Time records, alone or several of one test, as immutable values.
 
-Arrays are channels first, ``(n_channels, n_samples)`` and ``(n_outputs, n_freq)``; frequencies are in
-Hz. A dof is named by an integer or a string. Both classes copy what they are given and make the copy
-read-only, so that no result can change after it was computed.
+Arrays are channels first, ``(n_channels, n_samples)``. A dof is named by an integer or a string. What is
+given is copied, and the copy read-only, so that no result can change after it was computed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from ..exceptions import reject
 from ..support.checks import FloatArray, dof_labels, finite_scalar, in_range, real_array
@@ -34,9 +35,8 @@ class Recording(ReadOnly, Viewed):
 
     Attributes
     ----------
-    responses, fs_hz, dofs, force
-        As given, arrays read-only.
     n_channels, n_samples : int
+        Beside the parameters, which are as given, arrays read-only.
     duration_s : float
 
     Raises
@@ -108,31 +108,11 @@ class Recording(ReadOnly, Viewed):
         return self.n_samples / self.fs_hz
 
     def to_dataframe(self) -> Any:
-        """A column for each dof, and ``force``, over ``time_s``.
-
-        Returns
-        -------
-        pandas.DataFrame
-
-        Raises
-        ------
-        MissingDependencyError
-            pandas is not installed.
-        """
+        """A column for each dof, and ``force``, over ``time_s``; needs pandas."""
         return self._view("to_dataframe")(self)
 
     def to_xarray(self) -> Any:
-        """``responses`` and ``force`` over ``dof`` and ``time_s``; the rate is an attribute.
-
-        Returns
-        -------
-        xarray.Dataset
-
-        Raises
-        ------
-        MissingDependencyError
-            xarray is not installed.
-        """
+        """``responses`` and ``force`` over ``dof`` and ``time_s``, the rate an attribute; needs xarray."""
         return self._view("to_xarray")(self)
 
     def __repr__(self) -> str:
@@ -141,3 +121,72 @@ class Recording(ReadOnly, Viewed):
             f"Recording({self.n_channels} channels, {self.duration_s:g} s at {self.fs_hz:g} Hz, "
             f"dofs={self.dofs}, {force})"
         )
+
+
+# -- Several records of one test as one: what is averaged together, and never across a joint
+
+
+class PooledRecording(Recording):
+    """Records of one test end to end, with their limits; every average is taken inside ``parts``."""
+
+    #: In the order given, all with the dofs of the first in its order.
+    parts: tuple[Recording, ...]
+
+    def __init__(self, parts: Sequence[Recording]) -> None:
+        forces = [part.force for part in parts if part.force is not None]
+        super().__init__(
+            np.concatenate([part.responses for part in parts], axis=1),
+            parts[0].fs_hz,
+            parts[0].dofs,
+            np.concatenate(forces) if len(forces) == len(parts) else None,
+        )
+        object.__setattr__(self, "parts", tuple(parts))
+
+    def __repr__(self) -> str:
+        return f"{len(self.parts)} x {self.parts[0]!r}"
+
+
+def parts_of(rec: Recording) -> tuple[Recording, ...]:
+    """The records that a pool holds; a record alone is its own only part."""
+    return rec.parts if isinstance(rec, PooledRecording) else (rec,)
+
+
+def shortest(rec: Recording) -> int:
+    """Samples of the shortest part, in which every segment must fit."""
+    return min(part.n_samples for part in parts_of(rec))
+
+
+def without_force(rec: Recording) -> Recording:
+    """The same record as if the force had not been measured."""
+    if rec.force is None:
+        return rec
+    bare = [Recording(part.responses, part.fs_hz, part.dofs) for part in parts_of(rec)]
+    return PooledRecording(bare) if len(bare) > 1 else bare[0]
+
+
+def check_recording(rec: object) -> None:
+    """Refuse what is not a Recording."""
+    if not isinstance(rec, Recording):
+        reject(
+            "rec",
+            type(rec).__name__,
+            "a Recording",
+            "Make one of the arrays first: Recording(responses, fs_hz).",
+        )
+
+
+def force_of(rec: Recording) -> FloatArray:
+    """The measured force, which this estimate needs."""
+    if rec.force is None:
+        reject(
+            "rec",
+            "a Recording without force",
+            "one with the force recorded",
+            "Use transmissibilities: they need no force.",
+        )
+    return rec.force
+
+
+def rows_of(rec: Recording, include_force: bool) -> list[FloatArray]:
+    """The responses, and after them the force where it is wanted."""
+    return [*rec.responses, force_of(rec)] if include_force else [*rec.responses]

@@ -19,25 +19,20 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import Argument, reject
-from ..support.checks import ComplexArray, FloatArray
+from ..support.checks import ComplexArray
 from ..support.values import frozen
 from .frequency_response import FrequencyResponse
-from .recording import Recording
-from .spectra import pooled
+from .recording import PooledRecording, Recording
+from .spectra import running_mean
 
 # Degrees of freedom that the scatter of a mean should have, a line of one curve giving two.
 FREEDOM = 20.0
 
 
 class AveragedResponse(FrequencyResponse):
-    """The average of several curves of one test, which it holds too.
+    """The average of several curves of one test, which it holds too."""
 
-    Attributes
-    ----------
-    runs : (R, n, n_freq) complex
-        In the order given, rows as those of ``values``.
-    """
-
+    #: (R, n, n_freq) in the order given, rows as those of ``values``.
     runs: ComplexArray
 
     def __init__(self, runs: ComplexArray, *parts: Any, **named: Any) -> None:
@@ -77,9 +72,17 @@ def averaged(responses: Sequence[FrequencyResponse], name: str = "source") -> Fr
     if first.reference is None:
         mean = np.asarray(values.mean(axis=0), dtype=np.complex128)
     else:
-        mean = _direction(values, first.dofs.index(first.reference))
+        # Dominant vector of all records' vectors by line, over its entry at the reference.
+        vectors = (values / np.linalg.norm(values, axis=1, keepdims=True)).transpose(2, 1, 0)
+        left = np.linalg.svd(vectors, full_matrices=False)[0][:, :, 0].T
+        own = left[first.dofs.index(first.reference)]
+        mean = np.asarray(left / np.where(np.abs(own) < 1e-12, 1e-12, own), dtype=np.complex128)
     size = 1.0 if first.reference is None else np.sum(np.abs(mean) ** 2, axis=0)
-    std = np.sqrt(size * _smoothed(_scatter(values, mean) / size, len(values)))
+    count = len(values)
+    # Variance of the mean in its real part, averaged over the lines that few curves need.
+    variance = np.sum(np.abs(values - mean) ** 2, axis=0) / (2.0 * count * (count - 1.0)) / size
+    width = min(int(np.ceil(FREEDOM / (2.0 * (count - 1.0)))), first.n_freq)
+    std = np.sqrt(size * np.array([running_mean(row, width) for row in variance]))
     return AveragedResponse(
         values,
         first.freq_hz,
@@ -92,27 +95,34 @@ def averaged(responses: Sequence[FrequencyResponse], name: str = "source") -> Fr
     )
 
 
-def _direction(values: ComplexArray, reference: int) -> ComplexArray:
-    """Dominant vector of all records' vectors by line, over its entry at the reference, (n, n_freq)."""
-    vectors = values / np.linalg.norm(values, axis=1, keepdims=True)
-    by_line = vectors.transpose(2, 1, 0)
-    left = np.linalg.svd(by_line, full_matrices=False)[0][:, :, 0].T
-    own = left[reference]
-    return np.asarray(left / np.where(np.abs(own) < 1e-12, 1e-12, own), dtype=np.complex128)
+def pooled(records: Sequence[Recording], name: str = "source") -> Recording:
+    """Records of one test as one; the force is kept where all have it."""
+    first, same = records[0], []
+    for i, rec in enumerate(records):
+        if rec.fs_hz != first.fs_hz:
+            reject(
+                Argument(name).item(i),
+                f"a sampling rate of {rec.fs_hz:g} Hz",
+                f"that of the first record, {first.fs_hz:g} Hz",
+                "Resample one of them, or identify them apart.",
+            )
+        rows = _rows(first, rec, Argument(name).item(i), "a record of", "record")
+        if rec.dofs != first.dofs:
+            rec = Recording(rec.responses[rows], rec.fs_hz, first.dofs, rec.force)
+        same.append(rec)
+    return PooledRecording(same) if len(same) > 1 else first
 
 
-def _scatter(values: ComplexArray, mean: ComplexArray) -> FloatArray:
-    """Variance of the mean in its real part, (n, n_freq)."""
-    count = len(values)
-    return np.asarray(np.sum(np.abs(values - mean) ** 2, axis=0) / (2.0 * count * (count - 1.0)))
-
-
-def _smoothed(power: FloatArray, count: int) -> FloatArray:
-    """Running mean over the lines that few curves need."""
-    width = min(int(np.ceil(FREEDOM / (2.0 * (count - 1.0)))), power.shape[1])
-    kernel = np.ones(width)
-    lines = np.convolve(np.ones(power.shape[1]), kernel, "same")
-    return np.array([np.convolve(row, kernel, "same") / lines for row in power])
+def _rows(first: Any, one: Any, name: Argument, got: str, kind: str) -> list[int]:
+    """Rows of one measurement in the order of the first one's."""
+    if set(one.dofs) != set(first.dofs):
+        reject(
+            name,
+            f"{got} dofs {one.dofs}",
+            f"the dofs of the first {kind}, {first.dofs}",
+            "Identify setups with sensors at other places apart, and join the sets by merge_setups.",
+        )
+    return [one.dofs.index(dof) for dof in first.dofs]
 
 
 def _as_first(first: FrequencyResponse, one: FrequencyResponse, name: Argument) -> ComplexArray:
@@ -133,11 +143,4 @@ def _as_first(first: FrequencyResponse, one: FrequencyResponse, name: Argument) 
             f"{first.freq_hz[-1]:g} Hz",
             "Estimate all with the same segments.",
         )
-    if set(one.dofs) != set(first.dofs):
-        reject(
-            name,
-            f"responses at dofs {one.dofs}",
-            f"the dofs of the first response, {first.dofs}",
-            "Identify setups with sensors at other places apart, and join the sets by merge_setups.",
-        )
-    return one.values[[one.dofs.index(dof) for dof in first.dofs]]
+    return one.values[_rows(first, one, name, "responses at", "response")]

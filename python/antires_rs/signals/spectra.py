@@ -20,7 +20,7 @@ Random Data, 4th ed., 2010; G. T. Rocklin, J. Crowley, H. Vold, Proc. IMAC 3 (19
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
@@ -29,9 +29,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..exceptions import Argument, UnsuitableDataError, reject
+from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import ComplexArray, FloatArray, integer, real_array
-from .recording import Recording
+from .recording import Recording, check_recording, parts_of, rows_of, shortest
 
 # -- Spectra of many segments, kept in half the digits beside their exact average
 #
@@ -61,24 +61,12 @@ def add_products(total: ComplexArray, spectra: ComplexArray) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Scaled spectra of what was averaged.
+    """Scaled spectra of what was averaged."""
 
-    Attributes
-    ----------
-    values : (n_freq, n_rows, n_segments) complex
-        Of long records in single precision.
-    matrix : (n_freq, n_rows, n_rows) complex
-        Mean over the segments of conj(A) B, in double precision.
-    unit : (n_freq, n_rows)
-        What ``values`` are to be multiplied by for that mean.
-    scale : (n_freq, n_rows)
-        What both are to be multiplied by, ``matrix`` in rows and in columns.
-    """
-
-    values: NDArray[np.complexfloating[Any, Any]]
-    matrix: ComplexArray
-    unit: FloatArray
-    scale: FloatArray
+    values: NDArray[np.complexfloating[Any, Any]]  # (n_freq, n_rows, n_segments), single of long records
+    matrix: ComplexArray  # mean over the segments of conj(A) B in double precision, (n_freq, n_rows, n_rows)
+    unit: FloatArray  # what values are to be multiplied by for that mean, (n_freq, n_rows)
+    scale: FloatArray  # what both are to be multiplied by, the matrix in rows and in columns
 
     @classmethod
     def of(cls, values: ComplexArray) -> Self:
@@ -117,100 +105,11 @@ class Segments:
         return Segments.of(np.asarray(directions.T @ self.at(slice(None))))
 
 
-# -- Several records of one test as one: what is averaged together, and never across a joint
-
-
-class PooledRecording(Recording):
-    """Records of one test end to end, with their limits; every average is taken inside ``parts``.
-
-    Attributes
-    ----------
-    parts : tuple of Recording
-        In the order given, all with the dofs of the first in its order.
-    """
-
-    parts: tuple[Recording, ...]
-
-    def __init__(self, parts: Sequence[Recording]) -> None:
-        forces = [part.force for part in parts if part.force is not None]
-        super().__init__(
-            np.concatenate([part.responses for part in parts], axis=1),
-            parts[0].fs_hz,
-            parts[0].dofs,
-            np.concatenate(forces) if len(forces) == len(parts) else None,
-        )
-        object.__setattr__(self, "parts", tuple(parts))
-
-    def __repr__(self) -> str:
-        return f"{len(self.parts)} x {self.parts[0]!r}"
-
-
-def parts_of(rec: Recording) -> tuple[Recording, ...]:
-    """The records that a pool holds; a record alone is its own only part."""
-    return rec.parts if isinstance(rec, PooledRecording) else (rec,)
-
-
-def shortest(rec: Recording) -> int:
-    """Samples of the shortest part, in which every segment must fit."""
-    return min(part.n_samples for part in parts_of(rec))
-
-
-def without_force(rec: Recording) -> Recording:
-    """The same record as if the force had not been measured."""
-    if rec.force is None:
-        return rec
-    bare = [Recording(part.responses, part.fs_hz, part.dofs) for part in parts_of(rec)]
-    return PooledRecording(bare) if len(bare) > 1 else bare[0]
-
-
-def pooled(records: Sequence[Recording], name: str = "source") -> Recording:
-    """Records of one test as one; the force is kept where all have it."""
-    first = records[0]
-    same = [_as_first(first, rec, Argument(name).item(i)) for i, rec in enumerate(records)]
-    return PooledRecording(same) if len(same) > 1 else first
-
-
-def _as_first(first: Recording, rec: Recording, name: Argument) -> Recording:
-    """A record with its rows in the order of the first record's."""
-    if rec.fs_hz != first.fs_hz:
-        reject(
-            name,
-            f"a sampling rate of {rec.fs_hz:g} Hz",
-            f"that of the first record, {first.fs_hz:g} Hz",
-            "Resample one of them, or identify them apart.",
-        )
-    if set(rec.dofs) != set(first.dofs):
-        reject(
-            name,
-            f"a record of dofs {rec.dofs}",
-            f"the dofs of the first record, {first.dofs}",
-            "Identify setups with sensors at other places apart, and join the sets by merge_setups.",
-        )
-    if rec.dofs == first.dofs:
-        return rec
-    rows = [rec.dofs.index(dof) for dof in first.dofs]
-    return Recording(rec.responses[rows], rec.fs_hz, first.dofs, rec.force)
-
-
 # -- The noise of channels and of lines, as averaged spectra tell it
 #
 # - :func:`noise_power`: each channel's own noise, whatever number of forces acts on the structure;
 # - :func:`channel_noise`: relative noise of the channels under one force;
 # - :func:`noise_floor`, :func:`floors`: the level of the matrix, for all lines and by line.
-
-
-# -- Eigenvalues of spectral matrices, line by line, with the channels scaled to equal noise
-
-
-def scaled_eigh(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, ComplexArray]:
-    """Eigenvalues and eigenvectors line by line, channels divided by the roots of ``scale``.
-
-    ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n); eigenvalues ascend.
-    """
-    # conj(A) B is the transpose of the covariance whose eigenvectors are wanted.
-    root = np.sqrt(scale)
-    values, vectors = np.linalg.eigh((matrix / (root[:, None] * root)).transpose(0, 2, 1))
-    return values, vectors
 
 
 def spectrum(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, ComplexArray]:
@@ -369,43 +268,70 @@ def roughness(curve: ComplexArray) -> float:
     return float(np.median(second_differences(curve))) / GAIN / power if power > 0.0 else 0.0
 
 
+# -- Running means, and peaks that stand out of a curve, by their prominence
+
+
+def running_mean(values: FloatArray, width: int) -> FloatArray:
+    """Mean over so many neighbours, fewer at the ends."""
+    kernel = np.ones(min(width, values.size))
+    return np.asarray(np.convolve(values, kernel, "same") / np.convolve(np.ones(values.size), kernel, "same"))
+
+
+def prominent_peaks(curve: FloatArray, least: float) -> NDArray[np.int64]:
+    """Indices of the maxima with a prominence of ``least`` at least, ascending.
+
+    The prominence is the height over the higher of the two lowest points that lie between the peak and the
+    next higher point, or the end, on either side. Of a flat top the middle is taken. As
+    ``scipy.signal.find_peaks``, whose import takes longer than the identification of a short record.
+    """
+    # Stretches of equal values; a peak is one with lower ones on both sides.
+    first = np.flatnonzero(np.diff(curve, prepend=np.nan) != 0.0)
+    level = curve[first]
+    top = 1 + np.flatnonzero((level[1:-1] > level[:-2]) & (level[1:-1] > level[2:]))
+    if not top.size:
+        return np.empty(0, dtype=np.int64)
+    middle = (first[top] + first[top + 1] - 1) // 2
+    # Lowest points before the first peak, between peaks, and after the last.
+    low = np.minimum.reduceat(level, np.concatenate([[0], top]))
+    height = level[top].tolist()
+    left = _lowest(height, low[:-1].tolist())
+    right = _lowest(height[::-1], low[:0:-1].tolist())[::-1]
+    return np.asarray(middle[np.array(height) - np.maximum(left, right) >= least], dtype=np.int64)
+
+
+def _lowest(height: list[float], before: list[float]) -> list[float]:
+    """Lowest point from every peak back to the next higher one; ``before`` are those between neighbours."""
+    higher: list[tuple[float, float]] = []
+    found = []
+    for own, lowest in zip(height, before, strict=True):
+        while higher and higher[-1][0] <= own:
+            lowest = min(lowest, higher.pop()[1])
+        higher.append((own, lowest))
+        found.append(lowest)
+    return found
+
+
 #: Numbers of the spectra that are multiplied together: 4 MB.
 TOGETHER = 1 << 18
 
 
 @dataclass(frozen=True, eq=False)
 class CrossSpectra:
-    """Averaged spectral matrix of several channels.
-
-    Attributes
-    ----------
-    freq_hz : (n_freq,)
-    matrix : (n_freq, n_channels, n_channels) complex
-        ``matrix[:, a, b]`` is the average of conj(A) B: a one-sided density for Welch, energy spectra
-        for impacts.
-    n_averages : int
-        Segments or impacts averaged.
-    noise : (n_channels,) or None
-        Noise part of the diagonal, where it was measured (before an impact).
-    added_decay_per_s : float
-        Decay rate of an exponential window; roots identified from these spectra carry it in their real part.
-    n_effective : float
-        Independent averages that would scatter as much: fewer than ``n_averages`` where segments overlap.
-        0 (default) stands for ``n_averages``.
-    segments : Segments or None
-        What was averaged: ``matrix`` is the mean over segments of conj(A) B.
-    draws : (n_segments,) int or None
-        To which of several independent draws, records or impacts, each segment belongs; None for one record.
-    """
+    """Averaged spectral matrix of several channels."""
 
     freq_hz: FloatArray
     matrix: ComplexArray
+    """(n_freq, n, n): the average of conj(A) B, a one-sided density for Welch, energy spectra for impacts."""
     n_averages: int
     noise: FloatArray | None = None
+    """Noise part of the diagonal, (n,), where it was measured: before an impact."""
     added_decay_per_s: float = 0.0
+    """Of an exponential window; roots identified from these spectra carry it in their real part."""
     n_effective: float = 0.0
+    """Independent averages that would scatter as much, fewer where segments overlap; 0 for all of them."""
     segments: Segments | None = None
     draws: NDArray[np.int64] | None = None
+    """To which of several draws, records or impacts, each segment belongs; None for one record."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "n_effective", self.n_effective or float(self.n_averages))
@@ -515,34 +441,6 @@ def lines_in(freq_hz: FloatArray, band_hz: tuple[float, float]) -> slice:
     """The lines in a band; zero frequency is none of them: means are removed, accelerations vanish."""
     first = int(np.searchsorted(freq_hz, max(band_hz[0], np.nextafter(0.0, 1.0)), side="left"))
     return slice(first, max(first, int(np.searchsorted(freq_hz, band_hz[1], side="right"))))
-
-
-def check_recording(rec: object) -> None:
-    """Refuse what is not a Recording."""
-    if not isinstance(rec, Recording):
-        reject(
-            "rec",
-            type(rec).__name__,
-            "a Recording",
-            "Make one of the arrays first: Recording(responses, fs_hz).",
-        )
-
-
-def force_of(rec: Recording) -> FloatArray:
-    """The measured force, which this estimate needs."""
-    if rec.force is None:
-        reject(
-            "rec",
-            "a Recording without force",
-            "one with the force recorded",
-            "Use transmissibilities: they need no force.",
-        )
-    return rec.force
-
-
-def rows_of(rec: Recording, include_force: bool) -> list[FloatArray]:
-    """The responses, and after them the force where it is wanted."""
-    return [*rec.responses, force_of(rec)] if include_force else [*rec.responses]
 
 
 def window_values(window: Any, n: int) -> FloatArray:
@@ -714,7 +612,8 @@ def std_of_rank_one(matrix: ComplexArray, j: int, n_averages: float) -> FloatArr
     """Standard deviation of real and imaginary part of the rank-one T_pj, (n_channels, n_freq)."""
     noise = noise_power(matrix, n_averages)
     root = np.sqrt(noise)
-    values, vectors = scaled_eigh(matrix, noise)
+    # conj(A) B is the transpose of the covariance whose eigenvectors are wanted; eigenvalues ascend.
+    values, vectors = np.linalg.eigh((matrix / (root[:, None] * root)).transpose(0, 2, 1))
     first = np.maximum(values[:, -1:], 1e-300)
     values = np.clip(values[:, :-1], 0.0, (1.0 - LEAST_GAP) * first)
     own, others = vectors[:, :, -1], vectors[:, :, :-1]

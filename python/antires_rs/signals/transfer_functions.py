@@ -6,20 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import reject
+from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import ComplexArray, choice
-from .averaging import require_stationary, transient_spectra
+from .averaging import METHODS, is_transient, transient_spectra
 from .frequency_response import FrequencyResponse
-from .recording import Recording
-from .spectra import (
-    CrossSpectra,
-    check_recording,
-    cross_spectra,
-    force_of,
-    response_vectors,
-    std_of_rank_one,
-    two_channel,
-)
+from .recording import Recording, check_recording, force_of
+from .spectra import CrossSpectra, cross_spectra, response_vectors, std_of_rank_one, two_channel
 
 
 def frf(
@@ -211,11 +203,17 @@ def averaged_spectra(
     include_force: bool = False,
 ) -> CrossSpectra:
     """Welch or whole impacts, by ``method``."""
-    choice("method", method, ("auto", "welch", "transient"))
+    choice("method", method, METHODS)
     if method == "transient":
         return transient_spectra(rec, include_force=include_force)
     if nperseg is None:
         reject("nperseg", None, "an integer, the samples per segment", "Long enough for several decay times.")
-    if method == "auto":
-        require_stationary(rec)
+    if method == "auto" and is_transient(rec):
+        raise UnsuitableDataError(
+            "method",
+            "'auto' for a record whose energy decays by more than 20 dB",
+            "steady vibration for Welch's averages, because a segment that starts within a decay does not "
+            "hold its own excitation",
+            "Use method='transient' (one transform over each whole impact), or force it with method='welch'.",
+        )
     return cross_spectra(rec, nperseg=nperseg, noverlap=noverlap, window=window, include_force=include_force)
