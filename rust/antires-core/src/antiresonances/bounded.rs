@@ -7,7 +7,7 @@ use super::candidates::{add_new, at_other_scales, candidates, near, take_out};
 use super::query::{Antiresonances, Query, Transfer};
 use super::solver::Prepared;
 use crate::error::Result;
-use crate::linalg::root_bounds::{Bounded, RootBounds, UNCERTAIN};
+use crate::linalg::pencil::{Bounded, RootBounds, UNCERTAIN};
 use crate::linalg::sparse::SparseMatrix;
 use crate::modal::modes::{eigenvalue, hertz};
 

@@ -1,8 +1,8 @@
 //! Roots of the deleted pencil that the matrices have yet to confirm, and how they join those that are known.
 
 use crate::error::Result;
+use crate::linalg::pencil::{Bounded, UNCERTAIN};
 use crate::linalg::pencil::{real_eigenvalues, roots_near};
-use crate::linalg::root_bounds::{Bounded, UNCERTAIN};
 use crate::linalg::sparse::SparseMatrix;
 
 /// Most dofs of which QZ is asked at several scales, and the ratio of the entries of K and M from which on it is.

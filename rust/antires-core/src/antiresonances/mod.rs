@@ -18,7 +18,7 @@
 //! Both leave out, by default, the roots that cancel against a pole
 //! ([`Receptance`](crate::modal::receptance::Receptance)), since no frequency response shows them. Dropped by
 //! both: roots that are infinite, negative, complex, or zero at working precision (the tolerances of
-//! [`crate::linalg::tolerances`]).
+//! [`crate::linalg::pencil`]).
 //!
 //! | module | what it knows |
 //! |---|---|

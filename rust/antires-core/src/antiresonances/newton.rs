@@ -9,7 +9,7 @@
 //! does not count the stiffest entries against a mode that does not strain them: a soft support under a fine
 //! mesh is known as well as its spring.
 
-use crate::linalg::tolerances::ROOT_UNCERTAINTY;
+use crate::linalg::pencil::ROOT_UNCERTAINTY;
 use crate::modal::reduced::ReducedModes;
 
 /// Most steps: from three digits four lead to the last.

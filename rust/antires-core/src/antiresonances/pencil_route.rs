@@ -13,8 +13,8 @@ use super::found::Found;
 use super::placement::place;
 use super::search::{DOUBTFUL_ROOT, REACH};
 use crate::error::Result;
+use crate::linalg::pencil::ROOT_UNCERTAINTY;
 use crate::linalg::pencil::{PencilRoot, real_eigenvalues, refused};
-use crate::linalg::tolerances::ROOT_UNCERTAINTY;
 use crate::modal::solved::Solved;
 
 /// Relative distance within which a root of the pencil is that of a proven one, or of the cancelled one expected

@@ -13,7 +13,7 @@ use super::query::{Query, Route, Transfer};
 use super::search::{Memory, Search};
 use super::secular::Certainty;
 use crate::error::Result;
-use crate::linalg::root_bounds::UNCERTAIN;
+use crate::linalg::pencil::UNCERTAIN;
 use crate::linalg::sparse::SparseMatrix;
 use crate::modal::modal_columns::modal_columns;
 use crate::modal::modes::{eigenvalue, hertz};

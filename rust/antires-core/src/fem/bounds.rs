@@ -8,7 +8,7 @@ use super::frame::Property;
 use super::model::Model;
 use super::parameters::{Parameter, Quantity};
 use crate::error::{Error, Result};
-use crate::linalg::definite::is_semidefinite;
+use crate::linalg::factors::is_semidefinite;
 
 /// Checks `lower` and `upper` of `parameters`.
 ///

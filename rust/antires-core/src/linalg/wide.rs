@@ -4,6 +4,7 @@
 //! bits are the same on every machine.
 
 use pulp::Arch;
+
 pub use pulp::NullaryFnOnce;
 
 /// Sums side by side.

@@ -115,16 +115,14 @@ impl LowModes {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
-    use faer::Mat;
-
     use super::super::solved::Solutions;
     use super::super::structure::Structure;
     use super::*;
     use crate::fem::chain::mass_spring_chain;
     use crate::fem::model::Model;
     use crate::linalg::sparse::SparseMatrix;
+    use faer::Mat;
+    use std::sync::Arc;
 
     /// A free chain of 50 masses without symmetry.
     fn chain() -> Model {

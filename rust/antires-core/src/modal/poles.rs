@@ -12,7 +12,7 @@ use super::receptance::Receptance;
 use super::scaled::ScaledMatrices;
 use super::settled::{FOUND, Pairs, UNSEEN, is_close, settled, uncertainty};
 use super::space::Space;
-use crate::linalg::form::Form;
+use crate::linalg::factors::Form;
 use crate::linalg::krylov::Start;
 
 /// The poles are told up to this part above the limit, for the count to find a clear place.

@@ -12,9 +12,8 @@ use std::sync::Arc;
 
 use super::structure::{Layout, Structure};
 use crate::linalg::banded::Banded;
-use crate::linalg::factored::{Factors, Signs};
-use crate::linalg::form::Form;
-use crate::linalg::sparse::{SparseFactors, SparseMatrix};
+use crate::linalg::factors::{Factors, Form, Signs, SparseFactors};
+use crate::linalg::sparse::SparseMatrix;
 
 /// Least pivot of M, relative to its diagonal, for which all directions have a mass.
 const LEAST_MASS: f64 = 1e-8;

@@ -7,8 +7,7 @@
 //!
 //! Reference: Parlett, The Symmetric Eigenvalue Problem, SIAM 1998, sections 11.5 and 11.7.
 
-use crate::linalg::block_krylov::BlockKrylov;
-use crate::linalg::krylov::Krylov;
+use crate::linalg::krylov::{BlockKrylov, Krylov};
 
 /// Residual, relative to θ, of a pole that counts as found. The eigenvalue is good to its square.
 pub(super) const FOUND: f64 = 1e-6;

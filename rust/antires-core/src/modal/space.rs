@@ -2,10 +2,8 @@
 
 use super::scaled::ScaledMatrices;
 use super::settled::Pairs;
-use crate::linalg::block_krylov::BlockKrylov;
-use crate::linalg::factored::Factors;
-use crate::linalg::form::Form;
-use crate::linalg::krylov::{Krylov, Operator, Start};
+use crate::linalg::factors::{Factors, Form};
+use crate::linalg::krylov::{BlockKrylov, Krylov, Operator, Start};
 
 /// Values of the factors from which on a block costs no more than the load alone. It also has up to four modes of
 /// one frequency, as square structures do, which leave the count of modes open otherwise.

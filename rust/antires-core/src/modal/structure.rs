@@ -7,8 +7,9 @@ use crate::error::{Error, Result};
 use crate::fem::model::Model;
 use crate::fem::parameters::Parameter;
 use crate::fem::term::Term;
-use crate::linalg::ordering::reverse_cuthill_mckee;
-use crate::linalg::sparse::{Pattern, SparseMatrix, Symbolic};
+use crate::linalg::banded::reverse_cuthill_mckee;
+use crate::linalg::factors::Symbolic;
+use crate::linalg::sparse::{Pattern, SparseMatrix};
 
 /// Below this many dofs one dense eigenproblem costs less than the factors and the Krylov space.
 const FEWEST_DOFS: usize = 40;
