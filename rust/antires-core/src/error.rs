@@ -7,7 +7,7 @@
 use std::fmt;
 
 /// The result of a fallible function of this crate.
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// What can go wrong in the core.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

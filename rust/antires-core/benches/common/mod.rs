@@ -1,11 +1,10 @@
 //! Models that the benches share.
 #![allow(dead_code, missing_docs, clippy::missing_panics_doc)]
 
-use antires_core::fem::chain::mass_spring_chain;
 use antires_core::fem::frame::Frame;
 use antires_core::fem::frame::description::{Beam, FrameDescription, GroundSpring, PointMass};
 use antires_core::fem::frame::dofs::Dimension;
-use antires_core::fem::model::Model;
+use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::fem::section::{Section, Shape, Shear};
 

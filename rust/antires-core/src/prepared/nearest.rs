@@ -1,11 +1,14 @@
 //! Each value with the nearest root: which severities are worth a closer look.
+//!
+//! # settle
+//!
+//! The most probable severities of sets of elements, and their evidence.
 
 use std::ops::Range;
 
-use super::evidence::FURTHEST;
-use super::places::{Places, mixed};
-use super::tables::Tables;
-use super::values::Test;
+use super::evidence::{Evidence, FURTHEST, evidence};
+use super::look::{Errors, look};
+use super::tables::{Places, Tables, Test, mixed};
 use crate::linalg::wide::{NullaryFnOnce, run};
 
 /// Further from every root than this (ln f) a value counts as unexplained.
@@ -244,4 +247,51 @@ fn solved(a: &mut [f64], mut b: Vec<f64>) -> Vec<f64> {
         b[p] = (b[p] - sum) / a[p * n + p].max(1e-300);
     }
     b
+}
+
+// ---- settle
+
+/// Where a set has come to.
+#[derive(Clone, Debug)]
+pub struct Settled {
+    /// Severities of the last look.
+    pub u: Vec<f64>,
+    /// What is seen from there.
+    pub seen: Evidence,
+    /// At the severities of the last look.
+    pub log_likelihood: f64,
+}
+
+/// Newton steps from `u` until they are shorter than `rests`, by at most `looks`.
+#[must_use]
+pub fn settled(
+    t: &Tables<'_>,
+    test: &Test<'_>,
+    elements: &[usize],
+    u: &[f64],
+    (looks, rests): (usize, f64),
+    errors: Errors,
+) -> Settled {
+    let mut u: Vec<f64> = u.iter().map(|x| x.clamp(0.0, FURTHEST)).collect();
+    for nth in 1.. {
+        let seen = look(t, test, &Places::new(t, elements, &u), elements, errors);
+        let found = evidence(seen.log_likelihood, &seen.gain, &seen.curvature, &u);
+        let apart = found
+            .u
+            .iter()
+            .zip(&u)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
+        if nth >= looks || apart < rests {
+            return Settled {
+                u,
+                seen: found,
+                log_likelihood: seen.log_likelihood,
+            };
+        }
+        for (x, ahead) in u.iter_mut().zip(found.u) {
+            *x += (ahead - *x).clamp(-LONGEST, LONGEST);
+        }
+    }
+    unreachable!("the loop ends by itself")
 }

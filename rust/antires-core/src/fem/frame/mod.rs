@@ -14,17 +14,17 @@ mod check;
 pub mod description;
 pub mod dofs;
 mod parameters;
-pub mod property;
 mod reach;
 pub mod reform;
 mod terms;
 mod topology;
 
-use crate::error::{Error, Result};
 use description::FrameDescription;
 use dofs::DofMap;
 
-pub use property::{Angle, Property, Reach, Scale};
+use crate::error::{Error, Result};
+
+pub use super::parameters::{Angle, Property, Reach, Scale};
 
 /// A checked frame with its dof numbering.
 #[derive(Debug, Clone)]

@@ -17,9 +17,8 @@ use nalgebra::{Rotation3, Unit, Vector3};
 
 use super::Frame;
 use super::dofs::Dimension;
-use super::property::{Angle, Property, Scale};
 use crate::error::{Argument, Error, Result};
-use crate::fem::parameters::{Parameter, Quantity};
+use crate::fem::parameters::{Angle, Parameter, Property, Quantity, Scale};
 
 impl Frame {
     /// The numbers that hold a property of carrier `index`; none when there is no such carrier.

@@ -2,8 +2,8 @@
 
 use super::Frame;
 use super::description::norm;
-use super::property::Reach;
 use crate::error::{Argument, Error, Result};
+use crate::fem::parameters::Reach;
 
 /// What must be left of a beam's length while a node moves.
 const LEFT: f64 = 0.01;

@@ -2,8 +2,7 @@
 
 use super::Frame;
 use crate::fem::parameters::Parameter;
-use crate::fem::places::Places;
-use crate::fem::term::Term;
+use crate::fem::term::{Places, Term};
 use crate::linalg::sparse::SparseMatrix;
 
 /// One nominal matrix, its terms and their places in it.

@@ -1,11 +1,14 @@
 //! Forming the terms of a frame from its present sections and coordinates.
 
+use nalgebra::Matrix1;
+
 use super::Frame;
 use super::description::NodeSpring;
 use super::dofs::Dimension;
-use crate::fem::elements::{beam2, beam3, spring};
+use crate::fem::elements::{
+    along_line, pair, plane_mass, plane_stiffness, space_mass, space_stiffness,
+};
 use crate::fem::term::{Side, Term};
-use nalgebra::Matrix1;
 
 impl Frame {
     /// Number of stiffness terms: beams, springs to ground, springs between nodes.
@@ -99,16 +102,16 @@ impl Frame {
             Dimension::Plane => {
                 let (a, b) = ([a[0], a[1]], [b[0], b[1]]);
                 let matrix = match side {
-                    Side::Stiffness => beam2::stiffness(a, b, &section),
-                    Side::Mass => beam2::mass(a, b, &section),
+                    Side::Stiffness => plane_stiffness(a, b, &section),
+                    Side::Mass => plane_mass(a, b, &section),
                 };
                 term.set_element(&self.dofs.pair::<6>(beam.nodes), &(matrix * factor));
             }
             Dimension::Space => {
                 let up = self.references[index];
                 let matrix = match side {
-                    Side::Stiffness => beam3::stiffness(a, b, up, &section),
-                    Side::Mass => beam3::mass(a, b, up, &section),
+                    Side::Stiffness => space_stiffness(a, b, up, &section),
+                    Side::Mass => space_mass(a, b, up, &section),
                 };
                 term.set_element(&self.dofs.pair::<12>(beam.nodes), &(matrix * factor));
             }
@@ -119,7 +122,7 @@ impl Frame {
         let k = spring.stiffness_n_per_m;
         if let Some(direction) = spring.direction {
             let dofs = spring.nodes.map(|node| self.dofs.number(node, direction));
-            term.set_element(&dofs, &spring::pair(k));
+            term.set_element(&dofs, &pair(k));
             return;
         }
         let length = self.description.length_m(spring.nodes);
@@ -127,11 +130,11 @@ impl Frame {
         match self.description.dimension {
             Dimension::Plane => {
                 let dofs = self.dofs.pair::<4>(spring.nodes);
-                term.set_element(&dofs, &spring::along::<4>(&along, k));
+                term.set_element(&dofs, &along_line::<4>(&along, k));
             }
             Dimension::Space => {
                 let dofs = self.dofs.pair::<6>(spring.nodes);
-                term.set_element(&dofs, &spring::along::<6>(&along, k));
+                term.set_element(&dofs, &along_line::<6>(&along, k));
             }
         }
     }

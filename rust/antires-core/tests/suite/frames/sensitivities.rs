@@ -1,6 +1,5 @@
 //! Sensitivities to every kind of parameter of a frame, against differences of the whole computation.
 
-use super::build::{line, model, steel, tube};
 use antires_core::fem::frame::description::{FrameDescription, GroundSpring, PointMass};
 use antires_core::fem::frame::dofs::Dimension;
 use antires_core::fem::frame::{Angle, Property, Scale};
@@ -9,8 +8,10 @@ use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::fem::section::Shape;
 use antires_core::modal::modes::{eigenvalue, hertz};
 use antires_core::optimize::{Linearization, Objective};
-use antires_core::update::misfit::Misfit;
 use antires_core::update::objective::{AntiresonanceObjective, Target};
+use antires_core::update::unknowns::Misfit;
+
+use super::build::{line, model, steel, tube};
 
 /// A pipe of 18 beams, two sections, hung softly, with a silencer near its end: 57 dofs, a case for bands.
 fn pipe() -> FrameDescription {

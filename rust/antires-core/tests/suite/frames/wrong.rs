@@ -1,7 +1,7 @@
 //! Ill-posed frames and parameters: an error that names the part.
 
 use antires_core::error::Argument;
-use antires_core::fem::bounds::check_bounds;
+use antires_core::fem::checks::check_bounds;
 use antires_core::fem::frame::description::{FrameDescription, GroundSpring, NodeSpring};
 use antires_core::fem::frame::dofs::Dimension;
 use antires_core::fem::frame::{Frame, Property, Scale};
@@ -179,7 +179,7 @@ fn parameters_that_change_nothing_or_cannot_be() {
         assert!(error.starts_with("parameters[5]: got "), "{error}");
         assert!(error.contains(what), "wanted {what}, got {error}");
     }
-    let chain = antires_core::fem::chain::mass_spring_chain(&[1.0; 2], &[1.0], 0.0, 0.0).unwrap();
+    let chain = antires_core::fem::model::mass_spring_chain(&[1.0; 2], &[1.0], 0.0, 0.0).unwrap();
     let error = property(Mass, Value, &[0])
         .check(&"p".into(), &chain)
         .unwrap_err()

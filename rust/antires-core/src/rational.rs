@@ -1,3 +1,20 @@
+//! Polynomials on Forsythe's basis, for fits of measured curves.
+//!
+//! With x the frequency over the highest one and s = i x, the basis obeys
+//! s φ_k = b_{k+1} φ_{k+1} − b_k φ_{k−1} and φ_0 = 1 / b_0, the b real: a polynomial Σ c_k φ_k with real c
+//! has real coefficients in s.
+//!
+//! | module | problem |
+//! |---|---|
+//! | [`forsythe`] | φ_0 … φ_m at complex points |
+//! | [`roots`] | all roots of Σ c_k φ_k, from approximations |
+//!
+//! # forsythe
+//!
+//! The basis at complex points.
+//!
+//! # roots
+//!
 //! All roots of Σ c_k φ_k at once, by the method of Ehrlich and Aberth.
 //!
 //! Every approximation takes a Newton step that the others, each taken for a root, repel:
@@ -17,6 +34,31 @@ use faer::c64;
 use pulp::NullaryFnOnce;
 
 use crate::linalg::wide::{self, LANES};
+
+// ---- forsythe
+
+/// φ_0 … φ_m at every point, point by point; m is `b.len() - 1`.
+#[must_use]
+pub fn basis_at(points: &[c64], b: &[f64]) -> Vec<c64> {
+    let terms = b.len();
+    let mut out = vec![c64::new(0.0, 0.0); points.len() * terms];
+    for (s, phi) in points.iter().zip(out.chunks_exact_mut(terms)) {
+        phi[0] = c64::new(1.0 / b[0], 0.0);
+        if terms > 1 {
+            phi[1] = c64::new(s.re * phi[0].re / b[1], s.im * phi[0].re / b[1]);
+        }
+        for k in 1..terms - 1 {
+            let (one, before) = (phi[k], phi[k - 1]);
+            phi[k + 1] = c64::new(
+                (s.re * one.re - s.im * one.im + b[k] * before.re) / b[k + 1],
+                (s.re * one.im + s.im * one.re + b[k] * before.im) / b[k + 1],
+            );
+        }
+    }
+    out
+}
+
+// ---- roots
 
 /// Iterations after which the eigenvalues are the surer way.
 const MOST_ITERATIONS: usize = 60;
@@ -229,6 +271,26 @@ fn inverse_sum(at: c64, others: &[c64]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_recurrence_by_hand() {
+        let b = [0.5, 2.0, 4.0];
+        let s = c64::new(1.0, 3.0);
+        let phi = basis_at(&[s], &b);
+        // φ_1 = s φ_0 / b_1 and φ_2 = (s φ_1 + b_1 φ_0) / b_2.
+        assert_eq!(phi[0], c64::new(2.0, 0.0));
+        assert_eq!(phi[1], c64::new(1.0, 3.0));
+        assert_eq!(phi[2], c64::new(-1.0, 1.5));
+    }
+
+    #[test]
+    fn a_constant_alone() {
+        assert_eq!(
+            basis_at(&[c64::new(7.0, 1.0)], &[4.0]),
+            [c64::new(0.25, 0.0)]
+        );
+        assert!(basis_at(&[], &[4.0, 1.0]).is_empty());
+    }
 
     fn sorted(mut z: Vec<c64>) -> Vec<c64> {
         z.sort_by(|a, b| a.im.total_cmp(&b.im).then(a.re.total_cmp(&b.re)));
