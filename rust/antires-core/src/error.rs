@@ -117,25 +117,21 @@ pub enum Step {
 
 impl Argument {
     /// Item `index` of this argument.
-    #[must_use]
     pub fn item(&self, index: usize) -> Self {
         self.with(Step::Item(index))
     }
 
     /// A field of this argument.
-    #[must_use]
     pub fn field(&self, name: impl Into<String>) -> Self {
         self.with(Step::Field(name.into()))
     }
 
     /// The argument's own name.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// The way from the argument to the part that is meant; empty where all of it is.
-    #[must_use]
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }

@@ -38,7 +38,6 @@ use crate::linalg::wide::{self, LANES};
 // ---- forsythe
 
 /// φ_0 … φ_m at every point, point by point; m is `b.len() - 1`.
-#[must_use]
 pub fn basis_at(points: &[c64], b: &[f64]) -> Vec<c64> {
     let terms = b.len();
     let mut out = vec![c64::new(0.0, 0.0); points.len() * terms];
@@ -72,7 +71,6 @@ const SUM: f64 = 1e-8;
 ///
 /// `coefficients` are c_0 … c_m with c_m ≠ 0, `b` b_0 … b_m; `start` may have fewer or more points than
 /// there are roots. The roots come in no order.
-#[must_use]
 pub fn refined(coefficients: &[f64], b: &[f64], start: &[c64]) -> Option<Vec<c64>> {
     let order = coefficients.len().checked_sub(1)?;
     let mut z: Vec<c64> = start.iter().copied().take(order).collect();

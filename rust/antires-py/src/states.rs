@@ -4,7 +4,7 @@ use std::ops::{ControlFlow, RangeInclusive};
 
 use antires_core::error::Result;
 use antires_core::optimize::Candidates;
-use antires_core::optimize::outcome::Interrupt;
+use antires_core::optimize::Interrupt;
 use antires_core::update::modal_objective::{ModalObjective, modal_states};
 use antires_core::update::objective::{AntiresonanceObjective, NullVectors, states};
 use numpy::ndarray::{Array2, Array3};

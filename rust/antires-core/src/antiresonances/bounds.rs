@@ -213,16 +213,6 @@ impl Range {
         self.magnitude() > DROWNED * noise
     }
 
-    /// Lower bound.
-    pub fn low(self) -> f64 {
-        self.low
-    }
-
-    /// Upper bound.
-    pub fn high(self) -> f64 {
-        self.high
-    }
-
     /// Largest modulus in the range.
     fn magnitude(self) -> f64 {
         self.low.abs().max(self.high.abs())
@@ -725,13 +715,13 @@ mod tests {
                 ] {
                     let slack = 1e-12 * (1.0 + v.abs());
                     assert!(
-                        range.low() <= v + slack && v - slack <= range.high(),
+                        range.low <= v + slack && v - slack <= range.high,
                         "{x} {v} {range:?}"
                     );
                 }
             }
         }
-        let width = |r: Range| r.high() - r.low();
+        let width = |r: Range| r.high - r.low;
         let at = |half: f64| {
             let cell = Cell {
                 a: 1.3 - half,

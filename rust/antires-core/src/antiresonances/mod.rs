@@ -35,13 +35,13 @@
 //! Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021; W. D'Ambrogio &
 //! A. Fregolent, The use of antiresonances for robust model updating, J. Sound Vib. 236 (2000) 227-243.
 
-pub mod bounds;
-pub mod of_model;
+mod bounds;
+mod of_model;
 mod placement;
 mod search;
-pub mod secular;
-pub mod sensitivities;
-pub mod solver;
+mod secular;
+mod sensitivities;
+mod solver;
 
 pub use of_model::{antiresonances, bounded_antiresonances};
 pub use sensitivities::{ZeroBatch, ZeroSensitivity};

@@ -25,9 +25,6 @@ use crate::modal::modes::{eigenvalue, hertz};
 use crate::modal::structure::{MOST_DENSE, Structure};
 
 /// Antiresonances of each response of a model.
-///
-/// # Errors
-/// [`crate::error::Error::InvalidInput`] for a dof outside the model, and those of the eigenproblems.
 pub fn antiresonances(
     model: &Model,
     responses: &[usize],
@@ -54,9 +51,6 @@ pub fn antiresonances(
 }
 
 /// The same, each with a bound of its error: [`Antiresonances::error_hz`].
-///
-/// # Errors
-/// Those of [`antiresonances`].
 pub fn bounded_antiresonances(
     model: &Model,
     responses: &[usize],

@@ -93,9 +93,6 @@ impl<'a, 'm> Search<'a, 'm> {
     }
 
     /// Finds the roots up to `ceiling`.
-    ///
-    /// # Errors
-    /// Those of [`Solved::dense`].
     pub fn run(&mut self, ceiling: f64) -> Result<Certainty> {
         let (i, k) = self.ends;
         if ceiling.is_finite() && self.solved.is_reducible() {

@@ -72,7 +72,6 @@ pub enum Certainty {
 
 impl Certainty {
     /// Proven where both are.
-    #[must_use]
     pub fn and(self, other: Self) -> Self {
         if self == Self::Proven {
             other
@@ -274,7 +273,6 @@ impl Secular<'_> {
 ///
 /// It has a root if the rest of H stands out, at a distance of residue / H, and the residue may be as large as
 /// what counts as negligible.
-#[must_use]
 pub fn is_hollow(h: &Receptance, l: f64) -> bool {
     let least = h.noise_and_slope(l).0 + h.negligible / (ON_A_POLE * l);
     l > 0.0 && least.is_finite() && h.value(l).abs() <= least

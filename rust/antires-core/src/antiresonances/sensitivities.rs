@@ -40,9 +40,6 @@ pub struct ZeroSensitivity {
 
 impl ZeroSensitivity {
     /// Takes up the zero `x` = ω² of H_ik.
-    ///
-    /// # Errors
-    /// Those of [`Prepared::columns`].
     pub fn set(&mut self, prepared: &mut Prepared<'_>, ends: (usize, usize), x: f64) -> Result<()> {
         self.x = x;
         self.slope = prepared.columns(ends, x, &mut self.left, &mut self.right)?;
@@ -50,9 +47,6 @@ impl ZeroSensitivity {
     }
 
     /// Takes up a root `x` that cancels against a pole, see [`crate::modal::columns`].
-    ///
-    /// # Errors
-    /// Those of [`Prepared::vectors_on_pole`].
     pub fn set_cancelled(
         &mut self,
         prepared: &mut Prepared<'_>,
@@ -65,7 +59,6 @@ impl ZeroSensitivity {
     }
 
     /// Left and right null vector.
-    #[must_use]
     pub fn vectors(&self) -> (&[f64], &[f64]) {
         (&self.left, &self.right)
     }
@@ -76,13 +69,11 @@ impl ZeroSensitivity {
     }
 
     /// dH_ik/dx, with the factors of the two vectors.
-    #[must_use]
     pub fn slope(&self) -> f64 {
         self.slope
     }
 
     /// dx/dp in (rad/s)² per unit of p; not finite at a double zero, which has no derivative.
-    #[must_use]
     pub fn along(&self, slopes: &MatrixSlopes) -> f64 {
         let join = |entries: &[(u32, u32, f64)]| -> f64 {
             let (left, right) = (&self.left, &self.right);
@@ -139,7 +130,6 @@ impl<T> ZeroBatch<T> {
     }
 
     /// Whether it is time to ask and to [`clear`](Self::clear).
-    #[must_use]
     pub fn is_full(&self) -> bool {
         self.owners.len() == WIDTH
     }

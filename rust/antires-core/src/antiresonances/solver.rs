@@ -51,7 +51,6 @@ pub struct AntiresonanceSolver {
 
 impl AntiresonanceSolver {
     /// Reserves the memory for the models of one structure.
-    #[must_use]
     pub fn new(structure: &Arc<Structure>) -> Self {
         Self {
             solutions: Solutions::new(structure),
@@ -60,7 +59,6 @@ impl AntiresonanceSolver {
     }
 
     /// Takes K and M.
-    #[must_use]
     pub fn prepare<'a>(
         &'a mut self,
         stiffness: &'a SparseMatrix,
@@ -85,9 +83,6 @@ impl Prepared<'_> {
     /// Antiresonances (Hz) of H_ik up to the limit of the query, appended to `freq_hz`.
     ///
     /// Where rounding leaves the modal route in doubt, the roots of the pencil join those that are proven.
-    ///
-    /// # Errors
-    /// Those of [`Solved::dense`], and of the pencil if that is the route asked for.
     pub fn find(
         &mut self,
         i: usize,
@@ -130,7 +125,6 @@ impl Prepared<'_> {
 
     /// Whether rounding leaves a doubt about the number of roots last found: of structures too large for the
     /// pencil.
-    #[must_use]
     pub fn is_doubtful(&self) -> bool {
         self.doubtful
     }
@@ -157,18 +151,12 @@ impl Prepared<'_> {
     }
 
     /// Eigenvalues of the whole structure, ascending.
-    ///
-    /// # Errors
-    /// Those of [`Solved::dense`].
     pub fn eigenvalues(&mut self) -> Result<&[f64]> {
         Ok(self.solved.dense()?.eigenvalues())
     }
 
     /// Null vectors of the deleted pencil at a root `x` that cancels against a pole, into `left` and `right`;
     /// returns leftᵀ M right.
-    ///
-    /// # Errors
-    /// Those of [`Solved::dense`].
     pub fn vectors_on_pole(
         &mut self,
         ends: (usize, usize),
@@ -180,9 +168,6 @@ impl Prepared<'_> {
     }
 
     /// Columns i and k of (K − xM)⁻¹, each up to a factor, into `left` and `right`; returns leftᵀ M right.
-    ///
-    /// # Errors
-    /// Those of [`Solved::dense`].
     pub fn columns(
         &mut self,
         ends: (usize, usize),
@@ -224,9 +209,6 @@ pub struct Query {
 impl Query {
     /// Refuses what no memory and patience serve: all roots of a large model cost n² memory and n³ time, and QZ 25
     /// times that.
-    ///
-    /// # Errors
-    /// [`Error::InvalidInput`] without a limit, and for the pencil route.
     pub fn check_large(&self, n: usize) -> Result<()> {
         if self.route == Route::Pencil {
             return Err(Error::input(
@@ -280,9 +262,6 @@ pub enum Transfer {
 const SAME_ROOT: f64 = 1e-6;
 
 /// Adds the roots of the pencil up to `ceiling` to those found.
-///
-/// # Errors
-/// Those of [`real_eigenvalues`], and a root that QZ returned without having converged.
 pub(super) fn join(
     solved: &mut Solved<'_>,
     (i, k): (usize, usize),

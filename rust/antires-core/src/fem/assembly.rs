@@ -45,7 +45,6 @@ pub struct Assembly {
 
 impl Assembly {
     /// Assembly of the nominal state.
-    #[must_use]
     pub fn new(model: &Model) -> Self {
         Self {
             stiffness: model.stiffness().clone(),
@@ -108,13 +107,11 @@ impl Assembly {
     }
 
     /// Factors s_i of the stiffness terms at the last [`form`](Self::form).
-    #[must_use]
     pub fn stiffness_factors(&self) -> &[f64] {
         &self.stiffness_factors
     }
 
     /// Factors s_i of the mass terms at the last [`form`](Self::form).
-    #[must_use]
     pub fn mass_factors(&self) -> &[f64] {
         &self.mass_factors
     }
@@ -122,10 +119,6 @@ impl Assembly {
 
 impl Model {
     /// The model whose nominal state is this model at parameter values `x`.
-    ///
-    /// # Errors
-    /// Those of [`Model::new`], for example when a factor makes a mass negative, and of
-    /// [`Frame::at`](super::frame::Frame::at).
     pub fn at(&self, parameters: &[Parameter], x: &[f64]) -> Result<Self> {
         if let Some(frame) = self.frame() {
             return Self::from_frame(frame.at(parameters, x)?);
@@ -189,7 +182,6 @@ pub struct Slopes<'a> {
 
 impl<'a> Slopes<'a> {
     /// Slopes of `model` at `x`.
-    #[must_use]
     pub fn new(model: &'a Model, parameters: &'a [Parameter], x: &'a [f64]) -> Self {
         Self {
             model,
@@ -200,7 +192,6 @@ impl<'a> Slopes<'a> {
     }
 
     /// The slopes along parameter `index`.
-    #[must_use]
     pub fn along(&self, index: usize) -> MatrixSlopes {
         let mut slopes = MatrixSlopes::default();
         match (

@@ -93,7 +93,6 @@ impl Parameter {
     }
 
     /// Value at which the model is as it was given; none where one value stands for different ones.
-    #[must_use]
     pub fn nominal(&self, model: &Model) -> Option<f64> {
         match self.quantity {
             Quantity::StiffnessReduction | Quantity::Angle(_) | Quantity::Position(_) => Some(0.0),

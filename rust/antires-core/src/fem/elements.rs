@@ -128,7 +128,6 @@ fn shear_to_bending(plane: &Bending, l: f64) -> f64 {
 }
 
 /// Stiffness of one plane; `sign` is that of a rotation against the slope.
-#[must_use]
 pub fn bending_stiffness(l: f64, plane: &Bending, sign: f64) -> BendingMatrix {
     let phi = shear_to_bending(plane, l);
     let k = plane.stiffness_nm2 / (l * l * l) / (1.0 + phi);
@@ -143,7 +142,6 @@ pub fn bending_stiffness(l: f64, plane: &Bending, sign: f64) -> BendingMatrix {
 }
 
 /// Consistent bending_mass of one plane; `sign` is that of a rotation against the slope.
-#[must_use]
 pub fn bending_mass(l: f64, mass_kg_per_m: f64, plane: &Bending, sign: f64) -> BendingMatrix {
     let phi = shear_to_bending(plane, l);
     let (phi2, square) = (phi * phi, (1.0 + phi) * (1.0 + phi));
@@ -281,26 +279,22 @@ fn space_axes(a: [f64; 3], b: [f64; 3], up: [f64; 3]) -> (f64, Matrix3<f64>) {
 // ---- spring
 
 /// Contribution to K of a spring of `stiffness_n_per_m` between dofs `a` and `b`.
-#[must_use]
 pub fn between(a: usize, b: usize, stiffness_n_per_m: f64) -> Term {
     Term::from_element(&[a, b], &pair(stiffness_n_per_m))
 }
 
 /// Contribution to K of a spring of `stiffness_n_per_m` from dof `a` to ground.
-#[must_use]
 pub fn to_ground(a: usize, stiffness_n_per_m: f64) -> Term {
     Term::from_element(&[a], &Matrix1::new(stiffness_n_per_m))
 }
 
 /// The matrix of a spring between two dofs.
-#[must_use]
 pub fn pair(stiffness_n_per_m: f64) -> Matrix2<f64> {
     Matrix2::new(1.0, -1.0, -1.0, 1.0) * stiffness_n_per_m
 }
 
 /// The matrix of a spring along `direction` (unit vector of `N / 2` components) over the translations
 /// of two nodes.
-#[must_use]
 pub fn along_line<const N: usize>(direction: &[f64], stiffness_n_per_m: f64) -> SMatrix<f64, N, N> {
     let half = N / 2;
     SMatrix::from_fn(|i, j| {
@@ -312,7 +306,6 @@ pub fn along_line<const N: usize>(direction: &[f64], stiffness_n_per_m: f64) -> 
 // ---- lumped
 
 /// Contribution to M of the lumped inertia `mass_kg` at dof `a`.
-#[must_use]
 pub fn lump(a: usize, mass_kg: f64) -> Term {
     Term::from_element(&[a], &Matrix1::new(mass_kg))
 }

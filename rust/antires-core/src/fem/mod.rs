@@ -24,7 +24,7 @@
 
 pub mod assembly;
 pub mod checks;
-pub mod elements;
+pub(crate) mod elements;
 pub mod frame;
 pub mod model;
 pub mod parameters;

@@ -44,9 +44,6 @@ pub struct Model {
 
 impl Model {
     /// Model from dense nominal matrices and the terms contained in them.
-    ///
-    /// # Errors
-    /// As [`Model::from_entries`], and for a matrix that is not square.
     pub fn new(
         stiffness: Mat<f64>,
         mass: Mat<f64>,
@@ -132,9 +129,6 @@ impl Model {
     }
 
     /// Model of a frame.
-    ///
-    /// # Errors
-    /// Those of [`Model::new`].
     pub fn from_frame(frame: Frame) -> Result<Self> {
         let n = frame.dofs().n_free();
         let (stiffness_terms, mass_terms) = frame.terms();
@@ -157,25 +151,21 @@ impl Model {
     }
 
     /// The frame that this is the model of, if it is one.
-    #[must_use]
     pub fn frame(&self) -> Option<&Frame> {
         self.frame.as_ref()
     }
 
     /// Number of degrees of freedom.
-    #[must_use]
     pub fn n_dof(&self) -> usize {
         self.stiffness.n()
     }
 
     /// Nominal stiffness (N/m).
-    #[must_use]
     pub fn stiffness(&self) -> &SparseMatrix {
         &self.stiffness
     }
 
     /// Nominal mass (kg).
-    #[must_use]
     pub fn mass(&self) -> &SparseMatrix {
         &self.mass
     }
@@ -192,13 +182,11 @@ impl Model {
     }
 
     /// Terms of the stiffness, in element order.
-    #[must_use]
     pub fn stiffness_terms(&self) -> &[Term] {
         &self.stiffness_terms
     }
 
     /// Terms of the mass, in element order.
-    #[must_use]
     pub fn mass_terms(&self) -> &[Term] {
         &self.mass_terms
     }
@@ -221,14 +209,12 @@ impl Model {
 
     /// Whether dofs `i` and `k` are joined by any chain of stiffness or mass entries. If not, H_ik is
     /// identically zero.
-    #[must_use]
     pub fn connected(&self, i: usize, k: usize) -> bool {
         connected(&self.stiffness, &self.mass, i, k)
     }
 }
 
 /// Whether a path of non-zero entries of K or M joins `i` to `k`.
-#[must_use]
 pub fn connected(stiffness: &SparseMatrix, mass: &SparseMatrix, i: usize, k: usize) -> bool {
     let pattern = stiffness.pattern();
     let mut seen = vec![false; stiffness.n()];

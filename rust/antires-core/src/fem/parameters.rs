@@ -34,7 +34,6 @@ pub enum Quantity {
 
 impl Quantity {
     /// Whether terms of a frame are formed anew, where others scale the terms that there are.
-    #[must_use]
     pub fn forms_anew(&self) -> bool {
         matches!(
             self,

@@ -79,7 +79,6 @@ pub struct Rigidity {
 
 impl Section {
     /// Stiffness and mass per length.
-    #[must_use]
     pub fn rigidity(&self) -> Rigidity {
         let (area, inertia_y, inertia_z, torsion) = self.shape.constants();
         let e = self.youngs_modulus_pa;
@@ -218,7 +217,6 @@ impl Shape {
     }
 
     /// (A, I_y, I_z, J).
-    #[must_use]
     pub fn constants(&self) -> (f64, f64, f64, f64) {
         match *self {
             Self::Tube {
@@ -282,7 +280,6 @@ pub enum Shear {
 
 impl Shear {
     /// κ for forces along y and along z; none where shear is rigid.
-    #[must_use]
     pub fn coefficients(self, shape: &Shape, poisson: f64) -> Option<(f64, f64)> {
         match self {
             Self::Rigid => None,

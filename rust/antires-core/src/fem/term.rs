@@ -71,19 +71,16 @@ impl Term {
     }
 
     /// Term from explicit entries, both triangles given.
-    #[must_use]
     pub fn from_entries(entries: Vec<(u32, u32, f64)>) -> Self {
         Self { entries }
     }
 
     /// The entries (row, column, value).
-    #[must_use]
     pub fn entries(&self) -> &[(u32, u32, f64)] {
         &self.entries
     }
 
     /// True when the term contributes nothing.
-    #[must_use]
     pub fn is_zero(&self) -> bool {
         self.entries.iter().all(|e| e.2 == 0.0)
     }
@@ -110,7 +107,6 @@ impl Places {
     ///
     /// # Panics
     /// If it has not.
-    #[must_use]
     pub fn new(pattern: &Pattern, terms: &[Term]) -> Self {
         let (mut starts, mut places) = (vec![0], Vec::new());
         for term in terms {
@@ -125,7 +121,6 @@ impl Places {
     }
 
     /// Those of term `index`.
-    #[must_use]
     pub fn of(&self, index: usize) -> &[u32] {
         &self.places[self.starts[index]..self.starts[index + 1]]
     }

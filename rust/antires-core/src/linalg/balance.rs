@@ -28,7 +28,6 @@ pub struct Balance {
 impl Balance {
     /// The scales of matrices of `n` rows with these diagonals, stiffness and mass; none where they may stay as they
     /// are.
-    #[must_use]
     pub fn of(n: usize, diagonals: impl Fn(usize) -> (f64, f64)) -> Option<Self> {
         let (mut least, mut most) = ([f64::INFINITY; 2], [0.0_f64; 2]);
         for j in 0..n {
@@ -83,31 +82,26 @@ impl Balance {
     }
 
     /// The scales of sparse matrices.
-    #[must_use]
     pub fn of_sparse(stiffness: &SparseMatrix, mass: &SparseMatrix) -> Option<Self> {
         Self::of(mass.n(), |j| (stiffness.diagonal(j), mass.diagonal(j)))
     }
 
     /// K̃.
-    #[must_use]
     pub fn stiffness(&self, k: &SparseMatrix) -> SparseMatrix {
         self.scaled(k, self.stiffness)
     }
 
     /// M̃.
-    #[must_use]
     pub fn mass(&self, m: &SparseMatrix) -> SparseMatrix {
         self.scaled(m, self.mass)
     }
 
     /// Entry (i, j) of K̃ from that of K.
-    #[must_use]
     pub fn stiffness_entry(&self, i: usize, j: usize, value: f64) -> f64 {
         times(value, self.stiffness) * self.dofs[i] * self.dofs[j]
     }
 
     /// Entry (i, j) of M̃ from that of M.
-    #[must_use]
     pub fn mass_entry(&self, i: usize, j: usize, value: f64) -> f64 {
         times(value, self.mass) * self.dofs[i] * self.dofs[j]
     }
@@ -121,31 +115,26 @@ impl Balance {
     }
 
     /// x of x̃.
-    #[must_use]
     pub fn eigenvalue(&self, scaled: f64) -> f64 {
         times(scaled, self.mass - self.stiffness)
     }
 
     /// A frequency of that of the scaled matrices.
-    #[must_use]
     pub fn frequency(&self, scaled: f64) -> f64 {
         times(scaled, (self.mass - self.stiffness) / 2)
     }
 
     /// A frequency of the scaled matrices.
-    #[must_use]
     pub fn scaled_frequency(&self, frequency: f64) -> f64 {
         times(frequency, (self.stiffness - self.mass) / 2)
     }
 
     /// ψ of ψ̃, a direction without mass that ψᵀKψ = 1 normalises: entry `dof`.
-    #[must_use]
     pub fn massless_shape(&self, dof: usize, scaled: f64) -> f64 {
         times(scaled * self.dofs[dof], self.stiffness / 2)
     }
 
     /// φ of φ̃: entry `dof`.
-    #[must_use]
     pub fn shape(&self, dof: usize, scaled: f64) -> f64 {
         times(scaled * self.dofs[dof], self.mass / 2)
     }

@@ -39,7 +39,6 @@ pub struct Banded {
 
 impl Banded {
     /// Zero matrix of `n` rows with `band` diagonals below the main one.
-    #[must_use]
     pub fn new(n: usize, band: usize) -> Self {
         let half = band.next_multiple_of(LANES);
         Self {
@@ -53,13 +52,11 @@ impl Banded {
     }
 
     /// Number of rows.
-    #[must_use]
     pub fn n(&self) -> usize {
         self.n
     }
 
     /// Entries by which vectors are longer than n, to be kept at zero.
-    #[must_use]
     pub fn half(&self) -> usize {
         self.half
     }
@@ -106,7 +103,6 @@ impl Banded {
     }
 
     /// Diagonal entry j, of the matrix or of D.
-    #[must_use]
     pub fn diagonal(&self, j: usize) -> f64 {
         self.diagonal[j]
     }
@@ -118,7 +114,6 @@ impl Banded {
     }
 
     /// Σ |x_i| |A_ij| |x_j|: how far one ulp in each entry can move xᵀ A x, over ulp.
-    #[must_use]
     pub fn absolute_form(&self, x: &[f64]) -> f64 {
         (0..self.n)
             .map(|j| {
@@ -130,7 +125,6 @@ impl Banded {
     }
 
     /// Σ (w_i A_ij u_j)²: the square of how far one ulp of random sign in each entry moves wᵀ A u, over ulp.
-    #[must_use]
     pub fn squared_form(&self, w: &[f64], u: &[f64]) -> f64 {
         (0..self.n)
             .map(|j| {
@@ -183,7 +177,6 @@ impl Banded {
     }
 
     /// 1 / D of the factors.
-    #[must_use]
     pub fn inverse_pivots(&self) -> &[f64] {
         &self.inverse
     }
@@ -257,7 +250,6 @@ impl NullaryFnOnce for Multiply<'_> {
 // ---- ordering
 
 /// Ordering of the vertices of a graph: `order[new] = old`. Components follow one another.
-#[must_use]
 pub fn reverse_cuthill_mckee(neighbours: &[Vec<usize>]) -> Vec<usize> {
     let n = neighbours.len();
     let mut placed = vec![false; n];

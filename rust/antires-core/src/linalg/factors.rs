@@ -71,7 +71,6 @@ pub struct Symbolic {
 
 impl Symbolic {
     /// Analysis of a pattern; none for one that is too large.
-    #[must_use]
     pub fn new(pattern: &Pattern) -> Option<Self> {
         let n = pattern.n();
         if u32::try_from(pattern.len()).is_err() {
@@ -110,31 +109,26 @@ impl Symbolic {
     }
 
     /// `order[new] = old`.
-    #[must_use]
     pub fn order(&self) -> &[usize] {
         &self.order
     }
 
     /// The pattern in the new order.
-    #[must_use]
     pub fn pattern(&self) -> &Arc<Pattern> {
         &self.pattern
     }
 
     /// For each place of [`pattern`](Self::pattern) its number in the one analysed.
-    #[must_use]
     pub fn origin(&self) -> &[usize] {
         &self.origin
     }
 
     /// Multiplications and additions of a factorization.
-    #[must_use]
     pub fn flops(&self) -> f64 {
         self.flops
     }
 
     /// Number of values of L.
-    #[must_use]
     pub fn n_values(&self) -> usize {
         self.supernodes.len_val()
     }
@@ -217,7 +211,6 @@ pub struct SparseFactors {
 
 impl SparseFactors {
     /// Reserves the memory.
-    #[must_use]
     pub fn new(symbolic: Arc<Symbolic>) -> Self {
         let needed = factorize_supernodal_numeric_ldlt_scratch::<u32, f64>(
             symbolic.supernodes(),
@@ -233,7 +226,6 @@ impl SparseFactors {
     }
 
     /// The analysis of the pattern.
-    #[must_use]
     pub fn symbolic(&self) -> &Arc<Symbolic> {
         &self.symbolic
     }
@@ -279,7 +271,6 @@ impl SparseFactors {
     }
 
     /// 1 / D.
-    #[must_use]
     pub fn inverse_pivots(&self) -> &[f64] {
         &self.inverse
     }
@@ -579,7 +570,6 @@ pub struct Filled {
 
 impl Filled {
     /// Those of `a`.
-    #[must_use]
     pub fn of(a: &SparseMatrix) -> Self {
         let pattern = a.pattern();
         let mut filled = Self::default();
@@ -640,7 +630,6 @@ pub enum Form {
 
 impl Form {
     /// Number of rows.
-    #[must_use]
     pub fn n(&self) -> usize {
         match self {
             Self::Band(a) => a.n(),
@@ -649,7 +638,6 @@ impl Form {
     }
 
     /// Entries by which vectors are longer than n, to be kept at zero.
-    #[must_use]
     pub fn padding(&self) -> usize {
         match self {
             Self::Band(a) => a.half(),
@@ -658,7 +646,6 @@ impl Form {
     }
 
     /// Diagonal entry `j`.
-    #[must_use]
     pub fn diagonal(&self, j: usize) -> f64 {
         match self {
             Self::Band(a) => a.diagonal(j),
@@ -667,7 +654,6 @@ impl Form {
     }
 
     /// Largest diagonal entry.
-    #[must_use]
     pub fn largest_diagonal(&self) -> f64 {
         (0..self.n()).fold(0.0, |largest, j| f64::max(largest, self.diagonal(j)))
     }
@@ -681,7 +667,6 @@ impl Form {
     }
 
     /// Σ |x_i| |A_ij| |x_j|.
-    #[must_use]
     pub fn absolute_form(&self, x: &[f64]) -> f64 {
         match self {
             Self::Band(a) => a.absolute_form(x),
@@ -690,7 +675,6 @@ impl Form {
     }
 
     /// Σ (w_i A_ij u_j)².
-    #[must_use]
     pub fn squared_form(&self, w: &[f64], u: &[f64]) -> f64 {
         match self {
             Self::Band(a) => a.squared_form(w, u),
@@ -748,7 +732,6 @@ impl Factors {
     }
 
     /// Number of negative pivots among the rows that `counts` tells.
-    #[must_use]
     pub fn negative_in(&self, counts: impl Fn(usize) -> bool) -> usize {
         let pivots = match self {
             Self::Band(factors) => factors.inverse_pivots(),
@@ -785,7 +768,6 @@ const ROUNDING: f64 = 1e-9;
 /// eigenvalue of S by more than ε max_i Σ_j abs(S_ij), and A is semi-definite if and only if S is. The scale is
 /// the larger of the diagonals of `matrix` and of `whole`, which is what it was before stiffness was taken away:
 /// a loss of all leaves rounding of what was there, not of the nothing that remains.
-#[must_use]
 pub fn is_semidefinite(matrix: &SparseMatrix, whole: &SparseMatrix) -> bool {
     let n = matrix.n();
     // Below the rounding of the largest entry a dof has no scale of its own.

@@ -131,7 +131,6 @@ pub struct Workspace {
 
 impl Workspace {
     /// For matrices of `n` rows.
-    #[must_use]
     pub fn new(n: usize) -> Self {
         let zero = vec![c64::new(0.0, 0.0); n * n];
         Self {

@@ -14,12 +14,12 @@
 //!
 //! May use: `error`.
 
-pub mod balance;
-pub mod banded;
-pub mod factors;
+pub(crate) mod balance;
+pub(crate) mod banded;
+pub(crate) mod factors;
 pub mod hermitian;
-pub mod krylov;
-pub mod pencil;
+pub(crate) mod krylov;
+pub(crate) mod pencil;
 pub mod sparse;
-pub mod symmetric;
-pub mod wide;
+pub(crate) mod symmetric;
+pub(crate) mod wide;

@@ -98,9 +98,6 @@ pub struct PencilRoot {
 /// Real eigenvalues of A v = x B v in (low, high], ascending, repeated ones repeated.
 ///
 /// `rows` and `cols` name the rows and columns of A and B by dof, so that symmetric blocks are recognised.
-///
-/// # Errors
-/// [`Error::Numerical`] when QZ does not converge or no vectors of an eigenvalue can be found.
 pub fn real_eigenvalues(
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
@@ -131,7 +128,6 @@ pub fn real_eigenvalues(
 
 /// What QZ takes for real and positive eigenvalues up to `high`, ascending, of the pencil scaled so that those near
 /// `x` keep their digits. They are not verified; where QZ fails there are none.
-#[must_use]
 pub fn roots_near(a: MatRef<'_, f64>, b: MatRef<'_, f64>, x: f64, high: f64) -> Vec<f64> {
     let mut roots = Vec::new();
     for block in irreducible_blocks(a, b).unwrap_or_default() {
@@ -363,7 +359,6 @@ fn unit(v: Col<f64>) -> Col<f64> {
 }
 
 /// The error of a root that does not solve the pencil.
-#[must_use]
 pub fn refused(x: f64, backward_error: f64) -> Error {
     failed(&format!(
         "the eigenvalue {x:e} has a backward error of {backward_error:e}"
@@ -389,7 +384,6 @@ pub struct Block {
 }
 
 /// Irreducible blocks of A − xB; none when the pattern admits no non-zero determinant.
-#[must_use]
 pub fn irreducible_blocks(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Option<Vec<Block>> {
     let n = a.nrows();
     let present = |r: usize, c: usize| a[(r, c)] != 0.0 || b[(r, c)] != 0.0;
@@ -507,7 +501,6 @@ pub struct Equilibrated {
 
 impl Equilibrated {
     /// R A C and R B C with powers of two R and C; where the pencil is singular for each x by its zeros, A and B.
-    #[must_use]
     pub fn of(a: &Mat<f64>, b: &Mat<f64>) -> Self {
         let ratio = a.norm_max() / b.norm_max();
         let is_number = ratio.is_finite() && ratio > 0.0;
@@ -515,7 +508,6 @@ impl Equilibrated {
     }
 
     /// The same, where an entry has the size of the larger of |a_ij| and `weight` |b_ij|.
-    #[must_use]
     pub fn weighted(a: &Mat<f64>, b: &Mat<f64>, weight: f64) -> Self {
         let n = a.nrows();
         let cost = |i: usize, j: usize| {
@@ -660,7 +652,6 @@ pub struct Bounded {
 
 impl RootBounds {
     /// Of the pencil A − xB.
-    #[must_use]
     pub fn of(a: &Mat<f64>, b: &Mat<f64>) -> Self {
         let Equilibrated { a, b, .. } = Equilibrated::of(a, b);
         Self { a, b }
@@ -668,7 +659,6 @@ impl RootBounds {
 
     /// The place of each of `roots`, ascending in x, on the matrices, and how far a root of its own may be from there;
     /// infinite where that is not known.
-    #[must_use]
     pub fn places(&self, roots: &[f64]) -> Vec<Bounded> {
         let places: Vec<Bounded> = roots.iter().map(|&x| self.place(x)).collect();
         let apart = |j: usize| {

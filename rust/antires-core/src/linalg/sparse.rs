@@ -20,7 +20,6 @@ pub struct Pattern {
 impl Pattern {
     /// Pattern of `n` rows with the given places, their mirror images and the diagonal. A place outside is
     /// a bug of the caller.
-    #[must_use]
     pub fn new(n: usize, places: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
         let all = || {
             let mirrored = places.clone().filter(|(i, j)| i != j);
@@ -67,50 +66,42 @@ impl Pattern {
     }
 
     /// Number of rows.
-    #[must_use]
     pub fn n(&self) -> usize {
         self.starts.len() - 1
     }
 
     /// Number of places.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
     /// Whether the matrix has no row.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
     /// Where each column begins, and the end of the last.
-    #[must_use]
     pub fn starts(&self) -> &[usize] {
         &self.starts
     }
 
     /// Rows of all columns, one after the other.
-    #[must_use]
     pub fn rows(&self) -> &[u32] {
         &self.rows
     }
 
     /// Rows of column `j`, ascending.
-    #[must_use]
     pub fn column(&self, j: usize) -> &[u32] {
         &self.rows[self.starts[j]..self.starts[j + 1]]
     }
 
     /// Number of the place (i, j), if it is one.
-    #[must_use]
     pub fn find(&self, i: usize, j: usize) -> Option<usize> {
         let found = self.column(j).binary_search(&(i as u32));
         found.ok().map(|at| self.starts[j] + at)
     }
 
     /// Those of the places that `kept` tells, mirror images alike, and the diagonal; for each its number here.
-    #[must_use]
     pub fn kept(&self, kept: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
         let mirrors = self.mirrors();
         let (mut starts, mut rows, mut origin) = (vec![0], Vec::new(), Vec::new());
@@ -128,7 +119,6 @@ impl Pattern {
 
     /// The pattern with row and column `order[new]` moved to `new`, and for each of its places the number
     /// that it has here.
-    #[must_use]
     pub fn permuted(&self, order: &[usize]) -> (Self, Vec<usize>) {
         let n = self.n();
         let mut place = vec![0_u32; n];
@@ -177,14 +167,12 @@ pub struct SparseMatrix {
 
 impl SparseMatrix {
     /// Zero matrix.
-    #[must_use]
     pub fn new(pattern: Arc<Pattern>) -> Self {
         let values = vec![0.0; pattern.len()];
         Self { pattern, values }
     }
 
     /// A dense symmetric matrix, every place of it.
-    #[must_use]
     pub fn full(dense: MatRef<'_, f64>) -> Self {
         let n = dense.nrows() as u32;
         let places = (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
@@ -198,25 +186,21 @@ impl SparseMatrix {
     }
 
     /// The places of its entries.
-    #[must_use]
     pub fn pattern(&self) -> &Arc<Pattern> {
         &self.pattern
     }
 
     /// Number of rows.
-    #[must_use]
     pub fn n(&self) -> usize {
         self.pattern.n()
     }
 
     /// Entry (i, j), zero outside the pattern.
-    #[must_use]
     pub fn get(&self, i: usize, j: usize) -> f64 {
         self.pattern.find(i, j).map_or(0.0, |at| self.values[at])
     }
 
     /// Diagonal entry `j`.
-    #[must_use]
     pub fn diagonal(&self, j: usize) -> f64 {
         self.get(j, j)
     }
@@ -250,13 +234,11 @@ impl SparseMatrix {
     }
 
     /// Largest modulus of the entries.
-    #[must_use]
     pub fn norm_max(&self) -> f64 {
         self.values.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
     }
 
     /// The same as a dense matrix.
-    #[must_use]
     pub fn to_dense(&self) -> Mat<f64> {
         let mut dense = Mat::zeros(self.n(), self.n());
         self.write_dense(&mut dense);
@@ -275,7 +257,6 @@ impl SparseMatrix {
     }
 
     /// The dense matrix without row `i` and column `k`.
-    #[must_use]
     pub fn deleted(&self, i: usize, k: usize) -> Mat<f64> {
         let n = self.n();
         let mut dense = Mat::zeros(n - 1, n - 1);
@@ -299,13 +280,11 @@ impl SparseMatrix {
     }
 
     /// Σ |x_i| |A_ij| |x_j|: how far one ulp in each entry can move xᵀ A x, over ulp.
-    #[must_use]
     pub fn absolute_form(&self, x: &[f64]) -> f64 {
         self.summed(|i, j, a| (x[i] * a * x[j]).abs())
     }
 
     /// Σ (w_i A_ij u_j)²: the square of how far one ulp of random sign in each entry moves wᵀ A u, over ulp.
-    #[must_use]
     pub fn squared_form(&self, w: &[f64], u: &[f64]) -> f64 {
         self.summed(|i, j, a| (w[i] * a * u[j]).powi(2))
     }

@@ -87,7 +87,6 @@ const RIGID_MODES: usize = 6;
 
 impl SymmetricSolver {
     /// Reserves the memory for `n` degrees of freedom.
-    #[must_use]
     pub fn new(n: usize) -> Self {
         let memory = cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());
         Self {
@@ -106,13 +105,11 @@ impl SymmetricSolver {
     }
 
     /// Eigenvalues below this are zero at working precision.
-    #[must_use]
     pub fn zero(&self) -> f64 {
         self.zero
     }
 
     /// Absolute uncertainty of an eigenvalue near `lambda`: n ulp of what was decomposed.
-    #[must_use]
     pub fn uncertainty(&self, lambda: f64) -> f64 {
         let ulps = self.n as f64 * f64::EPSILON;
         let units = self.balance.as_ref().map_or(1.0, |b| b.eigenvalue(1.0));
@@ -131,23 +128,17 @@ impl SymmetricSolver {
     }
 
     /// Finite eigenvalues λ of the last [`solve`](Self::solve), ascending.
-    #[must_use]
     pub fn eigenvalues(&self) -> &[f64] {
         &self.eigenvalues
     }
 
     /// Vectors of the last [`solve`](Self::solve): the mass-normalised φ in the order of
     /// [`eigenvalues`](Self::eigenvalues), then the massless ψ.
-    #[must_use]
     pub fn vectors(&self) -> MatRef<'_, f64> {
         self.vectors.as_ref()
     }
 
     /// Solves for all modes.
-    ///
-    /// # Errors
-    /// [`Error::Numerical`] when K and M share a null vector (a dof with neither stiffness nor mass),
-    /// when M is indefinite, or when the eigensolver does not converge.
     pub fn solve(&mut self, stiffness: MatRef<'_, f64>, mass: MatRef<'_, f64>) -> Result<()> {
         self.balance = Balance::of(self.n, |j| (stiffness[(j, j)], mass[(j, j)]));
         let Some(balance) = self.balance.take() else {
@@ -401,7 +392,6 @@ pub struct StandardSymmetric {
 
 impl StandardSymmetric {
     /// Reserves the memory for `n` rows.
-    #[must_use]
     pub fn new(n: usize) -> Self {
         let memory = self_adjoint_evd_scratch::<f64>(
             n,
@@ -425,13 +415,11 @@ impl StandardSymmetric {
     }
 
     /// μ, ascending.
-    #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
     /// Q.
-    #[must_use]
     pub fn vectors(&self) -> &Mat<f64> {
         &self.vectors
     }
@@ -442,9 +430,6 @@ impl StandardSymmetric {
     }
 
     /// A = Q diag(μ) Qᵀ; A is overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Numerical`] when the solver does not converge.
     pub fn decompose(&mut self) -> Result<()> {
         if self.n <= MOST_ROWS && self.small.solve(self.n, |i, j| self.matrix[(i, j)]) {
             for j in 0..self.n {
@@ -581,7 +566,6 @@ impl SmallSymmetric {
     }
 
     /// Eigenpair `j`, eigenvalues ascending.
-    #[must_use]
     pub fn pair(&self, j: usize) -> (f64, &[f64]) {
         let (n, at) = (self.diagonal.len(), self.order[j]);
         (self.diagonal[at], &self.vectors[at * n..(at + 1) * n])
@@ -668,7 +652,6 @@ const NOTHING: f64 = 1e-100;
 /// Replaces `diagonal` by the eigenvalues (in no order), `off` (one shorter, or with a last entry that is
 /// not read) by rubbish, and multiplies `vectors` from the right by the orthogonal matrix of eigenvectors;
 /// its columns of `rows` entries follow one another. False when an eigenvalue does not converge.
-#[must_use]
 pub fn decompose_tridiagonal(
     diagonal: &mut [f64],
     off: &mut [f64],

@@ -43,10 +43,6 @@ pub struct Shape {
 
 impl Shape {
     /// The shape with entries (real, imaginary) at the dofs of a model.
-    ///
-    /// # Errors
-    /// [`Error::InvalidInput`], said of `argument`, when there is not one finite entry for each dof, a dof is
-    /// listed twice, or all entries are zero.
     pub fn new(argument: &str, dofs: Vec<usize>, entries: &[(f64, f64)]) -> Result<Self> {
         if entries.len() != dofs.len() {
             return Err(Error::input(
@@ -95,7 +91,6 @@ impl Shape {
     }
 
     /// The measured dofs.
-    #[must_use]
     pub fn dofs(&self) -> &[usize] {
         &self.dofs
     }
@@ -103,7 +98,6 @@ impl Shape {
     /// The MAC with real shapes of `n` dofs each, given one after the other: with one, or with that
     /// combination of several which is most alike, as every combination of the shapes of a repeated mode is one
     /// of its shapes. Zero where they are at rest at the measured dofs.
-    #[must_use]
     pub fn mac(&self, phi: &[f64], n: usize) -> f64 {
         if phi.len() == n {
             let (along, square) = self.products(phi);
@@ -185,9 +179,6 @@ pub struct ModeSensitivity {
 
 impl ModeSensitivity {
     /// Takes up mode `r` of `modes`, which are those of `solved`, and the measured `shape`.
-    ///
-    /// # Errors
-    /// Those of [`LowModes::adjoint`].
     pub fn set(
         &mut self,
         modes: &LowModes,
@@ -209,7 +200,6 @@ impl ModeSensitivity {
 
     /// dλ/dp in (rad/s)² and dMAC/dp, per unit of p. A repeated mode has no derivatives: the first is then that
     /// of one of its shapes, right where p splits it not, the second zero.
-    #[must_use]
     pub fn along(&self, slopes: &MatrixSlopes) -> (f64, f64) {
         let join = |left: &[f64], entries: &[(u32, u32, f64)]| -> f64 {
             entries

@@ -22,11 +22,11 @@
 //!
 //! May use: `fem`, `linalg`.
 
-pub mod columns;
+pub(crate) mod columns;
 pub mod mac;
 pub mod modes;
-pub mod receptance;
-pub mod reduced;
-pub mod scaled;
-pub mod solved;
+pub(crate) mod receptance;
+pub(crate) mod reduced;
+pub(crate) mod scaled;
+pub(crate) mod solved;
 pub mod structure;

@@ -51,13 +51,11 @@ pub struct Modes {
 }
 
 /// Frequency in Hz of an eigenvalue λ = ω² in (rad/s)².
-#[must_use]
 pub fn hertz(lambda: f64) -> f64 {
     lambda.sqrt() / TAU
 }
 
 /// λ = ω² in (rad/s)² of a frequency in Hz.
-#[must_use]
 pub fn eigenvalue(freq_hz: f64) -> f64 {
     (TAU * freq_hz).powi(2)
 }
@@ -73,9 +71,6 @@ pub struct AllModes {
 
 impl AllModes {
     /// Solves the dense eigenproblem of `model`.
-    ///
-    /// # Errors
-    /// Those of [`SymmetricSolver::solve`].
     pub fn of(model: &Model) -> Result<Self> {
         let n = model.n_dof();
         Error::check_memory(
@@ -92,7 +87,6 @@ impl AllModes {
     }
 
     /// The finite modes.
-    #[must_use]
     pub fn finite(&self) -> Modes {
         let shapes: MatRef<'_, f64> = self.vectors.get(.., ..self.lambda.len());
         Modes {
@@ -103,9 +97,6 @@ impl AllModes {
 }
 
 /// Solves for all finite modes of `model`.
-///
-/// # Errors
-/// Those of [`SymmetricSolver::solve`].
 pub fn modes(model: &Model) -> Result<Modes> {
     Ok(AllModes::of(model)?.finite())
 }
@@ -113,9 +104,6 @@ pub fn modes(model: &Model) -> Result<Modes> {
 /// The lowest modes of a model, up to `f_max_hz` and at most `most` of them, from factors of K − xM: a count
 /// by inertia proves that none is missing. None where those are not cheap, where they are more than a part
 /// of all modes, or where rounding leaves a doubt: then [`AllModes`] has to tell.
-///
-/// # Errors
-/// [`Error::Memory`].
 pub fn low_modes(model: &Model, f_max_hz: f64, most: Option<usize>) -> Result<Option<Modes>> {
     let structure = Structure::of(model);
     structure.check_room()?;
@@ -190,9 +178,6 @@ pub struct LowModes {
 impl LowModes {
     /// Finds all modes of K φ = λ M φ with λ up to `limit`; from `start`, a dof that the modes looked for
     /// move, that is quickest.
-    ///
-    /// # Errors
-    /// Those of [`Solved::dense`].
     pub fn find(&mut self, solved: &mut Solved<'_>, limit: f64, start: usize) -> Result<()> {
         self.n = solved.n_dof();
         if solved.is_reducible() {
@@ -218,20 +203,17 @@ impl LowModes {
     }
 
     /// Eigenvalues λ = ω², ascending.
-    #[must_use]
     pub fn eigenvalues(&self) -> &[f64] {
         &self.lambda
     }
 
     /// Mass-normalised shape of mode `r`, one entry a dof.
-    #[must_use]
     pub fn shape(&self, r: usize) -> &[f64] {
         &self.shapes[r * self.n..(r + 1) * self.n]
     }
 
     /// The shapes that belong to the eigenvalue of mode `r`, one after the other: more than one where it is
     /// repeated.
-    #[must_use]
     pub fn space(&self, r: usize) -> &[f64] {
         let same = |a: usize, b: usize| {
             (self.lambda[b] - self.lambda[a]).abs() <= REPEATED * self.lambda[b].abs()
@@ -247,7 +229,6 @@ impl LowModes {
     }
 
     /// Eigenvalues up to this are zero at working precision: rigid-body modes.
-    #[must_use]
     pub fn zero(&self) -> f64 {
         self.zero
     }
@@ -256,9 +237,6 @@ impl LowModes {
     /// are the matrices whose modes these are.
     ///
     /// Not for a repeated mode, whose shape has no derivative.
-    ///
-    /// # Errors
-    /// Those of [`Solved::dense`].
     pub fn adjoint(
         &self,
         solved: &mut Solved<'_>,
@@ -294,7 +272,6 @@ pub enum Motion {
 /// H(ω) of each response, [n_responses x n_freq] row by row, as (real, imaginary) pairs.
 ///
 /// `damping_ratio` holds one ζ for every mode, or one value for all.
-#[must_use]
 pub fn frequency_response(
     modes: &AllModes,
     responses: &[usize],

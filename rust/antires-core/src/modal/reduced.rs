@@ -9,41 +9,18 @@
 //!    complement of those found until the count is met (`hidden_modes`).
 //!
 //! What cannot be settled so is left to the dense solver.
-//!
-//! # poles
-//!
-//! The poles of the response to one load below a limit, from its Krylov space, and H_ik as partial fractions
-//! of them.
-//!
 //! ```text
 //! H_ik(x) = H_ik(−σ) + (x + σ) Σ_j c_ij / (λ_j − x),    c_ij = φ_ij φ_kj θ_j,  λ_j = 1/θ_j − σ
 //! ```
 //!
-//! Those up to the limit are the modes that the load excites; those far above stand for all other modes
-//! together ([`Krylov`](crate::linalg::krylov::Krylov)).
-//!
-//! # hidden_modes
-//!
-//! Modes below a limit that a load does not excite: a node at the excitation, or the other combinations of a
-//! repeated eigenvalue, of which any load excites one only.
-//!
-//! They are sought in the complement of those found, from starts of fixed pseudo-random numbers, until the
-//! count by inertia is met.
-//!
-//! # settled
-//!
-//! Whether the poles of a Krylov space are those of the modes, also where two of them nearly coincide.
-//!
-//! The load is answered for before that: of two modes of nearly one frequency, as structures that are nearly square
-//! or symmetric have them, the space holds a mixture, and the second enters by rounding, and late. With residuals
-//! r of two poles whose θ differ by d the mixture is r / d, and what the two together have for θ is off by r² over
-//! the distance of the next.
+//! Poles up to the limit are the modes that the load excites; those far above stand for all other modes together
+//! ([`Krylov`]). A space is *settled* if its poles are those of the modes, also where two of them nearly coincide. The
+//! load is answered for before that: of two modes of nearly one frequency, as structures that are nearly square or
+//! symmetric have them, the space holds a mixture, and the second enters by rounding, and late. With residuals r of
+//! two poles whose θ differ by d the mixture is r / d, and what the two together have for θ is off by r² over the
+//! distance of the next.
 //!
 //! Reference: Parlett, The Symmetric Eigenvalue Problem, SIAM 1998, sections 11.5 and 11.7.
-//!
-//! # space
-//!
-//! The Krylov space of a load: of it alone, or, where the factors are large, one that is grown four vectors at a time.
 
 use std::sync::Arc;
 
@@ -52,7 +29,7 @@ use super::receptance::Receptance;
 use super::scaled::{ScaledMatrices, Scope};
 use super::structure::{MOST_DENSE, Structure};
 use crate::linalg::factors::{Factors, Form};
-use crate::linalg::krylov::{BlockKrylov, Krylov, Operator, Start};
+use crate::linalg::krylov::{Krylov, Operator, Start, pseudo_random};
 use crate::linalg::sparse::SparseMatrix;
 
 /// Shift σ as a fraction of the limit in x. A small one separates the poles best, a large one keeps the
@@ -93,7 +70,6 @@ struct Attempt {
 
 impl ReducedModes {
     /// Reserves the memory.
-    #[must_use]
     pub fn new(structure: Arc<Structure>) -> Self {
         Self {
             start: None,
@@ -237,13 +213,11 @@ impl ReducedModes {
     }
 
     /// Rounding error of the poles near x: that of Θ.
-    #[must_use]
     pub fn pole_error(&self, x: f64) -> f64 {
         self.poles.error(x)
     }
 
     /// Eigenvalues and roots below this are zero at working precision.
-    #[must_use]
     pub fn zero(&self) -> f64 {
         self.poles.zero()
     }
@@ -255,10 +229,12 @@ impl ReducedModes {
     }
 }
 
-// ---- poles
-
 /// The poles are told up to this part above the limit, for the count to find a clear place.
 pub(super) const MARGIN: f64 = 0.02;
+
+/// Values of the factors from which on a block costs no more than the load alone. It also has up to four modes of
+/// one frequency, as square structures do, which leave the count of modes open otherwise.
+const LARGE: usize = 20_000;
 
 /// Response at x = −σ, relative to the largest, below which nothing is left of it.
 const NOTHING: f64 = 1e-14;
@@ -272,7 +248,7 @@ const RIGID: usize = 6;
 /// The poles of one load, with the memory to find them again.
 #[derive(Default)]
 pub(super) struct Poles {
-    space: Space,
+    space: Krylov,
     sigma: f64,
     limit: f64,
     zero: f64,
@@ -295,13 +271,43 @@ impl Poles {
         (self.limit, self.sigma) = (limit, sigma);
         let highest = self.highest();
         let least = highest.recip();
-        let settled = |space: &dyn Pairs| settled(space, least);
-        let grown = self.space.grow(matrices, (k, start), highest, settled);
-        if !grown || !self.classify(matrices) {
+        let settled = |space: &Krylov| settled(space, least);
+        if !self.grow(matrices, (k, start), highest, settled) || !self.classify(matrices) {
             return false;
         }
         self.tell_repeated(matrices);
         true
+    }
+
+    /// Grows the space of the load, where the factors are large four vectors at a time.
+    fn grow(
+        &mut self,
+        matrices: &ScaledMatrices,
+        (k, start): (usize, Start),
+        highest: f64,
+        settled: impl Fn(&Krylov) -> bool,
+    ) -> bool {
+        let (n, mass) = (matrices.n(), matrices.mass());
+        if let (Factors::Sparse(_, factors), Form::Sparse(mass)) = (matrices.factors(), mass)
+            && factors.symbolic().n_values() >= LARGE
+        {
+            let part = |row: usize| matrices.structure().part(row);
+            let joined = |row: usize| part(row) == part(k);
+            if self
+                .space
+                .grow_block((factors, mass), (k, joined), highest, n, &settled)
+            {
+                return true;
+            }
+        }
+        let mut load = vec![0.0; matrices.stride()];
+        load[k] = 1.0;
+        let op = Operator {
+            shifted: matrices.factors(),
+            mass,
+            outside: (&[], &[]),
+        };
+        self.space.grow(op, (&load, start), highest, n, settled)
     }
 
     /// Largest s = x + σ for which the response is exact.
@@ -378,12 +384,12 @@ impl Poles {
         let theta = self.space.theta();
         let least = self.highest().recip();
         let strongest = (0..theta.len())
-            .map(|j| self.space.first(j).abs())
+            .map(|j| self.space.first(j))
             .fold(0.0, f64::max);
         self.found.clear();
         for (j, &t) in theta.iter().enumerate().take_while(|(_, t)| **t >= least) {
             let found = self.space.residual(j) <= FOUND * t;
-            if !found && self.space.first(j).abs() > UNSEEN * strongest {
+            if !found && self.space.first(j) > UNSEEN * strongest {
                 return false;
             }
             self.found.push(found);
@@ -413,7 +419,7 @@ impl Poles {
             let (s, largest) = (theta[j].recip(), theta[0]);
             let mut tolerance = REPEATED * f64::EPSILON * s * s * largest;
             if is_close(theta, j) {
-                let moved = s * s * uncertainty(self.space.pairs(), j);
+                let moved = s * s * uncertainty(&self.space, j);
                 tolerance += moved + 4.0 * self.ulps(matrices, j);
             }
             self.repeated.push(tolerance);
@@ -476,8 +482,6 @@ impl Poles {
     }
 }
 
-// ---- hidden_modes
-
 /// In whose complement hidden modes are sought.
 pub(super) struct Outside<'a> {
     /// With the factors of K + σM.
@@ -528,16 +532,10 @@ impl HiddenModes {
             poles.vector(j, mass, &mut self.weighted, &mut self.vectors);
         }
         let least = (cut + sigma).recip();
-        let mut state = 1_u64;
+        let mut random = pseudo_random();
         while self.lambda.len() < missing {
             let mut load = vec![0.0; matrices.stride()];
-            for x in &mut load[..mass.n()] {
-                // The 64-bit congruential generator of Knuth, MMIX.
-                state = state
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1_442_695_040_888_963_407);
-                *x = (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            }
+            load[..mass.n()].fill_with(&mut random);
             let mut start = vec![0.0; load.len()];
             mass.multiply(&load, &mut start);
             start[mass.n()..].fill(0.0);
@@ -554,7 +552,8 @@ impl HiddenModes {
             for (j, &t) in self.krylov.theta().iter().enumerate() {
                 if t >= least && self.krylov.residual(j) <= FOUND * t {
                     self.lambda.push(t.recip() - sigma);
-                    self.krylov.vector(j, &mut self.weighted, &mut self.vectors);
+                    self.krylov
+                        .vector(j, mass, &mut self.weighted, &mut self.vectors);
                 }
             }
             if self.lambda.len() == before {
@@ -565,53 +564,20 @@ impl HiddenModes {
     }
 }
 
-// ---- settled
-
 /// Residual, relative to θ, of a pole that counts as found. The eigenvalue is good to its square.
-pub(super) const FOUND: f64 = 1e-6;
+const FOUND: f64 = 1e-6;
 
 /// Part of a mode in the load, relative to the largest, below which a pole that is not found is rounding.
-pub(super) const UNSEEN: f64 = 1e-11;
+const UNSEEN: f64 = 1e-11;
 
 /// Relative distance of two poles from which on it is asked whether they are one.
-pub(super) const CLOSE: f64 = 1e-6;
+const CLOSE: f64 = 1e-6;
 
 /// Largest mixture of two modes: a part of the one in the other's residue is the square of it.
 const MIXTURE: f64 = 1e-8;
 
-/// The poles of a space, θ descending.
-pub(super) trait Pairs {
-    fn theta(&self) -> &[f64];
-    fn first(&self, j: usize) -> f64;
-    fn residual(&self, j: usize) -> f64;
-}
-
-impl Pairs for Krylov {
-    fn theta(&self) -> &[f64] {
-        self.theta()
-    }
-    fn first(&self, j: usize) -> f64 {
-        self.first(j).abs()
-    }
-    fn residual(&self, j: usize) -> f64 {
-        self.residual(j)
-    }
-}
-
-impl Pairs for BlockKrylov {
-    fn theta(&self) -> &[f64] {
-        self.theta()
-    }
-    fn first(&self, j: usize) -> f64 {
-        self.first(j)
-    }
-    fn residual(&self, j: usize) -> f64 {
-        self.residual(j)
-    }
-}
-
 /// Whether each pole with θ of at least `least` is a mode or rounding, and no two of them are mixed.
-pub(super) fn settled(space: &dyn Pairs, least: f64) -> bool {
+fn settled(space: &Krylov, least: f64) -> bool {
     let theta = space.theta();
     let strongest = (0..theta.len()).fold(0.0, |m, j| f64::max(m, space.first(j)));
     let found = |j: usize| space.residual(j) <= FOUND * theta[j];
@@ -631,12 +597,12 @@ pub(super) fn settled(space: &dyn Pairs, least: f64) -> bool {
 }
 
 /// Whether pole `j` may be the one before it, repeated.
-pub(super) fn is_close(theta: &[f64], j: usize) -> bool {
+fn is_close(theta: &[f64], j: usize) -> bool {
     j > 0 && theta[j - 1] - theta[j] <= CLOSE * theta[j - 1]
 }
 
 /// How far θ of pole `j` and of the one before may be from those of the modes that the two stand for.
-pub(super) fn uncertainty(space: &dyn Pairs, j: usize) -> f64 {
+fn uncertainty(space: &Krylov, j: usize) -> f64 {
     let theta = space.theta();
     let apart = |other: &&f64| (**other - theta[j]).abs() > CLOSE * theta[j];
     let (before, after) = theta.split_at(j);
@@ -647,122 +613,4 @@ pub(super) fn uncertainty(space: &dyn Pairs, j: usize) -> f64 {
         .map(|other| (other - theta[j]).abs());
     let gap = distances.fold(theta[j], f64::min);
     (space.residual(j).powi(2) + space.residual(j - 1).powi(2)) / gap
-}
-
-// ---- space
-
-/// Values of the factors from which on a block costs no more than the load alone. It also has up to four modes of
-/// one frequency, as square structures do, which leave the count of modes open otherwise.
-const LARGE: usize = 20_000;
-
-/// The space that was grown last, with the memory of both kinds.
-#[derive(Default)]
-pub(super) struct Space {
-    alone: Krylov,
-    block: BlockKrylov,
-    by_block: bool,
-}
-
-/// Calls a method of the space that was grown last.
-macro_rules! last {
-    ($space:expr, $method:ident ( $($argument:expr),* )) => {
-        if $space.by_block {
-            $space.block.$method($($argument),*)
-        } else {
-            $space.alone.$method($($argument),*)
-        }
-    };
-}
-
-impl Space {
-    /// Grows the space of a load on row `k` until its error is negligible for all x + σ up to `highest`, and until
-    /// `settled` says so. `matrices` hold the factors of K + σM.
-    pub fn grow(
-        &mut self,
-        matrices: &ScaledMatrices,
-        (k, start): (usize, Start),
-        highest: f64,
-        settled: impl Fn(&dyn Pairs) -> bool,
-    ) -> bool {
-        let n = matrices.n();
-        if let (Factors::Sparse(_, factors), Form::Sparse(mass)) =
-            (matrices.factors(), matrices.mass())
-            && factors.symbolic().n_values() >= LARGE
-        {
-            let part = |row: usize| matrices.structure().part(row);
-            let joined = |row: usize| part(row) == part(k);
-            let at = (factors, mass);
-            self.by_block = self
-                .block
-                .grow(at, (k, joined), highest, n, |space| settled(space));
-            if self.by_block {
-                return true;
-            }
-        }
-        self.by_block = false;
-        let mut load = vec![0.0; matrices.stride()];
-        load[k] = 1.0;
-        let op = Operator {
-            shifted: matrices.factors(),
-            mass: matrices.mass(),
-            outside: (&[], &[]),
-        };
-        let settled = |space: &Krylov| settled(space);
-        self.alone.grow(op, (&load, start), highest, n, settled)
-    }
-
-    /// The poles.
-    pub fn pairs(&self) -> &dyn Pairs {
-        if self.by_block {
-            &self.block
-        } else {
-            &self.alone
-        }
-    }
-
-    /// θ_j = 1 / (λ_j + σ), descending.
-    pub fn theta(&self) -> &[f64] {
-        last!(self, theta())
-    }
-
-    /// Part of pole `j` in the start.
-    pub fn first(&self, j: usize) -> f64 {
-        last!(self, first(j))
-    }
-
-    /// ‖A⁻¹M v − θ v‖ of v = Q y_j.
-    pub fn residual(&self, j: usize) -> f64 {
-        last!(self, residual(j))
-    }
-
-    /// Part of the load in y_j, over θ_j.
-    pub fn strength(&self, j: usize) -> f64 {
-        last!(self, strength(j))
-    }
-
-    /// Entry `i` of the response at x = −σ.
-    pub fn response(&self, i: usize) -> f64 {
-        last!(self, response(i))
-    }
-
-    /// Largest modulus of it.
-    pub fn largest_response(&self) -> f64 {
-        last!(self, largest_response())
-    }
-
-    /// Entry `i` of every Q y_j, into `out`.
-    pub fn row(&self, i: usize, out: &mut Vec<f64>) {
-        last!(self, row(i, out));
-    }
-
-    /// Appends v = Q y_j and M v.
-    pub fn vector(&self, j: usize, mass: &Form, weighted: &mut Vec<f64>, vectors: &mut Vec<f64>) {
-        if !self.by_block {
-            return self.alone.vector(j, weighted, vectors);
-        }
-        let at = vectors.len();
-        self.block.vector(j, vectors);
-        weighted.resize(vectors.len(), 0.0);
-        mass.multiply(&vectors[at..], &mut weighted[at..]);
-    }
 }

@@ -339,9 +339,6 @@ impl<E: Evaluator> Archipelago<'_, E> {
     }
 
     /// Takes up a search where it was saved.
-    ///
-    /// # Errors
-    /// [`Error::InvalidInput`] for bytes that are no snapshot of a search with these bounds, options and seed.
     pub(super) fn restore(&mut self, bytes: &[u8]) -> Result<()> {
         let mut tape = Tape::Reading(Some(bytes));
         self.pass(&mut tape);
@@ -389,10 +386,6 @@ impl<E: Evaluator> Archipelago<'_, E> {
 /// determines the search entirely, apart from an interrupt. A search that is interrupted or runs out
 /// of its budget still has an outcome: the best so far, and a status that says so. With a
 /// snapshot in the hooks the search goes on from there, to the same bits.
-///
-/// # Errors
-/// [`Failure::Input`] for unusable options or guesses; [`Failure::Evaluation`] with the evaluator's
-/// own fault.
 pub fn minimize<E: Evaluator>(
     evaluator: &mut E,
     bounds: &Bounds,
@@ -421,9 +414,6 @@ pub fn minimize<E: Evaluator>(
 }
 
 /// As [`minimize`], for a native objective evaluated on `threads` threads of the search's own.
-///
-/// # Errors
-/// If `threads`, the options or the guesses are unusable.
 pub fn minimize_objective<O: Objective>(
     objective: &O,
     bounds: &Bounds,

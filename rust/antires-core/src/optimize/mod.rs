@@ -38,15 +38,15 @@
 //! [`IslandOptions`] and [`Crossover`] states ours.
 
 mod archipelago;
-pub mod bounds;
-pub mod crossover;
+mod bounds;
+mod crossover;
 mod descent;
-pub mod island;
-pub mod objective;
-pub mod options;
-pub mod outcome;
-pub mod polish;
-pub mod population;
+mod island;
+mod objective;
+mod options;
+mod outcome;
+mod polish;
+mod population;
 
 pub use archipelago::{minimize, minimize_objective};
 pub use bounds::Bounds;

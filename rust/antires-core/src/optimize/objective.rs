@@ -109,7 +109,6 @@ impl<'a> Candidates<'a> {
     ///
     /// # Panics
     /// If `genes` does not divide into rows of `n_genes`.
-    #[must_use]
     pub fn new(genes: &'a [f64], n_genes: usize) -> Self {
         assert!(
             n_genes > 0 && genes.len().is_multiple_of(n_genes),
@@ -159,9 +158,6 @@ pub trait Evaluator {
     /// A long evaluation calls `poll` every now and then (some 20 ms apart, on the calling
     /// thread), and when that returns an interrupt gives up and breaks with it; costs written
     /// until then are still compared with the best so far.
-    ///
-    /// # Errors
-    /// Whatever the evaluation failed with; the search stops and returns it.
     fn evaluate(
         &mut self,
         candidates: Candidates<'_>,
@@ -176,9 +172,6 @@ pub trait Evaluator {
 
     /// Writes the linearization of candidate `i` to `found[i]`, under the rules of
     /// [`evaluate`](Self::evaluate); `found` arrives filled with `None`.
-    ///
-    /// # Errors
-    /// Whatever the evaluation failed with.
     fn linearize(
         &mut self,
         _candidates: Candidates<'_>,
@@ -251,9 +244,6 @@ pub struct Workers {
 
 impl Workers {
     /// Starts `threads` threads, or none where `threads` is 1.
-    ///
-    /// # Errors
-    /// If `threads` is 0, or the system refuses to start them.
     pub fn new(threads: usize) -> Result<Self> {
         let pool = match threads {
             0 => {
@@ -354,9 +344,6 @@ pub struct ObjectiveEvaluator<'a, O: Objective> {
 
 impl<'a, O: Objective> ObjectiveEvaluator<'a, O> {
     /// Starts `threads` threads for `objective`.
-    ///
-    /// # Errors
-    /// As [`Workers::new`].
     pub fn new(objective: &'a O, threads: usize) -> Result<Self> {
         let workers = Workers::new(threads)?;
         let mut workspaces = Vec::new();
@@ -370,7 +357,6 @@ impl<'a, O: Objective> ObjectiveEvaluator<'a, O> {
     }
 
     /// The same, a search beginning at `start` in place of the point that the objective tells.
-    #[must_use]
     pub fn starting_at(mut self, start: Option<Vec<f64>>) -> Self {
         self.start = start;
         self
@@ -433,9 +419,6 @@ impl<O: Objective> Evaluator for ObjectiveEvaluator<'_, O> {
 ///
 /// The values are the same bits for any number of threads, provided that a task does not depend on
 /// what an earlier one left in its workspace. Breaks with the interrupt that `should_stop` returned.
-///
-/// # Errors
-/// As [`Workers::new`].
 pub fn parallel_map<W: Send, T: Send>(
     n: usize,
     threads: usize,
@@ -459,9 +442,6 @@ pub fn parallel_map<W: Send, T: Send>(
 
 /// The cost of every candidate, in order, as the objective returned it: neither repaired before nor
 /// replaced after, so a `NaN` stays a `NaN`.
-///
-/// # Errors
-/// As [`Workers::new`].
 pub fn evaluate_many<O: Objective>(
     objective: &O,
     candidates: Candidates<'_>,

@@ -157,7 +157,6 @@ fn log_inside(mean: [f64; 3], covariance: &Square, k: usize) -> f64 {
 }
 
 /// Of a set whose severities are `u` where the look is from, by the gradient and Hessian (k, k) by them.
-#[must_use]
 pub fn evidence(log_likelihood: f64, gain: &[f64], curvature: &[f64], u: &[f64]) -> Evidence {
     let k = u.len();
     let room: Vec<f64> = u.iter().map(|x| (-x).exp()).collect();
@@ -211,7 +210,6 @@ const TAIL: f64 = 3.0;
 const TERMS: usize = 60;
 
 /// ln of the probability below `x`.
-#[must_use]
 pub fn log_below(x: f64) -> f64 {
     if x < -TAIL {
         return log_tail(-x);
@@ -242,7 +240,6 @@ fn log_tail(z: f64) -> f64 {
 }
 
 /// ln of the probability between two limits.
-#[must_use]
 pub fn log_between(low: f64, high: f64) -> f64 {
     // The tail is resolved on the negative side.
     let (low, high) = if low > 0.0 {

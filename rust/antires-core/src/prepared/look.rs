@@ -217,7 +217,6 @@ fn judged(
 }
 
 /// The more probable of two ways to associate values and roots, with slopes by the severities of `columns`.
-#[must_use]
 pub fn look(
     t: &Tables<'_>,
     test: &Test<'_>,
@@ -294,7 +293,6 @@ pub enum Errors {
 }
 
 /// The roots near the band, ascending by response and place.
-#[must_use]
 pub fn foreseen(t: &Tables<'_>, test: &Test<'_>, at: &Places, errors: Errors) -> Foreseen {
     let mut shown: Vec<(usize, f64, bool)> = Vec::with_capacity(t.size());
     for k in 0..t.size() {
@@ -371,7 +369,6 @@ impl NullaryFnOnce for Spread<'_> {
 }
 
 /// Lower triangle of the covariance of some of the roots that are shown, without what is measured.
-#[must_use]
 pub fn covariance(t: &Tables<'_>, test: &Test<'_>, roots: &Foreseen, which: &[usize]) -> Vec<f64> {
     let mut found = if roots.rows.is_empty() {
         let mut found = Vec::with_capacity(row(which.len()));
@@ -423,7 +420,6 @@ impl NullaryFnOnce for Variances<'_> {
 }
 
 /// Variance of every root that is shown, by the errors of the model alone.
-#[must_use]
 pub fn variances(t: &Tables<'_>, roots: &Foreseen) -> Vec<f64> {
     if !roots.rows.is_empty() {
         return run(Variances {

@@ -31,7 +31,6 @@ pub struct Left {
 }
 
 /// Variance of each value about the root that is nearest without damage.
-#[must_use]
 pub fn variances(t: &Tables<'_>, test: &Test<'_>) -> Vec<f64> {
     let start = Places::new(t, &[], &[]);
     (0..test.log_f.len())
@@ -107,7 +106,6 @@ impl NullaryFnOnce for Scan<'_> {
 }
 
 /// All severities of one more element tried, the others as they are.
-#[must_use]
 pub fn scanned(
     t: &Tables<'_>,
     test: &Test<'_>,
@@ -178,7 +176,6 @@ pub fn scanned(
 }
 
 /// Severities that explain more, by a few steps with weights that a false value hardly has; and what is left.
-#[must_use]
 pub fn refined(
     t: &Tables<'_>,
     test: &Test<'_>,
@@ -263,7 +260,6 @@ pub struct Settled {
 }
 
 /// Newton steps from `u` until they are shorter than `rests`, by at most `looks`.
-#[must_use]
 pub fn settled(
     t: &Tables<'_>,
     test: &Test<'_>,

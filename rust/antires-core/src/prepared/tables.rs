@@ -53,38 +53,32 @@ pub struct Tables<'a> {
 
 impl<'a> Tables<'a> {
     /// Number of roots.
-    #[must_use]
     pub fn size(&self) -> usize {
         self.response.len()
     }
 
     /// Where (e, level) begins in a table of roots.
-    #[must_use]
     pub fn at(&self, e: usize, level: usize) -> usize {
         (e * self.levels.len() + level) * self.size()
     }
 
     /// One row of slopes, (n,).
-    #[must_use]
     pub fn slope_row(&self, e: usize, level: usize, root: usize) -> &'a [f32] {
         &self.slopes[(self.at(e, level) + root) * self.n..][..self.n]
     }
 
     /// Slopes of all roots at (e, level) by one u, (r,).
-    #[must_use]
     pub fn slopes_by(&self, by: usize, e: usize, level: usize) -> &'a [f32] {
         let cells = self.n * self.levels.len() * self.size();
         &self.crossed[by * cells + self.at(e, level)..][..self.size()]
     }
 
     /// One row of errors, (q,).
-    #[must_use]
     pub fn error_row(&self, e: usize, level: usize, root: usize) -> &'a [f32] {
         &self.errors[(self.at(e, level) + root) * self.q..][..self.q]
     }
 
     /// Whether all arrays have their lengths, and levels rise from 0.
-    #[must_use]
     pub fn consistent(&self) -> bool {
         let (r, levels) = (self.size(), self.levels.len());
         let cells = self.n * levels * r;
@@ -139,14 +133,12 @@ pub struct Test<'a> {
 
 impl Test<'_> {
     /// In how many sets a response was measured.
-    #[must_use]
     pub fn measured(&self, response: i64) -> f64 {
         let nth = usize::try_from(response).unwrap_or(usize::MAX);
         self.times.get(nth).copied().unwrap_or(0.0)
     }
 
     /// Whether all arrays have their lengths.
-    #[must_use]
     pub fn consistent(&self) -> bool {
         let m = self.response.len();
         [self.log_f.len(), self.std.len(), self.set.len()] == [m; 3]
@@ -155,13 +147,11 @@ impl Test<'_> {
     }
 
     /// Price of a value without a root.
-    #[must_use]
     pub fn alone(&self) -> f64 {
         -(FALSE / (self.high - self.low).max(LEAST_BAND)).ln()
     }
 
     /// Prices of a root that is missed, and of one that is found.
-    #[must_use]
     pub fn prices(&self, place: f64, seen: bool) -> (f64, f64) {
         let found: f64 = if seen { FOUND } else { FOUND_ONCE };
         let inside = ((place - self.low).min(self.high - place) / EDGE).clamp(0.0, 1.0);
@@ -245,7 +235,6 @@ fn slope_between(t: &Tables<'_>, e: usize, at: Between, root: usize, by: usize) 
 }
 
 /// Second derivative of ln f by two u, without damage.
-#[must_use]
 pub fn mixed(t: &Tables<'_>, a: usize, b: usize, root: usize) -> f64 {
     let first = t.slope_row(a, 1, root)[b] - t.slope_row(a, 0, root)[b];
     let second = t.slope_row(b, 1, root)[a] - t.slope_row(b, 0, root)[a];
@@ -254,7 +243,6 @@ pub fn mixed(t: &Tables<'_>, a: usize, b: usize, root: usize) -> f64 {
 
 impl Places {
     /// The roots at severities `u` of `elements`, the others undamaged.
-    #[must_use]
     pub fn new(t: &Tables<'_>, elements: &[usize], u: &[f64]) -> Self {
         let size = t.size();
         let mut found = Self {
@@ -332,7 +320,6 @@ impl Places {
     }
 
     /// Slope of a root by the severity of one of all elements.
-    #[must_use]
     pub fn slope(&self, t: &Tables<'_>, root: usize, by: usize) -> f64 {
         if let Some(slopes) = &self.slopes {
             return slopes[root * t.n + by];
@@ -366,7 +353,6 @@ pub type Entry = [f64; SIDE];
 const LEAST: f64 = 1e-24;
 
 /// Where row i begins.
-#[must_use]
 pub const fn row(i: usize) -> usize {
     i * (i + 1) / 2
 }
@@ -417,7 +403,6 @@ pub fn factorize(a: &mut [Entry], size: usize) {
 }
 
 /// L⁻¹ b for all of them.
-#[must_use]
 pub fn whitened(factors: &[Entry], b: &[f64]) -> Vec<Entry> {
     let mut white: Vec<Entry> = Vec::with_capacity(b.len());
     for (i, &value) in b.iter().enumerate() {
@@ -502,7 +487,6 @@ impl NullaryFnOnce for Gram<'_> {
 }
 
 /// BᵀB of rows of `width` columns.
-#[must_use]
 pub fn gram(rows: &[f64], width: usize) -> Vec<f64> {
     if width == 0 {
         return Vec::new();

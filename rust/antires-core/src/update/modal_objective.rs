@@ -49,7 +49,7 @@ use crate::modal::mac::{ModeSensitivity, Shape};
 use crate::modal::modes::{LowModes, eigenvalue, hertz};
 use crate::modal::solved::{Solutions, Solved};
 use crate::modal::structure::Structure;
-use crate::optimize::outcome::Interrupt;
+use crate::optimize::Interrupt;
 use crate::optimize::{Candidates, Composition, Linearization, Objective, parallel_map};
 
 /// One measured mode.
@@ -86,7 +86,6 @@ pub(super) struct FormedModes<'a> {
 
 impl ModalWorkspace {
     /// Mass-normalised shape of a partner found by the last [`ModalObjective::pairs`], one entry a dof.
-    #[must_use]
     pub fn shape(&self, partner: Partner) -> &[f64] {
         self.modes.shape(partner.mode)
     }
@@ -148,15 +147,11 @@ impl ModalObjective {
     }
 
     /// The model and what may change in it.
-    #[must_use]
     pub fn unknowns(&self) -> &Unknowns {
         &self.unknowns
     }
 
     /// The partner of each measured mode; its shape is that of the workspace's modes.
-    ///
-    /// # Errors
-    /// Those of the eigenproblem.
     pub fn pairs(&self, x: &[f64], ws: &mut ModalWorkspace) -> Result<Vec<Option<Partner>>> {
         self.pairs_of(&mut self.form(x, ws))
     }
@@ -332,7 +327,6 @@ pub struct ModalState {
 
 impl ModalObjective {
     /// All dofs at which any mode was measured, ascending.
-    #[must_use]
     pub fn sensors(&self) -> Vec<usize> {
         let of = self.measured().flat_map(|(mode, _)| mode.shape.dofs());
         let mut dofs: Vec<usize> = of.copied().collect();

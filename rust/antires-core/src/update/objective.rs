@@ -66,7 +66,7 @@ use crate::fem::model::{Model, connected};
 use crate::fem::parameters::Parameter;
 use crate::modal::modes::eigenvalue;
 use crate::modal::structure::Structure;
-use crate::optimize::outcome::Interrupt;
+use crate::optimize::Interrupt;
 use crate::optimize::{Candidates, Composition, Linearization, Objective, parallel_map};
 
 /// The model's antiresonances are computed to this multiple of the highest measured frequency, so
@@ -201,21 +201,16 @@ impl AntiresonanceObjective {
     }
 
     /// The model and what may change in it.
-    #[must_use]
     pub fn unknowns(&self) -> &Unknowns {
         &self.unknowns
     }
 
     /// The analytic partner of each measured antiresonance and its residual, target by target.
-    ///
-    /// # Errors
-    /// Those of the eigenproblem.
     pub fn pairs(&self, x: &[f64], ws: &mut Workspace) -> Result<Vec<Pairing>> {
         self.pairs_of(&mut self.form(x, ws))
     }
 
     /// J at `x`, of which these are the pairs.
-    #[must_use]
     pub fn cost_of(&self, x: &[f64], pairs: &[Pairing]) -> f64 {
         let weighted = pairs.iter().zip(&self.weights);
         let misfit = weighted.fold(0.0, |total, (pairing, weight)| {
@@ -637,7 +632,6 @@ const APART: f64 = 1e-3;
 
 /// How much transmissibilities show of `own[nth]`, a root of one response: 0 if all `others` share it, 1 if one of
 /// them does not. All lists ascending, in Hz.
-#[must_use]
 pub fn shown<'a>(own: &[f64], nth: usize, others: impl Iterator<Item = &'a [f64]>) -> f64 {
     let mut largest: Option<f64> = None;
     for other in others {

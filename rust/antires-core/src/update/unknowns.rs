@@ -77,19 +77,16 @@ impl Unknowns {
     }
 
     /// Number of parameters.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.parameters.len()
     }
 
     /// Whether there is no parameter; there always is one.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.parameters.is_empty()
     }
 
     /// Number of degrees of freedom of the model.
-    #[must_use]
     pub fn n_dof(&self) -> usize {
         self.model.n_dof()
     }
@@ -183,7 +180,6 @@ pub struct Penalty {
 
 impl Penalty {
     /// Penalty of the severities `beta`.
-    #[must_use]
     pub fn of(&self, beta: impl Iterator<Item = f64>) -> f64 {
         let (sum, count) = beta.fold((0.0, 0_usize), |(sum, count), b| {
             (sum + b, count + usize::from(b > 0.0))
@@ -208,7 +204,6 @@ pub enum Misfit {
 
 impl Misfit {
     /// `total` with one more residual taken in.
-    #[must_use]
     pub fn add(self, total: f64, residual: f64) -> f64 {
         match self {
             Self::Absolute => total + residual.abs(),
@@ -218,7 +213,6 @@ impl Misfit {
     }
 
     /// The norm as the optimizer's polish knows it; it has none for the largest residual.
-    #[must_use]
     pub fn norm(self) -> Option<Norm> {
         match self {
             Self::Absolute => Some(Norm::Absolute),

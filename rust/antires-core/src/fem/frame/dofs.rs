@@ -20,7 +20,6 @@ pub enum Dimension {
 
 impl Dimension {
     /// Names of a node's dofs, in order; a *direction* is an index into them.
-    #[must_use]
     pub fn directions(self) -> &'static [&'static str] {
         match self {
             Self::Plane => &["u", "v", "theta"],
@@ -29,13 +28,11 @@ impl Dimension {
     }
 
     /// Dofs of a node.
-    #[must_use]
     pub fn per_node(self) -> usize {
         self.directions().len()
     }
 
     /// Coordinates of a node: the first directions are translations along them.
-    #[must_use]
     pub fn axes(self) -> usize {
         match self {
             Self::Plane => 2,
@@ -70,7 +67,6 @@ pub struct DofMap {
 
 impl DofMap {
     /// Numbers the dofs of `n_nodes` nodes, `fixed` (node, direction) left out.
-    #[must_use]
     pub fn new(dimension: Dimension, n_nodes: usize, fixed: &[(usize, usize)]) -> Self {
         let per_node = dimension.per_node();
         let mut free = vec![true; n_nodes * per_node];
@@ -90,19 +86,16 @@ impl DofMap {
     }
 
     /// Number of free dofs.
-    #[must_use]
     pub fn n_free(&self) -> usize {
         self.slots.len()
     }
 
     /// Number of a dof, none when it is fixed.
-    #[must_use]
     pub fn number(&self, node: usize, direction: usize) -> Option<usize> {
         self.numbers[node * self.dimension.per_node() + direction]
     }
 
     /// Node and direction of the free dof `number`.
-    #[must_use]
     pub fn node_and_direction(&self, number: usize) -> (usize, usize) {
         let slot = self.slots[number];
         let per_node = self.dimension.per_node();

@@ -76,13 +76,11 @@ impl Frame {
     }
 
     /// What the frame is made of.
-    #[must_use]
     pub fn description(&self) -> &FrameDescription {
         &self.description
     }
 
     /// Numbering of the free dofs.
-    #[must_use]
     pub fn dofs(&self) -> &DofMap {
         &self.dofs
     }

@@ -216,7 +216,6 @@ impl Frame {
     }
 
     /// The common nominal value of a property, none for different ones.
-    #[must_use]
     pub fn nominal(&self, property: Property, indices: &[usize]) -> Option<f64> {
         let mut values = Vec::new();
         for &index in indices {

@@ -95,7 +95,6 @@ impl Frame {
     }
 
     /// Length of the shortest beam (m).
-    #[must_use]
     pub fn shortest_m(&self) -> f64 {
         let parts = self.description();
         let lengths = parts.beams.iter().map(|beam| parts.length_m(beam.nodes));

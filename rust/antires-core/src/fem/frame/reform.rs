@@ -39,7 +39,6 @@ struct Terms {
 
 impl Reform {
     /// The nominal state of `frame`.
-    #[must_use]
     pub fn new(frame: &Frame) -> Self {
         Self {
             working: frame.clone(),
@@ -118,7 +117,6 @@ impl Terms {
 
 impl Frame {
     /// The frame with its own parameters at `x`; factors on terms are left to the caller.
-    #[must_use]
     pub fn formed(&self, parameters: &[Parameter], x: &[f64]) -> Self {
         let mut frame = self.clone();
         frame.apply(parameters, x);

@@ -12,20 +12,17 @@ use crate::fem::term::{Side, Term};
 
 impl Frame {
     /// Number of stiffness terms: beams, springs to ground, springs between nodes.
-    #[must_use]
     pub fn n_stiffness_terms(&self) -> usize {
         let parts = &self.description;
         parts.beams.len() + parts.ground_springs.len() + parts.node_springs.len()
     }
 
     /// Number of mass terms: beams, lumped masses.
-    #[must_use]
     pub fn n_mass_terms(&self) -> usize {
         self.description.beams.len() + self.description.point_masses.len()
     }
 
     /// All stiffness and all mass terms.
-    #[must_use]
     pub fn terms(&self) -> (Vec<Term>, Vec<Term>) {
         (
             (0..self.n_stiffness_terms())
@@ -38,7 +35,6 @@ impl Frame {
     }
 
     /// Stiffness term `index` as it now is.
-    #[must_use]
     pub fn stiffness_term(&self, index: usize) -> Term {
         let mut term = Term::default();
         self.form_stiffness(index, &mut term);
@@ -46,7 +42,6 @@ impl Frame {
     }
 
     /// Mass term `index` as it now is.
-    #[must_use]
     pub fn mass_term(&self, index: usize) -> Term {
         let mut term = Term::default();
         self.form_mass(index, &mut term);

@@ -5,7 +5,6 @@ use crate::error::{Error, Result};
 
 impl Frame {
     /// For each node the number of its part; nodes of one part are joined by beams or springs.
-    #[must_use]
     pub fn parts(&self) -> Vec<usize> {
         let mut part = vec![usize::MAX; self.description().nodes_m.len()];
         let neighbours = self.neighbours();
