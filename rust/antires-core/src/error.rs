@@ -126,6 +126,14 @@ impl Argument {
         self.with(Step::Field(name.into()))
     }
 
+    /// The same part of the argument `name`.
+    pub fn called(&self, name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            steps: self.steps.clone(),
+        }
+    }
+
     /// The argument's own name.
     pub fn name(&self) -> &str {
         &self.name

@@ -22,8 +22,7 @@
 
 use std::sync::Arc;
 
-use super::frame::Frame;
-use super::frame::reform::{Nominal, Reform};
+use super::frame::{Frame, Nominal, Reform};
 use super::model::Model;
 use super::parameters::{Parameter, Quantity};
 use super::term::{Places, Side, Term};
@@ -221,10 +220,9 @@ impl<'a> Slopes<'a> {
             let mut push = |term: &Term| {
                 entries.extend(term.entries().iter().map(|&(r, c, v)| (r, c, slope * v)));
             };
-            match (&self.formed, side) {
-                (Some(frame), Side::Stiffness) => push(&frame.stiffness_term(t)),
-                (Some(frame), Side::Mass) => push(&frame.mass_term(t)),
-                (None, _) => push(&listed[t]),
+            match &self.formed {
+                Some(frame) => push(&frame.term(side, t)),
+                None => push(&listed[t]),
             }
         }
     }
@@ -247,15 +245,15 @@ impl<'a> Slopes<'a> {
             let times = times / (high - low);
             into.extend(term.entries().iter().map(|&(r, c, v)| (r, c, times * v)));
         };
-        for t in above.stiffness_terms_unlike(&below) {
-            let times = self.factor_on(t, Side::Stiffness, None);
-            difference(&above.stiffness_term(t), times, &mut slopes.stiffness);
-            difference(&below.stiffness_term(t), -times, &mut slopes.stiffness);
-        }
-        for t in above.mass_terms_unlike(&below) {
-            let times = self.factor_on(t, Side::Mass, None);
-            difference(&above.mass_term(t), times, &mut slopes.mass);
-            difference(&below.mass_term(t), -times, &mut slopes.mass);
+        for (side, entries) in [
+            (Side::Stiffness, &mut slopes.stiffness),
+            (Side::Mass, &mut slopes.mass),
+        ] {
+            for t in above.terms_unlike(&below, side) {
+                let times = self.factor_on(t, side, None);
+                difference(&above.term(side, t), times, entries);
+                difference(&below.term(side, t), -times, entries);
+            }
         }
     }
 

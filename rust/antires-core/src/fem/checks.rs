@@ -8,7 +8,7 @@
 //! where all are at their softest and lightest has the smallest eigenvalues of the box, as long as the
 //! terms are positive semi-definite themselves: if K and M are semi-definite there, they are everywhere.
 
-use super::frame::dofs::Dimension;
+use super::frame::elements::Dimension;
 use super::frame::{Frame, Property};
 use super::model::Model;
 use super::parameters::{Parameter, Quantity, Scale};

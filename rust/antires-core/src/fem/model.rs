@@ -18,7 +18,7 @@ use faer::{Mat, MatRef};
 
 use super::elements::{between, lump, to_ground};
 use super::frame::Frame;
-use super::term::{Places, Term};
+use super::term::{Places, Side, Term};
 use crate::error::{Error, Result};
 use crate::linalg::sparse::{Pattern, SparseMatrix};
 
@@ -131,7 +131,8 @@ impl Model {
     /// Model of a frame.
     pub fn from_frame(frame: Frame) -> Result<Self> {
         let n = frame.dofs().n_free();
-        let (stiffness_terms, mass_terms) = frame.terms();
+        let [stiffness_terms, mass_terms] =
+            [Side::Stiffness, Side::Mass].map(|side| frame.terms(side));
         let mut model = Self::from_entries(n, (&[], &[]), stiffness_terms, mass_terms)?;
         let places = model.places();
         for (matrix, terms, places) in [

@@ -103,6 +103,14 @@ pub struct Reach {
 }
 
 impl Property {
+    /// Whether sections carry it, where elements carry the others.
+    pub(super) fn is_of_sections(self) -> bool {
+        matches!(
+            self,
+            Self::YoungsModulus | Self::Density | Self::Thickness | Self::Diameter
+        )
+    }
+
     /// What a term of it is.
     pub(super) fn carrier(self) -> &'static str {
         match self {
