@@ -13,9 +13,7 @@ _Complexes = NDArray[np.complex128]
 _Term = tuple[NDArray[np.uint32], NDArray[np.uint32], _Floats]
 _Columns = tuple[NDArray[np.int64], NDArray[np.int64], _Floats]
 _Section = tuple[str, list[float], float, float, float]
-_PointMass = tuple[int, float, tuple[float, float, float]]
-_GroundSpring = tuple[int, str, float]
-_NodeSpring = tuple[int, int, str | None, float]
+_Row = tuple[list[int], str | None, list[float]]
 _Parameter = tuple[str, list[int], bool, tuple[int, tuple[float, float, float]] | None]
 _Progress = Callable[[dict[str, Any]], bool | None]
 
@@ -86,19 +84,15 @@ class Frame:
     def __new__(
         cls,
         nodes_m: _Floats,
-        elements: Sequence[tuple[int, int, int]],
         references: _Floats | None,
         sections: Sequence[_Section],
-        point_masses: Sequence[_PointMass],
-        ground_springs: Sequence[_GroundSpring],
-        node_springs: Sequence[_NodeSpring],
+        elements: Sequence[tuple[str, list[_Row]]],
         fixed: Sequence[tuple[int, str]],
         shear: Sequence[list[float] | None] | None = None,
     ) -> Frame: ...
     def nodes_m(self) -> _Floats: ...
     def sections(self) -> list[_Section]: ...
-    def point_masses(self) -> list[_PointMass]: ...
-    def ground_springs(self) -> list[_GroundSpring]: ...
+    def elements(self, argument: str) -> list[_Row]: ...
     def dof(self, node: int, direction: str) -> int: ...
     def dof_names(self) -> list[tuple[int, str]]: ...
     def parts(self) -> list[int]: ...

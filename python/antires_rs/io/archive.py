@@ -9,7 +9,7 @@ import json
 import os
 import platform
 from collections.abc import Iterable
-from dataclasses import MISSING, asdict, astuple, fields
+from dataclasses import MISSING, asdict, fields
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
-from ..models.frame_parts import GroundSpring, NodeSpring, PointMass, Rectangle, Section, Tube
+from ..models.frame_parts import PARTS, Rectangle, Section, Tube
 from ..models.matrices import Entries
 from ..models.matrix_model import MatrixModel
 from ..models.parameters import Parameter
@@ -230,9 +230,7 @@ def _describe_recipe(recipe: Recipe, store: Store) -> dict[str, Any]:
         "section_names": list(recipe.section_names),
         "sections": [{"type": type(s).__name__, **asdict(s)} for s in recipe.sections],
         "orientation": None if recipe.orientation is None else store.put(recipe.orientation),
-        "point_masses": [astuple(m) for m in recipe.point_masses],
-        "ground_springs": [astuple(s) for s in recipe.ground_springs],
-        "node_springs": [[s.node, s.other, s.direction, s.stiffness_n_per_m] for s in recipe.node_springs],
+        **{kind: [part._saved() for part in recipe.parts.get(kind, ())] for kind in PARTS},
         "fixed": recipe.fixed,
     }
 
@@ -283,13 +281,9 @@ def _made_frame(data: dict[str, Any]) -> FrameRecipe:
             for s in data["sections"]
         ),
         orientation=data["orientation"],
-        point_masses=tuple(
-            PointMass(node, mass, tuple(inertia)) for node, mass, inertia in data["point_masses"]
-        ),
-        ground_springs=tuple(GroundSpring(*row) for row in data["ground_springs"]),
-        node_springs=tuple(
-            NodeSpring(node, other, k, direction) for node, other, direction, k in data["node_springs"]
-        ),
+        parts={
+            name: tuple(kind._of_saved(row) for row in data.get(name, ())) for name, kind in PARTS.items()
+        },
         fixed=tuple((node, direction) for node, direction in data["fixed"]),
     )
 

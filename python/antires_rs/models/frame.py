@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +13,15 @@ from ..support.checks import FloatArray, integer, real_array
 from ..support.messages import warn
 from ..views import Viewed
 from .frame_parts import (
+    PARTS,
     AnySection,
     GroundSpring,
     NodeSpring,
     PointMass,
+    _Part,
     fixed_dofs,
-    ground_springs_of,
     iterable,
-    node_springs_of,
-    point_masses_of,
-    scaled_node_springs,
+    parts_of,
     section_of,
     text,
     warn_soft,
@@ -35,6 +34,8 @@ from .structural_model import ModelDescription, StructuralModel
 if TYPE_CHECKING:
     from .._core import Frame as CoreFrame
 
+_P = TypeVar("_P", bound=_Part)
+
 
 # -- What the constructor of a frame was given, checked, as the recipe of one
 
@@ -43,9 +44,7 @@ def frame_recipe(
     nodes_m: Any,
     elements: Iterable[Any],
     sections: Any,
-    point_masses: Iterable[Any],
-    ground_springs: Iterable[Any],
-    node_springs: Iterable[Any],
+    parts: Mapping[str, Iterable[Any]],
     fixed: Iterable[Any],
     orientation: Any,
 ) -> FrameRecipe:
@@ -81,9 +80,7 @@ def frame_recipe(
         sections=tuple(listed),
         fixed=tuple(fixed_dofs(fixed, in_space)),
         orientation=_orientation(orientation, len(rows), in_space),
-        point_masses=point_masses_of(point_masses),
-        ground_springs=ground_springs_of(ground_springs),
-        node_springs=node_springs_of(node_springs),
+        parts={kind: parts_of(kind, given) for kind, given in parts.items()},
     )
 
 
@@ -244,19 +241,18 @@ class FrameModel(StructuralModel, Viewed):
         fixed: Iterable[Any] = (),
         orientation: Any = None,
     ) -> None:
-        recipe = frame_recipe(
-            nodes_m, elements, sections, point_masses, ground_springs, node_springs, fixed, orientation
-        )
+        parts = {"point_masses": point_masses, "ground_springs": ground_springs, "node_springs": node_springs}
+        recipe = frame_recipe(nodes_m, elements, sections, parts, fixed, orientation)
         for name, section in zip(recipe.section_names, recipe.sections, strict=True):
             warn_soft(section_argument(name), section)
         self._build(ModelDescription(recipe))
         warn_penalties(self, self.stiffness(), "Use fixed= for rigid supports, and softer springs for ties.")
-        parts = np.array(self._frame.parts())
-        if parts.max() > 0:
-            alone = [int(node) for node in np.flatnonzero(parts != parts[0])]
+        part_of = np.array(self._frame.parts())
+        if part_of.max() > 0:
+            alone = [int(node) for node in np.flatnonzero(part_of != part_of[0])]
             warn(
                 "frame_in_parts",
-                f"the frame is in {parts.max() + 1} parts that nothing joins; apart from node 0 "
+                f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 "
                 f"are nodes {alone}. A response in one part to a force in another is zero.",
             )
 
@@ -298,25 +294,21 @@ class FrameModel(StructuralModel, Viewed):
     @property
     def point_masses(self) -> list[PointMass]:
         """Lumped masses with the values of this state."""
-        return [
-            PointMass(node, mass, inertia[0] if len(set(inertia)) == 1 else tuple(inertia))
-            for node, mass, inertia in self._frame.point_masses()
-        ]
+        return self._parts(PointMass)
 
     @property
     def ground_springs(self) -> list[GroundSpring]:
         """Springs to ground with the values of this state."""
-        return [GroundSpring(*parts) for parts in self._frame.ground_springs()]
+        return self._parts(GroundSpring)
 
     @property
     def node_springs(self) -> list[NodeSpring]:
         """Springs between nodes with the values of this state."""
-        recipe = self._recipe
-        springs = list(recipe.node_springs)
-        first = len(recipe.beams) + len(recipe.ground_springs)
-        for applied in self._description.applied:
-            springs = scaled_node_springs(springs, first, applied.parameters, applied.values)
-        return springs
+        return self._parts(NodeSpring)
+
+    def _parts(self, kind: type[_P]) -> list[_P]:
+        name = next(name for name, each in PARTS.items() if each is kind)
+        return [kind._of_row(row) for row in self._frame.elements(name)]
 
     @property
     def fixed(self) -> list[tuple[int, str]]:

@@ -3,19 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import astuple, dataclass, field, replace
+from typing import Any, Self
 
 from ..exceptions import Argument, part, reject
-from ..support.checks import FloatArray, finite_scalar, integer, shape_of
+from ..support.checks import finite_scalar, integer, shape_of
 from ..support.messages import warn
 
-if TYPE_CHECKING:
-    from .parameters import Parameter
+#: An element as the core takes it: its nodes (of a beam also its section), its direction, its values.
+Row = tuple[list[int], str | None, list[float]]
+
+
+class _Part:
+    """What a frame asks of what it carries beside its beams; ``PARTS`` lists the kinds."""
+
+    def _checked(self, name: str, i: int) -> Self:
+        """The same with checked values; number ``i`` of the argument ``name``."""
+        raise NotImplementedError
+
+    def _row(self) -> Row:
+        raise NotImplementedError
+
+    @classmethod
+    def _of_row(cls, row: Row) -> Self:
+        raise NotImplementedError
+
+    def _saved(self) -> list[Any]:
+        """As files have it."""
+        nodes, direction, values = self._row()
+        return [*nodes, direction, *values]
+
+    @classmethod
+    def _of_saved(cls, saved: Sequence[Any]) -> Self:
+        *nodes, direction, value = saved
+        return cls._of_row((nodes, direction, [value]))
 
 
 @dataclass(frozen=True)
-class PointMass:
+class PointMass(_Part):
     """A lumped mass at a node.
 
     Attributes
@@ -36,9 +61,41 @@ class PointMass:
     mass_kg: float
     inertia_kg_m2: float | Sequence[float] = 0.0
 
+    def _checked(self, name: str, i: int) -> Self:
+        inertia = self.inertia_kg_m2
+        if shape_of(inertia) not in ((), (3,)):
+            reject(
+                part(name, i).attribute("inertia_kg_m2"),
+                inertia,
+                "one inertia, or three about x, y and z",
+                "Give it in kg m^2, about the centre of mass.",
+            )
+        three = (inertia,) * 3 if shape_of(inertia) == () else inertia
+        return type(self)(
+            _node(name, i, self.node),
+            _number(name, i, "mass_kg", self.mass_kg),
+            tuple(_number(name, i, "inertia_kg_m2", value) for value in three),  # type: ignore[union-attr]
+        )
+
+    def _row(self) -> Row:
+        return [self.node], None, [self.mass_kg, *self.inertia_kg_m2]  # type: ignore[misc]
+
+    @classmethod
+    def _of_row(cls, row: Row) -> Self:
+        (node,), _, (mass, *inertia) = row
+        return cls(node, mass, inertia[0] if len(set(inertia)) == 1 else tuple(inertia))
+
+    def _saved(self) -> list[Any]:
+        return list(astuple(self))
+
+    @classmethod
+    def _of_saved(cls, saved: Sequence[Any]) -> Self:
+        node, mass, inertia = saved
+        return cls(node, mass, tuple(inertia))
+
 
 @dataclass(frozen=True)
-class GroundSpring:
+class GroundSpring(_Part):
     """A spring from one dof of a node to ground.
 
     Attributes
@@ -60,9 +117,25 @@ class GroundSpring:
     direction: str
     stiffness_n_per_m: float
 
+    def _checked(self, name: str, i: int) -> Self:
+        return type(self)(
+            _node(name, i, self.node),
+            text(name, i, self.direction),
+            _number(name, i, "stiffness_n_per_m", self.stiffness_n_per_m),
+        )
+
+    def _row(self) -> Row:
+        return [self.node], self.direction, [self.stiffness_n_per_m]
+
+    @classmethod
+    def _of_row(cls, row: Row) -> Self:
+        (node,), direction, (stiffness,) = row
+        assert direction is not None  # the core names one for each
+        return cls(node, direction, stiffness)
+
 
 @dataclass(frozen=True)
-class NodeSpring:
+class NodeSpring(_Part):
     """A spring between two nodes.
 
     Attributes
@@ -86,6 +159,30 @@ class NodeSpring:
     stiffness_n_per_m: float
     direction: str | None = None
 
+    def _checked(self, name: str, i: int) -> Self:
+        return type(self)(
+            _node(name, i, self.node),
+            _node(name, i, self.other),
+            _number(name, i, "stiffness_n_per_m", self.stiffness_n_per_m),
+            None if self.direction is None else text(name, i, self.direction),
+        )
+
+    def _row(self) -> Row:
+        return [self.node, self.other], self.direction, [self.stiffness_n_per_m]
+
+    @classmethod
+    def _of_row(cls, row: Row) -> Self:
+        (node, other), direction, (stiffness,) = row
+        return cls(node, other, stiffness, direction)
+
+
+#: Kinds of parts by the argument that lists them.
+PARTS: dict[str, type[_Part]] = {
+    "point_masses": PointMass,
+    "ground_springs": GroundSpring,
+    "node_springs": NodeSpring,
+}
+
 
 def iterable(name: str, value: Any, wanted: str) -> Iterable[Any]:
     """Anything that can be gone through, but text."""
@@ -94,56 +191,17 @@ def iterable(name: str, value: Any, wanted: str) -> Iterable[Any]:
     return value
 
 
-def point_masses_of(items: Iterable[Any]) -> tuple[PointMass, ...]:
-    """Point masses as given, checked, each with three inertias."""
-    return tuple(
-        PointMass(
-            _node("point_masses", i, m.node),
-            _number("point_masses", i, "mass_kg", m.mass_kg),
-            _inertia(i, m.inertia_kg_m2),
-        )
-        for i, m in enumerate(_items("point_masses", items, PointMass))
-    )
-
-
-def ground_springs_of(items: Iterable[Any]) -> tuple[GroundSpring, ...]:
-    """Springs to ground as given, checked."""
-    return tuple(
-        GroundSpring(
-            _node("ground_springs", i, s.node),
-            text("ground_springs", i, s.direction),
-            _number("ground_springs", i, "stiffness_n_per_m", s.stiffness_n_per_m),
-        )
-        for i, s in enumerate(_items("ground_springs", items, GroundSpring))
-    )
-
-
-def node_springs_of(items: Iterable[Any]) -> tuple[NodeSpring, ...]:
-    """Springs between nodes as given, checked."""
-    return tuple(
-        NodeSpring(
-            _node("node_springs", i, s.node),
-            _node("node_springs", i, s.other),
-            _number("node_springs", i, "stiffness_n_per_m", s.stiffness_n_per_m),
-            None if s.direction is None else text("node_springs", i, s.direction),
-        )
-        for i, s in enumerate(_items("node_springs", items, NodeSpring))
-    )
-
-
-def scaled_node_springs(
-    springs: Iterable[NodeSpring], first: int, parameters: Iterable[Parameter], values: FloatArray
-) -> list[NodeSpring]:
-    """Springs with the parameters applied that act on their terms, ``first`` and on."""
-    springs = list(springs)
-    for parameter, value in zip(parameters, values, strict=True):
-        if parameter.quantity in ("stiffness_reduction", "stiffness_factor"):
-            factor = float(1.0 - value if parameter.quantity == "stiffness_reduction" else value)
-            for term in parameter.terms:
-                if term >= first:
-                    old = springs[term - first]
-                    springs[term - first] = replace(old, stiffness_n_per_m=old.stiffness_n_per_m * factor)
-    return springs
+def parts_of(name: str, items: Iterable[Any]) -> tuple[Any, ...]:
+    """Parts of the kind that the argument ``name`` lists, or tuples of their fields, checked."""
+    kind = PARTS[name]
+    found = []
+    for i, item in enumerate(iterable(name, items, f"a sequence of {kind.__name__}")):
+        try:
+            given = item if isinstance(item, kind) else kind(*item)
+        except TypeError:
+            reject(part(name, i), item, f"a {kind.__name__}", f"Make it by antires_rs.{kind.__name__}(...).")
+        found.append(given._checked(name, i))
+    return tuple(found)
 
 
 def fixed_dofs(fixed: Iterable[Any], in_space: bool) -> list[tuple[int, str]]:
@@ -168,17 +226,6 @@ def fixed_dofs(fixed: Iterable[Any], in_space: bool) -> list[tuple[int, str]]:
     return list(found)
 
 
-def _items(name: str, items: Any, kind: type) -> list[Any]:
-    """Items of a kind, or tuples of its fields."""
-    found = []
-    for i, item in enumerate(iterable(name, items, f"a sequence of {kind.__name__}")):
-        try:
-            found.append(item if isinstance(item, kind) else kind(*item))
-        except TypeError:
-            reject(part(name, i), item, f"a {kind.__name__}", f"Make it by antires_rs.{kind.__name__}(...).")
-    return found
-
-
 def _node(name: str, i: int, node: Any) -> int:
     return integer(part(name, i).attribute("node"), node, low=0)
 
@@ -197,24 +244,6 @@ def text(name: str, i: int | None, value: Any) -> str:
             "Translations are u, v, w; rotations theta in a plane, else theta_x, theta_y, theta_z.",
         )
     return value
-
-
-def _inertia(i: int, value: Any) -> tuple[float, float, float]:
-    if shape_of(value) not in ((), (3,)):
-        reject(
-            part("point_masses", i).attribute("inertia_kg_m2"),
-            value,
-            "one inertia, or three about x, y and z",
-            "Give it in kg m^2, about the centre of mass.",
-        )
-    x, y, z = (_number("point_masses", i, "inertia_kg_m2", v) for v in three_inertias(value))
-    return x, y, z
-
-
-def three_inertias(value: Any) -> tuple[float, float, float]:
-    """Inertias about x, y and z of one for all, or of three."""
-    x, y, z = (value,) * 3 if shape_of(value) == () else value
-    return x, y, z
 
 
 # -- Cross-sections of beams, each of one material

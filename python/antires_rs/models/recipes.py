@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from .. import _core
 from ..exceptions import part, reject
 from ..support.checks import FloatArray, integer
 from ..support.values import Value
-from .frame_parts import AnySection, GroundSpring, NodeSpring, PointMass, shear_of, three_inertias
+from .frame_parts import AnySection, shear_of
 from .independent import Independent, Matrices, independent_of
 from .matrices import Entries
 
@@ -116,7 +116,8 @@ class FrameRecipe(_Recipe):
         Names of the sections, or their indices where they have none.
     sections : tuple of Tube, Rectangle or Section
     orientation : ndarray, (n_beams, 3), or None
-    point_masses, ground_springs, node_springs : tuple of PointMass, GroundSpring, NodeSpring
+    parts : dict
+        By the argument that lists them (``frame_parts.PARTS``): what the frame carries beside its beams.
     fixed : tuple of (int, str)
         Node and direction of each fixed dof.
     """
@@ -126,9 +127,7 @@ class FrameRecipe(_Recipe):
     section_names: tuple[str | int, ...]
     sections: tuple[AnySection, ...]
     orientation: FloatArray | None = None
-    point_masses: tuple[PointMass, ...] = ()
-    ground_springs: tuple[GroundSpring, ...] = ()
-    node_springs: tuple[NodeSpring, ...] = ()
+    parts: dict[str, tuple[Any, ...]] = field(default_factory=dict)
     fixed: tuple[tuple[int, str], ...] = ()
 
     @property
@@ -158,12 +157,12 @@ class FrameRecipe(_Recipe):
         shear = [shear_of(section, name) for section, name in named]
         frame = _core.Frame(
             self.nodes_m,
-            list(self.beams),
             self.orientation,
             sections,
-            [(m.node, m.mass_kg, three_inertias(m.inertia_kg_m2)) for m in self.point_masses],
-            [(s.node, s.direction, s.stiffness_n_per_m) for s in self.ground_springs],
-            [(s.node, s.other, s.direction, s.stiffness_n_per_m) for s in self.node_springs],
+            [
+                ("elements", [(list(beam), None, []) for beam in self.beams]),
+                *((kind, [each._row() for each in parts]) for kind, parts in self.parts.items()),
+            ],
             list(self.fixed),
             *([] if all(one is None for one in shear) else [shear]),
         )

@@ -10,9 +10,8 @@ use antires_core::antiresonances::{Query, Route, antiresonances};
 use antires_core::fem::model::Model;
 use antires_core::fem::parameters::Parameter;
 use antires_core::optimize::Objective;
-use antires_core::update::misfit::Misfit;
 use antires_core::update::objective::{AntiresonanceObjective, Target};
-use antires_core::update::penalties::Penalty;
+use antires_core::update::unknowns::{Misfit, Penalty};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 /// The search for the damage of element `damaged`, from exact antiresonances up to `f_max_hz`.

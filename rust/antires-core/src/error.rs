@@ -7,7 +7,7 @@
 use std::fmt;
 
 /// The result of a fallible function of this crate.
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// What can go wrong in the core.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -117,25 +117,29 @@ pub enum Step {
 
 impl Argument {
     /// Item `index` of this argument.
-    #[must_use]
     pub fn item(&self, index: usize) -> Self {
         self.with(Step::Item(index))
     }
 
     /// A field of this argument.
-    #[must_use]
     pub fn field(&self, name: impl Into<String>) -> Self {
         self.with(Step::Field(name.into()))
     }
 
+    /// The same part of the argument `name`.
+    pub fn called(&self, name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            steps: self.steps.clone(),
+        }
+    }
+
     /// The argument's own name.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// The way from the argument to the part that is meant; empty where all of it is.
-    #[must_use]
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }

@@ -40,7 +40,6 @@ pub struct Rng {
 
 impl Rng {
     /// The beginning of stream `stream` of the master seed `seed`.
-    #[must_use]
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut cipher = ChaCha8Rng::from_seed(key(seed));
         cipher.set_stream(stream);
@@ -48,7 +47,6 @@ impl Rng {
     }
 
     /// The generator that continues from `state`.
-    #[must_use]
     pub fn restore(state: RngState) -> Self {
         let mut rng = Self::new(state.seed, state.stream);
         rng.cipher.set_word_pos(state.word);

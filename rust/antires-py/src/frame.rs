@@ -1,11 +1,8 @@
 //! Frames: their description in, their parts out.
 
-use antires_core::error::Argument;
+use antires_core::error::{Argument, Result};
 use antires_core::fem::frame::Frame as CoreFrame;
-use antires_core::fem::frame::description::{
-    Beam, FrameDescription, GroundSpring, NodeSpring, PointMass,
-};
-use antires_core::fem::frame::dofs::Dimension;
+use antires_core::fem::frame::elements::{Dimension, Element, FrameDescription, Row};
 use antires_core::fem::section::{Section, Shape, Shear};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
@@ -17,12 +14,6 @@ use crate::doorway::to_python;
 type SectionParts = (String, Vec<f64>, f64, f64, f64);
 /// Shear coefficients along y and z; none: rigid in shear; an empty list: Cowper's.
 type ShearParts = Option<Vec<f64>>;
-/// (node, mass, inertia about x, y, z).
-type PointMassParts = (usize, f64, [f64; 3]);
-/// (node, direction, stiffness).
-type GroundSpringParts = (usize, String, f64);
-/// (node, node, direction or none, stiffness).
-type NodeSpringParts = (usize, usize, Option<String>, f64);
 
 /// The description of a frame with its dof numbering.
 #[pyclass(frozen, module = "antires_rs._core")]
@@ -32,19 +23,16 @@ pub struct Frame {
 
 #[pymethods]
 impl Frame {
-    /// Nodes (n, 2 or 3); elements (node, node, section); references (n_elements, 3) or none; the shear of
-    /// each section, or none where all are rigid.
+    /// Nodes (n, 2 or 3); reference directions of the beams (n_beams, 3) or none; sections; elements by the argument
+    /// that lists them, as rows of (integers, direction, values); fixed dofs; the shear of each section, or none where
+    /// all are rigid.
     #[new]
-    #[pyo3(signature = (nodes_m, elements, references, sections, point_masses, ground_springs, node_springs, fixed, shear=None))]
-    #[allow(clippy::too_many_arguments)]
+    #[pyo3(signature = (nodes_m, references, sections, elements, fixed, shear=None))]
     fn new(
         nodes_m: PyReadonlyArray2<'_, f64>,
-        elements: Vec<(usize, usize, usize)>,
         references: Option<PyReadonlyArray2<'_, f64>>,
         sections: Vec<SectionParts>,
-        point_masses: Vec<PointMassParts>,
-        ground_springs: Vec<GroundSpringParts>,
-        node_springs: Vec<NodeSpringParts>,
+        elements: Vec<(String, Vec<Row>)>,
         fixed: Vec<(usize, String)>,
         shear: Option<Vec<ShearParts>>,
     ) -> PyResult<Self> {
@@ -55,75 +43,32 @@ impl Frame {
         } else {
             Dimension::Space
         };
-        let beams = elements.iter().enumerate().map(|(i, &(a, b, section))| {
-            let reference = references.as_ref().map(|rows| {
-                let rows = rows.as_array();
-                std::array::from_fn(|axis| rows[(i, axis)])
-            });
-            Beam {
-                nodes: [a, b],
-                section,
-                reference,
-            }
-        });
-        let at = |argument: &str, i: usize, name: &str| {
-            dimension
-                .direction(&Argument::from(argument).item(i), name)
-                .map_err(to_python)
+        let shear_of_section = |i: usize| {
+            let given = shear.as_ref().and_then(|all| all.get(i).cloned().flatten());
+            shear_of(given)
         };
-        let description = FrameDescription {
+        let coordinates = |axis, row: &[f64]| row.get(axis).copied().unwrap_or(0.0);
+        let rows = nodes.rows().into_iter().map(|row| row.to_vec());
+        let sections = sections.into_iter().enumerate();
+        let mut description = FrameDescription {
             dimension,
-            nodes_m: nodes
-                .rows()
-                .into_iter()
-                .map(|row| std::array::from_fn(|axis| if axis < columns { row[axis] } else { 0.0 }))
+            nodes_m: rows
+                .map(|row| std::array::from_fn(|axis| coordinates(axis, &row)))
                 .collect(),
-            beams: beams.collect(),
             sections: sections
-                .into_iter()
-                .enumerate()
-                .map(|(i, parts)| {
-                    let given = shear.as_ref().and_then(|all| all.get(i).cloned().flatten());
-                    section(parts, shear_of(given))
-                })
+                .map(|(i, parts)| section(parts, shear_of_section(i)))
                 .collect(),
-            point_masses: point_masses
-                .into_iter()
-                .map(|(node, mass_kg, inertia_kg_m2)| PointMass {
-                    node,
-                    mass_kg,
-                    inertia_kg_m2,
-                })
-                .collect(),
-            ground_springs: ground_springs
-                .into_iter()
-                .enumerate()
-                .map(|(i, (node, direction, stiffness_n_per_m))| {
-                    Ok(GroundSpring {
-                        node,
-                        direction: at("ground_springs", i, &direction)?,
-                        stiffness_n_per_m,
-                    })
-                })
-                .collect::<PyResult<_>>()?,
-            node_springs: node_springs
-                .into_iter()
-                .enumerate()
-                .map(|(i, (a, b, direction, stiffness_n_per_m))| {
-                    let direction = direction.map(|d| at("node_springs", i, &d)).transpose()?;
-                    Ok(NodeSpring {
-                        nodes: [a, b],
-                        direction,
-                        stiffness_n_per_m,
-                    })
-                })
-                .collect::<PyResult<_>>()?,
-            fixed: fixed
-                .into_iter()
-                .enumerate()
-                .map(|(i, (node, direction))| Ok((node, at("fixed", i, &direction)?)))
-                .collect::<PyResult<_>>()?,
+            elements: elements_of(&elements, dimension).map_err(to_python)?,
+            fixed: fixed_of(fixed, dimension).map_err(to_python)?,
         };
+        if let Some(references) = references {
+            let rows = references.as_array();
+            for (i, element) in description.elements.iter_mut().enumerate() {
+                if let Element::Beam(beam) = element {
+                    beam.reference = Some(std::array::from_fn(|axis| rows[(i, axis)]));
+                }
+            }
+        }
         let core = CoreFrame::new(description).map_err(to_python)?;
         Ok(Self { core })
     }
@@ -140,19 +85,12 @@ impl Frame {
         sections.map(section_parts).collect()
     }
 
-    fn point_masses(&self) -> Vec<PointMassParts> {
-        let masses = self.core.description().point_masses.iter();
-        masses
-            .map(|m| (m.node, m.mass_kg, m.inertia_kg_m2))
-            .collect()
-    }
-
-    fn ground_springs(&self) -> Vec<GroundSpringParts> {
+    /// The elements of one argument, as rows.
+    fn elements(&self, argument: &str) -> Vec<Row> {
         let parts = self.core.description();
-        let name = |direction: usize| parts.dimension.directions()[direction].to_owned();
-        let springs = parts.ground_springs.iter();
-        springs
-            .map(|s| (s.node, name(s.direction), s.stiffness_n_per_m))
+        parts
+            .listed(argument)
+            .map(|element| element.row(parts.dimension))
             .collect()
     }
 
@@ -176,6 +114,25 @@ impl Frame {
     fn parts(&self) -> Vec<usize> {
         self.core.parts()
     }
+}
+
+fn elements_of(lists: &[(String, Vec<Row>)], dimension: Dimension) -> Result<Vec<Element>> {
+    let each = |(argument, rows): &(String, Vec<Row>)| -> Vec<Result<Element>> {
+        let rows = rows.iter().enumerate();
+        rows.map(|(i, row)| Element::of_row(argument, i, row, dimension))
+            .collect()
+    };
+    lists.iter().flat_map(each).collect()
+}
+
+fn fixed_of(fixed: Vec<(usize, String)>, dimension: Dimension) -> Result<Vec<(usize, usize)>> {
+    let each = |(i, (node, name)): (usize, (usize, String))| {
+        Ok((
+            node,
+            dimension.direction(&Argument::from("fixed").item(i), &name)?,
+        ))
+    };
+    fixed.into_iter().enumerate().map(each).collect()
 }
 
 fn shear_of(parts: ShearParts) -> Shear {

@@ -6,10 +6,8 @@ use antires_core::antiresonances::{
     Antiresonances, Query, Route, antiresonances, bounded_antiresonances,
 };
 use antires_core::error::Error;
-use antires_core::fem::chain::mass_spring_chain;
-use antires_core::fem::model::Model as CoreModel;
-use antires_core::modal::frf::{Motion, frequency_response};
-use antires_core::modal::modes::{AllModes, low_modes};
+use antires_core::fem::model::{Model as CoreModel, mass_spring_chain};
+use antires_core::modal::modes::{AllModes, Motion, frequency_response, low_modes};
 use numpy::ndarray::Array2;
 use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;

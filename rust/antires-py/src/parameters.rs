@@ -1,7 +1,7 @@
 //! Parameters as Python gives them.
 
 use antires_core::error::{Argument, Error, Result};
-use antires_core::fem::bounds::check_bounds as check_core_bounds;
+use antires_core::fem::checks::check_bounds as check_core_bounds;
 use antires_core::fem::frame::{Angle, Frame as CoreFrame, Property, Scale};
 use antires_core::fem::model::Model as CoreModel;
 use antires_core::fem::parameters::{Parameter, Quantity};

@@ -1,12 +1,8 @@
 //! Damage from tables: the arrays of a plan and of a test, handed to the core.
 
-use antires_core::prepared::expected::Errors;
-use antires_core::prepared::look::{Look, look};
-use antires_core::prepared::nearest::{refined, scanned, variances};
-use antires_core::prepared::places::Places;
-use antires_core::prepared::settle::settled;
-use antires_core::prepared::tables::Tables;
-use antires_core::prepared::values::{Error, Test};
+use antires_core::prepared::look::{Errors, Look, look};
+use antires_core::prepared::nearest::{refined, scanned, settled, variances};
+use antires_core::prepared::tables::{Error, Places, Tables, Test};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1,
     PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArray4,

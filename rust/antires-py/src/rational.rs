@@ -1,8 +1,7 @@
 //! Loops of the identification: Forsythe's basis, roots, dominant eigenpairs.
 
-use antires_core::linalg::dominant::Workspace;
-use antires_core::linalg::hermitian::Hermitian;
-use antires_core::rational::{forsythe, roots};
+use antires_core::linalg::hermitian::{Hermitian, Workspace};
+use antires_core::rational;
 use numpy::{
     Complex64, IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3,
 };

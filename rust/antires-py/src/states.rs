@@ -4,12 +4,9 @@ use std::ops::{ControlFlow, RangeInclusive};
 
 use antires_core::error::Result;
 use antires_core::optimize::Candidates;
-use antires_core::optimize::outcome::Interrupt;
-use antires_core::update::modal_objective::ModalObjective;
-use antires_core::update::modal_state::modal_states;
-use antires_core::update::null_vectors::NullVectors;
-use antires_core::update::objective::AntiresonanceObjective;
-use antires_core::update::state::states;
+use antires_core::optimize::Interrupt;
+use antires_core::update::modal_objective::{ModalObjective, modal_states};
+use antires_core::update::objective::{AntiresonanceObjective, NullVectors, states};
 use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;

@@ -1,11 +1,11 @@
 //! Models that the benches share.
 #![allow(dead_code, missing_docs, clippy::missing_panics_doc)]
 
-use antires_core::fem::chain::mass_spring_chain;
 use antires_core::fem::frame::Frame;
-use antires_core::fem::frame::description::{Beam, FrameDescription, GroundSpring, PointMass};
-use antires_core::fem::frame::dofs::Dimension;
-use antires_core::fem::model::Model;
+use antires_core::fem::frame::elements::{
+    Beam, Dimension, Element, FrameDescription, GroundSpring, PointMass,
+};
+use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::fem::section::{Section, Shape, Shear};
 
@@ -27,11 +27,7 @@ pub fn chain(n: usize) -> Model {
 /// A frame like the exhaust system of the paper: 47 beams and 48 nodes in the plane (144 dofs), five lumps, on
 /// soft springs.
 pub fn exhaust_like() -> Model {
-    let beam = |a: usize, b: usize| Beam {
-        nodes: [a, b],
-        section: usize::from(a > 20),
-        reference: None,
-    };
+    let beam = |(a, b)| Element::from(Beam::new([a, b], usize::from(a > 20)));
     let tube = |thickness_m: f64| Section {
         shape: Shape::Tube {
             outer_diameter_m: 0.038,
@@ -50,32 +46,30 @@ pub fn exhaust_like() -> Model {
     let [x, y, _] = pipe(15);
     let branch = (1..=4).map(|i| [x + 0.01 * f64::from(i), y - 0.05 * f64::from(i), 0.0]);
     let along_branch = [(15, 44), (44, 45), (45, 46), (46, 47)];
-    let lump = |(node, mass_kg): (usize, f64)| PointMass {
-        node,
-        mass_kg,
-        inertia_kg_m2: [0.0, 0.0, 0.004 * mass_kg],
-    };
-    let hanger = |node: usize| {
-        [0, 1].map(|direction| GroundSpring {
+    let lump = |(node, mass_kg): (usize, f64)| {
+        Element::PointMass(PointMass {
             node,
-            direction,
-            stiffness_n_per_m: 800.0,
+            mass_kg,
+            inertia_kg_m2: [0.0, 0.0, 0.004 * mass_kg],
         })
     };
+    let hanger = |node: usize| {
+        [0, 1].map(|direction| {
+            Element::GroundSpring(GroundSpring {
+                node,
+                direction,
+                stiffness_n_per_m: 800.0,
+            })
+        })
+    };
+    let beams = (0..43).map(|i| (i, i + 1)).chain(along_branch).map(beam);
+    let lumps = [(5, 0.8), (14, 2.1), (25, 3.0), (36, 1.2), (47, 0.7)].map(lump);
+    let hangers = [0, 21, 43].into_iter().flat_map(hanger);
     let frame = Frame::new(FrameDescription {
         dimension: Dimension::Plane,
         nodes_m: (0..=43).map(pipe).chain(branch).collect(),
-        beams: (0..43)
-            .map(|i| (i, i + 1))
-            .chain(along_branch)
-            .map(|(a, b)| beam(a, b))
-            .collect(),
         sections: vec![tube(0.0015), tube(0.0012)],
-        point_masses: [(5, 0.8), (14, 2.1), (25, 3.0), (36, 1.2), (47, 0.7)]
-            .map(lump)
-            .to_vec(),
-        ground_springs: [0, 21, 43].into_iter().flat_map(hanger).collect(),
-        node_springs: vec![],
+        elements: beams.chain(lumps).chain(hangers).collect(),
         fixed: vec![],
     });
     Model::from_frame(frame.unwrap()).unwrap()

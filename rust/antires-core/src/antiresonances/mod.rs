@@ -18,22 +18,16 @@
 //! Both leave out, by default, the roots that cancel against a pole
 //! ([`Receptance`](crate::modal::receptance::Receptance)), since no frequency response shows them. Dropped by
 //! both: roots that are infinite, negative, complex, or zero at working precision (the tolerances of
-//! [`crate::linalg::tolerances`]).
+//! [`crate::linalg::pencil`]).
 //!
 //! | module | what it knows |
 //! |---|---|
-//! | [`query`] | what is asked for, and what comes back |
-//! | [`of_model`], `bounded`, `candidates` | the antiresonances of a model; with bounds of their errors; what has yet to be confirmed |
+//! | [`of_model`] | the antiresonances of a model, with bounds of their errors |
 //! | [`solver`] | K and M handed over once; both routes |
 //! | `search` | the modal route for one response, divided where rounding disturbs |
-//! | `pencil_route` | the roots of the deleted pencil, joined to those proven |
-//! | `found` | what is known of the roots of one response |
-//! | [`secular`] | the zeros between the poles, isolated by proof |
-//! | [`screening`], [`enclosure`], [`end_poles`] | bounds of f, f' and f'' over a cell: cheap ones, narrow ones |
-//! | [`beyond_last_pole`] | the certificate that no zero lies beyond the last pole |
-//! | [`bracket`] | the one zero of a cell, to the last digits |
-//! | [`cell`], [`range`](mod@range), [`remainder`] | an interval without a pole, bounds of a value, H without the poles at the ends |
-//! | `placement`, `newton`, `rayleigh` | a root on the matrices themselves |
+//! | [`secular`] | the zeros between the poles, isolated by proof, each to the last digits |
+//! | [`bounds`] | bounds of f, f' and f'' over a cell, cheap ones and narrow ones, and beyond the last pole |
+//! | `placement` | a root on the matrices themselves |
 //! | [`sensitivities`] | how a zero moves with the model |
 //!
 //! May use: `modal`, `fem`, `linalg`.
@@ -41,31 +35,14 @@
 //! Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021; W. D'Ambrogio &
 //! A. Fregolent, The use of antiresonances for robust model updating, J. Sound Vib. 236 (2000) 227-243.
 
-pub mod beyond_last_pole;
-mod bounded;
-pub mod bracket;
-mod candidates;
-pub mod cell;
-pub mod enclosure;
-pub mod end_poles;
-mod found;
-mod newton;
-pub mod of_model;
-mod pencil_route;
+mod bounds;
+mod of_model;
 mod placement;
-pub mod query;
-pub mod range;
-mod rayleigh;
-pub mod remainder;
-pub mod screening;
 mod search;
-pub mod secular;
-pub mod sensitivities;
-pub mod solver;
-mod zero_batch;
+mod secular;
+mod sensitivities;
+mod solver;
 
 pub use of_model::{antiresonances, bounded_antiresonances};
-pub use query::{Antiresonances, Query, Route, Transfer};
-pub use sensitivities::ZeroSensitivity;
-pub use solver::{AntiresonanceSolver, Prepared};
-pub use zero_batch::ZeroBatch;
+pub use sensitivities::{ZeroBatch, ZeroSensitivity};
+pub use solver::{AntiresonanceSolver, Antiresonances, Prepared, Query, Route, Transfer};

@@ -1,10 +1,41 @@
 //! A root on the matrices themselves, where the modal series or QZ leaves it less exact than K and M tell it.
 //!
-//! The factors of K − xM come first ([`newton`](super::newton)). Where rounding spoils them, or where a pole so near
-//! that the steps do not settle, two-sided Rayleigh quotients take over ([`rayleigh`](super::rayleigh)).
+//! The factors of K − xM come first ([`newton`](crate::antiresonances::placement)). Where rounding spoils them, or where a pole so near
+//! that the steps do not settle, two-sided Rayleigh quotients take over ([`rayleigh`](crate::antiresonances::placement)).
+//!
+//! # newton
+//!
+//! Newton's method for a root of H_ik on the matrices themselves.
+//!
+//! ```text
+//! x ← x − H_ik / H'_ik,    H_ik = e_iᵀu,  H'_ik = wᵀMu,  (K − xM) u = e_k,  (K − xM) w = e_i
+//! ```
+//!
+//! One ulp of random sign in each entry of K and M moves the root by eps √(Σ (w_r K_rs u_s)² + x² (w_r M_rs u_s)²)
+//! / |wᵀMu|: the measure of what its place can be known to. Unlike a condition number of the whole matrices, it
+//! does not count the stiffest entries against a mode that does not strain them: a soft support under a fine
+//! mesh is known as well as its spring.
+//!
+//! # rayleigh
+//!
+//! Two-sided Rayleigh quotients on the deleted pencil, for a root of H_ik on the matrices themselves.
+//!
+//! ```text
+//! v ← (K_ik − xM_ik)⁻¹ v,  y ← (K_ik − xM_ik)⁻ᵀ y,    x ← yᵀK_ik v / yᵀM_ik v
+//! ```
+//!
+//! The deleted pencil knows no pole, so that a pole beside the root does not disturb the iteration, which
+//! converges cubically.
+//!
+//! Reference: A. M. Ostrowski, On the convergence of the Rayleigh quotient iteration III, Arch. Rational Mech.
+//! Anal. 3 (1959) 325-340.
 
-use super::newton::{Placed, by_factors};
-use super::rayleigh::by_quotients;
+use faer::prelude::Solve;
+use faer::{Col, Mat};
+
+use crate::linalg::pencil::ROOT_UNCERTAINTY;
+use crate::linalg::sparse::SparseMatrix;
+use crate::modal::reduced::ReducedModes;
 use crate::modal::solved::Solved;
 
 /// The root of H_ik nearest to `x` within `reach`; none where there is none.
@@ -21,19 +52,160 @@ pub(super) fn place(
     by_quotients((solved.stiffness(), solved.mass()), ends, x, reach)
 }
 
+// ---- newton
+
+/// Most steps: from three digits four lead to the last.
+const NEWTON_STEPS: usize = 8;
+
+/// Relative step below which a root is placed.
+const SETTLED: f64 = 1e-12;
+
+/// Farthest that the iteration may carry a root, relatively.
+const FARTHEST: f64 = 1e-2;
+
+/// Relative size of steps, which no longer shrink, within which a root is known all the same: the factors have
+/// more rounding than an ulp of K and M.
+const SCATTER: f64 = 1e-9;
+
+/// Step from which on they count as scatter.
+const SHRUNK: usize = 4;
+
+/// Ulps of K and M within which a root is where it can be.
+const MOST_ULPS: f64 = 16.0;
+
+/// Newton's step at a point, and how far one ulp of K and M moves the root.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Step {
+    /// −H/H'.
+    pub length: f64,
+    /// See the module.
+    pub ulp: f64,
+}
+
+/// A root on the matrices, and how far one ulp of theirs, or rounding of the steps, moves it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Placed {
+    pub x: f64,
+    pub ulp: f64,
+}
+
+/// The root within `reach` of `x`, or as near as rounding tells; none where the steps do not settle
+/// on one, or where an ulp of K and M can carry it to zero or infinity.
+pub(super) fn newton(
+    x: f64,
+    reach: f64,
+    mut step_at: impl FnMut(f64) -> Option<Step>,
+) -> Option<Placed> {
+    let (mut at, mut scatter) = (x, 0.0_f64);
+    for iteration in 1..=NEWTON_STEPS {
+        let Step { length, ulp } = step_at(at)?;
+        at += length;
+        let reach = reach.max(MOST_ULPS * ulp).min(FARTHEST * x);
+        // NaN is no root.
+        if !((at - x).abs() <= reach && ulp <= ROOT_UNCERTAINTY * at) {
+            return None;
+        }
+        // A step of a few ulps is rounding of the factors: the next would not be shorter.
+        let enough = if iteration < NEWTON_STEPS {
+            ulp.max((MOST_ULPS * ulp).min(SCATTER * at))
+        } else {
+            MOST_ULPS * ulp
+        };
+        if length.abs() <= enough.max(SETTLED * at) {
+            return Some(Placed { x: at, ulp });
+        }
+        if iteration >= SHRUNK {
+            scatter = scatter.max(length.abs());
+        }
+    }
+    (scatter <= SCATTER * at).then_some(Placed {
+        x: at,
+        ulp: scatter,
+    })
+}
+
+/// The root of H_ik nearest to `x` within `reach`, on the factors of K − xM; none where there is none, or where
+/// rounding spoils them.
+pub(super) fn by_factors(
+    reduced: &mut ReducedModes,
+    ends: (usize, usize),
+    x: f64,
+    reach: f64,
+) -> Option<Placed> {
+    newton(x, reach, |at| {
+        let here = reduced.receptance_at(ends, at)?;
+        Some(Step {
+            length: -here.value / here.slope,
+            ulp: here.ulp,
+        })
+    })
+}
+
+// ---- rayleigh
+
+/// The root of det(K_ik − x M_ik) nearest to `x` within `reach`; none where there is none.
+pub(super) fn by_quotients(
+    (k_mat, m_mat): (&SparseMatrix, &SparseMatrix),
+    (i, k): (usize, usize),
+    x: f64,
+    reach: f64,
+) -> Option<Placed> {
+    // Powers of two, which round nothing, give translations and rotations one unit.
+    let scale: Vec<f64> = (0..k_mat.n())
+        .map(|d| match k_mat.diagonal(d) {
+            s if s > 0.0 => (-0.5 * s.log2()).round().exp2(),
+            _ => 1.0,
+        })
+        .collect();
+    let n = k_mat.n() - 1;
+    let part = |a: &SparseMatrix| {
+        let deleted = a.deleted(i, k);
+        Mat::from_fn(n, n, |r, c| {
+            deleted[(r, c)] * scale[r + usize::from(r >= i)] * scale[c + usize::from(c >= k)]
+        })
+    };
+    let (stiffness, mass) = (part(k_mat), part(m_mat));
+    let mut v = Col::from_fn(n, |r| 1.0 + 0.3 * (1.7 * r as f64).sin());
+    let mut y = v.clone();
+    newton(x, reach, |at| {
+        let shifted = Mat::from_fn(n, n, |r, c| stiffness[(r, c)] - at * mass[(r, c)]);
+        let factors = shifted.partial_piv_lu();
+        for _ in 0..2 {
+            v = unit(factors.solve(&v));
+            y = unit(factors.solve_transpose(&y));
+        }
+        let (mut force, mut slope, mut moved) = (0.0, 0.0, 0.0);
+        for c in 0..n {
+            for r in 0..n {
+                let by_k = y[r] * stiffness[(r, c)] * v[c];
+                let by_m = y[r] * mass[(r, c)] * v[c];
+                force += y[r] * shifted[(r, c)] * v[c];
+                slope += by_m;
+                moved += by_k * by_k + at * at * by_m * by_m;
+            }
+        }
+        Some(Step {
+            length: force / slope,
+            ulp: f64::EPSILON * moved.sqrt() / slope.abs(),
+        })
+    })
+}
+
+fn unit(v: Col<f64>) -> Col<f64> {
+    let size = v.norm_l2();
+    v * faer::Scale(size.recip())
+}
+
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
-    use faer::Mat;
-
-    use super::super::{Query, Route, antiresonances};
     use super::*;
-    use crate::fem::chain::mass_spring_chain;
-    use crate::fem::model::Model;
+    use crate::antiresonances::{Query, Route, antiresonances};
+    use crate::fem::model::{Model, mass_spring_chain};
     use crate::modal::modes::eigenvalue;
     use crate::modal::reduced::ReducedModes;
     use crate::modal::structure::Structure;
+    use faer::Mat;
+    use std::sync::Arc;
 
     /// A stiff chain, its last mass on a soft spring.
     fn chain(n: usize) -> Model {
@@ -104,5 +276,29 @@ mod tests {
             assert!(by_factors(&mut band, (0, 59), x, 1e-2 * x).is_none());
             assert!(by_quotients(matrices, (0, 59), x, 1e-2 * x).is_none());
         }
+    }
+
+    /// Steps to a root at one that scatter by `size` in turn to either side, an ulp said to be far smaller.
+    fn scattered(size: f64) -> Option<Placed> {
+        let mut sign = 1.0;
+        newton(1.0 + 1e-8, 1e-6, |at| {
+            sign = -sign;
+            Some(Step {
+                length: 1.0 - at + sign * size,
+                ulp: 1e-15,
+            })
+        })
+    }
+
+    #[test]
+    fn steps_that_scatter_little_have_placed_the_root() {
+        let placed = scattered(2e-10).unwrap();
+        assert!((placed.x - 1.0).abs() <= placed.ulp, "{placed:?}");
+        assert!(placed.ulp < 5e-10);
+    }
+
+    #[test]
+    fn steps_that_scatter_more_have_not() {
+        assert!(scattered(2e-9).is_none());
     }
 }

@@ -5,21 +5,36 @@
 //! prepared.find(i, k, &query, &mut freq_hz)      every response
 //! prepared.columns((i, k), x, ...)               sensitivities of the roots
 //! ```
+//!
+//! # query
+//!
+//! What is asked for, and what comes back.
+//!
+//! # pencil_route
+//!
+//! The roots of the deleted pencil, joined with those that the modal series proves.
+//!
+//! QZ answers for the norm of the matrices. What one series isolated by a change of sign stands on its own and
+//! is never taken away by it: each proven root, and each root that cancels against a pole, takes the root of the
+//! pencil next to it for its own. Those of the pencil that remain are
+//!
+//! - kept, if QZ knows them well,
+//! - placed on the matrices ([`crate::antiresonances::placement`]), if it does not; kept where that ends at a root that none has yet;
+//! - dropped, if neither QZ nor the matrices can tell them from zero, infinity or a complex pair; of one that does
+//!   not even solve the pencil it is said that QZ failed.
 
 use std::sync::Arc;
 
-use super::pencil_route;
-use super::query::{Query, Route, Transfer};
-use super::search::{Memory, Search};
+use super::placement::place;
+use super::search::{DOUBTFUL_ROOT, Found, Memory, REACH, Search};
 use super::secular::Certainty;
-use crate::error::Result;
-use crate::linalg::root_bounds::UNCERTAIN;
+use crate::error::{Error, Result};
+use crate::linalg::pencil::{PencilRoot, ROOT_UNCERTAINTY, UNCERTAIN, real_eigenvalues, refused};
 use crate::linalg::sparse::SparseMatrix;
-use crate::modal::modal_columns::modal_columns;
+use crate::modal::columns::{modal_columns, on_pole};
 use crate::modal::modes::{eigenvalue, hertz};
-use crate::modal::on_pole::on_pole;
 use crate::modal::solved::{Solutions, Solved};
-use crate::modal::structure::Structure;
+use crate::modal::structure::{MOST_DENSE, Structure};
 
 /// Ulps of K and M by which factors without pivoting may move a root, beside √n.
 const FACTOR_ULPS: f64 = 64.0;
@@ -36,7 +51,6 @@ pub struct AntiresonanceSolver {
 
 impl AntiresonanceSolver {
     /// Reserves the memory for the models of one structure.
-    #[must_use]
     pub fn new(structure: &Arc<Structure>) -> Self {
         Self {
             solutions: Solutions::new(structure),
@@ -45,7 +59,6 @@ impl AntiresonanceSolver {
     }
 
     /// Takes K and M.
-    #[must_use]
     pub fn prepare<'a>(
         &'a mut self,
         stiffness: &'a SparseMatrix,
@@ -70,9 +83,6 @@ impl Prepared<'_> {
     /// Antiresonances (Hz) of H_ik up to the limit of the query, appended to `freq_hz`.
     ///
     /// Where rounding leaves the modal route in doubt, the roots of the pencil join those that are proven.
-    ///
-    /// # Errors
-    /// Those of [`Solved::dense`], and of the pencil if that is the route asked for.
     pub fn find(
         &mut self,
         i: usize,
@@ -96,7 +106,7 @@ impl Prepared<'_> {
         if self.doubtful {
             found.settle_open();
         } else if query.route == Route::Pencil || certainty == Certainty::Doubtful {
-            match pencil_route::join(&mut self.solved, (i, k), ceiling, found) {
+            match join(&mut self.solved, (i, k), ceiling, found) {
                 Err(error) if query.route == Route::Pencil => return Err(error),
                 Err(_) => found.settle_open(),
                 Ok(()) => {}
@@ -115,7 +125,6 @@ impl Prepared<'_> {
 
     /// Whether rounding leaves a doubt about the number of roots last found: of structures too large for the
     /// pencil.
-    #[must_use]
     pub fn is_doubtful(&self) -> bool {
         self.doubtful
     }
@@ -142,18 +151,12 @@ impl Prepared<'_> {
     }
 
     /// Eigenvalues of the whole structure, ascending.
-    ///
-    /// # Errors
-    /// Those of [`Solved::dense`].
     pub fn eigenvalues(&mut self) -> Result<&[f64]> {
         Ok(self.solved.dense()?.eigenvalues())
     }
 
     /// Null vectors of the deleted pencil at a root `x` that cancels against a pole, into `left` and `right`;
     /// returns leftᵀ M right.
-    ///
-    /// # Errors
-    /// Those of [`Solved::dense`].
     pub fn vectors_on_pole(
         &mut self,
         ends: (usize, usize),
@@ -165,9 +168,6 @@ impl Prepared<'_> {
     }
 
     /// Columns i and k of (K − xM)⁻¹, each up to a factor, into `left` and `right`; returns leftᵀ M right.
-    ///
-    /// # Errors
-    /// Those of [`Solved::dense`].
     pub fn columns(
         &mut self,
         ends: (usize, usize),
@@ -182,4 +182,132 @@ impl Prepared<'_> {
         }
         Ok(modal_columns(self.solved.dense()?, ends, x, left, right))
     }
+}
+
+// ---- query
+
+/// How the roots are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Route {
+    /// Zeros of the modal series.
+    Modal,
+    /// Generalized eigenvalues of the deleted pencil.
+    Pencil,
+}
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Query {
+    /// The route.
+    pub route: Route,
+    /// Highest frequency (Hz), infinity for all.
+    pub f_max_hz: f64,
+    /// Whether roots that cancel against a pole are returned too.
+    pub include_cancelled: bool,
+}
+
+impl Query {
+    /// Refuses what no memory and patience serve: all roots of a large model cost n² memory and n³ time, and QZ 25
+    /// times that.
+    pub fn check_large(&self, n: usize) -> Result<()> {
+        if self.route == Route::Pencil {
+            return Err(Error::input(
+                "method",
+                format!("'pencil' for {n} dofs"),
+                format!("at most {MOST_DENSE} dofs for QZ, whose time grows with their cube"),
+            )
+            .remedy("Leave it out: 'modal' proves its roots."));
+        }
+        if self.f_max_hz.is_infinite() {
+            return Err(Error::input(
+                "f_max_hz",
+                format!("no limit for {n} dofs"),
+                format!("a limit in Hz for more than {MOST_DENSE} dofs: all roots need all modes"),
+            )
+            .remedy(
+                "Give the highest frequency that matters; time and memory go with the modes below it.",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Antiresonances of one response.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Antiresonances {
+    /// Frequencies (Hz), ascending.
+    pub freq_hz: Vec<f64>,
+    /// How far each may be from that of the matrices as given, infinite for one that is not certain; empty if it
+    /// was not asked for.
+    pub error_hz: Vec<f64>,
+    /// True when H_ik is identically zero: response and excitation are not connected.
+    pub identically_zero: bool,
+    /// True when rounding leaves a doubt about their number that only the dense solvers could settle.
+    pub doubtful: bool,
+}
+
+/// Whether there is anything to be zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Transfer {
+    /// H_ik is not zero everywhere.
+    Present,
+    /// H_ik is identically zero at working precision.
+    IdenticallyZero,
+}
+
+// ---- pencil_route
+
+/// Relative distance within which a root of the pencil is that of a proven one, or of the cancelled one expected
+/// at a pole.
+const SAME_ROOT: f64 = 1e-6;
+
+/// Adds the roots of the pencil up to `ceiling` to those found.
+pub(super) fn join(
+    solved: &mut Solved<'_>,
+    (i, k): (usize, usize),
+    ceiling: f64,
+    found: &mut Found,
+) -> Result<()> {
+    let (k_ik, m_ik) = (
+        solved.stiffness().deleted(i, k),
+        solved.mass().deleted(i, k),
+    );
+    let n = solved.n_dof();
+    let without = |gone: usize| -> Vec<usize> { (0..n).filter(|&d| d != gone).collect() };
+    let mut pencil = real_eigenvalues(
+        k_ik.as_ref(),
+        m_ik.as_ref(),
+        (&without(i), &without(k)),
+        (found.floor(), ceiling),
+    )?;
+    found.claim(|x| take_nearest(&mut pencil, x).map(|root| root.x));
+    for root in pencil {
+        if root.certain && (root.repeated || root.uncertainty <= DOUBTFUL_ROOT) {
+            found.prove(root.x);
+            continue;
+        }
+        let reach = REACH * root.uncertainty * root.x;
+        match place(solved, (i, k), root.x, reach) {
+            Some(placed) => {
+                if !found.has(placed) && placed.x <= ceiling {
+                    found.prove(placed.x);
+                }
+            }
+            None => match root.backward_error {
+                Some(error) => return Err(refused(root.x, error)),
+                None if root.certain => found.prove(root.x),
+                None => {}
+            },
+        }
+    }
+    Ok(())
+}
+
+/// Takes the root nearest to `x` out of the list, if it can be the same.
+fn take_nearest(roots: &mut Vec<PencilRoot>, x: f64) -> Option<PencilRoot> {
+    let distance = |r: &PencilRoot| (r.x - x).abs();
+    let at =
+        (0..roots.len()).min_by(|&a, &b| distance(&roots[a]).total_cmp(&distance(&roots[b])))?;
+    let reach = roots[at].uncertainty.clamp(SAME_ROOT, ROOT_UNCERTAINTY);
+    (distance(&roots[at]) <= reach * x).then(|| roots.remove(at))
 }

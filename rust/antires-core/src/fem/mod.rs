@@ -15,24 +15,18 @@
 //!
 //! | module | what it knows |
 //! |---|---|
-//! | [`term`], [`elements`], [`shape`], [`shear`], [`section`] | one contribution to K or M, and the formulas behind it |
-//! | [`model`], [`chain`], [`frame`] | K, M and their terms; from masses in a row, from beams |
-//! | [`parameters`], [`applicability`], [`bounds`] | what may change, whether it does, and how far |
-//! | [`assembly`], [`places`], [`slopes`] | K(p), M(p); where terms go in them; dK/dp, dM/dp |
+//! | [`term`], [`elements`], [`section`] | one contribution to K or M, and the formulas behind it |
+//! | [`model`], [`frame`] | K, M and their terms; from masses in a row, from beams |
+//! | [`parameters`], [`checks`] | what may change, whether it does, and how far |
+//! | [`assembly`] | K(p), M(p); dK/dp, dM/dp |
 //!
 //! May use: `error`, `linalg`.
 
-pub mod applicability;
 pub mod assembly;
-pub mod bounds;
-pub mod chain;
-pub mod elements;
+pub mod checks;
+pub(crate) mod elements;
 pub mod frame;
 pub mod model;
 pub mod parameters;
-pub mod places;
 pub mod section;
-pub mod shape;
-pub mod shear;
-pub mod slopes;
 pub mod term;

@@ -1,12 +1,24 @@
 //! A structural model: nominal K and M with their element terms.
+//!
+//! # chain
+//!
+//! Masses in a row, joined by springs; optionally a spring to ground at either end.
+//!
+//! ```text
+//! ground --kg0-- m_0 --k_0-- m_1 --k_1-- ... --k_{n-2}-- m_{n-1} --kg1-- ground
+//! ```
+//!
+//! Stiffness terms in order: the n − 1 springs between the masses, the ground spring at the first
+//! mass, the ground spring at the last. Mass terms: the masses. Source of the case: Meruane, J. Sound
+//! Vib. 332 (2013) 807-820, section 4 (its eight-mass chain is free at both ends).
 
 use std::sync::{Arc, OnceLock};
 
 use faer::{Mat, MatRef};
 
+use super::elements::{between, lump, to_ground};
 use super::frame::Frame;
-use super::places::Places;
-use super::term::Term;
+use super::term::{Places, Side, Term};
 use crate::error::{Error, Result};
 use crate::linalg::sparse::{Pattern, SparseMatrix};
 
@@ -32,9 +44,6 @@ pub struct Model {
 
 impl Model {
     /// Model from dense nominal matrices and the terms contained in them.
-    ///
-    /// # Errors
-    /// As [`Model::from_entries`], and for a matrix that is not square.
     pub fn new(
         stiffness: Mat<f64>,
         mass: Mat<f64>,
@@ -120,12 +129,10 @@ impl Model {
     }
 
     /// Model of a frame.
-    ///
-    /// # Errors
-    /// Those of [`Model::new`].
     pub fn from_frame(frame: Frame) -> Result<Self> {
         let n = frame.dofs().n_free();
-        let (stiffness_terms, mass_terms) = frame.terms();
+        let [stiffness_terms, mass_terms] =
+            [Side::Stiffness, Side::Mass].map(|side| frame.terms(side));
         let mut model = Self::from_entries(n, (&[], &[]), stiffness_terms, mass_terms)?;
         let places = model.places();
         for (matrix, terms, places) in [
@@ -145,25 +152,21 @@ impl Model {
     }
 
     /// The frame that this is the model of, if it is one.
-    #[must_use]
     pub fn frame(&self) -> Option<&Frame> {
         self.frame.as_ref()
     }
 
     /// Number of degrees of freedom.
-    #[must_use]
     pub fn n_dof(&self) -> usize {
         self.stiffness.n()
     }
 
     /// Nominal stiffness (N/m).
-    #[must_use]
     pub fn stiffness(&self) -> &SparseMatrix {
         &self.stiffness
     }
 
     /// Nominal mass (kg).
-    #[must_use]
     pub fn mass(&self) -> &SparseMatrix {
         &self.mass
     }
@@ -180,13 +183,11 @@ impl Model {
     }
 
     /// Terms of the stiffness, in element order.
-    #[must_use]
     pub fn stiffness_terms(&self) -> &[Term] {
         &self.stiffness_terms
     }
 
     /// Terms of the mass, in element order.
-    #[must_use]
     pub fn mass_terms(&self) -> &[Term] {
         &self.mass_terms
     }
@@ -209,14 +210,12 @@ impl Model {
 
     /// Whether dofs `i` and `k` are joined by any chain of stiffness or mass entries. If not, H_ik is
     /// identically zero.
-    #[must_use]
     pub fn connected(&self, i: usize, k: usize) -> bool {
         connected(&self.stiffness, &self.mass, i, k)
     }
 }
 
 /// Whether a path of non-zero entries of K or M joins `i` to `k`.
-#[must_use]
 pub fn connected(stiffness: &SparseMatrix, mass: &SparseMatrix, i: usize, k: usize) -> bool {
     let pattern = stiffness.pattern();
     let mut seen = vec![false; stiffness.n()];
@@ -277,4 +276,72 @@ fn check_symmetric(name: &str, matrix: &SparseMatrix) -> Result<()> {
         }
     }
     Ok(())
+}
+
+// ---- chain
+
+/// Builds the chain of `masses_kg` and `springs_n_per_m`.
+///
+/// # Errors
+/// [`Error::InvalidInput`] when there is no mass, a mass or spring is not positive and finite, a
+/// ground spring is negative, or the counts do not fit.
+pub fn mass_spring_chain(
+    masses_kg: &[f64],
+    springs_n_per_m: &[f64],
+    ground_first_n_per_m: f64,
+    ground_last_n_per_m: f64,
+) -> Result<Model> {
+    let n = masses_kg.len();
+    if n == 0 {
+        return Err(Error::input("masses_kg", "no mass", "at least one mass")
+            .remedy("Give the masses in kg, from the first to the last."));
+    }
+    if springs_n_per_m.len() + 1 != n {
+        return Err(Error::input(
+            "springs_n_per_m",
+            format!("{} springs", springs_n_per_m.len()),
+            format!("{} springs between {n} masses", n - 1),
+        )
+        .remedy("Springs to ground go to ground_first_n_per_m and ground_last_n_per_m."));
+    }
+    for (name, unit, values) in [
+        ("masses_kg", "kg", masses_kg),
+        ("springs_n_per_m", "N/m", springs_n_per_m),
+    ] {
+        if let Some(i) = values.iter().position(|v| !(v.is_finite() && *v > 0.0)) {
+            return Err(Error::input(
+                name,
+                format!("{} {unit} at index {i}", values[i]),
+                "positive, finite values",
+            )
+            .remedy("Correct the value, or leave that mass or spring out of the chain."));
+        }
+    }
+    for (name, value) in [
+        ("ground_first_n_per_m", ground_first_n_per_m),
+        ("ground_last_n_per_m", ground_last_n_per_m),
+    ] {
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(
+                Error::input(name, format!("{value} N/m"), "a finite value of at least 0")
+                    .remedy("Leave it at 0 where nothing joins that end to the ground."),
+            );
+        }
+    }
+    let mut stiffness_terms: Vec<Term> = springs_n_per_m
+        .iter()
+        .enumerate()
+        .map(|(i, &k)| between(i, i + 1, k))
+        .collect();
+    stiffness_terms.push(to_ground(0, ground_first_n_per_m));
+    stiffness_terms.push(to_ground(n - 1, ground_last_n_per_m));
+    let mass_terms: Vec<Term> = masses_kg
+        .iter()
+        .enumerate()
+        .map(|(i, &m)| lump(i, m))
+        .collect();
+    let entries =
+        |terms: &[Term]| -> Vec<Entry> { terms.iter().flat_map(Term::entries).copied().collect() };
+    let (stiffness, mass) = (entries(&stiffness_terms), entries(&mass_terms));
+    Model::from_entries(n, (&stiffness, &mass), stiffness_terms, mass_terms)
 }

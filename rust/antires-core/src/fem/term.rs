@@ -1,6 +1,12 @@
 //! A term: the sparse, symmetric contribution of one element (or group) to K or M.
+//!
+//! # places
+//!
+//! Where the entries of terms are in the matrices that they are parts of.
 
 use nalgebra::SMatrix;
+
+use crate::linalg::sparse::Pattern;
 
 /// The matrix that a term is a part of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,19 +71,16 @@ impl Term {
     }
 
     /// Term from explicit entries, both triangles given.
-    #[must_use]
     pub fn from_entries(entries: Vec<(u32, u32, f64)>) -> Self {
         Self { entries }
     }
 
     /// The entries (row, column, value).
-    #[must_use]
     pub fn entries(&self) -> &[(u32, u32, f64)] {
         &self.entries
     }
 
     /// True when the term contributes nothing.
-    #[must_use]
     pub fn is_zero(&self) -> bool {
         self.entries.iter().all(|e| e.2 == 0.0)
     }
@@ -87,5 +90,38 @@ impl Term {
         for (entry, &at) in self.entries.iter().zip(places) {
             values[at as usize] += factor * entry.2;
         }
+    }
+}
+
+// ---- places
+
+/// Where the entries of each of some terms are in a matrix of one pattern.
+#[derive(Debug, Clone, Default)]
+pub struct Places {
+    starts: Vec<usize>,
+    places: Vec<u32>,
+}
+
+impl Places {
+    /// Places of the entries of `terms`, all of which the pattern has.
+    ///
+    /// # Panics
+    /// If it has not.
+    pub fn new(pattern: &Pattern, terms: &[Term]) -> Self {
+        let (mut starts, mut places) = (vec![0], Vec::new());
+        for term in terms {
+            places.extend(term.entries().iter().map(|&(i, j, _)| {
+                let at = pattern.find(i as usize, j as usize);
+                at.expect("a place of the pattern") as u32
+            }));
+            starts.push(places.len());
+        }
+        places.shrink_to_fit();
+        Self { starts, places }
+    }
+
+    /// Those of term `index`.
+    pub fn of(&self, index: usize) -> &[u32] {
+        &self.places[self.starts[index]..self.starts[index + 1]]
     }
 }

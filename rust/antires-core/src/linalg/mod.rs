@@ -2,43 +2,24 @@
 //!
 //! | module | problem | used by |
 //! |---|---|---|
-//! | [`symmetric`] | K φ = λ M φ, both symmetric | the modal route |
-//! | [`standard`] | A q = μ q, A symmetric | [`symmetric`] |
-//! | [`small`], [`tridiagonal`] | the same, few rows | [`standard`], [`krylov`] |
-//! | [`banded`], [`ordering`], [`krylov`] | low modes and responses from band matrices | the modal route |
-//! | [`block_krylov`] on [`panel`] | the same from large sparse ones, four vectors at a time | the modal route |
-//! | [`sparse`], [`form`], [`factored`] | the same from sparse matrices; either of the two | the modal route |
+//! | [`symmetric`] | K φ = λ M φ and A q = μ q, all symmetric | the modal route |
+//! | [`banded`], [`sparse`], [`factors`] | matrices in band or in sparse form, A = L D Lᵀ of them | the modal route |
+//! | [`krylov`] | low modes and responses from these factors | the modal route |
 //! | [`balance`] | powers of two that bring dofs to one unit | [`symmetric`], both routes |
-//! | [`blocks`] | block-triangular form of a pencil | [`pencil`] |
-//! | [`definite`] | are all eigenvalues at or above zero | `fem::bounds` |
-//! | [`dominant`] | the first eigenpair of small Hermitian matrices | `antires-py`, for spectra |
-//! | [`hermitian`] | eigenvalues of small Hermitian matrices | `antires-py`, for spectra |
-//! | [`root_bounds`] on [`equilibrated`] | how far a root of a pencil may be off | `antiresonances` |
-//! | [`pencil`] | A v = x B v, general real | the pencil route |
+//! | [`hermitian`] | eigenvalues of small Hermitian matrices, and the first eigenpair | `antires-py`, for spectra |
+//! | [`pencil`] | A v = x B v, general real, and how far a root may be off | the pencil route |
+//! | [`wide`] | loops in the widest instructions of the machine | all |
 //!
 //! Everything runs with `Par::Seq`: parallelism belongs one level up, to the optimizer.
 //!
 //! May use: `error`.
 
-pub mod balance;
-pub mod banded;
-pub mod block_krylov;
-pub mod blocks;
-pub mod definite;
-pub mod dominant;
-pub mod equilibrated;
-pub mod factored;
-pub mod form;
+pub(crate) mod balance;
+pub(crate) mod banded;
+pub(crate) mod factors;
 pub mod hermitian;
-pub mod krylov;
-pub mod ordering;
-pub mod panel;
-pub mod pencil;
-pub mod root_bounds;
-pub mod small;
+pub(crate) mod krylov;
+pub(crate) mod pencil;
 pub mod sparse;
-pub mod standard;
-pub mod symmetric;
-pub mod tolerances;
-pub mod tridiagonal;
-pub mod wide;
+pub(crate) mod symmetric;
+pub(crate) mod wide;

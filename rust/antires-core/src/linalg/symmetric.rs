@@ -17,18 +17,50 @@
 //! rounding makes of a rigid-body mode, is returned as exactly 0.
 //!
 //! Reference: Golub & Van Loan, Matrix Computations, 4th ed., section 8.7.
+//!
+//! # standard
+//!
+//! The standard problem A q = μ q, A symmetric: every pair verified.
+//!
+//! Up to 32 rows go to [`SmallSymmetric`], larger matrices to faer.
+//!
+//! # small
+//!
+//! A = V Λ Vᵀ of a small symmetric matrix: Householder's reduction to a tridiagonal one, then QL.
+//!
+//! Up to some dozens of rows this is several times faster than a blocked solver; a matrix that is tridiagonal
+//! already, as of a chain, goes straight to QL.
+//!
+//! Reference: Golub & Van Loan, Matrix Computations, 4th ed., sections 8.3.1 and 8.3.3.
+//!
+//! # tridiagonal
+//!
+//! Eigenvalues and eigenvectors of a small symmetric tridiagonal matrix, by the implicit QL iteration.
+//!
+//! Plane rotations chase the bulge of a Wilkinson-shifted QL step from the bottom of each unreduced block
+//! to its top; they are applied to the columns of `vectors` as they come.
+//!
+//! Reference: Parlett, The Symmetric Eigenvalue Problem (1998), ch. 8.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Mat, MatRef, Par};
+use faer::{Accum, Mat, MatRef, Par, Scale};
 
 use super::balance::Balance;
-use super::standard::StandardSymmetric;
-use super::tolerances::{INFINITE_MODE, MASS_PIVOT_RATIO, zero_eigenvalue};
+use super::wide::{self, NullaryFnOnce};
 use crate::error::{Error, Result};
+
+/// A Cholesky pivot ratio of M below this sends the symmetric problem down the shifted path:
+/// reduction by a worse-conditioned M would cost more than half of the digits.
+const MASS_PIVOT_RATIO: f64 = 1e-8;
+
+/// An eigenvalue of (M, K + σM) below `n` times this, relative to the largest, is an infinite mode.
+const INFINITE_MODE: f64 = 4.0 * f64::EPSILON;
 
 /// Solver of K φ = λ M φ for one size, with its working memory; reuse it between evaluations.
 pub struct SymmetricSolver {
@@ -55,7 +87,6 @@ const RIGID_MODES: usize = 6;
 
 impl SymmetricSolver {
     /// Reserves the memory for `n` degrees of freedom.
-    #[must_use]
     pub fn new(n: usize) -> Self {
         let memory = cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());
         Self {
@@ -74,13 +105,11 @@ impl SymmetricSolver {
     }
 
     /// Eigenvalues below this are zero at working precision.
-    #[must_use]
     pub fn zero(&self) -> f64 {
         self.zero
     }
 
     /// Absolute uncertainty of an eigenvalue near `lambda`: n ulp of what was decomposed.
-    #[must_use]
     pub fn uncertainty(&self, lambda: f64) -> f64 {
         let ulps = self.n as f64 * f64::EPSILON;
         let units = self.balance.as_ref().map_or(1.0, |b| b.eigenvalue(1.0));
@@ -99,23 +128,17 @@ impl SymmetricSolver {
     }
 
     /// Finite eigenvalues λ of the last [`solve`](Self::solve), ascending.
-    #[must_use]
     pub fn eigenvalues(&self) -> &[f64] {
         &self.eigenvalues
     }
 
     /// Vectors of the last [`solve`](Self::solve): the mass-normalised φ in the order of
     /// [`eigenvalues`](Self::eigenvalues), then the massless ψ.
-    #[must_use]
     pub fn vectors(&self) -> MatRef<'_, f64> {
         self.vectors.as_ref()
     }
 
     /// Solves for all modes.
-    ///
-    /// # Errors
-    /// [`Error::Numerical`] when K and M share a null vector (a dof with neither stiffness nor mass),
-    /// when M is indefinite, or when the eigensolver does not converge.
     pub fn solve(&mut self, stiffness: MatRef<'_, f64>, mass: MatRef<'_, f64>) -> Result<()> {
         self.balance = Balance::of(self.n, |j| (stiffness[(j, j)], mass[(j, j)]));
         let Some(balance) = self.balance.take() else {
@@ -343,6 +366,502 @@ impl SymmetricSolver {
             self.factor.as_ref().transpose(),
             self.standard.vectors_mut().as_mut(),
             Par::Seq,
+        );
+    }
+}
+
+/// λ = 0 in floating point: rigid-body eigenvalues scatter over a few `n` ulp of the largest.
+fn zero_eigenvalue(n: usize, largest: f64) -> f64 {
+    16.0 * n as f64 * f64::EPSILON * largest
+}
+
+// ---- standard
+
+/// Residual of an eigenpair, in n ulp of the largest eigenvalue, that the solver's own rounding explains.
+const RESIDUAL_ULPS: f64 = 16.0;
+
+/// A, and after [`decompose_tridiagonal`](Self::decompose) its eigenvectors and eigenvalues.
+pub struct StandardSymmetric {
+    n: usize,
+    matrix: Mat<f64>,
+    vectors: Mat<f64>,
+    values: Vec<f64>,
+    memory: MemBuffer,
+    small: SmallSymmetric,
+}
+
+impl StandardSymmetric {
+    /// Reserves the memory for `n` rows.
+    pub fn new(n: usize) -> Self {
+        let memory = self_adjoint_evd_scratch::<f64>(
+            n,
+            ComputeEigenvectors::Yes,
+            Par::Seq,
+            Default::default(),
+        );
+        Self {
+            n,
+            matrix: Mat::zeros(n, n),
+            vectors: Mat::zeros(n, n),
+            values: vec![0.0; n],
+            memory: MemBuffer::new(memory),
+            small: SmallSymmetric::default(),
+        }
+    }
+
+    /// A, to be written, lower triangle.
+    pub fn matrix_mut(&mut self) -> &mut Mat<f64> {
+        &mut self.matrix
+    }
+
+    /// μ, ascending.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Q.
+    pub fn vectors(&self) -> &Mat<f64> {
+        &self.vectors
+    }
+
+    /// Q, to be transformed in place.
+    pub fn vectors_mut(&mut self) -> &mut Mat<f64> {
+        &mut self.vectors
+    }
+
+    /// A = Q diag(μ) Qᵀ; A is overwritten.
+    pub fn decompose(&mut self) -> Result<()> {
+        if self.n <= MOST_ROWS && self.small.solve(self.n, |i, j| self.matrix[(i, j)]) {
+            for j in 0..self.n {
+                let (value, vector) = self.small.pair(j);
+                self.values[j] = value;
+                self.vectors.col_as_slice_mut(j).copy_from_slice(vector);
+            }
+            return Ok(());
+        }
+        let unit = self.unit();
+        self.matrix *= Scale(unit.recip());
+        self_adjoint_evd(
+            self.matrix.as_ref(),
+            faer::diag::DiagMut::from_slice_mut(&mut self.values),
+            Some(self.vectors.as_mut()),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+            Default::default(),
+        )
+        .map_err(|_| not_converged())?;
+        self.check()?;
+        self.values.iter_mut().for_each(|value| *value *= unit);
+        Ok(())
+    }
+
+    /// The power of two that brings the largest entry of A near one.
+    ///
+    /// faer 0.24 deflates at absolute thresholds: of matrices far from one it loses digits, or returns one
+    /// value twice and leaves out its neighbour.
+    fn unit(&self) -> f64 {
+        let largest = (0..self.n).fold(0.0_f64, |l, j| l.max(self.matrix[(j, j)].abs()));
+        if largest > 0.0 && largest.is_finite() {
+            largest.log2().round().exp2()
+        } else {
+            1.0
+        }
+    }
+
+    /// Looks at every pair of a decomposition: values by Rayleigh's quotient, residuals by their norm, since
+    /// the solver can return without having converged.
+    fn check(&mut self) -> Result<()> {
+        let n = self.n;
+        // The solver reads the lower triangle only.
+        for j in 0..n {
+            for i in 0..j {
+                self.matrix[(i, j)] = self.matrix[(j, i)];
+            }
+        }
+        let mut image = Mat::<f64>::zeros(n, n);
+        matmul(
+            image.as_mut(),
+            Accum::Replace,
+            self.matrix.as_ref(),
+            self.vectors.as_ref(),
+            1.0,
+            Par::Seq,
+        );
+        let mut worst = 0.0_f64;
+        for j in 0..n {
+            let (q, aq) = (self.vectors.col_as_slice(j), image.col_as_slice(j));
+            let value: f64 = q.iter().zip(aq).map(|(q, a)| q * a).sum();
+            let residual: f64 = q.iter().zip(aq).map(|(q, a)| (a - value * q).powi(2)).sum();
+            self.values[j] = value;
+            worst = worst.max(residual.sqrt());
+        }
+        let largest = self.values.iter().fold(0.0_f64, |l, v| l.max(v.abs()));
+        // NaN fails too.
+        if !(worst <= RESIDUAL_ULPS * n as f64 * f64::EPSILON * largest) {
+            return Err(not_converged());
+        }
+        if !self.values.is_sorted() {
+            let mut order: Vec<usize> = (0..n).collect();
+            order.sort_by(|&a, &b| self.values[a].total_cmp(&self.values[b]));
+            let (before, vectors) = (self.values.clone(), self.vectors.clone());
+            for (j, &from) in order.iter().enumerate() {
+                self.values[j] = before[from];
+                let column = self.vectors.col_as_slice_mut(j);
+                column.copy_from_slice(vectors.col_as_slice(from));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn not_converged() -> Error {
+    Error::Numerical {
+        what: "symmetric eigenproblem".into(),
+        detail: "the iteration did not converge; check K and M for extreme values".into(),
+    }
+}
+
+// ---- small
+
+/// Most rows for which this is the faster way.
+pub const MOST_ROWS: usize = 32;
+
+/// Eigenvalues and eigenvectors of the last matrix.
+#[derive(Debug, Clone, Default)]
+pub struct SmallSymmetric {
+    /// The matrix by columns, below the diagonal then the reflectors.
+    a: Vec<f64>,
+    diagonal: Vec<f64>,
+    off: Vec<f64>,
+    scales: Vec<f64>,
+    vectors: Vec<f64>,
+    work: Vec<f64>,
+    order: Vec<usize>,
+}
+
+impl SmallSymmetric {
+    /// Solves for the matrix of `n` rows whose entries (row, column), row >= column, `entry` gives. False
+    /// where an eigenvalue does not converge.
+    #[must_use]
+    pub fn solve(&mut self, n: usize, entry: impl Fn(usize, usize) -> f64) -> bool {
+        self.a.clear();
+        self.a.resize(n * n, 0.0);
+        for j in 0..n {
+            for i in j..n {
+                let value = entry(i, j);
+                (self.a[j * n + i], self.a[i * n + j]) = (value, value);
+            }
+        }
+        self.reduce(n);
+        self.accumulate(n);
+        if !decompose_tridiagonal(&mut self.diagonal, &mut self.off, &mut self.vectors, n) {
+            return false;
+        }
+        let values = &self.diagonal;
+        self.order.clear();
+        self.order.extend(0..n);
+        self.order
+            .sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));
+        true
+    }
+
+    /// Eigenpair `j`, eigenvalues ascending.
+    pub fn pair(&self, j: usize) -> (f64, &[f64]) {
+        let (n, at) = (self.diagonal.len(), self.order[j]);
+        (self.diagonal[at], &self.vectors[at * n..(at + 1) * n])
+    }
+
+    /// A → Qᵀ A Q, tridiagonal, with one reflector 1 − τ v vᵀ a column, v in place of what it clears.
+    fn reduce(&mut self, n: usize) {
+        self.diagonal.clear();
+        self.off.clear();
+        self.scales.clear();
+        for k in 0..n {
+            let (done, rest) = self.a.split_at_mut((k + 1) * n);
+            let column = &mut done[k * n..];
+            self.diagonal.push(column[k]);
+            if k + 1 == n {
+                break;
+            }
+            let v = &mut column[k + 1..];
+            let tail: f64 = v[1..].iter().map(|x| x * x).sum();
+            if tail == 0.0 {
+                self.off.push(v[0]);
+                self.scales.push(0.0);
+                continue;
+            }
+            let beta = -(v[0] * v[0] + tail).sqrt().copysign(v[0]);
+            let first = v[0] - beta;
+            let tau = -first / beta;
+            v[1..].iter_mut().for_each(|x| *x /= first);
+            v[0] = 1.0;
+            self.off.push(beta);
+            self.scales.push(tau);
+            // p = τ A v, then w = p − (τ/2 pᵀv) v, and A − v wᵀ − w vᵀ.
+            self.work.clear();
+            self.work
+                .extend(rest.chunks_exact(n).map(|c| tau * dot(&c[k + 1..], v)));
+            let half = 0.5 * tau * dot(&self.work, v);
+            for (w, &x) in self.work.iter_mut().zip(v.iter()) {
+                *w -= half * x;
+            }
+            for (j, c) in rest.chunks_exact_mut(n).enumerate() {
+                let (vj, wj) = (v[j], self.work[j]);
+                for ((a, &x), &w) in c[k + 1..].iter_mut().zip(v.iter()).zip(&self.work) {
+                    *a -= x * wj + w * vj;
+                }
+            }
+        }
+    }
+
+    /// Q from the reflectors, the last first.
+    fn accumulate(&mut self, n: usize) {
+        self.vectors.clear();
+        self.vectors.resize(n * n, 0.0);
+        for j in 0..n {
+            self.vectors[j * n + j] = 1.0;
+        }
+        for k in (0..self.scales.len())
+            .rev()
+            .filter(|&k| self.scales[k] != 0.0)
+        {
+            let v = &self.a[k * n + k + 1..(k + 1) * n];
+            for column in self.vectors[(k + 1) * n..].chunks_exact_mut(n) {
+                let column = &mut column[k + 1..];
+                let part = self.scales[k] * dot(column, v);
+                for (q, &x) in column.iter_mut().zip(v) {
+                    *q -= part * x;
+                }
+            }
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+// ---- tridiagonal
+
+/// QL steps allowed for one eigenvalue; two or three are usual.
+const MOST_STEPS: usize = 60;
+
+/// Entries off the diagonal below this, relative to the largest, are zero: their squares would underflow.
+const NOTHING: f64 = 1e-100;
+
+/// Replaces `diagonal` by the eigenvalues (in no order), `off` (one shorter, or with a last entry that is
+/// not read) by rubbish, and multiplies `vectors` from the right by the orthogonal matrix of eigenvectors;
+/// its columns of `rows` entries follow one another. False when an eigenvalue does not converge.
+pub fn decompose_tridiagonal(
+    diagonal: &mut [f64],
+    off: &mut [f64],
+    vectors: &mut [f64],
+    rows: usize,
+) -> bool {
+    let largest = diagonal
+        .iter()
+        .chain(off.iter())
+        .fold(0.0_f64, |m, x| m.max(x.abs()));
+    if largest == 0.0 || !largest.is_finite() {
+        return largest == 0.0;
+    }
+    // A power of two, which rounds nothing: squares then neither overflow nor underflow where it matters.
+    let scale = largest.log2().round().exp2();
+    diagonal
+        .iter_mut()
+        .chain(off.iter_mut())
+        .for_each(|x| *x /= scale);
+    let converged = wide::run(Iteration {
+        diagonal: &mut *diagonal,
+        off,
+        vectors,
+        rows,
+    });
+    for x in diagonal {
+        *x *= scale;
+    }
+    converged
+}
+
+/// The QL steps of [`decompose_tridiagonal`].
+struct Iteration<'a> {
+    diagonal: &'a mut [f64],
+    off: &'a mut [f64],
+    vectors: &'a mut [f64],
+    rows: usize,
+}
+
+impl NullaryFnOnce for Iteration<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        let Self {
+            diagonal,
+            off,
+            vectors,
+            rows,
+        } = self;
+        let n = diagonal.len();
+        for top in 0..n {
+            let mut steps = 0;
+            loop {
+                let bottom = (top..n - 1)
+                    .find(|&j| {
+                        let near = diagonal[j].abs() + diagonal[j + 1].abs();
+                        off[j].abs() <= 0.5 * f64::EPSILON * near + NOTHING
+                    })
+                    .unwrap_or(n - 1);
+                if bottom == top {
+                    break;
+                }
+                if steps == MOST_STEPS {
+                    return false;
+                }
+                steps += 1;
+                step(diagonal, off, vectors, rows, top, bottom);
+            }
+        }
+        true
+    }
+}
+
+/// One shifted QL step on the unreduced block top..=bottom.
+#[inline(always)]
+fn step(d: &mut [f64], e: &mut [f64], vectors: &mut [f64], rows: usize, top: usize, bottom: usize) {
+    let half_gap = 0.5 * (d[top + 1] - d[top]) / e[top];
+    let radius = (half_gap * half_gap + 1.0).sqrt().copysign(half_gap);
+    // Distance of the last diagonal entry from the eigenvalue of the leading pair that is nearer to d[top].
+    let mut g = d[bottom] - d[top] + e[top] / (half_gap + radius);
+    let (mut sine, mut cosine, mut moved) = (1.0, 1.0, 0.0);
+    for j in (top..bottom).rev() {
+        let f = sine * e[j];
+        let b = cosine * e[j];
+        let r = (f * f + g * g).sqrt();
+        if bottom > j + 1 {
+            e[j + 1] = r;
+        }
+        if r == 0.0 {
+            // The block falls apart here: what was moved is taken back, and the parts are done in turn.
+            d[j + 1] -= moved;
+            return;
+        }
+        let inverse = r.recip();
+        (sine, cosine) = (f * inverse, g * inverse);
+        let lower = d[j + 1] - moved;
+        let turn = (d[j] - lower) * sine + 2.0 * cosine * b;
+        moved = sine * turn;
+        d[j + 1] = lower + moved;
+        g = cosine * turn - b;
+        let (left, right) = vectors[j * rows..(j + 2) * rows].split_at_mut(rows);
+        for (u, v) in left.iter_mut().zip(right) {
+            let (x, y) = (*u, *v);
+            *v = sine * x + cosine * y;
+            *u = cosine * x - sine * y;
+        }
+    }
+    d[top] -= moved;
+    e[top] = g;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(n: usize, entry: impl Fn(usize, usize) -> f64) {
+        let mut solver = SmallSymmetric::default();
+        let full = |i: usize, j: usize| entry(i.max(j), i.min(j));
+        assert!(solver.solve(n, &entry));
+        let scale = (0..n * n)
+            .map(|q| full(q / n, q % n).abs())
+            .fold(1e-300, f64::max);
+        for j in 0..n {
+            let (value, v) = solver.pair(j);
+            assert!(j == 0 || solver.pair(j - 1).0 <= value);
+            for i in 0..n {
+                let r: f64 = (0..n).map(|c| full(i, c) * v[c]).sum::<f64>() - value * v[i];
+                assert!(r.abs() <= 2e-15 * n as f64 * scale, "{n} {r:e}");
+            }
+            for k in 0..=j {
+                let product = dot(v, solver.pair(k).1);
+                assert!((product - f64::from(u8::from(k == j))).abs() < 1e-14 * n as f64);
+            }
+        }
+    }
+
+    #[test]
+    fn full_sparse_and_degenerate_matrices_are_solved() {
+        for n in 1..=MOST_ROWS {
+            check(n, |i, j| {
+                ((7 * i + 3 * j) as f64).sin() + ((i * j) as f64).cos()
+            });
+            check(n, |i, j| {
+                if i - j < 2 {
+                    2.0 - 3.0 * (i - j) as f64
+                } else {
+                    0.0
+                }
+            });
+            check(n, |_, _| 1.0);
+            check(n, |i, j| f64::from(u8::from(i == j)));
+            check(n, |i, j| 1e12 / (1 + 10_usize.pow(i as u32 % 9) + j) as f64);
+        }
+        check(4, |_, _| 0.0);
+    }
+
+    fn check_tridiagonal(diagonal: &[f64], off: &[f64]) -> Vec<f64> {
+        let n = diagonal.len();
+        let (mut d, mut e) = (diagonal.to_vec(), off.to_vec());
+        let mut v = vec![0.0; n * n];
+        for j in 0..n {
+            v[j * n + j] = 1.0;
+        }
+        assert!(decompose_tridiagonal(&mut d, &mut e, &mut v, n));
+        let scale = diagonal
+            .iter()
+            .chain(off)
+            .fold(1e-300_f64, |m, x| m.max(x.abs()));
+        for j in 0..n {
+            let y = &v[j * n..(j + 1) * n];
+            for i in 0..n {
+                let mut r = (diagonal[i] - d[j]) * y[i];
+                if i > 0 {
+                    r += off[i - 1] * y[i - 1];
+                }
+                if i + 1 < n {
+                    r += off[i] * y[i + 1];
+                }
+                assert!(r.abs() <= 1e-14 * n as f64 * scale, "{r}");
+            }
+            for k in 0..=j {
+                let dot: f64 = y.iter().zip(&v[k * n..]).map(|(a, b)| a * b).sum();
+                assert!((dot - f64::from(u8::from(k == j))).abs() < 1e-14 * n as f64);
+            }
+        }
+        d.sort_by(f64::total_cmp);
+        d
+    }
+
+    #[test]
+    fn the_chain_has_its_closed_form() {
+        let n = 40;
+        let got = check_tridiagonal(&vec![2.0; n], &vec![-1.0; n - 1]);
+        for (j, l) in got.iter().enumerate() {
+            let want = 2.0 - 2.0 * ((j + 1) as f64 * std::f64::consts::PI / (n + 1) as f64).cos();
+            assert!((l - want).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn split_graded_and_single_matrices_are_solved() {
+        check_tridiagonal(&[3.0], &[]);
+        check_tridiagonal(&[1.0, 1.0, 1.0], &[0.0, 0.0]);
+        check_tridiagonal(&[1.0, 2.0, 3.0, 4.0], &[0.5, 0.0, 0.5]);
+        check_tridiagonal(&[0.0, 0.0], &[1.0]);
+        let graded: Vec<f64> = (0..20).map(|j| 10.0_f64.powi(-j)).collect();
+        check_tridiagonal(
+            &graded,
+            &graded[1..].iter().map(|x| 0.3 * x).collect::<Vec<_>>(),
         );
     }
 }

@@ -4,6 +4,7 @@
 //! bits are the same on every machine.
 
 use pulp::Arch;
+
 pub use pulp::NullaryFnOnce;
 
 /// Sums side by side.
@@ -23,7 +24,6 @@ pub fn run<F: NullaryFnOnce>(work: F) -> F::Output {
 
 /// a · b; what is left over after whole lanes comes last.
 #[inline(always)]
-#[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
     let (a, a_rest) = a.as_chunks::<LANES>();
@@ -83,7 +83,6 @@ pub fn dot_block(a: [&[f64]; COLUMNS], b: &[f64]) -> [f64; COLUMNS] {
 
 /// Largest modulus, NaN where one is not a number.
 #[inline(always)]
-#[must_use]
 pub fn largest(a: &[f64]) -> f64 {
     let mut most = [0.0_f64; LANES];
     let mut sum = 0.0;

@@ -7,9 +7,49 @@
 //!
 //! At a zero of H_ik, u without its entry i and w without its entry k are the null vectors of the deleted
 //! pencil. The factors are formed without pivoting, so their growth is asked each time.
+//!
+//! # modal_columns
+//!
+//! Columns i and k of (K − xM)⁻¹ from all modes, where [`columns`](crate::modal::columns) has no factors.
+//!
+//! # on_pole
+//!
+//! Null vectors of the deleted pencil on a pole: a root of det(K_ik − x M_ik) that cancels.
+//!
+//! Sought are u with u_i = 0 and (K − λM) u on e_k alone, w with w_k = 0 and (K − λM) w on e_i alone; then
+//!
+//! ```text
+//! dx/dp = wᵀ (dK/dp − λ dM/dp) u / (wᵀ M u)
+//! ```
+//!
+//! - A single mode φ with a node at i: u = φ, w = φ_k h_i − H_ik φ, where h_i and H_ik are column i of the
+//!   receptance matrix and its entry k without that mode. So dx/dp = dλ/dp + φ_k (dφ_i/dp) / H_ik: the root keeps
+//!   its distance from the pole, which is the residue over what else responds there. A node at k: the two change
+//!   places. Nodes at both: u = w = φ.
+//! - Two modes of one λ, of which i and k see one combination each: u and w are those that i and k do not see.
+//! - All else has more null vectors than one, or none that is not defective, and no derivative: NaN.
+//!
+//! # nelson
+//!
+//! Nelson's adjoint solution for one mode: the derivative of any function of its shape, for all parameters.
+//!
+//! The derivative of a function of a shape whose size it ignores, with slope g there (gᵀφ = 0), needs one
+//! solution for each mode, whatever the number of parameters:
+//!
+//! ```text
+//! (K − λM) dφ/dp = −(K' − λM' − λ'M) φ        differentiated K φ = λ M φ
+//! (K − λM) z = g,  zᵀMφ = 0                   gᵀ dφ/dp = −zᵀ (K' − λM') φ
+//! ```
+//!
+//! K − λM is singular. By factors it is solved with the row and the column of the largest entry of φ taken
+//! out; from all modes z = Σ φ_s (φ_sᵀg) / (λ_s − λ) over the others.
+//!
+//! Source: R. B. Nelson, Simplified calculation of eigenvector derivatives, AIAA J. 14 (1976) 1201-1205,
+//! doi 10.2514/3.7211.
 
 use super::scaled::ScaledMatrices;
 use crate::linalg::banded::LARGEST_GROWTH;
+use crate::linalg::symmetric::SymmetricSolver;
 
 /// u and w in the order and the scale of the factors, and M u.
 #[derive(Debug, Clone, Default)]
@@ -92,5 +132,185 @@ impl Columns {
         let slope: f64 = w.iter().zip(mu.iter()).map(|(a, b)| a * b).sum();
         // A dof without mass has no scale.
         slope.is_finite().then_some(slope)
+    }
+}
+
+// ---- modal_columns
+
+/// The columns from all modes: h_i = Σ φ_r φ_ir / (λ_r − x) + Σ ψ ψ_i; returns h_iᵀ M h_k.
+pub fn modal_columns(
+    modes: &SymmetricSolver,
+    (i, k): (usize, usize),
+    x: f64,
+    left: &mut Vec<f64>,
+    right: &mut Vec<f64>,
+) -> f64 {
+    let (lambda, phi) = (modes.eigenvalues(), modes.vectors());
+    let n = phi.nrows();
+    for column in [&mut *left, &mut *right] {
+        column.clear();
+        column.resize(n, 0.0);
+    }
+    let mut slope = 0.0;
+    for r in 0..phi.ncols() {
+        let stretch = lambda.get(r).map_or(1.0, |l| (l - x).recip());
+        let (at_i, at_k) = (phi[(i, r)] * stretch, phi[(k, r)] * stretch);
+        for dof in 0..n {
+            left[dof] += at_i * phi[(dof, r)];
+            right[dof] += at_k * phi[(dof, r)];
+        }
+        if r < lambda.len() {
+            slope += at_i * at_k;
+        }
+    }
+    slope
+}
+
+// ---- on_pole
+
+/// Modes whose λ lie this close together, relatively, have one pole.
+const ONE_POLE: f64 = 1e-9;
+
+/// A mode smaller than this at a dof, relative to its largest entry, has a node there.
+const NODE: f64 = 1e-9;
+
+/// w into `left` and u into `right`, by dof, at the pole `x`; returns wᵀ M u, NaN where there is no derivative.
+pub fn on_pole(
+    modes: &SymmetricSolver,
+    (i, k): (usize, usize),
+    x: f64,
+    left: &mut Vec<f64>,
+    right: &mut Vec<f64>,
+) -> f64 {
+    let (lambda, phi) = (modes.eigenvalues(), modes.vectors());
+    let n = phi.nrows();
+    for column in [&mut *left, &mut *right] {
+        column.clear();
+        column.resize(n, 0.0);
+    }
+    let first = lambda.partition_point(|&l| l < x - ONE_POLE * x);
+    let last = lambda.partition_point(|&l| l <= x + ONE_POLE * x);
+    let sees = |dof: usize, r: usize| {
+        let largest = (0..n).fold(0.0_f64, |m, d| m.max(phi[(d, r)].abs()));
+        phi[(dof, r)].abs() > NODE * largest
+    };
+    let add = |column: &mut Vec<f64>, factor: f64, r: usize| {
+        for (dof, entry) in column.iter_mut().enumerate() {
+            *entry += factor * phi[(dof, r)];
+        }
+    };
+    match last - first {
+        1 if sees(i, first) && sees(k, first) => f64::NAN,
+        1 if !sees(i, first) && !sees(k, first) => {
+            add(left, 1.0, first);
+            add(right, 1.0, first);
+            1.0
+        }
+        1 => {
+            // What responds there without this mode.
+            let at_i = !sees(i, first);
+            let (node, other) = if at_i { (i, k) } else { (k, i) };
+            let (mode, column) = if at_i {
+                (&mut *right, &mut *left)
+            } else {
+                (&mut *left, &mut *right)
+            };
+            add(mode, 1.0, first);
+            let strength = phi[(other, first)];
+            let mut rest = 0.0;
+            for r in (0..phi.ncols()).filter(|&r| r != first) {
+                let stretch = lambda.get(r).map_or(1.0, |l| (l - x).recip());
+                let part = phi[(node, r)] * stretch;
+                rest += part * phi[(other, r)];
+                add(column, strength * part, r);
+            }
+            add(column, -rest, first);
+            -rest
+        }
+        2 => {
+            let pair = [first, first + 1];
+            let [at_i, at_k] = [i, k].map(|dof| pair.map(|r| phi[(dof, r)]));
+            add(left, -at_k[1], pair[0]);
+            add(left, at_k[0], pair[1]);
+            add(right, -at_i[1], pair[0]);
+            add(right, at_i[0], pair[1]);
+            let slope = at_i[0] * at_k[0] + at_i[1] * at_k[1];
+            let size = at_i[0].hypot(at_i[1]) * at_k[0].hypot(at_k[1]);
+            if slope.abs() > NODE * size {
+                slope
+            } else {
+                f64::NAN
+            }
+        }
+        _ => f64::NAN,
+    }
+}
+
+// ---- nelson
+
+/// Whether a solution could be made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Adjoint {
+    /// It is in place.
+    Solved,
+    /// Rounding spoils the factors.
+    Spoiled,
+}
+
+/// z for the mode (λ, φ) by the matrices.
+pub fn by_factors(
+    matrices: &mut ScaledMatrices,
+    (lambda, phi): (f64, &[f64]),
+    g: &[f64],
+    z: &mut Vec<f64>,
+) -> Adjoint {
+    let (n, padding) = (matrices.n(), matrices.stride() - matrices.n());
+    let by_row = |values: &[f64], times: &dyn Fn(f64) -> f64| -> Vec<f64> {
+        let rows =
+            (0..n).map(|row| values[matrices.structure().dof(row)] * times(matrices.scale()[row]));
+        rows.chain(std::iter::repeat_n(0.0, padding)).collect()
+    };
+    let shape = by_row(phi, &f64::recip);
+    let mut solution = by_row(g, &|scale| scale);
+    let largest = (0..n).fold(0, |at, row| {
+        if shape[row].abs() > shape[at].abs() {
+            row
+        } else {
+            at
+        }
+    });
+    solution[largest] = 0.0;
+    if matrices.factorize_without(largest, lambda) > LARGEST_GROWTH {
+        return Adjoint::Spoiled;
+    }
+    matrices.solve(&mut solution);
+    let mut weighted = vec![0.0; matrices.stride()];
+    matrices.mass().multiply(&shape, &mut weighted);
+    let part: f64 = solution[..n]
+        .iter()
+        .zip(&weighted)
+        .map(|(s, w)| s * w)
+        .sum();
+    for (value, along) in solution[..n].iter_mut().zip(&shape) {
+        *value -= part * along;
+    }
+    z.clear();
+    z.resize(n, 0.0);
+    matrices.by_dof(&solution[..n], z);
+    Adjoint::Solved
+}
+
+/// z for mode `r` from all modes.
+pub fn by_all_modes(modes: &SymmetricSolver, r: usize, g: &[f64], z: &mut Vec<f64>) {
+    let (all, vectors) = (modes.eigenvalues(), modes.vectors());
+    let n = vectors.nrows();
+    z.clear();
+    z.resize(n, 0.0);
+    for s in (0..n).filter(|&s| s != r) {
+        let along: f64 = (0..n).map(|dof| vectors[(dof, s)] * g[dof]).sum();
+        let stretch = all.get(s).map_or(1.0, |l| (l - all[r]).recip());
+        for (dof, z) in z.iter_mut().enumerate() {
+            *z += along * stretch * vectors[(dof, s)];
+        }
     }
 }

@@ -9,8 +9,25 @@
 //!
 //! Source: R. J. Allemang & D. L. Brown, A correlation coefficient for modal vector analysis, Proc. IMAC 1
 //! (1982) 110-116.
+//!
+//! # mode_sensitivities
+//!
+//! How a mode moves with the model: its eigenvalue, and the MAC of its shape with a measured one.
+//!
+//! ```text
+//! dλ/dp   = φᵀ (dK/dp − λ dM/dp) φ
+//! dMAC/dp = −zᵀ (dK/dp − λ dM/dp) φ,      (K − λM) z = dMAC/dφ,  zᵀMφ = 0
+//! ```
+//!
+//! The second is [`LowModes::adjoint`]. MAC does not see the size of φ, so its normalisation does not matter.
+//!
+//! Source: R. L. Fox & M. P. Kapoor, Rates of change of eigenvalues and eigenvectors, AIAA J. 6 (1968)
+//! 2426-2429; R. B. Nelson, AIAA J. 14 (1976) 1201-1205.
 
+use super::modes::LowModes;
+use super::solved::Solved;
 use crate::error::{Error, Result};
+use crate::fem::assembly::MatrixSlopes;
 
 /// A computed shape whose part at the measured dofs is below this, relative to its largest entry, is at rest
 /// there: what is left is rounding.
@@ -26,10 +43,6 @@ pub struct Shape {
 
 impl Shape {
     /// The shape with entries (real, imaginary) at the dofs of a model.
-    ///
-    /// # Errors
-    /// [`Error::InvalidInput`], said of `argument`, when there is not one finite entry for each dof, a dof is
-    /// listed twice, or all entries are zero.
     pub fn new(argument: &str, dofs: Vec<usize>, entries: &[(f64, f64)]) -> Result<Self> {
         if entries.len() != dofs.len() {
             return Err(Error::input(
@@ -78,7 +91,6 @@ impl Shape {
     }
 
     /// The measured dofs.
-    #[must_use]
     pub fn dofs(&self) -> &[usize] {
         &self.dofs
     }
@@ -86,7 +98,6 @@ impl Shape {
     /// The MAC with real shapes of `n` dofs each, given one after the other: with one, or with that
     /// combination of several which is most alike, as every combination of the shapes of a repeated mode is one
     /// of its shapes. Zero where they are at rest at the measured dofs.
-    #[must_use]
     pub fn mac(&self, phi: &[f64], n: usize) -> f64 {
         if phi.len() == n {
             let (along, square) = self.products(phi);
@@ -153,6 +164,53 @@ fn at_rest(phi: &[f64], square: f64) -> bool {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+// ---- mode_sensitivities
+
+/// The vectors of one mode, ready to be joined with any change of the model.
+#[derive(Debug, Clone, Default)]
+pub struct ModeSensitivity {
+    lambda: f64,
+    phi: Vec<f64>,
+    slope: Vec<f64>,
+    z: Vec<f64>,
+}
+
+impl ModeSensitivity {
+    /// Takes up mode `r` of `modes`, which are those of `solved`, and the measured `shape`.
+    pub fn set(
+        &mut self,
+        modes: &LowModes,
+        solved: &mut Solved<'_>,
+        r: usize,
+        shape: &Shape,
+    ) -> Result<()> {
+        self.lambda = modes.eigenvalues()[r];
+        self.phi.clear();
+        self.phi.extend_from_slice(modes.shape(r));
+        if modes.space(r).len() > self.phi.len() {
+            self.z.clear();
+            self.z.resize(self.phi.len(), 0.0);
+            return Ok(());
+        }
+        shape.slope(&self.phi, &mut self.slope);
+        modes.adjoint(solved, r, &self.slope, &mut self.z)
+    }
+
+    /// dλ/dp in (rad/s)² and dMAC/dp, per unit of p. A repeated mode has no derivatives: the first is then that
+    /// of one of its shapes, right where p splits it not, the second zero.
+    pub fn along(&self, slopes: &MatrixSlopes) -> (f64, f64) {
+        let join = |left: &[f64], entries: &[(u32, u32, f64)]| -> f64 {
+            entries
+                .iter()
+                .map(|&(row, col, value)| left[row as usize] * value * self.phi[col as usize])
+                .sum()
+        };
+        let of =
+            |left: &[f64]| join(left, &slopes.stiffness) - self.lambda * join(left, &slopes.mass);
+        (of(&self.phi), -of(&self.z))
+    }
 }
 
 #[cfg(test)]

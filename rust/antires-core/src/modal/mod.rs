@@ -13,32 +13,20 @@
 //! |---|---|
 //! | [`structure`] | what stays while parameters change: the ordering, band or sparse, the degrees of the determinants |
 //! | [`scaled`] | K and M in band or sparse form, factors of K − xM |
-//! | [`space`](reduced), [`poles`](reduced), [`reduced`] | the Krylov space of one load, its poles up to a limit, and the proof that none is missing |
-//! | [`settled`](reduced) | whether two poles that nearly coincide are those of two modes |
+//! | [`reduced`] | the poles of one load up to a limit, from a Krylov space, and the proof that none is missing |
 //! | [`solved`] | K and M of one evaluation with the solutions made of them |
 //! | [`receptance`] | H_ik as partial fractions |
-//! | [`columns`], [`modal_columns`], [`on_pole`] | columns of (K − xM)⁻¹, and what stands for them on a pole |
-//! | [`modes`], [`low_modes`] | all modes, or those up to a limit |
-//! | [`frf`] | frequency responses |
-//! | [`mac`], [`nelson`], [`mode_sensitivities`] | comparison with a measured shape, and its derivatives |
+//! | [`columns`] | columns of (K − xM)⁻¹, what stands for them on a pole, and adjoint solutions for a mode |
+//! | [`modes`] | all modes, or those up to a limit; frequency responses |
+//! | [`mac`] | comparison with a measured shape, and its derivatives |
 //!
 //! May use: `fem`, `linalg`.
 
-pub mod columns;
-pub mod frf;
-mod hidden_modes;
-pub mod low_modes;
+pub(crate) mod columns;
 pub mod mac;
-pub mod modal_columns;
-pub mod mode_sensitivities;
 pub mod modes;
-pub mod nelson;
-pub mod on_pole;
-mod poles;
-pub mod receptance;
-pub mod reduced;
-pub mod scaled;
-mod settled;
-pub mod solved;
-mod space;
+pub(crate) mod receptance;
+pub(crate) mod reduced;
+pub(crate) mod scaled;
+pub(crate) mod solved;
 pub mod structure;

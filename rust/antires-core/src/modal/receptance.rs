@@ -103,7 +103,6 @@ impl Receptance {
     }
 
     /// Largest modulus of the residues of the poles up to `limit`.
-    #[must_use]
     pub fn largest_residue(&self, limit: f64) -> f64 {
         let poles = self.poles.iter().zip(&self.residues);
         let below = poles.take_while(|(l, _)| **l <= limit);
@@ -175,7 +174,6 @@ impl Receptance {
 
     /// Looks at the signs of the residues. Between neighbours of one sign lies an odd number of roots, so
     /// as many pairs of them as there are roots at most leave none for elsewhere.
-    #[must_use]
     pub fn pattern(&self) -> Pattern {
         let first = self.of_modes().first().copied().unwrap_or_default();
         if self.of_modes().iter().all(|c| c * first > 0.0) {
@@ -196,13 +194,11 @@ impl Receptance {
     }
 
     /// Whether H falls off to zero far above its poles.
-    #[must_use]
     pub fn falls_off(&self) -> bool {
         self.constant == 0.0 && self.beside == 0
     }
 
     /// H at x.
-    #[must_use]
     pub fn value(&self, x: f64) -> f64 {
         self.poles
             .iter()
@@ -213,7 +209,6 @@ impl Receptance {
     }
 
     /// dH/dx at x.
-    #[must_use]
     pub fn slope(&self, x: f64) -> f64 {
         self.poles
             .iter()
@@ -223,7 +218,6 @@ impl Receptance {
     }
 
     /// Rounding error of H at x, and dH/dx.
-    #[must_use]
     pub fn noise_and_slope(&self, x: f64) -> (f64, f64) {
         let (mut reach, mut slope) = (0.0, 0.0);
         for (l, c) in self.poles.iter().zip(&self.residues) {

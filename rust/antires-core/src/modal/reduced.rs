@@ -9,16 +9,27 @@
 //!    complement of those found until the count is met (`hidden_modes`).
 //!
 //! What cannot be settled so is left to the dense solver.
+//! ```text
+//! H_ik(x) = H_ik(−σ) + (x + σ) Σ_j c_ij / (λ_j − x),    c_ij = φ_ij φ_kj θ_j,  λ_j = 1/θ_j − σ
+//! ```
+//!
+//! Poles up to the limit are the modes that the load excites; those far above stand for all other modes together
+//! ([`Krylov`]). A space is *settled* if its poles are those of the modes, also where two of them nearly coincide. The
+//! load is answered for before that: of two modes of nearly one frequency, as structures that are nearly square or
+//! symmetric have them, the space holds a mixture, and the second enters by rounding, and late. With residuals r of
+//! two poles whose θ differ by d the mixture is r / d, and what the two together have for θ is off by r² over the
+//! distance of the next.
+//!
+//! Reference: Parlett, The Symmetric Eigenvalue Problem, SIAM 1998, sections 11.5 and 11.7.
 
 use std::sync::Arc;
 
 use super::columns::{Columns, ReceptanceAt};
-use super::hidden_modes::{HiddenModes, Outside};
-use super::poles::{MARGIN, Poles};
 use super::receptance::Receptance;
 use super::scaled::{ScaledMatrices, Scope};
 use super::structure::{MOST_DENSE, Structure};
-use crate::linalg::krylov::Start;
+use crate::linalg::factors::{Factors, Form};
+use crate::linalg::krylov::{Krylov, Operator, Start, pseudo_random};
 use crate::linalg::sparse::SparseMatrix;
 
 /// Shift σ as a fraction of the limit in x. A small one separates the poles best, a large one keeps the
@@ -59,7 +70,6 @@ struct Attempt {
 
 impl ReducedModes {
     /// Reserves the memory.
-    #[must_use]
     pub fn new(structure: Arc<Structure>) -> Self {
         Self {
             start: None,
@@ -203,13 +213,11 @@ impl ReducedModes {
     }
 
     /// Rounding error of the poles near x: that of Θ.
-    #[must_use]
     pub fn pole_error(&self, x: f64) -> f64 {
         self.poles.error(x)
     }
 
     /// Eigenvalues and roots below this are zero at working precision.
-    #[must_use]
     pub fn zero(&self) -> f64 {
         self.poles.zero()
     }
@@ -219,4 +227,390 @@ impl ReducedModes {
         let (n, row) = (self.matrices.n(), self.matrices.structure().row(i));
         self.poles.form(n, row, self.hidden.lambda(), h);
     }
+}
+
+/// The poles are told up to this part above the limit, for the count to find a clear place.
+pub(super) const MARGIN: f64 = 0.02;
+
+/// Values of the factors from which on a block costs no more than the load alone. It also has up to four modes of
+/// one frequency, as square structures do, which leave the count of modes open otherwise.
+const LARGE: usize = 20_000;
+
+/// Response at x = −σ, relative to the largest, below which nothing is left of it.
+const NOTHING: f64 = 1e-14;
+
+/// Rounding errors of Θ within which two poles are one.
+const REPEATED: f64 = 32.0;
+
+/// Most rigid-body modes a structure has.
+const RIGID: usize = 6;
+
+/// The poles of one load, with the memory to find them again.
+#[derive(Default)]
+pub(super) struct Poles {
+    space: Krylov,
+    sigma: f64,
+    limit: f64,
+    zero: f64,
+    found: Vec<bool>,
+    repeated: Vec<f64>,
+    weighted: Vec<f64>,
+    vectors: Vec<f64>,
+    row: Vec<f64>,
+}
+
+impl Poles {
+    /// Finds the poles up to `limit` of a load on row `k`; `matrices` hold the factors of K + σM. False where
+    /// one of them is neither a mode nor rounding.
+    pub fn find(
+        &mut self,
+        matrices: &ScaledMatrices,
+        (sigma, limit): (f64, f64),
+        (k, start): (usize, Start),
+    ) -> bool {
+        (self.limit, self.sigma) = (limit, sigma);
+        let highest = self.highest();
+        let least = highest.recip();
+        let settled = |space: &Krylov| settled(space, least);
+        if !self.grow(matrices, (k, start), highest, settled) || !self.classify(matrices) {
+            return false;
+        }
+        self.tell_repeated(matrices);
+        true
+    }
+
+    /// Grows the space of the load, where the factors are large four vectors at a time.
+    fn grow(
+        &mut self,
+        matrices: &ScaledMatrices,
+        (k, start): (usize, Start),
+        highest: f64,
+        settled: impl Fn(&Krylov) -> bool,
+    ) -> bool {
+        let (n, mass) = (matrices.n(), matrices.mass());
+        if let (Factors::Sparse(_, factors), Form::Sparse(mass)) = (matrices.factors(), mass)
+            && factors.symbolic().n_values() >= LARGE
+        {
+            let part = |row: usize| matrices.structure().part(row);
+            let joined = |row: usize| part(row) == part(k);
+            if self
+                .space
+                .grow_block((factors, mass), (k, joined), highest, n, &settled)
+            {
+                return true;
+            }
+        }
+        let mut load = vec![0.0; matrices.stride()];
+        load[k] = 1.0;
+        let op = Operator {
+            shifted: matrices.factors(),
+            mass,
+            outside: (&[], &[]),
+        };
+        self.space.grow(op, (&load, start), highest, n, settled)
+    }
+
+    /// Largest s = x + σ for which the response is exact.
+    pub fn highest(&self) -> f64 {
+        (1.0 + MARGIN) * self.limit + self.sigma
+    }
+
+    /// σ.
+    pub fn sigma(&self) -> f64 {
+        self.sigma
+    }
+
+    /// Eigenvalues below this are zero at working precision.
+    pub fn zero(&self) -> f64 {
+        self.zero
+    }
+
+    /// Appends the vector of pole `j` by rows, and M times it.
+    pub fn vector(&self, j: usize, mass: &Form, weighted: &mut Vec<f64>, vectors: &mut Vec<f64>) {
+        self.space.vector(j, mass, weighted, vectors);
+    }
+
+    /// For each pole up to the limit and its margin: whether it is a mode.
+    pub fn found(&self) -> &[bool] {
+        &self.found
+    }
+
+    /// λ of all poles, ascending.
+    pub fn lambda(&self) -> impl Iterator<Item = f64> {
+        self.space.theta().iter().map(|&t| self.pole(t))
+    }
+
+    /// Number of modes with θ of at least `least`.
+    pub fn count(&self, least: f64) -> usize {
+        let poles = self.space.theta().iter().zip(&self.found);
+        poles.filter(|(t, f)| **t >= least && **f).count()
+    }
+
+    /// Eigenvalues of the modes, ascending.
+    pub fn modes(&self) -> Vec<f64> {
+        let modes = self.lambda().zip(&self.found).filter(|(_, f)| **f);
+        modes.map(|(l, _)| l).collect()
+    }
+
+    /// Vectors of the modes by rows, one after the other.
+    pub fn vectors(&mut self, matrices: &ScaledMatrices) -> &[f64] {
+        self.weighted.clear();
+        self.vectors.clear();
+        for j in 0..self.found.len() {
+            if self.found[j] {
+                self.vector_of(matrices, j);
+            }
+        }
+        &self.vectors
+    }
+
+    fn vector_of(&mut self, matrices: &ScaledMatrices, j: usize) {
+        let (weighted, vectors) = (&mut self.weighted, &mut self.vectors);
+        self.space.vector(j, matrices.mass(), weighted, vectors);
+    }
+
+    /// Rounding error of the poles near x: that of Θ.
+    pub fn error(&self, x: f64) -> f64 {
+        4.0 * f64::EPSILON * (x + self.sigma).powi(2) * self.space.theta()[0]
+    }
+
+    /// λ_j of a pole.
+    fn pole(&self, theta: f64) -> f64 {
+        theta.recip() - self.sigma
+    }
+
+    /// Tells the modes among the poles up to the limit.
+    fn classify(&mut self, matrices: &ScaledMatrices) -> bool {
+        let theta = self.space.theta();
+        let least = self.highest().recip();
+        let strongest = (0..theta.len())
+            .map(|j| self.space.first(j))
+            .fold(0.0, f64::max);
+        self.found.clear();
+        for (j, &t) in theta.iter().enumerate().take_while(|(_, t)| **t >= least) {
+            let found = self.space.residual(j) <= FOUND * t;
+            if !found && self.space.first(j) > UNSEEN * strongest {
+                return false;
+            }
+            self.found.push(found);
+        }
+        self.zero = (0..self.found.len().min(RIGID))
+            .map(|j| 16.0 * self.ulps(matrices, j))
+            .fold(0.0, f64::max);
+        true
+    }
+
+    /// How far one ulp in each entry of K and M can move the eigenvalue of pole `j`.
+    fn ulps(&mut self, matrices: &ScaledMatrices, j: usize) -> f64 {
+        self.weighted.clear();
+        self.vectors.clear();
+        self.vector_of(matrices, j);
+        let lambda = self.pole(self.space.theta()[j]).abs();
+        let moved = matrices.stiffness().absolute_form(&self.vectors)
+            + lambda * matrices.mass().absolute_form(&self.vectors);
+        f64::EPSILON * moved
+    }
+
+    /// Notes how near each pole may come to the one below and still be the same, repeated.
+    fn tell_repeated(&mut self, matrices: &ScaledMatrices) {
+        self.repeated.clear();
+        for j in 0..self.found.len() {
+            let theta = self.space.theta();
+            let (s, largest) = (theta[j].recip(), theta[0]);
+            let mut tolerance = REPEATED * f64::EPSILON * s * s * largest;
+            if is_close(theta, j) {
+                let moved = s * s * uncertainty(&self.space, j);
+                tolerance += moved + 4.0 * self.ulps(matrices, j);
+            }
+            self.repeated.push(tolerance);
+        }
+    }
+
+    /// Forms the partial fractions between row `i` of `n` and the load; a root cancels on each pole of `hidden`.
+    pub fn form(&mut self, n: usize, i: usize, hidden: &[f64], h: &mut Receptance) {
+        h.clear();
+        let space = &self.space;
+        space.row(i, &mut self.row);
+        let known = space.response(i);
+        h.begin(self.sigma, known);
+        let (mut size_i, mut size_k, mut modes) = (0.0_f64, 0.0_f64, 0);
+        let top = (4.0 * (self.limit + self.sigma)).recip();
+        let largest_theta = space.theta()[0];
+        let mut floor = 0.0;
+        for (j, (&theta, &phi_i)) in space.theta().iter().zip(&self.row).enumerate() {
+            let phi_k = space.strength(j);
+            let rounding = j < self.found.len() && !self.found[j];
+            if theta <= f64::EPSILON * largest_theta {
+                // So stiff that beside the response it is nothing but its rounding.
+                floor += (phi_k * phi_i * theta).abs() / f64::EPSILON;
+                continue;
+            }
+            if theta >= top {
+                size_i = size_i.max(phi_i.abs());
+                size_k = size_k.max(phi_k.abs());
+            }
+            if rounding {
+                continue;
+            }
+            if j >= self.found.len() {
+                floor += (phi_k * phi_i * theta).abs();
+            }
+            let lambda = self.pole(theta);
+            let lambda = if lambda.abs() <= self.zero {
+                0.0
+            } else {
+                lambda
+            };
+            h.add(
+                lambda,
+                phi_i * phi_k,
+                self.repeated.get(j).copied().unwrap_or(0.0),
+            );
+            if j < self.found.len() {
+                modes = h.poles.len();
+            }
+        }
+        h.cancelled
+            .extend(hidden.iter().filter(|&&l| l <= self.limit));
+        h.floor_error = 4.0 * f64::EPSILON * floor;
+        h.finish(n, modes, (size_i, size_k));
+        let error = 4.0 * f64::EPSILON * known.abs();
+        if error > h.residue_error {
+            h.floor_error += error / self.sigma;
+        }
+        h.is_zero &= known.abs() <= NOTHING * space.largest_response();
+    }
+}
+
+/// In whose complement hidden modes are sought.
+pub(super) struct Outside<'a> {
+    /// With the factors of K + σM.
+    pub matrices: &'a ScaledMatrices,
+    /// The poles of the load.
+    pub poles: &'a Poles,
+    /// Only modes below this count.
+    pub cut: f64,
+}
+
+/// The hidden modes, with the memory to find them again.
+#[derive(Default)]
+pub(super) struct HiddenModes {
+    krylov: Krylov,
+    lambda: Vec<f64>,
+    /// M v and v of the shown modes, then of the hidden ones; nothing where none is hidden.
+    weighted: Vec<f64>,
+    vectors: Vec<f64>,
+}
+
+impl HiddenModes {
+    pub fn clear(&mut self) {
+        self.lambda.clear();
+        self.weighted.clear();
+        self.vectors.clear();
+    }
+
+    /// Their eigenvalues.
+    pub fn lambda(&self) -> &[f64] {
+        &self.lambda
+    }
+
+    /// Vectors of the shown modes, then of the hidden ones, by rows; empty where none is hidden.
+    pub fn vectors(&self) -> &[f64] {
+        &self.vectors
+    }
+
+    /// Finds `missing` modes; false where they do not come out as many.
+    pub fn find(&mut self, outside: &Outside<'_>, missing: usize) -> bool {
+        let Outside {
+            matrices,
+            poles,
+            cut,
+        } = *outside;
+        let (mass, sigma) = (matrices.mass(), poles.sigma());
+        let shown = poles.found().iter().enumerate().filter(|(_, f)| **f);
+        for (j, _) in shown {
+            poles.vector(j, mass, &mut self.weighted, &mut self.vectors);
+        }
+        let least = (cut + sigma).recip();
+        let mut random = pseudo_random();
+        while self.lambda.len() < missing {
+            let mut load = vec![0.0; matrices.stride()];
+            load[..mass.n()].fill_with(&mut random);
+            let mut start = vec![0.0; load.len()];
+            mass.multiply(&load, &mut start);
+            start[mass.n()..].fill(0.0);
+            let op = Operator {
+                shifted: matrices.factors(),
+                mass,
+                outside: (&self.weighted, &self.vectors),
+            };
+            let (load, highest) = ((&start[..], Start::Response), poles.highest());
+            if !self.krylov.grow(op, load, highest, mass.n(), |_| true) {
+                return false;
+            }
+            let before = self.lambda.len();
+            for (j, &t) in self.krylov.theta().iter().enumerate() {
+                if t >= least && self.krylov.residual(j) <= FOUND * t {
+                    self.lambda.push(t.recip() - sigma);
+                    self.krylov
+                        .vector(j, mass, &mut self.weighted, &mut self.vectors);
+                }
+            }
+            if self.lambda.len() == before {
+                return false;
+            }
+        }
+        self.lambda.len() == missing
+    }
+}
+
+/// Residual, relative to θ, of a pole that counts as found. The eigenvalue is good to its square.
+const FOUND: f64 = 1e-6;
+
+/// Part of a mode in the load, relative to the largest, below which a pole that is not found is rounding.
+const UNSEEN: f64 = 1e-11;
+
+/// Relative distance of two poles from which on it is asked whether they are one.
+const CLOSE: f64 = 1e-6;
+
+/// Largest mixture of two modes: a part of the one in the other's residue is the square of it.
+const MIXTURE: f64 = 1e-8;
+
+/// Whether each pole with θ of at least `least` is a mode or rounding, and no two of them are mixed.
+fn settled(space: &Krylov, least: f64) -> bool {
+    let theta = space.theta();
+    let strongest = (0..theta.len()).fold(0.0, |m, j| f64::max(m, space.first(j)));
+    let found = |j: usize| space.residual(j) <= FOUND * theta[j];
+    let rounding = f64::EPSILON * theta[0];
+    let unmixed = |j: usize| {
+        let mixed = MIXTURE * (theta[j - 1] - theta[j]);
+        !found(j - 1) || space.residual(j - 1).max(space.residual(j)) <= mixed.max(rounding)
+    };
+    let mut up_to_limit = theta.iter().take_while(|t| **t >= least).enumerate();
+    up_to_limit.all(|(j, _)| {
+        if found(j) {
+            !is_close(theta, j) || unmixed(j)
+        } else {
+            space.first(j) <= UNSEEN * strongest
+        }
+    })
+}
+
+/// Whether pole `j` may be the one before it, repeated.
+fn is_close(theta: &[f64], j: usize) -> bool {
+    j > 0 && theta[j - 1] - theta[j] <= CLOSE * theta[j - 1]
+}
+
+/// How far θ of pole `j` and of the one before may be from those of the modes that the two stand for.
+fn uncertainty(space: &Krylov, j: usize) -> f64 {
+    let theta = space.theta();
+    let apart = |other: &&f64| (**other - theta[j]).abs() > CLOSE * theta[j];
+    let (before, after) = theta.split_at(j);
+    let others = [before.iter().rev().find(apart), after.iter().find(apart)];
+    let distances = others
+        .into_iter()
+        .flatten()
+        .map(|other| (other - theta[j]).abs());
+    let gap = distances.fold(theta[j], f64::min);
+    (space.residual(j).powi(2) + space.residual(j - 1).powi(2)) / gap
 }

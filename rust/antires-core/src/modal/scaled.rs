@@ -12,9 +12,8 @@ use std::sync::Arc;
 
 use super::structure::{Layout, Structure};
 use crate::linalg::banded::Banded;
-use crate::linalg::factored::{Factors, Signs};
-use crate::linalg::form::Form;
-use crate::linalg::sparse::{SparseFactors, SparseMatrix};
+use crate::linalg::factors::{Factors, Form, Signs, SparseFactors};
+use crate::linalg::sparse::SparseMatrix;
 
 /// Least pivot of M, relative to its diagonal, for which all directions have a mass.
 const LEAST_MASS: f64 = 1e-8;
@@ -81,7 +80,6 @@ fn factors_for(structure: &Structure) -> Factors {
 
 impl ScaledMatrices {
     /// Reserves the memory.
-    #[must_use]
     pub fn new(structure: Arc<Structure>) -> Self {
         Self {
             stiffness: zero_form(&structure),
@@ -168,37 +166,31 @@ impl ScaledMatrices {
     }
 
     /// The ordering.
-    #[must_use]
     pub fn structure(&self) -> &Structure {
         &self.structure
     }
 
     /// Number of rows.
-    #[must_use]
     pub fn n(&self) -> usize {
         self.mass.n()
     }
 
     /// Length of the vectors that [`solve`](Self::solve) takes: the rows and some zeros.
-    #[must_use]
     pub fn stride(&self) -> usize {
         self.mass.n() + self.mass.padding()
     }
 
     /// K̃.
-    #[must_use]
     pub fn stiffness(&self) -> &Form {
         &self.stiffness
     }
 
     /// M̃.
-    #[must_use]
     pub fn mass(&self) -> &Form {
         &self.mass
     }
 
     /// The diagonal of S.
-    #[must_use]
     pub fn scale(&self) -> &[f64] {
         &self.scale
     }
@@ -250,7 +242,6 @@ impl ScaledMatrices {
     }
 
     /// The factors last made: there is memory for one matrix only.
-    #[must_use]
     pub fn factors(&self) -> &Factors {
         &self.factors
     }

@@ -30,7 +30,6 @@ struct Dense {
 
 impl Solutions {
     /// Memory for the models of one structure; it is reserved when first needed.
-    #[must_use]
     pub fn new(structure: &Arc<Structure>) -> Self {
         Self {
             structure: Arc::clone(structure),
@@ -40,7 +39,6 @@ impl Solutions {
     }
 
     /// The solutions of K and M.
-    #[must_use]
     pub fn of<'a>(&'a mut self, stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Solved<'a> {
         Solved {
             stiffness,
@@ -64,37 +62,31 @@ pub struct Solved<'a> {
 
 impl Solved<'_> {
     /// K (N/m).
-    #[must_use]
     pub fn stiffness(&self) -> &SparseMatrix {
         self.stiffness
     }
 
     /// M (kg).
-    #[must_use]
     pub fn mass(&self) -> &SparseMatrix {
         self.mass
     }
 
     /// Number of dofs.
-    #[must_use]
     pub fn n_dof(&self) -> usize {
         self.stiffness.n()
     }
 
     /// Upper bound of the number of roots of H_ik, see [`Structure::degree`].
-    #[must_use]
     pub fn degree(&self, i: usize, k: usize) -> Option<usize> {
         self.memory.structure.degree(i, k)
     }
 
     /// Whether the modes below a limit cost less than all of them.
-    #[must_use]
     pub fn is_reducible(&self) -> bool {
         self.memory.structure.is_reducible()
     }
 
     /// Whether the dense solvers may be asked: they need seconds to minutes, and n² numbers, above that.
-    #[must_use]
     pub fn may_be_dense(&self) -> bool {
         self.n_dof() <= MOST_DENSE
     }
@@ -114,9 +106,6 @@ impl Solved<'_> {
     }
 
     /// All modes.
-    ///
-    /// # Errors
-    /// Those of [`SymmetricSolver::solve`], and [`Error::Numerical`] for too many dofs.
     pub fn dense(&mut self) -> Result<&SymmetricSolver> {
         let n = self.n_dof();
         if !self.may_be_dense() {
@@ -144,7 +133,6 @@ impl Solved<'_> {
     }
 
     /// All modes, if they were solved for.
-    #[must_use]
     pub fn dense_in_hand(&self) -> Option<&SymmetricSolver> {
         let dense = self.memory.dense.as_ref();
         dense.filter(|_| self.dense_is_current).map(|d| &d.solver)

@@ -7,8 +7,9 @@ use crate::error::{Error, Result};
 use crate::fem::model::Model;
 use crate::fem::parameters::Parameter;
 use crate::fem::term::Term;
-use crate::linalg::ordering::reverse_cuthill_mckee;
-use crate::linalg::sparse::{Pattern, SparseMatrix, Symbolic};
+use crate::linalg::banded::reverse_cuthill_mckee;
+use crate::linalg::factors::Symbolic;
+use crate::linalg::sparse::{Pattern, SparseMatrix};
 
 /// Below this many dofs one dense eigenproblem costs less than the factors and the Krylov space.
 const FEWEST_DOFS: usize = 40;
@@ -76,7 +77,6 @@ pub struct Structure {
 impl Structure {
     /// Structure of matrices on `pattern`, those of its places that `kept` tells. An entry of K or M elsewhere,
     /// at any later time, would be lost.
-    #[must_use]
     pub fn new(pattern: &Pattern, kept: impl Fn(usize) -> bool) -> Self {
         Self::ordered(pattern, &kept).divided(pattern, kept)
     }
@@ -176,13 +176,11 @@ impl Structure {
     }
 
     /// Structure of a model, which stays as it is.
-    #[must_use]
     pub fn of(model: &Model) -> Self {
         Self::under(model, &[])
     }
 
     /// Structure of a model at whatever values its parameters take.
-    #[must_use]
     pub fn under(model: &Model, parameters: &[Parameter]) -> Self {
         let (n, pattern) = (model.n_dof(), model.stiffness().pattern());
         let sides = || {
@@ -219,9 +217,6 @@ impl Structure {
     }
 
     /// Whether there is room for K, M, the factors and the Krylov space, or for dense matrices.
-    ///
-    /// # Errors
-    /// [`Error::Memory`] where there is none.
     pub fn check_room(&self) -> Result<()> {
         let n = self.n_dof();
         let matrices = match &self.layout {
@@ -235,50 +230,42 @@ impl Structure {
 
     /// Upper bound of the degree in x of det(K_ik − x M_ik): of the number of roots. None for large
     /// structures.
-    #[must_use]
     pub fn degree(&self, i: usize, k: usize) -> Option<usize> {
         let degrees = self.degrees.as_ref()?;
         Some(usize::from(degrees[i * self.n_dof() + k]))
     }
 
     /// Whether the modes below a limit cost less than all of them.
-    #[must_use]
     pub fn is_reducible(&self) -> bool {
         !matches!(self.layout, Layout::Dense)
     }
 
     /// How K and M are held.
-    #[must_use]
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
     /// Number of dofs.
-    #[must_use]
     pub fn n_dof(&self) -> usize {
         self.order.len()
     }
 
     /// Number of the part that a row is in.
-    #[must_use]
     pub fn part(&self, row: usize) -> u32 {
         self.parts[row]
     }
 
     /// Number of diagonals of a band below the main one.
-    #[must_use]
     pub fn half(&self) -> usize {
         self.half
     }
 
     /// Dof in row `row` of the ordering.
-    #[must_use]
     pub fn dof(&self, row: usize) -> usize {
         self.order[row]
     }
 
     /// Row of a dof in the ordering.
-    #[must_use]
     pub fn row(&self, dof: usize) -> usize {
         self.place[dof]
     }

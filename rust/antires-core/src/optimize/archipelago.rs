@@ -1,24 +1,45 @@
 //! A search under way: islands, the evaluations made, the record, and the loop over the generations.
 //!
-//! Between two generations it passes over a [tape](super::tape) as a snapshot. A search that goes on from one gives
+//! Between two generations it passes over a [tape](crate::optimize::population) as a snapshot. A search that goes on from one gives
 //! the bits of one that was never stopped: the snapshot holds the populations, where every random stream stands,
 //! the account of evaluations, the record, and what the polish remembers. The bounds, the seed and the sizes are
 //! passed first and must be those of the search that takes the snapshot up; that the objective is the same one is
 //! for the caller to know.
+//!
+//! # minimize
+//!
+//! The search: islands in step, generation by generation.
+//!
+//! ```text
+//! populations at random, guesses among them; evaluate
+//! polish the objective's own starting point, which settles on the first island
+//! repeat
+//!     if every island waits, or it is time to polish: polish the islands' bests; finished if they agree
+//!     if every island waits: exchange and search on
+//!     finished if a budget is spent
+//!     every searching island proposes a generation; evaluate all proposals as one batch; accept
+//! ```
+//!
+//! Each island draws from its own stream of the seed, proposals and acceptance go island by island,
+//! and only the evaluation of a batch is parallel. So one seed gives the same bits for any number
+//! of threads. Of equal costs the one found first wins, within a batch the lower island, then the
+//! lower index. Without a [polish](crate::optimize::polish) islands meet only when all wait, as in the paper. With
+//! one, bests that are the same before any exchange were found independently, so that is asked at once.
+//!
+//! V. Meruane, Model updating using antiresonant frequencies identified from transmissibility
+//! functions, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021.
 
 use std::ops::ControlFlow;
 
 use super::bounds::Bounds;
-use super::island::{Habitat, Island};
-use super::ledger::{Ledger, Stop};
-use super::migration::exchange;
-use super::objective::Evaluator;
+use super::island::{Consensus, GeometricSelection, Habitat, Island, exchange};
+use super::objective::{Evaluator, Ledger, Objective, ObjectiveEvaluator, Stop};
 use super::options::IslandOptions;
-use super::outcome::{History, Hooks, Interrupt, IslandProgress, Outcome, Progress, Status};
+use super::outcome::{
+    Failure, History, Hooks, Interrupt, IslandProgress, Outcome, Progress, Status,
+};
 use super::polish::{Path, Point, Polish};
-use super::selection::GeometricSelection;
-use super::tape::{Tape, pass_bounds};
-use super::termination::Consensus;
+use super::population::{Tape, pass_bounds};
 use crate::error::{Error, Result};
 
 /// The first bytes of a snapshot: a name and the version of the layout.
@@ -85,10 +106,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     }
 
     /// Runs to an end and says which.
-    pub(super) fn search(
-        &mut self,
-        hooks: &mut Hooks<'_>,
-    ) -> std::result::Result<Status, E::Fault> {
+    pub(super) fn search(&mut self, hooks: &mut Hooks<'_>) -> Result<Status, E::Fault> {
         if hooks.resume.is_none() {
             if let ControlFlow::Break(interrupt) = self.evaluate(hooks)? {
                 return Ok(interrupt.into());
@@ -127,10 +145,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     /// Polishes the objective's own starting point.
     ///
     /// It settles on the first island only, so that the others' agreement means something.
-    fn begin(
-        &mut self,
-        hooks: &mut Hooks<'_>,
-    ) -> std::result::Result<ControlFlow<Interrupt>, E::Fault> {
+    fn begin(&mut self, hooks: &mut Hooks<'_>) -> Result<ControlFlow<Interrupt>, E::Fault> {
         let Some(polish) = &mut self.polish else {
             return Ok(ControlFlow::Continue(()));
         };
@@ -146,10 +161,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     }
 
     /// Polishes every island's best in its place.
-    fn polish_bests(
-        &mut self,
-        hooks: &mut Hooks<'_>,
-    ) -> std::result::Result<ControlFlow<Interrupt>, E::Fault> {
+    fn polish_bests(&mut self, hooks: &mut Hooks<'_>) -> Result<ControlFlow<Interrupt>, E::Fault> {
         let Some(polish) = &mut self.polish else {
             return Ok(ControlFlow::Continue(()));
         };
@@ -172,8 +184,8 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     /// interrupted one had reached; and the record says what it cost.
     fn polished(
         &mut self,
-        flow: std::result::Result<(), Stop<E::Fault>>,
-    ) -> std::result::Result<ControlFlow<Interrupt>, E::Fault> {
+        flow: Result<(), Stop<E::Fault>>,
+    ) -> Result<ControlFlow<Interrupt>, E::Fault> {
         let flow = match flow {
             // The main loop sees a spent budget by itself.
             Ok(()) | Err(Stop::Budget) => ControlFlow::Continue(()),
@@ -253,10 +265,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     /// Evaluates what the islands have pending, as far as the budget goes, and lets them accept.
     ///
     /// After an interrupt the generation is discarded, but what it did evaluate may be the best.
-    fn evaluate(
-        &mut self,
-        hooks: &mut Hooks<'_>,
-    ) -> std::result::Result<ControlFlow<Interrupt>, E::Fault> {
+    fn evaluate(&mut self, hooks: &mut Hooks<'_>) -> Result<ControlFlow<Interrupt>, E::Fault> {
         self.batch.clear();
         for island in self.islands.iter().filter(|island| !island.waiting()) {
             for &i in island.pending() {
@@ -330,9 +339,6 @@ impl<E: Evaluator> Archipelago<'_, E> {
     }
 
     /// Takes up a search where it was saved.
-    ///
-    /// # Errors
-    /// [`Error::InvalidInput`] for bytes that are no snapshot of a search with these bounds, options and seed.
     pub(super) fn restore(&mut self, bytes: &[u8]) -> Result<()> {
         let mut tape = Tape::Reading(Some(bytes));
         self.pass(&mut tape);
@@ -370,4 +376,57 @@ impl<E: Evaluator> Archipelago<'_, E> {
             polish.pass(self.ledger.bounds.n_genes(), tape);
         }
     }
+}
+
+// ---- minimize
+
+/// Minimizes the cost that `evaluator` computes, inside `bounds`.
+///
+/// `guesses` join the initial populations: guess `g` goes to island `g` modulo their number. `seed`
+/// determines the search entirely, apart from an interrupt. A search that is interrupted or runs out
+/// of its budget still has an outcome: the best so far, and a status that says so. With a
+/// snapshot in the hooks the search goes on from there, to the same bits.
+pub fn minimize<E: Evaluator>(
+    evaluator: &mut E,
+    bounds: &Bounds,
+    guesses: &[Vec<f64>],
+    options: &IslandOptions,
+    seed: u64,
+    hooks: &mut Hooks<'_>,
+) -> Result<Outcome, Failure<E::Fault>> {
+    options.validate()?;
+    bounds.check_guesses(guesses)?;
+    let room = options.islands * options.population;
+    if guesses.len() > room {
+        let wanted = format!("at most {room}, the individuals of all islands");
+        return Err(
+            Error::input("x0", format!("{} guesses", guesses.len()), wanted)
+                .remedy("Keep the best of them, or give the islands more individuals.")
+                .into(),
+        );
+    }
+    let mut archipelago = Archipelago::new(evaluator, bounds, guesses, options, seed);
+    if let Some(bytes) = hooks.resume {
+        archipelago.restore(bytes)?;
+    }
+    let status = archipelago.search(hooks).map_err(Failure::Evaluation)?;
+    Ok(archipelago.into_outcome(status))
+}
+
+/// As [`minimize`], for a native objective evaluated on `threads` threads of the search's own.
+pub fn minimize_objective<O: Objective>(
+    objective: &O,
+    bounds: &Bounds,
+    guesses: &[Vec<f64>],
+    options: &IslandOptions,
+    seed: u64,
+    threads: usize,
+    hooks: &mut Hooks<'_>,
+) -> Result<Outcome> {
+    let mut evaluator = ObjectiveEvaluator::new(objective, threads)?;
+    minimize(&mut evaluator, bounds, guesses, options, seed, hooks).map_err(|failure| match failure
+    {
+        Failure::Input(error) => error,
+        Failure::Evaluation(never) => match never {},
+    })
 }

@@ -48,9 +48,6 @@ impl Bounds {
     }
 
     /// The same bounds for `n` genes.
-    ///
-    /// # Errors
-    /// As [`Bounds::new`].
     pub fn uniform(n: usize, lower: f64, upper: f64) -> Result<Self> {
         Self::new(vec![lower; n], vec![upper; n])
     }

@@ -5,13 +5,13 @@
 //!
 //! | step | definition | where |
 //! |---|---|---|
-//! | selection | rank `r` with probability `q' (1 - q)^(r - 1)` | [`selection`] |
+//! | selection | rank `r` with probability `q' (1 - q)^(r - 1)` | [`island`] |
 //! | crossover | arithmetic, heuristic, BLX-0.5, uniform: one per island, in turn | [`crossover`] |
-//! | mutation | per gene with `p_m`: to a bound, or uniform | [`mutation`] |
+//! | mutation | per gene with `p_m`: to a bound, or uniform | [`island`] |
 //! | elitism, waiting | the best survives; 40 generations without improvement | [`island`] |
-//! | migration | the best to both neighbours on a ring, for the worst there | [`migration`] |
+//! | migration | the best to both neighbours on a ring, for the worst there | [`island`] |
 //! | polish | local search from the bests, where the objective tells its parts | [`polish`] |
-//! | end | the bests agree in genes, or in cost at 3 migrations, or a budget | [`termination`] |
+//! | end | the bests agree in genes, or in cost at 3 migrations, or a budget | [`island`] |
 //!
 //! Beyond an objective ([`Objective`], or [`Evaluator`] for whole batches), [`Bounds`] and
 //! [`IslandOptions`] there is nothing to set:
@@ -38,30 +38,23 @@
 //! [`IslandOptions`] and [`Crossover`] states ours.
 
 mod archipelago;
-pub mod bounds;
-pub mod composition;
-pub mod crossover;
-pub mod evaluate;
-pub mod island;
-mod ledger;
-pub mod migration;
-mod minimize;
-pub mod mutation;
-pub mod objective;
-pub mod options;
-pub mod outcome;
-pub mod polish;
-pub mod population;
-pub mod selection;
-mod tape;
-pub mod termination;
+mod bounds;
+mod crossover;
+mod descent;
+mod island;
+mod objective;
+mod options;
+mod outcome;
+mod polish;
+mod population;
 
+pub use archipelago::{minimize, minimize_objective};
 pub use bounds::Bounds;
-pub use composition::{Composition, Linearization, Norm};
 pub use crossover::Crossover;
-pub use evaluate::{ObjectiveEvaluator, Workers, evaluate_many, parallel_map};
-pub use minimize::{minimize, minimize_objective};
-pub use objective::{Candidates, Evaluator, Objective};
+pub use objective::{
+    Candidates, Composition, Evaluator, Linearization, Norm, Objective, ObjectiveEvaluator,
+    Workers, evaluate_many, parallel_map,
+};
 pub use options::{Agreement, IslandOptions};
 pub use outcome::{
     Failure, FinalIsland, History, Hooks, Interrupt, IslandProgress, IslandState, Keep, OnProgress,

@@ -123,7 +123,6 @@ impl Default for IslandOptions {
 impl IslandOptions {
     /// The algorithm as Meruane (2013) prints it: no polish, any gain counts, and only equal genes end the
     /// search. What the paper does not say is still ours: see the fields.
-    #[must_use]
     pub fn paper() -> Self {
         Self {
             polish: Some(false),

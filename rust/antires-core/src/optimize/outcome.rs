@@ -260,7 +260,6 @@ pub struct Outcome {
 
 impl Outcome {
     /// The status in a sentence, and what it does not say: whether bests that agree were found independently.
-    #[must_use]
     pub fn message(&self) -> String {
         let message = self.status.message();
         if self.status != Status::Agreed {

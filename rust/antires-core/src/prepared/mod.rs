@@ -12,12 +12,6 @@
 //! evidence of a set of elements is an integral over a box of u.
 
 pub mod evidence;
-pub mod expected;
-pub mod factor;
 pub mod look;
 pub mod nearest;
-pub mod normal;
-pub mod places;
-pub mod settle;
 pub mod tables;
-pub mod values;

@@ -1,11 +1,14 @@
 //! Each value with the nearest root: which severities are worth a closer look.
+//!
+//! # settle
+//!
+//! The most probable severities of sets of elements, and their evidence.
 
 use std::ops::Range;
 
-use super::evidence::FURTHEST;
-use super::places::{Places, mixed};
-use super::tables::Tables;
-use super::values::Test;
+use super::evidence::{Evidence, FURTHEST, evidence};
+use super::look::{Errors, look};
+use super::tables::{Places, Tables, Test, mixed};
 use crate::linalg::wide::{NullaryFnOnce, run};
 
 /// Further from every root than this (ln f) a value counts as unexplained.
@@ -28,7 +31,6 @@ pub struct Left {
 }
 
 /// Variance of each value about the root that is nearest without damage.
-#[must_use]
 pub fn variances(t: &Tables<'_>, test: &Test<'_>) -> Vec<f64> {
     let start = Places::new(t, &[], &[]);
     (0..test.log_f.len())
@@ -104,7 +106,6 @@ impl NullaryFnOnce for Scan<'_> {
 }
 
 /// All severities of one more element tried, the others as they are.
-#[must_use]
 pub fn scanned(
     t: &Tables<'_>,
     test: &Test<'_>,
@@ -175,7 +176,6 @@ pub fn scanned(
 }
 
 /// Severities that explain more, by a few steps with weights that a false value hardly has; and what is left.
-#[must_use]
 pub fn refined(
     t: &Tables<'_>,
     test: &Test<'_>,
@@ -244,4 +244,50 @@ fn solved(a: &mut [f64], mut b: Vec<f64>) -> Vec<f64> {
         b[p] = (b[p] - sum) / a[p * n + p].max(1e-300);
     }
     b
+}
+
+// ---- settle
+
+/// Where a set has come to.
+#[derive(Clone, Debug)]
+pub struct Settled {
+    /// Severities of the last look.
+    pub u: Vec<f64>,
+    /// What is seen from there.
+    pub seen: Evidence,
+    /// At the severities of the last look.
+    pub log_likelihood: f64,
+}
+
+/// Newton steps from `u` until they are shorter than `rests`, by at most `looks`.
+pub fn settled(
+    t: &Tables<'_>,
+    test: &Test<'_>,
+    elements: &[usize],
+    u: &[f64],
+    (looks, rests): (usize, f64),
+    errors: Errors,
+) -> Settled {
+    let mut u: Vec<f64> = u.iter().map(|x| x.clamp(0.0, FURTHEST)).collect();
+    for nth in 1.. {
+        let seen = look(t, test, &Places::new(t, elements, &u), elements, errors);
+        let found = evidence(seen.log_likelihood, &seen.gain, &seen.curvature, &u);
+        let apart = found
+            .u
+            .iter()
+            .zip(&u)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
+        if nth >= looks || apart < rests {
+            return Settled {
+                u,
+                seen: found,
+                log_likelihood: seen.log_likelihood,
+            };
+        }
+        for (x, ahead) in u.iter_mut().zip(found.u) {
+            *x += (ahead - *x).clamp(-LONGEST, LONGEST);
+        }
+    }
+    unreachable!("the loop ends by itself")
 }

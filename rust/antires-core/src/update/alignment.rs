@@ -96,7 +96,6 @@ impl Aligner {
 ///
 /// A pair costs −ln of the normal density of its distance, with `value_std` and `root_std` together; a value
 /// without a root costs `alone`, a root without a value its `alone_root`.
-#[must_use]
 pub fn associate(
     values: Places<'_>,
     value_std: &[f64],
@@ -129,7 +128,6 @@ pub fn associate(
 ///
 /// Where a response has as many roots as before they keep their order; otherwise those that moved least are the
 /// same, a root that appears or vanishes costing `born`.
-#[must_use]
 pub fn follow(before: Places<'_>, after: Places<'_>, born: f64) -> Vec<i64> {
     let mut found = vec![ALONE; after.log_f.len()];
     let mut aligner = Aligner::default();

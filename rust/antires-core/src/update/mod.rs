@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! e = ω_A² / ω_E² − 1                                       Eq. 11 (printed with a wrong exponent)
-//! J = Σ |e| + γ₁ Σ β + γ₂ count(β > 0)                      Eqs. 12, 15-17, or another [`misfit`]
+//! J = Σ |e| + γ₁ Σ β + γ₂ count(β > 0)                      Eqs. 12, 15-17, or another [`Misfit`](unknowns::Misfit)
 //! J = Σ |e| + Σ (1 − MAC)² + γ₁ Σ β + γ₂ count(β > 0)       Eq. 18
 //! ```
 //!
 //! ω are antiresonances in the first J ([`objective`]), resonances in the second ([`modal_objective`]).
-//! A analytic, of those that the measurement can show ([`sight`]), E experimental; the penalties apply to stiffness reductions only. This is the one
+//! A analytic, of those that the measurement can show ([`shown`](objective::shown)), E experimental; the penalties apply to stiffness reductions only. This is the one
 //! place where the models meet the optimizer.
 //!
 //! May use: `error`, `fem`, `modal`, `antiresonances`, `optimize`.
@@ -15,15 +15,7 @@
 //! Source: Meruane, J. Sound Vib. 332 (2013) 807-820, doi 10.1016/j.jsv.2012.10.021.
 
 pub mod alignment;
-pub mod linearization;
-pub mod misfit;
-pub mod modal_linearization;
 pub mod modal_objective;
-pub mod modal_state;
-pub mod null_vectors;
 pub mod objective;
 pub mod pairing;
-pub mod penalties;
-pub mod sight;
-pub mod state;
 pub mod unknowns;

@@ -1,19 +1,73 @@
 //! The antiresonance objective J(x).
+//!
+//! # linearization
+//!
+//! What the optimizer asks of the antiresonance objective: its cost and the first derivatives of its residuals.
+//!
+//! ```text
+//! e = x_A / x_E − 1,  x = ω²        de/dp = (dx_A/dp) / x_E
+//! ```
+//!
+//! with dx_A/dp from [`crate::antiresonances::sensitivities`], and at the edge of the band as of [`crate::update::pairing`].
+//! The pairing counts as fixed: where a measured antiresonance is about to change its partner the linear model is
+//! wrong, and the optimizer's trust region finds out.
+//!
+//! # state
+//!
+//! All roots that a measurement could show of the model at one x, and how they move.
+//!
+//! ```text
+//! d ln f / dp = (dx/dp) / (2 x),  x = ω²
+//! ```
+//!
+//! An objective asks for the partners of what was measured. Who compares two states of a structure (intact and
+//! damaged) must follow the roots themselves, measured or not, from one state to the other.
+//!
+//! # null_vectors
+//!
+//! The roots of all targets at one x with their null vectors, for who joins these with changes of the model himself.
+//!
+//! ```text
+//! dx/dp = leftᵀ (dK/dp − x dM/dp) right / slope,  x = ω²
+//! ```
+//!
+//! On a reduced model dK/dp of a few elements is dense; of the full one it is not, and the null vectors of the
+//! reduced model are those of the full one in few coordinates.
+//!
+//! # sight
+//!
+//! What a measurement can show of the model's roots.
+//!
+//! Where a mode has a node at sensor i, the root of det(K_ik − x M_ik) on its pole cancels in H_ik: the FRF shows
+//! nothing. But H_jk of another sensor has the pole, so T_ji = H_jk / H_ik has a peak there. Transmissibilities lose
+//! only those roots that all measured responses have: of a mode on whose node the force sits, or of a part of the
+//! structure that lies on the other side of the force.
+//!
+//! | source | roots of response i that it shows |
+//! |---|---|
+//! | FRFs | the zeros of H_ik |
+//! | transmissibilities | all of the deleted pencil, less those that every response measured with it has |
+//! | not known | all may be partners of what was measured |
+//!
+//! A model that is nearly symmetric has them all, hardly apart. So that J does not jump where a symmetry breaks, a
+//! root that all responses share comes in by degrees, as they part.
 
+use std::ops::{ControlFlow, RangeInclusive};
 use std::sync::Arc;
 
-use crate::antiresonances::{AntiresonanceSolver, Prepared, Query, Route, Transfer};
+use super::pairing::{Pairing, UNPAIRED};
+use super::unknowns::{Misfit, Penalty, Unknowns, checked_weights};
+use crate::antiresonances::{
+    AntiresonanceSolver, Prepared, Query, Route, Transfer, ZeroBatch, ZeroSensitivity,
+};
 use crate::error::{Error, Result};
-use crate::fem::assembly::Assembly;
+use crate::fem::assembly::{Assembly, MatrixSlopes};
 use crate::fem::model::{Model, connected};
 use crate::fem::parameters::Parameter;
+use crate::modal::modes::eigenvalue;
 use crate::modal::structure::Structure;
-
-use super::misfit::Misfit;
-use super::pairing::{Pairing, UNPAIRED};
-use super::penalties::Penalty;
-use super::sight::{Sees, shown};
-use super::unknowns::{Unknowns, checked_weights};
+use crate::optimize::Interrupt;
+use crate::optimize::{Candidates, Composition, Linearization, Objective, parallel_map};
 
 /// The model's antiresonances are computed to this multiple of the highest measured frequency, so
 /// that the edge of the band cuts off no partner.
@@ -147,21 +201,16 @@ impl AntiresonanceObjective {
     }
 
     /// The model and what may change in it.
-    #[must_use]
     pub fn unknowns(&self) -> &Unknowns {
         &self.unknowns
     }
 
     /// The analytic partner of each measured antiresonance and its residual, target by target.
-    ///
-    /// # Errors
-    /// Those of the eigenproblem.
     pub fn pairs(&self, x: &[f64], ws: &mut Workspace) -> Result<Vec<Pairing>> {
         self.pairs_of(&mut self.form(x, ws))
     }
 
     /// J at `x`, of which these are the pairs.
-    #[must_use]
     pub fn cost_of(&self, x: &[f64], pairs: &[Pairing]) -> f64 {
         let weighted = pairs.iter().zip(&self.weights);
         let misfit = weighted.fold(0.0, |total, (pairing, weight)| {
@@ -298,4 +347,504 @@ fn measured_with(targets: &[Target], nth: usize) -> Vec<usize> {
     }
     let with = |other: &usize| *other != nth && targets[*other].together == together;
     (0..targets.len()).filter(with).collect()
+}
+
+// ---- linearization
+
+impl Objective for AntiresonanceObjective {
+    type Workspace = Workspace;
+
+    fn workspace(&self) -> Workspace {
+        self.memory()
+    }
+
+    fn cost(&self, x: &[f64], ws: &mut Workspace) -> f64 {
+        self.value(x, ws)
+    }
+
+    fn composition(&self) -> Option<Composition> {
+        Some(self.unknowns().composition(self.misfit().norm()))
+    }
+
+    /// J, its residuals and their derivatives; `None` where the eigenproblem fails.
+    fn linearize(&self, x: &[f64], ws: &mut Workspace) -> Option<Linearization> {
+        let unknowns = self.unknowns();
+        let snapped = unknowns.snapped(x);
+        let mut formed = self.form(&snapped, ws);
+        let pairs = self.pairs_of(&mut formed).ok()?;
+        let slopes = unknowns.slopes(&snapped);
+        let n = slopes.len();
+        let mut found = Linearization {
+            cost: 0.0,
+            residuals: Vec::with_capacity(pairs.len()),
+            jacobian: Vec::with_capacity(pairs.len() * n),
+        };
+        let (mut zero, mut batch) = (ZeroSensitivity::default(), ZeroBatch::default());
+        for ((target, measured_hz, weight), pairing) in self.measured().zip(pairs) {
+            let e = weight * pairing.residual;
+            found.cost = self.misfit().add(found.cost, e);
+            found.residuals.push(e);
+            let first = found.jacobian.len();
+            found.jacobian.extend(std::iter::repeat_n(0.0, n));
+            let cancelled_hz = &formed.roots[target].cancelled_hz;
+            for (analytic_hz, along) in pairing.moves_with.into_iter().flatten() {
+                let (ends, x) = (self.ends(target), eigenvalue(analytic_hz));
+                if cancelled_hz.contains(&analytic_hz) {
+                    zero.set_cancelled(&mut formed.prepared, ends, x).ok()?;
+                } else {
+                    zero.set(&mut formed.prepared, ends, x).ok()?;
+                }
+                let row = Row {
+                    first,
+                    along,
+                    weight,
+                    measured: eigenvalue(measured_hz),
+                };
+                batch.push(&zero, row);
+                if batch.is_full() {
+                    add(&mut batch, &slopes, &mut found.jacobian);
+                }
+            }
+        }
+        add(&mut batch, &slopes, &mut found.jacobian);
+        found.cost += unknowns.penalty_at(&snapped);
+        Some(found)
+    }
+
+    /// Negligible severities become exactly zero.
+    fn repair(&self, x: &mut [f64]) {
+        self.unknowns().snap(x);
+    }
+}
+
+/// The row of the Jacobian that a root moves, and how.
+struct Row {
+    first: usize,
+    along: f64,
+    weight: f64,
+    measured: f64,
+}
+
+/// Adds what the roots in the batch have to say, and empties it.
+fn add(batch: &mut ZeroBatch<Row>, slopes: &[MatrixSlopes], jacobian: &mut [f64]) {
+    for (p, slopes) in slopes.iter().enumerate() {
+        batch.along(slopes, |row, dx| {
+            let slope = row.weight * dx / row.measured;
+            // A double zero has no derivative; the descent must not follow one.
+            jacobian[row.first + p] += if slope.is_finite() {
+                row.along * slope
+            } else {
+                0.0
+            };
+        });
+    }
+    batch.clear();
+}
+
+// ---- state
+
+/// Frequencies (Hz) between two limits.
+pub type Band = RangeInclusive<f64>;
+
+/// The roots of all targets at one x, target by target, ascending in each.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct State {
+    /// Number of the target.
+    pub target: Vec<u32>,
+    /// Frequencies (Hz).
+    pub freq_hz: Vec<f64>,
+    /// How much the measurement shows of each, 0 to 1; see [`sight`](crate::update::objective).
+    pub shown: Vec<f64>,
+    /// d ln f / dp, a row for each root; empty where it was not asked for. 0 where a root has no derivative, or
+    /// lies outside of the band of which slopes were asked for.
+    pub slopes: Vec<f64>,
+}
+
+impl AntiresonanceObjective {
+    /// The roots at `x`, up to 1.5 times the highest measured frequency, with the slopes of those in the band
+    /// `slopes_hz`, if any; none where the eigenproblem fails.
+    pub fn state(&self, x: &[f64], ws: &mut Workspace, slopes_hz: Option<&Band>) -> State {
+        self.state_of(x, ws, slopes_hz).unwrap_or_default()
+    }
+
+    fn state_of(&self, x: &[f64], ws: &mut Workspace, slopes_hz: Option<&Band>) -> Result<State> {
+        let slopes = slopes_hz.map_or_else(Vec::new, |_| self.unknowns().slopes(x));
+        let (mut state, mut batch) = (State::default(), ZeroBatch::default());
+        self.each_root(x, ws, slopes_hz, |root| {
+            root.put_into(&mut state);
+            let first = state.slopes.len();
+            state.slopes.resize(first + slopes.len(), 0.0);
+            let Some(zero) = root.zero else { return };
+            batch.push(zero, (first, eigenvalue(root.hz)));
+            if batch.is_full() {
+                put(&mut batch, &slopes, &mut state.slopes);
+            }
+        })?;
+        put(&mut batch, &slopes, &mut state.slopes);
+        Ok(state)
+    }
+
+    /// Every root at `x`, target by target; with the null vectors of those in `band`, if any.
+    pub(super) fn each_root(
+        &self,
+        x: &[f64],
+        ws: &mut Workspace,
+        band: Option<&Band>,
+        mut visit: impl FnMut(Root<'_>),
+    ) -> Result<()> {
+        let mut formed = self.form(x, ws);
+        self.find_roots(&mut formed)?;
+        let mut zero = ZeroSensitivity::default();
+        for nth in 0..formed.roots.len() {
+            let own = formed.roots[nth].hz.clone();
+            for (root, &hz) in own.iter().enumerate() {
+                let shown = shown(&own, root, self.others_of(nth, formed.roots));
+                let inside = band.is_some_and(|band| band.contains(&hz));
+                if inside {
+                    let (ends, x) = (self.ends(nth), eigenvalue(hz));
+                    if formed.roots[nth].cancelled_hz.contains(&hz) {
+                        zero.set_cancelled(&mut formed.prepared, ends, x)?;
+                    } else {
+                        zero.set(&mut formed.prepared, ends, x)?;
+                    }
+                }
+                let zero = inside.then_some(&zero);
+                visit(Root {
+                    target: nth,
+                    hz,
+                    shown,
+                    zero,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A root of a target, with its null vectors where those were asked for.
+pub(super) struct Root<'a> {
+    target: usize,
+    hz: f64,
+    shown: f64,
+    pub zero: Option<&'a ZeroSensitivity>,
+}
+
+impl Root<'_> {
+    /// Adds it to a state, without slopes.
+    pub fn put_into(&self, state: &mut State) {
+        state
+            .target
+            .push(u32::try_from(self.target).unwrap_or(u32::MAX));
+        state.freq_hz.push(self.hz);
+        state.shown.push(self.shown);
+    }
+}
+
+/// Puts the slopes of the roots in the batch to their places, and empties it.
+fn put(batch: &mut ZeroBatch<(usize, f64)>, slopes: &[MatrixSlopes], into: &mut [f64]) {
+    for (p, along) in slopes.iter().enumerate() {
+        batch.along(along, |(first, x), dx| {
+            let slope = dx / (2.0 * x);
+            // A double zero has no derivative.
+            into[first + p] = if slope.is_finite() { slope } else { 0.0 };
+        });
+    }
+    batch.clear();
+}
+
+/// [`AntiresonanceObjective::state`] of every candidate, in order.
+///
+/// # Errors
+/// Where the threads cannot be started.
+pub fn states(
+    objective: &AntiresonanceObjective,
+    candidates: Candidates<'_>,
+    slopes_hz: Option<&Band>,
+    threads: usize,
+    should_stop: &mut dyn FnMut() -> Option<Interrupt>,
+) -> Result<ControlFlow<Interrupt, Vec<State>>> {
+    parallel_map(
+        candidates.len(),
+        threads,
+        || objective.workspace(),
+        |i, ws| objective.state(candidates.row(i), ws, slopes_hz),
+        should_stop,
+    )
+}
+
+// ---- null_vectors
+
+/// Roots, and a row of each null vector for each root; zeros, and a slope that is not finite, outside of the band.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct NullVectors {
+    /// The roots, without their slopes.
+    pub state: State,
+    /// Left null vectors, row by row.
+    pub left: Vec<f64>,
+    /// Right null vectors, row by row.
+    pub right: Vec<f64>,
+    /// leftᵀ M right of each root; not finite at a double zero.
+    pub slope: Vec<f64>,
+}
+
+impl AntiresonanceObjective {
+    /// The roots at `x` as of [`state`](Self::state) with the null vectors of those in the band; none where the
+    /// eigenproblem fails.
+    pub fn null_vectors(&self, x: &[f64], ws: &mut Workspace, band: &Band) -> NullVectors {
+        let n = self.unknowns().n_dof();
+        let mut found = NullVectors::default();
+        let all = self.each_root(x, ws, Some(band), |root| {
+            root.put_into(&mut found.state);
+            let filled = found.left.len();
+            if let Some(zero) = root.zero {
+                let (left, right) = zero.vectors();
+                found.left.extend_from_slice(left);
+                found.right.extend_from_slice(right);
+                found.slope.push(zero.slope());
+            } else {
+                found.slope.push(f64::NAN);
+            }
+            found.left.resize(filled + n, 0.0);
+            found.right.resize(filled + n, 0.0);
+        });
+        all.map_or_else(|_| NullVectors::default(), |()| found)
+    }
+}
+
+// ---- sight
+
+/// What a set of antiresonances was identified from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sees {
+    /// Frequency response functions.
+    Frf,
+    /// Quotients of responses.
+    Transmissibility,
+    /// Not known.
+    #[default]
+    Unknown,
+}
+
+/// Relative distance in Hz up to which roots of two responses are one, and from which on both are seen in full.
+/// Identification reports none that come so near in all responses.
+const ONE: f64 = 1e-6;
+const APART: f64 = 1e-3;
+
+/// How much transmissibilities show of `own[nth]`, a root of one response: 0 if all `others` share it, 1 if one of
+/// them does not. All lists ascending, in Hz.
+pub fn shown<'a>(own: &[f64], nth: usize, others: impl Iterator<Item = &'a [f64]>) -> f64 {
+    let mut largest: Option<f64> = None;
+    for other in others {
+        let share = ((apart(own, nth, other) - ONE) / (APART - ONE)).clamp(0.0, 1.0);
+        if share >= 1.0 {
+            return 1.0;
+        }
+        largest = Some(largest.map_or(share, |most| most.max(share)));
+    }
+    // Alone, there is nothing to share with.
+    largest.unwrap_or(1.0)
+}
+
+/// Relative distance of `own[nth]` from its counterpart in `other`, each root having one counterpart at most;
+/// infinity without any in reach.
+fn apart(own: &[f64], nth: usize, other: &[f64]) -> f64 {
+    let x = own[nth];
+    let near = |list: &[f64], reach: f64| {
+        let first = list.partition_point(|&f| f < x - reach);
+        first..list.partition_point(|&f| f <= x + reach)
+    };
+    let theirs = near(other, APART * x);
+    if theirs.is_empty() {
+        return f64::INFINITY;
+    }
+    // Others of this response may claim the same counterpart. The nearest pairs go first.
+    let mut pairs: Vec<(f64, usize, usize)> = near(own, 2.0 * APART * x)
+        .flat_map(|a| near(other, 3.0 * APART * x).map(move |b| ((own[a] - other[b]).abs(), a, b)))
+        .collect();
+    pairs.sort_by(|p, q| p.0.total_cmp(&q.0).then((p.1, p.2).cmp(&(q.1, q.2))));
+    let mut taken: Vec<(usize, usize)> = Vec::new();
+    for (distance, a, b) in pairs {
+        if taken.iter().any(|&(c, d)| c == a || d == b) {
+            continue;
+        }
+        if a == nth {
+            return distance / x;
+        }
+        taken.push((a, b));
+    }
+    f64::INFINITY
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::model::mass_spring_chain;
+    use crate::fem::parameters::{Parameter, Quantity};
+    use crate::modal::modes::eigenvalue;
+    use crate::optimize::{Candidates, Objective};
+    use crate::update::unknowns::Misfit;
+    use std::ops::ControlFlow;
+
+    const X: [f64; 3] = [0.2, 1.1, 0.9];
+
+    fn objective() -> AntiresonanceObjective {
+        let model = mass_spring_chain(&[0.5, 0.4, 0.6, 0.3], &[5e4, 7e4, 4e4], 2e4, 0.0).unwrap();
+        let quantities = [
+            Quantity::StiffnessReduction,
+            Quantity::StiffnessFactor,
+            Quantity::MassFactor,
+        ];
+        let parameter = |quantity| Parameter {
+            quantity,
+            terms: vec![1],
+        };
+        let target = |dof| Target {
+            dof,
+            freq_hz: vec![40.0, 90.0],
+            ..Target::default()
+        };
+        AntiresonanceObjective::new(
+            model,
+            quantities.map(parameter).to_vec(),
+            (0..3).map(target).collect(),
+            Misfit::Absolute,
+            None,
+            0.0,
+        )
+        .unwrap()
+    }
+
+    fn at(rows: &[f64], threads: usize) -> Vec<State> {
+        within(0.0..=f64::INFINITY, rows, threads)
+    }
+
+    fn within(band: Band, rows: &[f64], threads: usize) -> Vec<State> {
+        let found = states(
+            &objective(),
+            Candidates::new(rows, 3),
+            Some(&band),
+            threads,
+            &mut || None,
+        );
+        match found.unwrap() {
+            ControlFlow::Continue(found) => found,
+            ControlFlow::Break(_) => panic!("nobody stopped it"),
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_differences() {
+        const STEP: f64 = 1e-5;
+        let here = &at(&X, 1)[0];
+        assert!(here.freq_hz.len() >= 5 && here.target.last() == Some(&2));
+        for p in 0..3 {
+            let mut rows = [X, X].concat();
+            rows[p] -= STEP;
+            rows[3 + p] += STEP;
+            let both = at(&rows, 2);
+            for (root, hz) in here.freq_hz.iter().enumerate() {
+                let difference =
+                    (both[1].freq_hz[root] - both[0].freq_hz[root]) / (2.0 * STEP * hz);
+                let slope = here.slopes[3 * root + p];
+                assert!((slope - difference).abs() < 1e-8, "{slope} {difference}");
+            }
+        }
+    }
+
+    #[test]
+    fn any_number_of_threads_gives_the_same_bits() {
+        let rows: Vec<f64> = (0..20)
+            .flat_map(|i| [0.04 * f64::from(i), 1.0, 1.0])
+            .collect();
+        assert_eq!(at(&rows, 1), at(&rows, 2));
+    }
+
+    #[test]
+    fn slopes_are_told_in_the_band_only() {
+        let (all, some) = (&at(&X, 1)[0], &within(30.0..=60.0, &X, 1)[0]);
+        assert_eq!(all.freq_hz, some.freq_hz);
+        for (nth, hz) in all.freq_hz.iter().enumerate() {
+            let own = &some.slopes[3 * nth..3 * nth + 3];
+            if (30.0..=60.0).contains(hz) {
+                assert_eq!(own, &all.slopes[3 * nth..3 * nth + 3]);
+            } else {
+                assert_eq!(own, [0.0; 3]);
+            }
+        }
+        assert!(all.freq_hz.iter().any(|hz| *hz > 60.0) && all.freq_hz.iter().any(|hz| *hz < 60.0));
+    }
+
+    #[test]
+    fn null_vectors_joined_with_a_term_are_the_slopes() {
+        let model = mass_spring_chain(&[0.5, 0.4, 0.6, 0.3], &[5e4, 7e4, 4e4], 2e4, 0.0).unwrap();
+        let spring = Parameter {
+            quantity: Quantity::StiffnessFactor,
+            terms: vec![1],
+        };
+        let targets = [0, 2].map(|dof| Target {
+            dof,
+            freq_hz: vec![40.0, 90.0],
+            ..Target::default()
+        });
+        let objective = AntiresonanceObjective::new(
+            model,
+            vec![spring],
+            targets.to_vec(),
+            Misfit::Absolute,
+            None,
+            0.0,
+        )
+        .unwrap();
+        let mut ws = objective.workspace();
+        let band = 0.0..=70.0;
+        let state = objective.state(&[1.1], &mut ws, Some(&band));
+        let found = objective.null_vectors(&[1.1], &mut ws, &band);
+        assert_eq!(found.state.freq_hz, state.freq_hz);
+        assert!(state.slopes.iter().any(|slope| slope.abs() > 0.01));
+        for (nth, &hz) in state.freq_hz.iter().enumerate() {
+            let (left, right) = (&found.left[4 * nth..][..4], &found.right[4 * nth..][..4]);
+            if hz > 70.0 {
+                assert!(found.slope[nth].is_nan() && left == [0.0; 4] && right == [0.0; 4]);
+                continue;
+            }
+            let change = 7e4 * (left[1] - left[2]) * (right[1] - right[2]);
+            let slope = change / found.slope[nth] / (2.0 * eigenvalue(hz));
+            assert!((slope - state.slopes[nth]).abs() < 1e-12);
+        }
+    }
+
+    fn of(own: &[f64], nth: usize, others: &[&[f64]]) -> f64 {
+        shown(own, nth, others.iter().copied())
+    }
+
+    #[test]
+    fn only_what_all_share_is_lost() {
+        let own = [10.0, 20.0, 30.0];
+        assert_eq!(of(&own, 1, &[&[20.0], &[15.0, 20.0]]), 0.0);
+        assert_eq!(of(&own, 1, &[&[20.0], &[15.0]]), 1.0);
+        assert_eq!(of(&own, 1, &[&[20.0], &[]]), 1.0);
+        assert_eq!(of(&own, 1, &[]), 1.0);
+    }
+
+    #[test]
+    fn one_of_two_on_a_pole_is_lost_to_one_of_the_others() {
+        let own = [20.0, 20.0];
+        let shares = [0, 1].map(|nth| of(&own, nth, &[&[20.0], &[20.0]]));
+        assert_eq!(shares, [0.0, 1.0]);
+        // However far the second has moved.
+        for step in [1e-9, 1e-5, 1e-3, 1e-2] {
+            let own = [20.0, 20.0 * (1.0 + step)];
+            assert_eq!(of(&own, 1, &[&[20.0], &[20.0]]), 1.0, "{step}");
+            assert_eq!(of(&own, 0, &[&[20.0], &[20.0]]), 0.0, "{step}");
+        }
+    }
+
+    #[test]
+    fn it_comes_in_by_degrees() {
+        let at = |gap: f64| of(&[20.0], 0, &[&[20.0], &[20.0 * (1.0 + gap)]]);
+        let steps: Vec<f64> = (0..2_000).map(|i| at(1e-6 * f64::from(i))).collect();
+        let steepest = steps.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+        assert!(steepest < 1.1e-3, "{steepest}");
+        assert_eq!((steps[0], steps[1_999]), (0.0, 1.0));
+    }
 }

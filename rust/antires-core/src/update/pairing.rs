@@ -1,7 +1,7 @@
 //! Pairing: which analytic value stands for a measured one, anew at every evaluation. One analytic value may
 //! serve several measured ones.
 //!
-//! An antiresonance takes the nearest in Hz of those that the measurement can show ([`super::sight`]), ties to the
+//! An antiresonance takes the nearest in Hz of those that the measurement can show ([`crate::update::objective`]), ties to the
 //! lower, and fades out at the edge of the band in which the model is asked for antiresonances. A mode takes the one least apart,
 //!
 //! ```text
@@ -57,7 +57,6 @@ impl Pairing {
     /// ```
     ///
     /// with f_0 = 1.49/1.5 f_limit. Where `shown` is below one it counts as fixed in the derivatives.
-    #[must_use]
     pub fn of(
         analytic_hz: &[f64],
         shown: impl Fn(usize) -> f64,
@@ -155,7 +154,6 @@ pub struct Partner {
 
 /// The mode of ascending `lambda` least apart from one measured at `measured`, in (rad/s)²; those up to `zero` are
 /// rigid-body modes and left out. None where no other is there.
-#[must_use]
 pub fn least_apart(
     lambda: &[f64],
     zero: f64,
@@ -179,7 +177,6 @@ pub fn least_apart(
 }
 
 /// e = ω_A² / ω_E² − 1 of a pair, [`UNPAIRED`] without a partner.
-#[must_use]
 pub fn residual(paired_hz: Option<f64>, measured_hz: f64) -> f64 {
     paired_hz.map_or(UNPAIRED, |a| (a / measured_hz).powi(2) - 1.0)
 }

@@ -6,12 +6,28 @@
 //!
 //! The penalties apply to the stiffness reductions β among the unknowns; severities below the snap count as
 //! exactly zero.
+//!
+//! # penalties
+//!
+//! The damage penalties of Eqs. 15-17: `γ₁ Σ β + γ₂ count(β > 0)`.
+//!
+//! They prefer few damaged elements. With γ₁ = γ₂ = 0.1 a small damage costs more than it explains:
+//! see the detectable severities that the damage result reports.
+//!
+//! # misfit
+//!
+//! How the residuals e become one number.
+//!
+//! ```text
+//! absolute   Σ |e|      Eq. 12 of the paper: indifferent to a few wrong values
+//! squared    Σ e²       least squares: shares a contradiction out among those who contradict
+//! largest    max |e|    the largest difference itself
+//! ```
 
-use super::penalties::Penalty;
 use crate::error::{Argument, Error, Result};
+use crate::fem::assembly::{MatrixSlopes, Slopes};
 use crate::fem::model::Model;
 use crate::fem::parameters::{Parameter, Quantity};
-use crate::fem::slopes::{MatrixSlopes, Slopes};
 use crate::optimize::{Composition, Norm};
 
 /// Largest threshold below which a severity may be snapped to zero.
@@ -61,19 +77,16 @@ impl Unknowns {
     }
 
     /// Number of parameters.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.parameters.len()
     }
 
     /// Whether there is no parameter; there always is one.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.parameters.is_empty()
     }
 
     /// Number of degrees of freedom of the model.
-    #[must_use]
     pub fn n_dof(&self) -> usize {
         self.model.n_dof()
     }
@@ -152,4 +165,82 @@ pub(super) fn checked_weights(weights: Vec<f64>, count: usize) -> Result<Vec<f64
         format!("{count} finite weights of at least 0, one for each measured value, not all 0"),
     )
     .remedy("Leave them out to count all values alike."))
+}
+
+// ---- penalties
+
+/// Weights of the two penalties.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Penalty {
+    /// γ₁, on the sum of the severities.
+    pub gamma1: f64,
+    /// γ₂, on the number of damaged elements.
+    pub gamma2: f64,
+}
+
+impl Penalty {
+    /// Penalty of the severities `beta`.
+    pub fn of(&self, beta: impl Iterator<Item = f64>) -> f64 {
+        let (sum, count) = beta.fold((0.0, 0_usize), |(sum, count), b| {
+            (sum + b, count + usize::from(b > 0.0))
+        });
+        self.gamma1 * sum + self.gamma2 * count as f64
+    }
+}
+
+// ---- misfit
+
+/// The norm of the residuals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Misfit {
+    /// Sum of absolute residuals, the paper's.
+    #[default]
+    Absolute,
+    /// Sum of squared residuals.
+    Squared,
+    /// Largest absolute residual.
+    Largest,
+}
+
+impl Misfit {
+    /// `total` with one more residual taken in.
+    pub fn add(self, total: f64, residual: f64) -> f64 {
+        match self {
+            Self::Absolute => total + residual.abs(),
+            Self::Squared => total + residual * residual,
+            Self::Largest => total.max(residual.abs()),
+        }
+    }
+
+    /// The norm as the optimizer's polish knows it; it has none for the largest residual.
+    pub fn norm(self) -> Option<Norm> {
+        match self {
+            Self::Absolute => Some(Norm::Absolute),
+            Self::Squared => Some(Norm::Squared),
+            Self::Largest => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_only_damaged_elements() {
+        let penalty = Penalty {
+            gamma1: 0.1,
+            gamma2: 0.2,
+        };
+        assert_eq!(penalty.of([0.0, 0.0].into_iter()), 0.0);
+        assert!((penalty.of([0.0, 0.5, 0.25].into_iter()) - (0.075 + 0.4)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_three_norms_of_one_set() {
+        let of = |misfit: Misfit| [0.5, -2.0, 1.0].iter().fold(0.0, |t, &e| misfit.add(t, e));
+        assert_eq!(of(Misfit::Absolute), 3.5);
+        assert_eq!(of(Misfit::Squared), 5.25);
+        assert_eq!(of(Misfit::Largest), 2.0);
+    }
 }

@@ -1,8 +1,7 @@
 //! Both routes against closed forms and against each other.
 
 use antires_core::antiresonances::{Query, Route, antiresonances};
-use antires_core::fem::chain::mass_spring_chain;
-use antires_core::fem::model::Model;
+use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::term::Term;
 use antires_core::modal::modes::modes;
 use faer::Mat;

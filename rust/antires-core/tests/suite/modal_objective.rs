@@ -1,13 +1,12 @@
 //! The comparison objective: resonances and mode shapes in, parameters out.
 
-use antires_core::fem::chain::mass_spring_chain;
-use antires_core::fem::model::Model;
+use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::modal::mac::Shape;
 use antires_core::modal::modes::modes;
 use antires_core::optimize::{Bounds, Hooks, IslandOptions, Objective, minimize_objective};
-use antires_core::update::misfit::Misfit;
 use antires_core::update::modal_objective::{MeasuredMode, ModalObjective};
+use antires_core::update::unknowns::Misfit;
 
 use crate::common::chain8::{
     INTACT, PAPER, assert_found, assert_same_for_any_threads, chain8, damaged, each, search,

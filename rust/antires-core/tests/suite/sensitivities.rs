@@ -5,16 +5,14 @@ use std::sync::Arc;
 use antires_core::antiresonances::{
     AntiresonanceSolver, Query, Route, ZeroSensitivity, antiresonances,
 };
-use antires_core::fem::chain::mass_spring_chain;
-use antires_core::fem::model::Model;
+use antires_core::fem::assembly::Slopes;
+use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::parameters::{Parameter, Quantity};
-use antires_core::fem::slopes::Slopes;
 use antires_core::modal::modes::eigenvalue;
 use antires_core::modal::structure::Structure;
 use antires_core::optimize::{Linearization, Objective};
-use antires_core::update::misfit::Misfit;
 use antires_core::update::objective::{AntiresonanceObjective, Target};
-use antires_core::update::penalties::Penalty;
+use antires_core::update::unknowns::{Misfit, Penalty};
 
 /// A grounded chain with no symmetry.
 fn chain() -> Model {

@@ -1,15 +1,13 @@
 //! The whole core: measured antiresonances in, parameters out.
 
 use antires_core::antiresonances::{Query, Route, antiresonances};
-use antires_core::fem::chain::mass_spring_chain;
-use antires_core::fem::model::Model;
+use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::optimize::{
     Bounds, Hooks, IslandOptions, Linearization, Objective, minimize_objective,
 };
-use antires_core::update::misfit::Misfit;
-use antires_core::update::objective::{AntiresonanceObjective, Target};
-use antires_core::update::sight::Sees;
+use antires_core::update::objective::{AntiresonanceObjective, Sees, Target};
+use antires_core::update::unknowns::Misfit;
 
 use crate::common::chain8::{
     INTACT, PAPER, assert_found, assert_same_for_any_threads, chain8, damaged, each, search,

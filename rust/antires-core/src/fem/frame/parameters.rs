@@ -16,51 +16,38 @@
 use nalgebra::{Rotation3, Unit, Vector3};
 
 use super::Frame;
-use super::dofs::Dimension;
-use super::property::{Angle, Property, Scale};
+use super::elements::norm;
 use crate::error::{Argument, Error, Result};
-use crate::fem::parameters::{Parameter, Quantity};
+use crate::fem::parameters::{Angle, Parameter, Property, Quantity, Reach, Scale};
+use crate::fem::term::{Places, Side, Term};
+use crate::linalg::sparse::SparseMatrix;
+
+/// What must be left of a beam's length while a node moves.
+const LEFT: f64 = 0.01;
 
 impl Frame {
-    /// The numbers that hold a property of carrier `index`; none when there is no such carrier.
-    fn slots(&mut self, property: Property, index: usize) -> Option<&mut [f64]> {
-        let parts = &mut self.description;
-        let section = parts.sections.get_mut(index);
-        let lump = parts.point_masses.get_mut(index);
-        let one = match property {
-            Property::YoungsModulus => &mut section?.youngs_modulus_pa,
-            Property::Density => &mut section?.density_kg_per_m3,
-            Property::Thickness => section?.shape.tube_mut()?.1,
-            Property::Diameter => section?.shape.tube_mut()?.0,
-            Property::Mass => &mut lump?.mass_kg,
-            Property::Inertia => {
-                let about = &mut lump?.inertia_kg_m2;
-                return Some(match parts.dimension {
-                    Dimension::Plane => &mut about[2..],
-                    Dimension::Space => about,
-                });
-            }
-            Property::SupportStiffness => {
-                &mut parts.ground_springs.get_mut(index)?.stiffness_n_per_m
-            }
-        };
-        Some(std::slice::from_mut(one))
-    }
-
     /// The values of a property of carrier `index`, one, or three about the axes; none when there is
     /// no such carrier.
     fn values(&self, property: Property, index: usize) -> Option<Vec<f64>> {
         // A copy, since one table of places is better than two; only set-up calls this.
-        self.clone().slots(property, index).map(|s| s.to_vec())
+        self.description
+            .clone()
+            .slots(property, index)
+            .map(|s| s.to_vec())
     }
 
     /// Sets what the frame's own parameters govern; factors on terms are left to the caller.
-    pub(super) fn apply(&mut self, parameters: &[Parameter], x: &[f64]) {
+    fn apply(&mut self, parameters: &[Parameter], x: &[f64]) {
         for (parameter, &value) in parameters.iter().zip(x) {
             match &parameter.quantity {
                 &Quantity::Property(property, scale) => {
                     for &index in &parameter.terms {
-                        for slot in self.slots(property, index).into_iter().flatten() {
+                        for slot in self
+                            .description
+                            .slots(property, index)
+                            .into_iter()
+                            .flatten()
+                        {
                             *slot = match scale {
                                 Scale::Value => value,
                                 Scale::Factor => *slot * value,
@@ -86,7 +73,7 @@ impl Frame {
             let x = Vector3::from(self.description.nodes_m[node]) - center;
             self.description.nodes_m[node] = (center + rotation * x).into();
         }
-        for (beam, reference) in self.description.beams.iter().zip(&mut self.references) {
+        for (beam, reference) in self.description.beams().zip(&mut self.references) {
             // `nodes` ascends: `downstream` lists them so.
             if beam.nodes.iter().any(|n| nodes.binary_search(n).is_ok()) {
                 *reference = (rotation * Vector3::from(*reference)).into();
@@ -104,9 +91,9 @@ impl Frame {
         for (parameter, &value) in parameters.iter().zip(x) {
             for &term in &parameter.terms {
                 match &parameter.quantity {
-                    Quantity::StiffnessReduction => frame.scale_stiffness(term, 1.0 - value),
-                    Quantity::StiffnessFactor => frame.scale_stiffness(term, value),
-                    Quantity::MassFactor => frame.scale_mass(term, value),
+                    Quantity::StiffnessReduction => frame.scale(Side::Stiffness, term, 1.0 - value),
+                    Quantity::StiffnessFactor => frame.scale(Side::Stiffness, term, value),
+                    Quantity::MassFactor => frame.scale(Side::Mass, term, value),
                     _ => {}
                 }
             }
@@ -115,29 +102,9 @@ impl Frame {
         Ok(frame)
     }
 
-    fn scale_stiffness(&mut self, term: usize, factor: f64) {
-        let parts = &mut self.description;
-        let (beams, ground) = (parts.beams.len(), parts.ground_springs.len());
-        if term < beams {
-            self.stiffness_factors[term] *= factor;
-        } else if term < beams + ground {
-            parts.ground_springs[term - beams].stiffness_n_per_m *= factor;
-        } else {
-            parts.node_springs[term - beams - ground].stiffness_n_per_m *= factor;
-        }
-    }
-
-    fn scale_mass(&mut self, term: usize, factor: f64) {
-        let beams = self.description.beams.len();
-        if term < beams {
-            self.mass_factors[term] *= factor;
-            return;
-        }
-        let lump = &mut self.description.point_masses[term - beams];
-        lump.mass_kg *= factor;
-        for inertia in &mut lump.inertia_kg_m2 {
-            *inertia *= factor;
-        }
+    fn scale(&mut self, side: Side, term: usize, factor: f64) {
+        self.description
+            .scale(self.terms[side as usize][term], side, factor);
     }
 
     /// Checks that a property parameter called `name` governs something of this frame.
@@ -181,18 +148,7 @@ impl Frame {
             )
             .remedy("Give a nominal value above zero, or leave the parameter out."));
         }
-        let beams = &self.description.beams;
-        let unused = |index: &usize| match property {
-            Property::YoungsModulus
-            | Property::Density
-            | Property::Thickness
-            | Property::Diameter => beams.iter().all(|beam| beam.section != *index),
-            Property::Mass | Property::Inertia => self.mass_is_fixed(property, *index),
-            Property::SupportStiffness => {
-                let spring = &self.description.ground_springs[*index];
-                self.dofs.number(spring.node, spring.direction).is_none()
-            }
-        };
+        let unused = |index: &usize| self.description.is_unused(property, *index, &self.dofs);
         if indices.iter().all(unused) {
             return Err(Error::input(
                 name,
@@ -204,20 +160,7 @@ impl Frame {
         Ok(())
     }
 
-    /// Whether all dofs that a lumped mass or inertia acts on are fixed.
-    fn mass_is_fixed(&self, property: Property, index: usize) -> bool {
-        let node = self.description.point_masses[index].node;
-        let dimension = self.description.dimension;
-        let translations = dimension.axes();
-        let mut directions = match property {
-            Property::Mass => 0..translations,
-            _ => translations..dimension.per_node(),
-        };
-        directions.all(|direction| self.dofs.number(node, direction).is_none())
-    }
-
     /// The common nominal value of a property, none for different ones.
-    #[must_use]
     pub fn nominal(&self, property: Property, indices: &[usize]) -> Option<f64> {
         let mut values = Vec::new();
         for &index in indices {
@@ -225,5 +168,253 @@ impl Frame {
         }
         let first = *values.first()?;
         values.iter().all(|v| *v == first).then_some(first)
+    }
+
+    /// The nodes that move when the beams `group` get longer while the node `pivot` stays, each with the node
+    /// it is reached from.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] for what [`Frame::downstream`] refuses, a group that is not reached from the
+    /// pivot, or one that lies in a loop, which cannot close when only some of its beams get longer.
+    pub fn reach(&self, group: &[usize], pivot: usize) -> Result<Vec<Reach>> {
+        let moving = self.downstream(group, pivot)?;
+        let parts = self.description();
+        let joined = parts.joined().map(|(i, nodes)| (nodes, group.contains(&i)));
+        let mut edges: Vec<([usize; 2], bool)> = joined.collect();
+        edges.retain(|(nodes, _)| {
+            nodes
+                .iter()
+                .all(|n| *n == pivot || moving.binary_search(n).is_ok())
+        });
+        // Nodes of one carrier move alike. The carrier of a far end is itself.
+        let mut carrier: Vec<Option<usize>> = vec![None; parts.nodes_m.len()];
+        carrier[pivot] = Some(pivot);
+        let mut way: Vec<Reach> = Vec::new();
+        let mut stretching = vec![false; edges.len()];
+        let mut pending = vec![pivot];
+        while let Some(from) = pending.pop() {
+            for (edge, (nodes, stretched)) in edges.iter().enumerate() {
+                if !nodes.contains(&from) {
+                    continue;
+                }
+                let node = nodes[usize::from(nodes[0] == from)];
+                if carrier[node].is_none() {
+                    carrier[node] = if *stretched {
+                        Some(node)
+                    } else {
+                        carrier[from]
+                    };
+                    stretching[edge] = *stretched;
+                    way.push(Reach {
+                        node,
+                        from,
+                        stretched: *stretched,
+                    });
+                    pending.push(node);
+                }
+            }
+        }
+        for (edge, ([a, b], stretched)) in edges.iter().enumerate() {
+            if *stretched != stretching[edge] || (!stretched && carrier[*a] != carrier[*b]) {
+                return Err(Error::input(
+                    "elements",
+                    format!("a group in a loop, which nodes {a} and {b} close"),
+                    "elements outside loops, all reached from the pivot",
+                )
+                .remedy(
+                    "Move nodes by position instead, so that all members of the loop follow.",
+                ));
+            }
+        }
+        Ok(way)
+    }
+
+    fn shift(&mut self, direction: &[f64; 3], distance_m: f64, nodes: &[usize]) {
+        for &node in nodes {
+            for (x, n) in self.description.nodes_m[node].iter_mut().zip(direction) {
+                *x += distance_m * n;
+            }
+        }
+    }
+
+    fn stretch(&mut self, way: &[Reach], factor: f64) {
+        let before = self.description.nodes_m.clone();
+        for step in way {
+            let now = self.description.nodes_m[step.from];
+            let [near, far] = [step.from, step.node].map(|node| before[node]);
+            let factor = if step.stretched { factor } else { 1.0 };
+            self.description.nodes_m[step.node] =
+                std::array::from_fn(|i| now[i] + factor * (far[i] - near[i]));
+        }
+    }
+
+    /// Length of the shortest beam (m).
+    pub fn shortest_m(&self) -> f64 {
+        let parts = self.description();
+        let lengths = parts.beams().map(|beam| parts.place().length_m(beam.nodes));
+        lengths.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Checks that no beam shrinks to nothing while `nodes` move by `low` to `high` metres.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] naming the first beam that does.
+    pub fn check_way(
+        &self,
+        direction: [f64; 3],
+        nodes: &[usize],
+        low: f64,
+        high: f64,
+    ) -> Result<()> {
+        let parts = self.description();
+        for (i, beam) in parts.beams().enumerate() {
+            let [first, last] = beam.nodes.map(|node| nodes.contains(&node));
+            if first == last {
+                continue;
+            }
+            let along = parts.place().vector_m(beam.nodes);
+            let sign = if last { 1.0 } else { -1.0 };
+            // Where the moving end is nearest to the other.
+            let towards: f64 = (0..3)
+                .map(|axis| sign * direction[axis] * along[axis])
+                .sum();
+            let at = (-towards).clamp(low, high);
+            let left = norm(std::array::from_fn(|axis| {
+                along[axis] + sign * at * direction[axis]
+            }));
+            if left < LEFT * norm(along) {
+                return Err(Error::input(
+                    Argument::from("elements").item(i),
+                    format!("an element of length {left:e} m at a shift of {at} m"),
+                    "a hundredth of its length or more",
+                )
+                .remedy("Narrow the bounds of the position."));
+            }
+        }
+        Ok(())
+    }
+
+    /// The frame with its own parameters at `x`; factors on terms are left to the caller.
+    pub fn formed(&self, parameters: &[Parameter], x: &[f64]) -> Self {
+        let mut frame = self.clone();
+        frame.apply(parameters, x);
+        frame
+    }
+
+    /// Indices of the terms of one matrix in which this frame differs from `other`, formed from the same one.
+    pub fn terms_unlike<'a>(
+        &'a self,
+        other: &'a Self,
+        side: Side,
+    ) -> impl Iterator<Item = usize> + 'a {
+        (0..self.terms[side as usize].len()).filter(move |&t| self.differs(other, side, t))
+    }
+
+    /// Brings back what [`Frame::apply`] can change.
+    fn reset_to(&mut self, nominal: &Self) {
+        let (now, then) = (&mut self.description, &nominal.description);
+        now.nodes_m.clone_from(&then.nodes_m);
+        now.sections.clone_from(&then.sections);
+        now.elements.clone_from(&then.elements);
+        self.references.clone_from(&nominal.references);
+    }
+}
+
+/// One nominal matrix, its terms and their places in it.
+#[derive(Clone, Copy)]
+pub struct Nominal<'a> {
+    /// K or M.
+    pub matrix: &'a SparseMatrix,
+    /// What it is the sum of.
+    pub terms: &'a [Term],
+    /// Places of their entries.
+    pub places: &'a Places,
+}
+
+/// A frame at a parameter vector, with its terms; the memory is reused from one vector to the next.
+///
+/// K and M are summed anew from all terms in their order. So they depend on the parameter vector alone, not on
+/// the one before, and are those of a model built with these values.
+#[derive(Debug, Clone)]
+pub struct Reform {
+    working: Frame,
+    stiffness: Terms,
+    mass: Terms,
+}
+
+/// Terms of one matrix as they are now.
+#[derive(Debug, Clone, Default)]
+struct Terms {
+    /// Empty as long as none was formed again.
+    now: Vec<Term>,
+    altered: Vec<bool>,
+    /// Whether the matrix differs from the nominal one.
+    matrix_altered: bool,
+}
+
+impl Reform {
+    /// The nominal state of `frame`.
+    pub fn new(frame: &Frame) -> Self {
+        Self {
+            working: frame.clone(),
+            stiffness: Terms::default(),
+            mass: Terms::default(),
+        }
+    }
+
+    /// Forms both matrices at `x`: (nominal, factors on its terms, matrix) for stiffness and mass.
+    pub fn form(
+        &mut self,
+        nominal: &Frame,
+        parameters: &[Parameter],
+        x: &[f64],
+        [stiffness, mass]: [(Nominal<'_>, &Vec<f64>, &mut SparseMatrix); 2],
+    ) {
+        if parameters.iter().any(|p| p.quantity.forms_anew()) {
+            self.working.reset_to(nominal);
+            self.working.apply(parameters, x);
+            let working = &self.working;
+            self.stiffness
+                .refresh(stiffness.0.terms, [working, nominal], Side::Stiffness);
+            self.mass
+                .refresh(mass.0.terms, [working, nominal], Side::Mass);
+        }
+        self.stiffness.sum(stiffness.0, stiffness.1, stiffness.2);
+        self.mass.sum(mass.0, mass.1, mass.2);
+    }
+}
+
+impl Terms {
+    fn refresh(&mut self, nominal: &[Term], [working, before]: [&Frame; 2], side: Side) {
+        if self.now.is_empty() {
+            self.now = nominal.to_vec();
+            self.altered = vec![false; nominal.len()];
+        }
+        for (i, (term, altered)) in self.now.iter_mut().zip(&mut self.altered).enumerate() {
+            if working.differs(before, side, i) {
+                working.form(side, i, term);
+                *altered = true;
+            } else if *altered {
+                term.copy_from(&nominal[i]);
+                *altered = false;
+            }
+        }
+    }
+
+    fn sum(&mut self, nominal: Nominal<'_>, factors: &[f64], matrix: &mut SparseMatrix) {
+        let altered = self.altered.contains(&true) || factors.iter().any(|f| *f != 1.0);
+        if !altered && !self.matrix_altered {
+            return;
+        }
+        self.matrix_altered = altered;
+        let terms = if self.now.is_empty() {
+            nominal.terms
+        } else {
+            &self.now
+        };
+        matrix.values.fill(0.0);
+        for (t, (term, &factor)) in terms.iter().zip(factors).enumerate() {
+            term.add_to(&mut matrix.values, nominal.places.of(t), factor);
+        }
     }
 }

@@ -1,12 +1,11 @@
 //! The eight-mass chain of the paper, and the search for the damage of its fifth spring.
 
-use antires_core::fem::chain::mass_spring_chain;
-use antires_core::fem::model::Model;
+use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::optimize::{
     Bounds, Hooks, IslandOptions, Objective, Outcome, minimize_objective,
 };
-use antires_core::update::penalties::Penalty;
+use antires_core::update::unknowns::Penalty;
 
 use super::bits;
 

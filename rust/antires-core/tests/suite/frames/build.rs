@@ -1,10 +1,9 @@
 //! Frames that the tests share.
 
 use antires_core::fem::frame::Frame;
-use antires_core::fem::frame::description::{
-    Beam, FrameDescription, GroundSpring, NodeSpring, PointMass,
+use antires_core::fem::frame::elements::{
+    Beam, Dimension, Element, FrameDescription, GroundSpring, NodeSpring, PointMass,
 };
-use antires_core::fem::frame::dofs::Dimension;
 use antires_core::fem::model::Model;
 use antires_core::fem::section::{Section, Shape, Shear};
 
@@ -25,23 +24,69 @@ pub fn tube() -> Section {
     })
 }
 
-pub fn beam(a: usize, b: usize, section: usize) -> Beam {
-    Beam {
-        nodes: [a, b],
-        section,
-        reference: None,
-    }
+/// The elements of one kind.
+macro_rules! each {
+    ($elements:expr, $kind:ident) => {
+        $elements.filter_map(|element| match element {
+            antires_core::fem::frame::elements::Element::$kind(part) => Some(part),
+            _ => None,
+        })
+    };
+    ($frame:expr, $kind:ident, $number:expr) => {
+        each!($frame.elements.iter_mut(), $kind)
+            .nth($number)
+            .unwrap()
+    };
+}
+pub(crate) use each;
+
+/// Takes all elements of one argument out.
+pub fn without(mut frame: FrameDescription, argument: &str) -> FrameDescription {
+    frame
+        .elements
+        .retain(|element| element.argument() != argument);
+    frame
 }
 
-pub fn plain(dimension: Dimension, nodes_m: Vec<[f64; 3]>, beams: Vec<Beam>) -> FrameDescription {
+pub fn beam(a: usize, b: usize, section: usize) -> Element {
+    Beam::new([a, b], section).into()
+}
+
+pub fn lump(node: usize, mass_kg: f64, inertia_kg_m2: [f64; 3]) -> Element {
+    Element::PointMass(PointMass {
+        node,
+        mass_kg,
+        inertia_kg_m2,
+    })
+}
+
+pub fn hanger(node: usize, direction: usize, stiffness_n_per_m: f64) -> Element {
+    Element::GroundSpring(GroundSpring {
+        node,
+        direction,
+        stiffness_n_per_m,
+    })
+}
+
+pub fn joint(nodes: [usize; 2], direction: Option<usize>, stiffness_n_per_m: f64) -> Element {
+    Element::NodeSpring(NodeSpring {
+        nodes,
+        direction,
+        stiffness_n_per_m,
+    })
+}
+
+pub fn plain(
+    dimension: Dimension,
+    nodes_m: Vec<[f64; 3]>,
+    elements: Vec<Element>,
+) -> FrameDescription {
+    let sections = vec![tube()];
     FrameDescription {
         dimension,
         nodes_m,
-        beams,
-        sections: vec![tube()],
-        point_masses: vec![],
-        ground_springs: vec![],
-        node_springs: vec![],
+        sections,
+        elements,
         fixed: vec![],
     }
 }
@@ -102,36 +147,16 @@ pub fn tree(dimension: Dimension) -> FrameDescription {
         width_m: 0.03,
         height_m: 0.02,
     }));
-    frame.point_masses = vec![
-        PointMass {
-            node: 3,
-            mass_kg: 2.0,
-            inertia_kg_m2: [0.01; 3],
-        },
-        PointMass {
-            node: 5,
-            mass_kg: 1.0,
-            inertia_kg_m2: [0.002, 0.003, 0.004],
-        },
-    ];
-    frame.ground_springs = [0, 4]
-        .map(|node| GroundSpring {
-            node,
-            direction: 1,
-            stiffness_n_per_m: 2e3,
-        })
-        .to_vec();
-    for direction in 0..dimension.per_node() {
-        frame.node_springs.push(NodeSpring {
-            nodes: [6, 7],
-            direction: Some(direction),
-            stiffness_n_per_m: 1e5,
-        });
-    }
-    frame.node_springs.push(NodeSpring {
-        nodes: [6, 8],
-        direction: None,
-        stiffness_n_per_m: 3e4,
-    });
+    frame.elements.extend([
+        lump(3, 2.0, [0.01; 3]),
+        lump(5, 1.0, [0.002, 0.003, 0.004]),
+        hanger(0, 1, 2e3),
+        hanger(4, 1, 2e3),
+    ]);
+    let directions = 0..dimension.per_node();
+    frame
+        .elements
+        .extend(directions.map(|direction| joint([6, 7], Some(direction), 1e5)));
+    frame.elements.push(joint([6, 8], None, 3e4));
     frame
 }

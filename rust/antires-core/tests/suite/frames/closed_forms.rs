@@ -12,12 +12,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use antires_core::fem::frame::description::FrameDescription;
-use antires_core::fem::frame::dofs::Dimension;
+use antires_core::fem::frame::elements::{Dimension, FrameDescription};
 use antires_core::fem::section::{Section, Shape, Shear};
 use antires_core::modal::modes::modes;
 
-use super::build::{line, model, steel, tube};
+use super::build::{each, line, model, steel, tube};
 
 const LENGTH_M: f64 = 1.7;
 const MESHES: [usize; 4] = [4, 8, 16, 32];
@@ -207,7 +206,7 @@ fn a_space_cantilever_has_both_bending_families_torsion_and_axial_motion() {
     // Any direction in space, the reference direction across it.
     let end = [1.0, 1.2, (LENGTH_M * LENGTH_M - 2.44_f64).sqrt()];
     let mut frame = line(Dimension::Space, 40, end, section);
-    for beam in &mut frame.beams {
+    for beam in each!(frame.elements.iter_mut(), Beam) {
         beam.reference = Some([-0.3, 0.9, 0.2]);
     }
     frame.fixed = (0..6).map(|direction| (0, direction)).collect();

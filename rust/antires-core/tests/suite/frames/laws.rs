@@ -1,14 +1,13 @@
 //! Laws of every frame: symmetry, rigid motions, total mass, independence of the order of nodes.
 
-use antires_core::fem::frame::description::FrameDescription;
-use antires_core::fem::frame::dofs::Dimension;
+use antires_core::fem::frame::elements::{Dimension, FrameDescription};
 use antires_core::fem::model::Model;
 use antires_core::linalg::sparse::SparseMatrix;
 use antires_core::modal::modes::modes;
 use faer::Mat;
 use nalgebra::Vector3;
 
-use super::build::{model, tree};
+use super::build::{each, model, tree, without};
 
 const BOTH: [Dimension; 2] = [Dimension::Plane, Dimension::Space];
 
@@ -37,9 +36,7 @@ pub fn rigid_motions(model: &Model) -> Mat<f64> {
 }
 
 fn free(dimension: Dimension) -> FrameDescription {
-    let mut frame = tree(dimension);
-    frame.ground_springs.clear();
-    frame
+    without(tree(dimension), "ground_springs")
 }
 
 #[test]
@@ -71,16 +68,15 @@ fn rigid_motions_carry_the_mass_and_inertia_of_the_structure() {
     for dimension in BOTH {
         let model = model(free(dimension));
         let parts = model.frame().unwrap().description();
-        let mut mass_kg: f64 = parts.point_masses.iter().map(|m| m.mass_kg).sum();
-        let mut about_z: f64 = parts
-            .point_masses
-            .iter()
+        let lumps = || each!(parts.elements.iter(), PointMass);
+        let mut mass_kg: f64 = lumps().map(|m| m.mass_kg).sum();
+        let mut about_z: f64 = lumps()
             .map(|m| {
                 let [x, y, _] = parts.nodes_m[m.node];
                 m.inertia_kg_m2[2] + m.mass_kg * (x * x + y * y)
             })
             .sum();
-        for beam in &parts.beams {
+        for beam in parts.beams() {
             let [a, b] = beam.nodes.map(|n| Vector3::from(parts.nodes_m[n]));
             let m = parts.sections[beam.section].rigidity().mass_kg_per_m * (b - a).norm();
             mass_kg += m;
@@ -110,7 +106,7 @@ fn the_order_of_an_elements_nodes_changes_nothing() {
     for dimension in BOTH {
         let straight = model(tree(dimension));
         let mut description = tree(dimension);
-        for beam in &mut description.beams {
+        for beam in each!(description.elements.iter_mut(), Beam) {
             beam.nodes.reverse();
         }
         let reversed = model(description);
@@ -129,12 +125,13 @@ fn a_plane_frame_is_the_space_frame_held_in_its_plane() {
     let mut description = tree(Dimension::Plane);
     description.dimension = Dimension::Space;
     // The joint springs of the plane act on u, v and theta, which is rz in space.
-    for spring in &mut description.node_springs {
+    for spring in each!(description.elements.iter_mut(), NodeSpring) {
         spring.direction = spring.direction.map(|d| if d == 2 { 5 } else { d });
     }
+    let nodes_m = description.nodes_m.clone();
     // The reference direction of the plane: its local y lies in the plane.
-    for beam in &mut description.beams {
-        let [a, b] = beam.nodes.map(|n| Vector3::from(description.nodes_m[n]));
+    for beam in each!(description.elements.iter_mut(), Beam) {
+        let [a, b] = beam.nodes.map(|n| Vector3::from(nodes_m[n]));
         beam.reference = Some(Vector3::z().cross(&(b - a)).into());
     }
     for node in 0..description.nodes_m.len() {

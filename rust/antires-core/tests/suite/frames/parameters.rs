@@ -2,14 +2,14 @@
 
 use antires_core::error::Argument;
 use antires_core::fem::assembly::Assembly;
-use antires_core::fem::frame::dofs::Dimension;
+use antires_core::fem::frame::elements::Dimension;
 use antires_core::fem::frame::{Angle, Property, Scale};
 use antires_core::fem::model::Model;
 use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::fem::section::Shape;
 use antires_core::linalg::sparse::SparseMatrix;
 
-use super::build::{model, tree};
+use super::build::{each, model, tree, without};
 use super::laws::rigid_motions;
 
 const BOTH: [Dimension; 2] = [Dimension::Plane, Dimension::Space];
@@ -137,11 +137,12 @@ fn the_updated_frame_is_nominal_at_its_new_state() {
             panic!()
         };
         assert_eq!((outer_diameter_m, thickness_m), (0.038 * 1.05, 0.0018));
-        assert_eq!(parts.point_masses[0].mass_kg, 2.6);
-        assert_eq!(parts.ground_springs[1].stiffness_n_per_m, 3.1e3);
+        let lump = each!(parts.elements.iter(), PointMass).next().unwrap();
+        let hanger = each!(parts.elements.iter(), GroundSpring).nth(1).unwrap();
+        assert_eq!((lump.mass_kg, hanger.stiffness_n_per_m), (2.6, 3.1e3));
         assert_eq!(parameters[5].nominal(&updated), Some(1.9e11));
         // Lengths are kept by turning.
-        for beam in &parts.beams {
+        for beam in parts.beams() {
             let length = |m: &Model| {
                 let nodes = &m.frame().unwrap().description().nodes_m;
                 let [a, b] = beam.nodes.map(|n| nodes[n]);
@@ -159,9 +160,7 @@ fn the_updated_frame_is_nominal_at_its_new_state() {
 #[test]
 fn rigid_motions_stay_free_at_any_angle() {
     for dimension in BOTH {
-        let mut description = tree(dimension);
-        description.ground_springs.clear();
-        let nominal = model(description);
+        let nominal = model(without(tree(dimension), "ground_springs"));
         let parameters = [
             angle(&nominal, &[2], 2),
             angle(&nominal, &[3], 3),

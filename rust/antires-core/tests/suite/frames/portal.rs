@@ -11,13 +11,12 @@
 
 use std::f64::consts::TAU;
 
-use antires_core::fem::frame::description::PointMass;
-use antires_core::fem::frame::dofs::Dimension;
+use antires_core::fem::frame::elements::Dimension;
 use antires_core::fem::section::{Section, Shape, Shear};
 use antires_core::modal::modes::modes;
 use nalgebra::{Rotation3, Vector3};
 
-use super::build::{beam, model, plain};
+use super::build::{beam, lump, model, plain};
 
 const HEIGHT_M: f64 = 0.9;
 const SPAN_M: f64 = 1.4;
@@ -63,13 +62,9 @@ fn a_space_portal_sways_as_the_formula_says_however_it_is_turned() {
         let mut frame = plain(Dimension::Space, nodes, beams);
         frame.sections = vec![massless(COLUMN_M4), massless(BEAM_M4)];
         frame.fixed = (0..24).map(|i| (i / 6, i % 6)).collect();
-        frame.point_masses = (4..8)
-            .map(|node| PointMass {
-                node,
-                mass_kg: MASS_KG,
-                inertia_kg_m2: [0.0; 3],
-            })
-            .collect();
+        frame
+            .elements
+            .extend((4..8).map(|node| lump(node, MASS_KG, [0.0; 3])));
         let found = modes(&model(frame)).unwrap().freq_hz;
         // Four corners that move in three directions each; the rest carries no mass.
         assert_eq!(found.len(), 12);

@@ -1,16 +1,16 @@
 //! Sensitivities to every kind of parameter of a frame, against differences of the whole computation.
 
-use super::build::{line, model, steel, tube};
-use antires_core::fem::frame::description::{FrameDescription, GroundSpring, PointMass};
-use antires_core::fem::frame::dofs::Dimension;
+use antires_core::fem::frame::elements::{Dimension, FrameDescription};
 use antires_core::fem::frame::{Angle, Property, Scale};
 use antires_core::fem::model::Model;
 use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::fem::section::Shape;
 use antires_core::modal::modes::{eigenvalue, hertz};
 use antires_core::optimize::{Linearization, Objective};
-use antires_core::update::misfit::Misfit;
 use antires_core::update::objective::{AntiresonanceObjective, Target};
+use antires_core::update::unknowns::Misfit;
+
+use super::build::{each, hanger, line, lump, model, steel, tube};
 
 /// A pipe of 18 beams, two sections, hung softly, with a silencer near its end: 57 dofs, a case for bands.
 fn pipe() -> FrameDescription {
@@ -19,23 +19,16 @@ fn pipe() -> FrameDescription {
         outer_diameter_m: 0.045,
         thickness_m: 0.0012,
     }));
-    for beam in &mut frame.beams[7..] {
+    for beam in each!(frame.elements.iter_mut(), Beam).skip(7) {
         beam.section = 1;
     }
-    frame.point_masses = [(4, 2.0), (13, 3.5)]
-        .map(|(node, mass_kg)| PointMass {
-            node,
-            mass_kg,
-            inertia_kg_m2: [0.01; 3],
-        })
-        .to_vec();
-    frame.ground_springs = [(0, 0), (1, 1), (9, 1), (17, 1)]
-        .map(|(node, direction)| GroundSpring {
-            node,
-            direction,
-            stiffness_n_per_m: 2.5e3,
-        })
-        .to_vec();
+    frame
+        .elements
+        .extend([(4, 2.0), (13, 3.5)].map(|(node, mass)| lump(node, mass, [0.01; 3])));
+    let hangers = [(0, 0), (1, 1), (9, 1), (17, 1)];
+    frame
+        .elements
+        .extend(hangers.map(|(node, direction)| hanger(node, direction, 2.5e3)));
     frame
 }
 

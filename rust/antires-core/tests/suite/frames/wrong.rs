@@ -1,16 +1,15 @@
 //! Ill-posed frames and parameters: an error that names the part.
 
 use antires_core::error::Argument;
-use antires_core::fem::bounds::check_bounds;
-use antires_core::fem::frame::description::{FrameDescription, GroundSpring, NodeSpring};
-use antires_core::fem::frame::dofs::Dimension;
+use antires_core::fem::checks::check_bounds;
+use antires_core::fem::frame::elements::{Dimension, FrameDescription};
 use antires_core::fem::frame::{Frame, Property, Scale};
 use antires_core::fem::model::Model;
 use antires_core::fem::parameters::{Parameter, Quantity};
 use antires_core::fem::term::Term;
 use faer::Mat;
 
-use super::build::{beam, line, model, tree, tube};
+use super::build::{beam, each, hanger, joint, line, model, tree, tube, without};
 
 fn refused(change: impl Fn(&mut FrameDescription)) -> String {
     let mut description = tree(Dimension::Plane);
@@ -23,7 +22,7 @@ fn frames_that_cannot_be() {
     for (start, error) in [
         (
             "elements[7]: got nodes 0 and 1 again",
-            refused(|d| d.beams.push(beam(1, 0, 0))),
+            refused(|d| d.elements.push(beam(1, 0, 0))),
         ),
         (
             "elements[0]: got an element of length 0",
@@ -31,15 +30,15 @@ fn frames_that_cannot_be() {
         ),
         (
             "elements[0]: got node 1 at both ends",
-            refused(|d| d.beams[0].nodes = [1, 1]),
+            refused(|d| each!(d, Beam, 0).nodes = [1, 1]),
         ),
         (
             "elements[0]: got node 99",
-            refused(|d| d.beams[0].nodes = [0, 99]),
+            refused(|d| each!(d, Beam, 0).nodes = [0, 99]),
         ),
         (
             "elements[0]: got section 7",
-            refused(|d| d.beams[0].section = 7),
+            refused(|d| each!(d, Beam, 0).section = 7),
         ),
         (
             "nodes_m[2]: got NaN m",
@@ -49,7 +48,7 @@ fn frames_that_cannot_be() {
             "nodes_m: got node 9, whose dof 'u'",
             refused(|d| d.nodes_m.push([3.0; 3])),
         ),
-        ("elements: got none", refused(|d| d.beams.clear())),
+        ("elements: got none", refused(|d| d.elements.clear())),
         (
             "fixed: got all dofs",
             refused(|d| d.fixed = (0..27).map(|i| (i / 3, i % 3)).collect()),
@@ -60,28 +59,28 @@ fn frames_that_cannot_be() {
         ),
         (
             "point_masses[0]: got -1 kg",
-            refused(|d| d.point_masses[0].mass_kg = -1.0),
+            refused(|d| each!(d, PointMass, 0).mass_kg = -1.0),
         ),
         (
             "ground_springs[1]: got inf N/m",
             refused(|d| {
-                d.ground_springs[1].stiffness_n_per_m = f64::INFINITY;
+                each!(d, GroundSpring, 1).stiffness_n_per_m = f64::INFINITY;
             }),
         ),
         (
             "node_springs[3]: got a direction, between",
             refused(|d| {
-                d.node_springs[3].direction = Some(0);
+                each!(d, NodeSpring, 3).direction = Some(0);
             }),
         ),
         (
             "node_springs[0]: got no direction",
-            refused(|d| d.node_springs[0].direction = None),
+            refused(|d| each!(d, NodeSpring, 0).direction = None),
         ),
         (
             "orientation[2]: got [0.5, 0.1, 0.0]",
             refused(|d| {
-                d.beams[2].reference = Some([0.5, 0.1, 0.0]);
+                each!(d, Beam, 2).reference = Some([0.5, 0.1, 0.0]);
             }),
         ),
     ] {
@@ -113,10 +112,11 @@ fn a_fixed_dof_is_no_dof() {
 
 #[test]
 fn parts_that_do_not_hang_together_are_counted() {
-    let mut description = tree(Dimension::Plane);
+    let description = tree(Dimension::Plane);
     assert_eq!(Frame::new(description.clone()).unwrap().parts(), [0; 9]);
-    description.node_springs.clear();
-    let parts = Frame::new(description).unwrap().parts();
+    let parts = Frame::new(without(description, "node_springs"))
+        .unwrap()
+        .parts();
     assert_eq!(parts, [0, 0, 0, 0, 0, 0, 0, 1, 1]);
 }
 
@@ -132,7 +132,7 @@ fn groups_that_cannot_turn() {
     assert!(error(&open, &[40], 4).starts_with("elements: got element 40"));
     assert!(error(&open, &[4], 40).starts_with("pivot: got node 40"));
     let mut looped = tree;
-    looped.beams.push(beam(4, 6, 0));
+    looped.elements.push(beam(4, 6, 0));
     let error = error(&frame(looped), &[2], 2);
     assert!(
         error.starts_with("elements: got a group in a loop through node 2"),
@@ -153,7 +153,7 @@ fn parameters_that_change_nothing_or_cannot_be() {
     use Scale::{Factor, Value};
     let mut description = tree(Dimension::Plane);
     description.sections.push(tube()); // section 3, used by no beam
-    description.point_masses[1].inertia_kg_m2 = [0.0; 3];
+    each!(description, PointMass, 1).inertia_kg_m2 = [0.0; 3];
     description.fixed = vec![(0, 1), (3, 2)];
     let model = model(description);
     for (what, parameter) in [
@@ -179,7 +179,7 @@ fn parameters_that_change_nothing_or_cannot_be() {
         assert!(error.starts_with("parameters[5]: got "), "{error}");
         assert!(error.contains(what), "wanted {what}, got {error}");
     }
-    let chain = antires_core::fem::chain::mass_spring_chain(&[1.0; 2], &[1.0], 0.0, 0.0).unwrap();
+    let chain = antires_core::fem::model::mass_spring_chain(&[1.0; 2], &[1.0], 0.0, 0.0).unwrap();
     let error = property(Mass, Value, &[0])
         .check(&"p".into(), &chain)
         .unwrap_err()
@@ -223,18 +223,10 @@ fn bounds_that_allow_what_cannot_be() {
 
 #[test]
 fn a_spring_to_a_fixed_dof_is_held_and_a_joint_needs_two_nodes() {
-    let mut description = line(Dimension::Plane, 2, [1.0, 0.0, 0.0], tube());
-    description.ground_springs = vec![GroundSpring {
-        node: 0,
-        direction: 7,
-        stiffness_n_per_m: 1.0,
-    }];
-    assert!(Frame::new(description.clone()).is_err());
-    description.ground_springs.clear();
-    description.node_springs = vec![NodeSpring {
-        nodes: [1, 1],
-        direction: Some(2),
-        stiffness_n_per_m: 1.0,
-    }];
-    assert!(Frame::new(description).is_err());
+    let description = line(Dimension::Plane, 2, [1.0, 0.0, 0.0], tube());
+    for element in [hanger(0, 7, 1.0), joint([1, 1], Some(2), 1.0)] {
+        let mut description = description.clone();
+        description.elements.push(element);
+        assert!(Frame::new(description).is_err());
+    }
 }
