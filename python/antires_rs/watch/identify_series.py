@@ -22,7 +22,7 @@ from ..measured.response_table import label
 from ..support.checks import frequency_band
 from ..support.messages import warn
 from ..support.progress import span, step, waiting
-from ..support.workers.door import Failed, in_order
+from ..support.workers import Failed, in_order
 from .conditions import ConditionTable, condition_table, of_source
 from .series import Series
 from .sources import (
