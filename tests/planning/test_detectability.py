@@ -1,7 +1,7 @@
 """Probability of detection: predictions against whole assessments, bits, Ctrl-C, what is never found."""
 
 import pickle
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 import pytest
