@@ -17,14 +17,13 @@ import signal
 import threading
 import time
 import traceback
-import uuid
 import warnings
 from asyncio import CancelledError
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sized
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from itertools import islice
 from typing import Any, Literal, NoReturn, Self
 
@@ -40,8 +39,6 @@ Errors = Literal["raise", "return"]
 MOST_WORKERS = 1024
 #: Chunks that are begun or have arrived before the next in order, for each worker: memory stays flat.
 AHEAD = 6
-#: A function up to this size goes with every chunk; a larger one to workers that ask for it.
-_SMALL_BYTES = 65_536
 #: An answer that has not come so long after its task was done counts as a lost worker.
 _RESULT_S = 120.0
 #: What no repetition mends.
@@ -90,25 +87,18 @@ def _results(
 
 _results_alike = one_blas_thread(_results)
 
-#: Functions with what they share, as this worker has unpacked them: so a model arrives once.
-_known: OrderedDict[str, Call] = OrderedDict()
-_KEPT = 8
-_lock = threading.Lock()
+
+@lru_cache(maxsize=8)
+def _unpacked(payload: bytes) -> Call:
+    """A function with what it shares: a worker unpacks a model once."""
+    return _bound(*pickle.loads(payload))
 
 
 @one_blas_thread
-def _packed_results(token: str, payload: bytes | None, tasks: bytes) -> bytes | BaseException | None:
-    """A chunk in another process; None asks for the payload, an exception says that it cannot be unpacked."""
+def _packed_results(payload: bytes, tasks: bytes) -> bytes | BaseException:
+    """A chunk in another process; an exception says that it cannot be unpacked there."""
     try:
-        with _lock:
-            if token not in _known:
-                if payload is None:
-                    return None
-                _known[token] = _bound(*pickle.loads(payload))
-                while len(_known) > _KEPT:
-                    _known.popitem(last=False)
-            call = _known[token]
-        given = pickle.loads(tasks)
+        call, given = _unpacked(payload), pickle.loads(tasks)
     except Exception as error:
         return _sendable(error)
     found, seconds = _results(call, given, BaseException)
@@ -254,22 +244,16 @@ class Schedule:
 
 
 class _Here:
-    """This thread: an answer is computed when it is asked for."""
+    """This thread: what is submitted is done at once."""
 
     _max_workers = a_worker = 1
 
-    class _Later(partial[Any]):
-        def add_done_callback(self, done: Callable[[Any], None]) -> None:
-            done(self)
+    def submit(self, function: Callable[..., Any], *args: Any) -> Any:
+        from concurrent.futures import Future
 
-        def result(self, timeout: float) -> Any:
-            return self()
-
-        def cancel(self) -> None:
-            """Nothing was begun."""
-
-    def submit(self, function: Callable[..., Any], *args: Any) -> _Later:
-        return self._Later(function, *args)
+        future: Future[Any] = Future()
+        future.set_result(function(*args))
+        return future
 
 
 class Processes:
@@ -295,6 +279,8 @@ class Processes:
 
     def submit(self, function: Callable[..., Any], *args: Any) -> Any:
         """Give it to an idle process, or to a new one."""
+        from concurrent.futures import BrokenExecutor
+
         from loky import ProcessPoolExecutor
 
         while True:
@@ -307,7 +293,7 @@ class Processes:
             try:
                 with _sigint_blocked():
                     future = process.submit(function, *args)
-            except RuntimeError:  # it was lost while it rested
+            except BrokenExecutor:  # it was lost while it rested
                 self._all.remove(process)
                 continue
             future.add_done_callback(partial(self._back, process))
@@ -369,16 +355,22 @@ class Dask:
     ask_s = 2.0
     #: Without any worker for so long there is a warning, then an error: a queue may hold the next job back.
     warn_s, patience_s = 60.0, 3600.0
+    small_bytes = 65_536
 
     def __init__(self, client: Any) -> None:
         if getattr(client, "asynchronous", False):
             reject("workers", "an asynchronous Dask client", "a synchronous one", "Make it by Client(...).")
         self._client = client
         self._asked, self._there, self._warned, self._found = 0.0, time.monotonic(), False, 1
+        self._scattered: Any = None
 
-    def submit(self, function: Callable[..., Any], *args: Any) -> Any:
-        """Not ``pure``: what is submitted again is computed again."""
-        return self._client.submit(function, *args, pure=False)
+    def submit(self, function: Callable[..., Any], payload: bytes, tasks: bytes) -> Any:
+        """Not ``pure``: what is submitted again is computed again. A large model goes to each worker once."""
+        if len(payload) > self.small_bytes:
+            if self._scattered is None or self._scattered.status != "finished":
+                self._scattered = self._client.scatter(payload, hash=False)
+            payload = self._scattered
+        return self._client.submit(function, payload, tasks, pure=False)
 
     @property
     def _max_workers(self) -> int:
@@ -506,7 +498,6 @@ class Workers:
             self._call = _bound(function, shared)
         else:
             self._payload = _sent((function, shared), "a function that cannot be sent to them")
-        self._token, self._begun = uuid.uuid4().hex, 0
         self._flying: dict[Any, Chunk] = {}
         self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._broken: BaseException | None = None
@@ -591,7 +582,8 @@ class Workers:
                 if poll is not None:
                     poll()
                 if arrived:
-                    self._hand_out(schedule)  # workers are busy while the caller is
+                    if not isinstance(self._executor, _Here):
+                        self._hand_out(schedule)  # workers are busy while the caller is
                     yield schedule.total
         finally:
             self._a_task = schedule.a_task
@@ -613,19 +605,17 @@ class Workers:
             chunk = schedule.next(workers, AHEAD * workers + 2)
             if chunk is None:
                 return
-            self._submit(chunk, self._begun < at_most)
-            self._begun += 1
+            self._submit(chunk)
 
-    def _submit(self, chunk: Chunk, with_payload: bool) -> None:
+    def _submit(self, chunk: Chunk) -> None:
         from concurrent.futures import BrokenExecutor
 
         try:
             if self._call is not None:
                 future = self._executor.submit(self._run, self._call, chunk.tasks)
             else:
-                payload = self._payload if with_payload or len(self._payload) <= _SMALL_BYTES else None
                 tasks = _sent(chunk.tasks, "tasks that cannot be sent to them")
-                future = self._executor.submit(_packed_results, self._token, payload, tasks)
+                future = self._executor.submit(_packed_results, self._payload, tasks)
         except BrokenExecutor as error:
             self._flying[error] = chunk
             self._done.put(error)
@@ -670,10 +660,7 @@ class Workers:
         else:
             if isinstance(found, BaseException):
                 _does_not_arrive(found)
-            if found is None:  # a worker that came later, or has forgotten
-                self._submit(chunk, with_payload=True)
-            else:
-                schedule.done(chunk, *(found if self._call is not None else pickle.loads(found)))
+            schedule.done(chunk, *(found if self._call is not None else pickle.loads(found)))
 
     def _replace(self) -> None:
         """Processes of our own, as many and begun alike, where those of the caller's executor are broken."""
