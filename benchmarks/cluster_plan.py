@@ -1,7 +1,7 @@
 """A year of records on 1 to 512 workers, simulated: efficiency, load of the scheduler, where it breaks.
 
 The rules are the package's own: chunks are given out, and given out again after losses, by the class that
-does it in every run (``support/workers/schedule.py``). Only the clock is simulated. Measured first, on this
+does it in every run (``support/workers.py``). Only the clock is simulated. Measured first, on this
 machine: the seconds of a few records of ``reference/year_of_tests.py``, and what a chunk costs scheduler and
 caller, from rounds of empty tasks (on a Dask cluster of one process, where it is installed, else on processes
 of our own). One queue serves hand-outs and answers; the network carries so many megabytes a second for all.
@@ -25,16 +25,14 @@ from typing import Any
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.support.workers.dask import OnDask
-from antires_rs.support.workers.door import _AHEAD, in_order
-from antires_rs.support.workers.schedule import Chunk, Schedule
+from antires_rs.support.workers import AHEAD, Chunk, Dask, Schedule, in_order
 from reference.year_of_tests import BAND_HZ, EXCITATION, hour_of_tests
 
 WORKERS = (1, 2, 8, 16, 64, 128, 256, 512)
 SAMPLE, ROUND = 8, 400
 BACK_S = 60.0
 #: What the package takes a chunk to cost the scheduler, whatever it does.
-A_CHUNK_S = OnDask.a_chunk_s
+A_CHUNK_S = Dask.a_chunk_s
 
 
 @dataclass(frozen=True)
@@ -106,7 +104,7 @@ def campaign(
     number = chunks = lost = nth = 0
     while True:
         while idle:
-            chunk = schedule.next(workers, _AHEAD * workers + 2)
+            chunk = schedule.next(workers, AHEAD * workers + 2)
             if chunk is None:
                 break
             idle, chunks, number = idle - 1, chunks + 1, number + 1

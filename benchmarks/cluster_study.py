@@ -21,7 +21,7 @@ import threading
 import time
 from pathlib import Path
 
-from antires_rs.support.workers.door import in_order
+from antires_rs.support.workers import in_order
 
 TASKS, DEADLY = 40, 17
 

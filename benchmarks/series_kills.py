@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.watch.store import Journal, journal_path
+from antires_rs.watch.store import part_path
 from reference.small_records import OPTIONS, dead, record
 
 #: Tests of the series; a process lives for so long, in s, from its first result on.
@@ -42,16 +42,17 @@ def made(folder):
 
 def killed_at(folder, after_s):
     """Tests that are kept after a kill; None if the series was through before."""
-    part = journal_path(folder / "year.parquet")
-    size = part.stat().st_size if part.exists() else 0
+    part = part_path(folder / "year.parquet")
+    log = part.with_name(part.name + "-wal")
+    size = log.stat().st_size if log.exists() else 0
     with subprocess.Popen([sys.executable, "-c", CHILD, str(folder)]) as child:
-        while child.poll() is None and not (part.exists() and part.stat().st_size > size):
+        while child.poll() is None and not (log.exists() and log.stat().st_size > size):
             time.sleep(0.005)
         time.sleep(after_s)
         if child.poll() is not None:
             return None
         child.send_signal(signal.SIGKILL)
-    return len(Journal.read(part).kept) if part.exists() else 0
+    return len(ar.Series.load(folder / "year.parquet")) if part.exists() else 0
 
 
 def main(kills=20, seed=0):

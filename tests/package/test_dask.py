@@ -6,8 +6,7 @@ import sys
 import pytest
 
 import antires_rs as ar
-from antires_rs.support.workers import dask
-from antires_rs.support.workers.door import in_order
+from antires_rs.support.workers import Dask, in_order
 
 distributed = pytest.importorskip("distributed")
 
@@ -24,9 +23,9 @@ def test_a_run_goes_on_with_a_scheduler_that_comes_back_and_says_so_where_none_d
 
 
 def test_a_cluster_without_workers_is_told_and_not_waited_for_for_ever(monkeypatch):
-    monkeypatch.setattr(dask, "_ASK_S", 0.05)
-    monkeypatch.setattr(dask, "_WARN_S", 0.2)
-    monkeypatch.setattr(dask, "_PATIENCE_S", 0.6)
+    monkeypatch.setattr(Dask, "ask_s", 0.05)
+    monkeypatch.setattr(Dask, "warn_s", 0.2)
+    monkeypatch.setattr(Dask, "patience_s", 0.6)
     with (
         distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=":0") as cluster,
         distributed.Client(cluster) as client,

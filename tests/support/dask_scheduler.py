@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 
-from antires_rs.support.workers.door import in_order
+from antires_rs.support.workers import in_order
 
 TASKS = 30
 

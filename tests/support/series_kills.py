@@ -16,6 +16,7 @@ import pyarrow.parquet
 
 import antires_rs as ar
 from antires_rs.watch import sources as one_test
+from antires_rs.watch.store import Store
 from reference.small_records import OPTIONS, record
 from tests.support.kill_points import die_before
 
@@ -35,6 +36,17 @@ def identified(folder: Path, count: int) -> None:
     IDENTIFY_SERIES(sources, **OPTIONS, store=folder / "year.parquet", conditions=conditions)
 
 
+def counted_commits(folder: Path) -> None:
+    """Each transaction is a change on the disk too, which die_before counts like that of a file."""
+    real = Store._commit
+
+    def commit(db):
+        sys.audit("os.rename", str(folder / "transaction"))
+        real(db)
+
+    Store._commit = staticmethod(commit)
+
+
 def forked(folder: Path, count: int, kill_at: int | None = None) -> int:
     child = os.fork()
     if child == 0:
@@ -42,6 +54,7 @@ def forked(folder: Path, count: int, kill_at: int | None = None) -> int:
         try:
             if kill_at is not None:
                 die_before(folder, kill_at)
+                counted_commits(folder)
             identified(folder, count)
             code = 0
         finally:

@@ -2,18 +2,22 @@
 
 import json
 import os
+import shutil
+import sqlite3
+from zlib import crc32
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
 from antires_rs.watch import sources as one_test
-from antires_rs.watch.store import Journal, journal_path
+from antires_rs.watch.store import open_store, part_path
 from reference.small_records import OPTIONS, dead, record
 from tests.support.identified_once import identified_once
 
 pyarrow = pytest.importorskip("pyarrow")
 
+CONFIG = json.loads(json.dumps({"reading": {}} | OPTIONS))
 TIMES = [f"2026-01-01T0{i}:00" for i in range(5)]
 
 
@@ -147,25 +151,110 @@ def test_new_sources_are_taken_in(store, whole, count):
     assert store.read_bytes() == whole
 
 
-def test_torn_anywhere_it_goes_on_to_the_same_file(store, whole):
-    """The last line of the journal may end anywhere; here are the places that differ."""
+def stopped(count=4):
+    yield from sources(count)
+    raise RuntimeError
 
-    def stopped():
+
+def test_torn_anywhere_it_goes_on_to_the_same_file(store, whole, tmp_path):
+    """What a kill or a power cut leaves: a database, and a log behind it that may end anywhere."""
+    seen = tmp_path / "seen"
+
+    def watched():
         yield from sources(4)
+        seen.mkdir()
+        for file in tmp_path.glob("year.parquet.part*"):
+            shutil.copy(file, seen)
         raise RuntimeError
 
     with pytest.raises(RuntimeError):
-        ar.identify_series(stopped(), **OPTIONS, store=store)
-    part = journal_path(store)
-    data = part.read_bytes()
-    ends = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n")) + 1
-    assert len(ends) >= 4
-    for end in (5, int(ends[0]) + 3, int(ends[1]), int(ends[-1]) - 1):
-        part.write_bytes(data[:end])
-        store.unlink(missing_ok=True)
+        ar.identify_series(watched(), **OPTIONS, store=store)
+    log = (seen / "year.parquet.part-wal").read_bytes()
+    assert len(log) > 10_000
+    for end in (0, 5, len(log) // 3, len(log) // 2, len(log) - 1, len(log)):
+        for file in tmp_path.glob("year*"):
+            file.unlink()
+        shutil.copy(seen / "year.parquet.part", tmp_path)
+        (tmp_path / "year.parquet.part-wal").write_bytes(log[:end])
+        assert len(ar.Series.load(store)) >= 2 or end < len(log)
         identified(store)
         assert store.read_bytes() == whole, end
-        assert not part.exists()
+        assert not list(tmp_path.glob("*.part*"))
+
+
+def test_a_database_is_a_store_of_its_own(tmp_path, in_memory, whole, count):
+    store = tmp_path / "year.sqlite"
+    with pytest.raises(RuntimeError):
+        ar.identify_series(stopped(), **OPTIONS, store=store)
+    assert ar.Series.load(store).interrupted
+    identified(store)
+    count.clear()
+    assert_same(identified(store), in_memory)
+    assert count == []
+    series = ar.Series.load(store)
+    assert_same(series, in_memory)
+    assert os.listdir(tmp_path) == ["year.sqlite"]
+    with sqlite3.connect(store) as database:
+        assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+        assert [name for (name,) in database.execute("SELECT name FROM tests ORDER BY place")] == list(
+            "abcde"
+        )
+    identified(store, conditions={"temperature_c": [1.0, 2.0, 3.0, 4.0, 5.0]})
+    assert count == []
+    assert ar.Series.load(store).conditions["temperature_c"].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
+    saved = tmp_path / "saved.sqlite"
+    series.save(saved)
+    assert_same(ar.Series.load(saved), in_memory)
+    with pytest.raises(ar.InvalidInputError, match="Series.save"):
+        identified(saved)
+    with pytest.raises(ar.InvalidInputError, match="no source 'c', 'd', 'e'"):
+        identified(store, 2)
+
+
+def test_tables_have_the_same_bytes_in_whatever_order_tests_were_made(tmp_path, in_memory):
+    """One store by two workers, one in two parts and with a source that came late to its place."""
+    late = [one for one in sources() if one[0] != "b"]
+    files = []
+    for how, workers in (("whole", "threads"), ("parts", None)):
+        store = tmp_path / f"{how}.sqlite"
+        if how == "parts":
+            ar.identify_series(late, **OPTIONS, store=store)
+        series = identified(store, workers=workers)
+        for ending in ("parquet", "csv"):
+            series.save(tmp_path / f"{how}.{ending}")
+        files.append([(tmp_path / f"{how}.{ending}").read_bytes() for ending in ("parquet", "csv")])
+    assert files[0] == files[1]
+    pd = pytest.importorskip("pandas")
+    rows = pd.read_csv(tmp_path / "whole.csv")
+    found = rows[rows["row"] == "antiresonance"]
+    assert found["freq_hz"].tolist() == in_memory.to_dataframe()["freq_hz"].tolist()
+    with pytest.raises(ar.InvalidInputError, match="cannot be read"):
+        ar.Series.load(tmp_path / "whole.csv")
+
+
+def test_a_journal_of_an_older_version_is_taken_up(store, whole, count):
+    """Lines of a checksum and JSON, of which the last is torn."""
+    with pytest.raises(RuntimeError):
+        ar.identify_series(stopped(), **OPTIONS, store=store)
+    kept = open_store(store, CONFIG)
+    lines = [{"format": "antires_rs.Series.journal", "version": 1, "config": CONFIG}]
+    for row in kept._known.values():
+        outcome = row.plain() if row.failed is None else row.failed
+        beside = {"temperature_c": None}
+        lines.append(
+            {"name": row.name, "fingerprint": row.fingerprint, "conditions": beside, "time": None}
+            | {"outcome": outcome}
+        )
+    kept.close()
+    texts = [json.dumps(line).encode() for line in lines]
+    journal = b"".join(b"%08x %s\n" % (crc32(text), text) for text in texts)[:-7]
+    part_path(store).write_bytes(journal)
+    so_far = ar.Series.load(store)
+    assert (so_far.names, so_far.interrupted) == (("a", "b"), True)
+    count.clear()
+    identified(store)
+    assert len(count) == 3
+    assert store.read_bytes() == whole
 
 
 def test_a_changed_source_is_done_again_with_a_word(store):
@@ -194,14 +283,9 @@ def test_other_options_are_refused(store, through):
     if through:
         identified(store)
     else:
-
-        def stopped():
-            yield from sources(3)
-            raise RuntimeError
-
         with pytest.raises(RuntimeError):
-            ar.identify_series(stopped(), **OPTIONS, store=store)
-        assert journal_path(store).exists()
+            ar.identify_series(stopped(3), **OPTIONS, store=store)
+        assert part_path(store).exists()
     with pytest.raises(ar.InvalidInputError, match="band_hz = .*8.0.* in place of .*7.0"):
         identified(store, band_hz=(0.8, 7.0))
     with pytest.raises(ar.InvalidInputError, match="max_order"):
@@ -218,13 +302,10 @@ def test_sources_that_are_gone_are_refused(store, whole):
 
 
 def test_a_store_in_use_is_refused(store):
-    fcntl = pytest.importorskip("fcntl")
-    assert fcntl
-    config = json.loads(json.dumps({"excitation": 0, "band_hz": (0.8, 8.0), "reading": {}, "max_order": 16}))
-    open_elsewhere = Journal(journal_path(store), config)
+    elsewhere = open_store(store, CONFIG)
     with pytest.raises(ar.InvalidInputError, match="another process writes"):
         identified(store)
-    open_elsewhere.close()
+    elsewhere.close()
 
 
 @pytest.mark.parametrize(

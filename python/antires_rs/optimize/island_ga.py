@@ -20,8 +20,7 @@ from ..exceptions import ObjectiveError, reject
 from ..support.checks import FloatArray, finite_scalar, integer, real_array
 from ..support.progress import watched
 from ..support.values import FrozenDict, Value
-from ..support.workers.counts import MOST_WORKERS, processors
-from ..support.workers.door import Failed, Workers
+from ..support.workers import MOST_WORKERS, Failed, Workers, processors
 from .checkpoint import Checkpoint, digest_of
 
 # -- What came out of a search, read-only

@@ -23,7 +23,7 @@ from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray
 from ..support.progress import step
-from ..support.workers.door import in_order
+from ..support.workers import in_order
 from .detection_curves import rising
 from .plan import Sees
 from .virtual_roots import objective

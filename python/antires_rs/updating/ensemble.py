@@ -13,7 +13,7 @@ from ..exceptions import part, reject
 from ..optimize.island_ga import IslandGA, seed_of
 from ..support.checks import FloatArray, integer
 from ..support.progress import waiting
-from ..support.workers.door import Failed, in_order
+from ..support.workers import Failed, in_order
 from .problem import UpdatingProblem
 from .result import UpdateResult
 from .update import update

@@ -18,7 +18,7 @@ from ..exceptions import part, reject
 from ..support.checks import FloatArray
 from ..support.messages import warn
 from ..support.values import FrozenDict, frozen
-from .series_parquet import pyarrow_parquet
+from .series_table import pyarrow
 from .stored_tests import COLUMNS
 
 # -- Numbers of a condition: what stands for one that is not known, and what is none
@@ -197,7 +197,7 @@ def read_table(path: Path) -> dict[str, Any]:
     """
     suffix = path.suffix.lower()
     if suffix == ".parquet":
-        table = pyarrow_parquet("conditions from Parquet").read_table(path)
+        table = pyarrow("conditions from Parquet").parquet.read_table(path)
         return {name: table.column(name).to_pylist() for name in table.column_names}
     if suffix not in (".csv", ".tsv", ".txt"):
         reject("conditions", repr(str(path)), _ENDINGS, "Export the table as CSV.")

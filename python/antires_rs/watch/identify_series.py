@@ -6,6 +6,7 @@ import json
 import re
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -22,7 +23,7 @@ from ..measured.response_table import label
 from ..support.checks import frequency_band
 from ..support.messages import warn
 from ..support.progress import span, step, waiting
-from ..support.workers.door import Failed, in_order
+from ..support.workers import Failed, in_order
 from .conditions import ConditionTable, condition_table, of_source
 from .series import Series
 from .sources import (
@@ -37,7 +38,7 @@ from .sources import (
     loaded,
     why_not,
 )
-from .store import FileStore, MemoryStore, open_store
+from .store import Store, open_store
 from .stored_tests import Row, parts_of
 
 # -- The next source is read while the one before it is computed
@@ -145,9 +146,9 @@ def identify_series(
         row a test in the order of the sources, or by the names of the tests in a column "name", "source" or
         "file". A column "time" or "date" gives the times.
     store : path, optional
-        A file ``.parquet`` in which every result is kept as it is made; needs the extra ``series``. Called
-        again, a series goes on where it was stopped or killed, and takes in new sources. By default the
-        results are kept in memory.
+        A file in which every result is kept as it is made: ``.sqlite``, or ``.parquet``, which needs the
+        extra ``series``. Called again, a series goes on where it was stopped or killed, and takes in new
+        sources. By default the results are kept in memory.
     workers : int, "processes", "threads" or executor, optional
         Who identifies them: by default this process. The results do not depend on it, bit for bit. Processes
         read files themselves; records in memory, and functions, are sent to them.
@@ -190,9 +191,9 @@ def identify_series(
     An exception that ends a series, one of a generator of sources or of conditions that do not fit, has the
     tests so far as ``error.series``.
 
-    A store that runs has its results in ``<store>.part`` beside it, a line a test. What was done is
-    recognised by the name of the source and its content (of long files: size and three parts). Whether it was
-    killed or not, and how often, the file is the same byte for byte.
+    A store ``.parquet`` that runs has its results in ``<store>.part`` beside it, a database of SQLite. What
+    was done is recognised by the name of the source and its content (of long files: size and three parts).
+    Whether it was killed or not, and how often, the Parquet file is the same byte for byte.
 
     Examples
     --------
@@ -232,7 +233,7 @@ def identify_series(
         raise
     finally:
         opened.close()
-    if isinstance(opened, FileStore) and opened.changed:
+    if opened.changed:
         text = f"store: {len(opened.changed)} sources have changed since they were identified and were "
         warn("changed_sources", text + f"identified again, the first is {opened.changed[0]!r}.")
     return Series(**parts_of(rows), interrupted=interrupted)
@@ -241,7 +242,7 @@ def identify_series(
 class _Run:
     """One pass over the sources."""
 
-    def __init__(self, sources: Sources, table: ConditionTable, store: MemoryStore | FileStore) -> None:
+    def __init__(self, sources: Sources, table: ConditionTable, store: Store) -> None:
         self._sources, self._table, self._store = sources, table, store
         self._rows: list[Row | None] = []
         #: What is being computed: its number, name, fingerprint, conditions and time.
@@ -259,9 +260,9 @@ class _Run:
         try:
             for outcome in computed(instructions, self._tasks(), workers):
                 number, name, content, conditions, time = self._pending.popleft()
-                kept = self._store.keep(name, content, conditions, time, outcome)
-                self._rows[number] = Row(name, conditions, time, kept)
-                self._failed += kept.failed is not None
+                row = self._store.keep(name, content, conditions, time, outcome)
+                self._rows[number] = row
+                self._failed += row.failed is not None
                 done += 1
                 step(_progress(number + 1, self._sources.count, self._failed, monotonic() - start, done))
         except KeyboardInterrupt:
@@ -273,15 +274,14 @@ class _Run:
     def _tasks(self) -> Iterator[Any]:
         for number, source in enumerate(self._sources.each):
             conditions, time = self._beside(number, source)
-            stored = isinstance(self._store, FileStore)
-            content = fingerprint(source.given) if stored else ""
-            kept = self._store.known(source.name, content)
-            self._rows.append(None if kept is None else Row(source.name, conditions, time, kept))
-            if kept is None:
+            content = "" if self._store.path is None else fingerprint(source.given)
+            row = self._store.known(source.name, content)
+            self._rows.append(None if row is None else replace(row, conditions=conditions, time=time))
+            if row is None:
                 self._pending.append((number, source.name, content, conditions, time))
                 yield source.given
             else:
-                self._failed += kept.failed is not None
+                self._failed += row.failed is not None
 
     def _beside(self, number: int, source: Source) -> tuple[dict[str, float], Any]:
         conditions, time = self._table.at(number, source.name)

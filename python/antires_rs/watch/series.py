@@ -21,93 +21,11 @@ from ..measured.track import Tracks, followed
 from ..support.checks import FloatArray
 from ..support.values import FrozenDict, ReadOnly
 from .conditions import checked_conditions, checked_names, checked_times, in_order
-from .series_parquet import write_series
-from .store import stored_rows
-from .stored_tests import InMemory, Kept, Row, encoded, parts_of
-
-# -- What is known of many tests in order, without the views on it
-
+from .store import read_series, write_series
+from .stored_tests import Row, StoredSets, encoded, parts_of
 
 #: Reason of a test that was given as None.
 NO_SET = "no set was given"
-
-
-class KeptTests(ReadOnly):
-    """Sets, names, times and conditions of tests in order, see :class:`antires_rs.Series`."""
-
-    sets: Sequence[AntiresonanceSet | None]
-    names: tuple[str, ...]
-    times: NDArray[np.datetime64] | None
-    conditions: Mapping[str, FloatArray]
-    failed: Mapping[int, str]
-    excitation: Any
-    dofs: tuple[Any, ...]
-    interrupted: bool
-
-    def __init__(
-        self,
-        sets: Sequence[AntiresonanceSet | None],
-        *,
-        names: Any = None,
-        conditions: Any = None,
-        times: Any = None,
-        failed: Mapping[int, str] | None = None,
-        excitation: Any = None,
-        dofs: tuple[Any, ...] | None = None,
-        interrupted: bool = False,
-    ) -> None:
-        count = len(sets)
-        if failed is None or dofs is None:
-            failed = _checked_failed(failed, sets)
-            excitation, dofs, failed = _read_through(sets, failed)
-        self._fill(
-            sets=sets,
-            names=checked_names(names, count),
-            conditions=checked_conditions(conditions, count),
-            times=checked_times(times, count),
-            failed=FrozenDict(sorted(failed.items())),
-            excitation=excitation,
-            dofs=dofs,
-            interrupted=interrupted,
-        )
-
-    def __iter__(self) -> Iterator[AntiresonanceSet | None]:
-        return iter(self.sets)
-
-    def __len__(self) -> int:
-        return len(self.sets)
-
-    def __eq__(self, other: object) -> bool:
-        """Same tests in the same order: names, conditions, times, reasons and sets, bit for bit."""
-        if not isinstance(other, KeptTests):
-            return NotImplemented
-        return (
-            self.names == other.names
-            and self.failed == other.failed
-            and _same(dict(self.conditions), dict(other.conditions))
-            and _same({"times": self.times}, {"times": other.times})
-            and all(one == two for one, two in zip(self, other, strict=True))
-        )
-
-    __hash__ = None  # type: ignore[assignment]
-
-
-class SomeSets(Sequence[AntiresonanceSet | None]):
-    """Some of the sets, which stay where they are until they are asked for."""
-
-    def __init__(self, whole: Sequence[AntiresonanceSet | None], at: tuple[int, ...]) -> None:
-        self._whole: Sequence[AntiresonanceSet | None] = whole
-        self._at = at
-        if isinstance(whole, SomeSets):
-            self._whole, self._at = whole._whole, tuple(whole._at[i] for i in at)
-
-    def __getitem__(self, i: Any) -> Any:
-        if isinstance(i, slice):
-            return SomeSets(self._whole, self._at[i])
-        return self._whole[self._at[i]]
-
-    def __len__(self) -> int:
-        return len(self._at)
 
 
 def _checked_failed(given: Any, sets: Sequence[AntiresonanceSet | None]) -> Mapping[int, str]:
@@ -200,7 +118,7 @@ def _there(at: int, count: int) -> None:
 # -- A series for pandas
 
 
-def series_frame(series: KeptTests) -> Any:
+def series_frame(series: Series) -> Any:
     """A pandas.DataFrame, one row an antiresonance; failed tests have none."""
     rows: list[dict[str, Any]] = []
     names: dict[str, None] = dict.fromkeys(("test", "name"))
@@ -229,7 +147,7 @@ REASONS = 3
 LONG = 90
 
 
-def printed(series: KeptTests) -> str:
+def printed(series: Series) -> str:
     """One line for each fact."""
     count, failed = len(series), len(series.failed)
     rows = [("identified", f"{count - failed}{_antiresonances(series)}")]
@@ -261,10 +179,11 @@ def _missing(count: int) -> str:
     return f", {count} not known" if count else ""
 
 
-def _antiresonances(series: KeptTests) -> str:
+def _antiresonances(series: Series) -> str:
     """How many each has; a file says so without its sets being read."""
-    counts = getattr(series.sets, "counts", None)
-    if counts is None:
+    if isinstance(series.sets, StoredSets):
+        counts = series.sets.counts
+    else:
         counts = [sum(map(len, one.tables.values())) for one in series if one is not None]
     if not len(counts):
         return ""
@@ -272,7 +191,7 @@ def _antiresonances(series: KeptTests) -> str:
     return f", with {low if low == high else f'{low} to {high}'} antiresonances"
 
 
-def _reasons(series: KeptTests) -> str:
+def _reasons(series: Series) -> str:
     told = Counter(_short(why) for why in series.failed.values()).most_common()
     said = [f"{why} ({n} times)" if n > 1 else why for why, n in told[:REASONS]]
     more = sum(n for _, n in told[REASONS:])
@@ -305,7 +224,7 @@ def averaged(tracks: Tracks, dofs: tuple[object, ...]) -> AntiresonanceSet:
     return AntiresonanceSet.from_tables(tracks.excitation, tables)
 
 
-class Series(KeptTests):
+class Series(ReadOnly):
     """Antiresonances of many tests of one structure under one force, with what was measured beside them.
 
     A sequence of :class:`~antires_rs.AntiresonanceSet` in the order of the tests, None where a test failed.
@@ -344,6 +263,62 @@ class Series(KeptTests):
       failed         1: no set was given
       temperature_c  19 to 24.5
     """
+
+    sets: Sequence[AntiresonanceSet | None]
+    names: tuple[str, ...]
+    times: NDArray[np.datetime64] | None
+    conditions: Mapping[str, FloatArray]
+    failed: Mapping[int, str]
+    excitation: Any
+    dofs: tuple[Any, ...]
+    interrupted: bool
+
+    def __init__(
+        self,
+        sets: Sequence[AntiresonanceSet | None],
+        *,
+        names: Any = None,
+        conditions: Any = None,
+        times: Any = None,
+        failed: Mapping[int, str] | None = None,
+        excitation: Any = None,
+        dofs: tuple[Any, ...] | None = None,
+        interrupted: bool = False,
+    ) -> None:
+        count = len(sets)
+        if failed is None or dofs is None:
+            failed = _checked_failed(failed, sets)
+            excitation, dofs, failed = _read_through(sets, failed)
+        self._fill(
+            sets=sets,
+            names=checked_names(names, count),
+            conditions=checked_conditions(conditions, count),
+            times=checked_times(times, count),
+            failed=FrozenDict(sorted(failed.items())),
+            excitation=excitation,
+            dofs=dofs,
+            interrupted=interrupted,
+        )
+
+    def __iter__(self) -> Iterator[AntiresonanceSet | None]:
+        return iter(self.sets)
+
+    def __len__(self) -> int:
+        return len(self.sets)
+
+    def __eq__(self, other: object) -> bool:
+        """Same tests in the same order: names, conditions, times, reasons and sets, bit for bit."""
+        if not isinstance(other, Series):
+            return NotImplemented
+        return (
+            self.names == other.names
+            and self.failed == other.failed
+            and _same(dict(self.conditions), dict(other.conditions))
+            and _same({"times": self.times}, {"times": other.times})
+            and all(one == two for one, two in zip(self, other, strict=True))
+        )
+
+    __hash__ = None  # type: ignore[assignment]
 
     @classmethod
     def from_sets(
@@ -438,23 +413,28 @@ class Series(KeptTests):
         return compare(self._set("i", i), self._set("j", j), **options)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write all of it into one Parquet file, whole or not at all; see :meth:`load`.
+        """Write all of it into one file, whole or not at all; see :meth:`load`.
+
+        Parameters
+        ----------
+        path : path-like
+            Ending in ``.sqlite`` a database; in ``.csv`` a table of text, which cannot be loaded again; else
+            the same table as Parquet.
 
         Raises
         ------
         InvalidInputError
             A folder that does not exist.
         MissingDependencyError
-            pyarrow is not installed.
+            pyarrow is not installed, for Parquet.
         """
-        place = InMemory(self.sets)
         rows = []
         for i, one in enumerate(self.sets):
             outcome = self.failed[i] if one is None else encoded(one)
             conditions = {name: float(column[i]) for name, column in self.conditions.items()}
             time = None if self.times is None else self.times[i]
-            rows.append(Row(self.names[i], conditions, time, Kept.of("", outcome, place, i)))
-        write_series(Path(path), rows, None)
+            rows.append(Row.packed(self.names[i], conditions, time, "", outcome))
+        write_series(Path(path), rows)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
@@ -475,7 +455,7 @@ class Series(KeptTests):
         MissingDependencyError
             pyarrow is not installed.
         """
-        rows, unfinished = stored_rows(Path(path))
+        rows, unfinished = read_series(Path(path))
         return cls(**parts_of(rows), interrupted=unfinished)
 
     def to_dataframe(self) -> Any:
@@ -518,7 +498,7 @@ class Series(KeptTests):
     def _some(self, at: NDArray[np.intp]) -> Series:
         rank = {int(i): k for k, i in enumerate(at)}
         return Series(
-            SomeSets(self.sets, tuple(rank)),
+            self.sets.take(rank) if isinstance(self.sets, StoredSets) else [self.sets[i] for i in rank],
             names=[self.names[i] for i in rank],
             conditions={name: column[at] for name, column in self.conditions.items()},
             times=None if self.times is None else self.times[at],

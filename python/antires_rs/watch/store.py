@@ -1,253 +1,193 @@
-"""Where the results of a series go while it runs, and what becomes of them: in memory, or in a file."""
+"""Where the results of a series go while it runs: in memory, or in an SQLite database, a transaction a test.
+
+A store named ``.sqlite`` is that database. One named ``.parquet`` has it beside, as ``<store>.part``, while
+the series runs, and is written from it at the end. A kill costs no result, a power cut perhaps the last ones.
+The run holds a transaction open, which ends with its process, to keep a second one out.
+"""
 
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+import sqlite3
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
-from time import monotonic
-from typing import Any, Protocol, Self
-from zlib import crc32
+from typing import Any
+from zlib import compress, crc32, decompress
 
 import numpy as np
 
 from ..exceptions import reject
-from ..measured.antiresonance_set import AntiresonanceSet
-from .series_parquet import SeriesFile, pyarrow, write_series
+from ..support.files import written_beside
+from .series_table import pyarrow, read_parquet_rows, write_table
 from .sources import natural
-from .stored_tests import Kept, Packed, Plain, Row, decoded
+from .stored_tests import Plain, Row
 
-# -- The results of a series that runs, one line a test, kept as they are made
-#
-# Each line is a checksum and JSON. A kill can only tear the last one; whoever opens the file again cuts it
-# off. A lock that ends with its process keeps a second one out.
+FORMAT, VERSION = "antires_rs.Series", 2
+DATABASES = (".sqlite", ".db")
+_SIGNATURE = b"SQLite format 3\0"
+_TABLES = """
+CREATE TABLE series (name TEXT PRIMARY KEY, value TEXT);
+CREATE TABLE tests (place INTEGER PRIMARY KEY, name TEXT UNIQUE, fingerprint TEXT, conditions TEXT, time TEXT,
+                    failed TEXT, facts TEXT, columns BLOB);
+"""
+#: So long the end of another process that writes is waited for.
+_BUSY_S = 1.0
+_WANTED = "a series that antires_rs wrote"
+Config = dict[str, Any]
 
 
-FORMAT, VERSION = "antires_rs.Series.journal", 1
-#: Lines are flushed to the disk this often: a power cut costs so much, a kill nothing.
-FLUSH_S = 2.0
-
-
-def journal_path(store: Path) -> Path:
-    """The journal of a file."""
+def part_path(store: Path) -> Path:
+    """The database beside a store that is a table."""
     return store.with_name(store.name + ".part")
 
 
-class Journal:
-    """An open journal, at its end.
-
-    Attributes
-    ----------
-    kept : dict of str to (Kept, conditions, time)
-        What it holds, by the name of the test; the last of each name.
-    """
-
-    def __init__(self, path: Path, config: dict[str, Any] | None) -> None:
-        self.path = path
-        self.kept: dict[str, tuple[Kept, dict[str, Any], str | None]] = {}
-        #: Checksums of the lines by the bytes at which they begin.
-        self._sums: dict[int, int] = {}
-        self._file = -1
-        if config is not None:
-            self._file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-            _lock(self._file, path)
-        self._flushed = monotonic()
-        try:
-            self._end = self._taken_up(config)
-        except BaseException:
-            self.close()
-            raise
-        if config is not None:
-            os.ftruncate(self._file, self._end)
-            os.lseek(self._file, self._end, os.SEEK_SET)
-            if not self._end:
-                self._write({"format": FORMAT, "version": VERSION, "config": config})
-
-    @classmethod
-    def read(cls, path: Path) -> Self:
-        """A journal as it is now, which another process may go on with."""
-        return cls(path, None)
-
-    def append(
-        self, name: str, fingerprint: str, conditions: dict[str, Any], time: str | None, outcome: Plain | str
-    ) -> Kept:
-        """Keep the outcome of one test."""
-        line = {"name": name, "fingerprint": fingerprint, "conditions": conditions, "time": time}
-        key = self._write(line | {"outcome": outcome})
-        kept = Kept.of(fingerprint, outcome, self, key)
-        self.kept[name] = kept, conditions, time
-        return kept
-
-    def plain(self, key: int) -> Plain:
-        """The set whose line begins at a byte.
-
-        Raises
-        ------
-        InvalidInputError
-            The series was finished meanwhile, or another one was begun in its place.
-        """
-        line = b""
-        with suppress(FileNotFoundError), open(self.path, "rb") as file:
-            file.seek(key)
-            line = file.readline()
-        data = _parsed(line)
-        if not data or int(line[:8], 16) != self._sums[key]:
-            store = str(self.path.with_suffix(""))
-            got = f"{str(self.path)!r}, which has ended or was begun anew"
-            wanted = "the journal that the sets of this unfinished series are in"
-            reject("store", got, wanted, f"Load the series as it is now: Series.load({store!r}).")
-        found: Plain = data["outcome"]
-        return found
-
-    def set(self, key: int) -> AntiresonanceSet:
-        """The set itself."""
-        return decoded(self.plain(key))
-
-    def close(self) -> None:
-        """Flush; what is kept can still be read."""
-        if self._file >= 0:
-            with suppress(OSError):
-                os.fsync(self._file)
-            os.close(self._file)
-            self._file = -1
-
-    def remove(self) -> None:
-        """Close for good: another file holds all of it."""
-        if os.name == "posix":
-            self.path.unlink(missing_ok=True)
-        self.close()
-        self.path.unlink(missing_ok=True)
-
-    def _write(self, line: dict[str, Any]) -> int:
-        text = json.dumps(line, separators=(",", ":")).encode()
-        start, checksum = self._end, crc32(text)
-        data = memoryview(b"%08x %s\n" % (checksum, text))
-        self._sums[start] = checksum
-        self._end += len(data)
-        while data:
-            data = data[os.write(self._file, data) :]
-        if monotonic() - self._flushed > FLUSH_S:
-            os.fsync(self._file)
-            self._flushed = monotonic()
-        return start
-
-    def _taken_up(self, config: dict[str, Any] | None) -> int:
-        """Read what is whole; returns where it ends: at 0 if it is of other options and holds no set."""
-        end, head = 0, {}
-        with open(self.path, "rb") as file:
-            for line in file:
-                data = _parsed(line)
-                if not data:
-                    break
-                if end == 0:
-                    _check(self.path, data)
-                    head = data
-                else:
-                    kept = Kept.of(data["fingerprint"], data["outcome"], self, end)
-                    self._sums[end] = int(line[:8], 16)
-                    self.kept[data["name"]] = kept, data["conditions"], data["time"]
-                end += len(line)
-        if not head or config is None or head["config"] == config:
-            return end
-        if any(kept.failed is None for kept, _, _ in self.kept.values()):
-            same_config(self.path, head["config"], config)
-        self.kept.clear()
-        return 0
+# -- A database of a series: facts about it as JSON by their names, and a row a test
 
 
-def _parsed(line: bytes) -> dict[str, Any]:
-    """What a line holds; empty if it is torn."""
+@contextmanager
+def _reading(path: Path) -> Iterator[sqlite3.Connection]:
     try:
-        text = line[9:-1]
-        if line[-1:] != b"\n" or int(line[:8], 16) != crc32(text):
-            return {}
-        data = json.loads(text)
-    except ValueError:
-        return {}
-    return data if isinstance(data, dict) else {}
+        with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as db:
+            yield db
+    except sqlite3.Error as exc:
+        reject("path", f"{str(path)!r}, which cannot be read ({exc})", _WANTED, "Name another file.")
 
 
-def _check(path: Path, data: dict[str, Any]) -> None:
-    if data.get("format") != FORMAT or data.get("version") != VERSION:
-        reject("store", f"{str(path)!r} of another kind", "a journal of this version", "Name another store.")
+def _read(path: Path, db: sqlite3.Connection, argument: str) -> tuple[list[Row], dict[str, Any]]:
+    """The tests of a database in their order, and the facts about the series; none where it was not begun."""
+    if not db.execute("SELECT * FROM sqlite_master").fetchone():
+        return [], {}
+    (said,) = db.execute("PRAGMA integrity_check(1)").fetchone()
+    if said != "ok":
+        raise sqlite3.DatabaseError(said)
+    facts = {name: json.loads(value) for name, value in db.execute("SELECT name, value FROM series")}
+    if facts.get("format") != FORMAT:
+        reject(argument, f"{str(path)!r} of another kind", _WANTED, "Name another.")
+    if facts["version"] > VERSION:
+        reject(argument, f"{str(path)!r} of version {facts['version']}", f"{VERSION}", "Update antires_rs.")
+    found = db.execute(
+        "SELECT name, conditions, time, fingerprint, failed, facts, columns FROM tests ORDER BY place"
+    )
+    rows = []
+    for name, conditions, time, fingerprint, failed, known, columns in found:
+        given = _measured(json.loads(conditions), time)
+        plain = partial(_plain, path, name, crc32(columns or b""))
+        rows.append(Row.of(name, *given, fingerprint, failed, json.loads(known or "null"), plain))
+    return rows, facts
 
 
-def same_config(path: Path, there: dict[str, Any] | None, config: dict[str, Any]) -> None:
-    """Refuse to go on with other options than those that a store was begun with."""
-    if there is None:
-        wanted, remedy = "a store that identify_series made", "Name another store."
-        reject("store", f"{str(path)!r}, which Series.save wrote", wanted, remedy)
-    for name in sorted(there.keys() | config.keys()):
-        if there.get(name) != config.get(name):
-            reject(
-                "store",
-                f"{str(path)!r}, made with {name} = {there.get(name)!r} in place of {config.get(name)!r}",
-                "the same options, so that all tests of a series are identified alike",
-                "Name another store for other options, or remove this one to begin anew.",
-            )
+def _plain(path: Path, name: str, checksum: int) -> Plain:
+    """The set of a test, if it is still the one that was meant."""
+    found = None
+    if path.exists():
+        with _reading(path) as db:
+            found = db.execute("SELECT facts, columns FROM tests WHERE name = ?", (name,)).fetchone()
+    if found is None or crc32(found[1] or b"") != checksum:
+        store = str(path.with_suffix("") if path.suffix == ".part" else path)
+        got = f"{str(path)!r}, which has ended or was begun anew"
+        wanted = "the database that the sets of this series are in"
+        reject("store", got, wanted, f"Load the series as it is now: Series.load({store!r}).")
+    plain: Plain = {"facts": json.loads(found[0])} | json.loads(decompress(found[1]))
+    return plain
 
 
-def _lock(file: int, path: Path) -> None:
-    """Keep other processes out; where there are no locks, trust."""
-    try:
-        import fcntl
-    except ImportError:
+def _insert(db: sqlite3.Connection, path: Path, row: Row) -> Row:
+    """Keep a test behind the others; returns it as it is in the database."""
+    facts, columns = None, b""
+    if row.failed is None:
+        plain = row.plain()
+        facts = json.dumps(plain["facts"], separators=(",", ":"))
+        columns = compress(json.dumps({name: plain[name] for name in ("columns", "scores")}).encode(), 1)
+    values = (row.name, row.fingerprint, *_texts(row), row.failed, facts, columns)
+    db.execute("INSERT OR REPLACE INTO tests VALUES (NULL, ?, ?, ?, ?, ?, ?, ?)", values)
+    return replace(row, plain=partial(_plain, path, row.name, crc32(columns)))
+
+
+def _set_facts(db: sqlite3.Connection, **facts: Any) -> None:
+    items = [(name, json.dumps(value)) for name, value in facts.items()]
+    db.executemany("INSERT OR REPLACE INTO series VALUES (?, ?)", items)
+
+
+def _begin(db: sqlite3.Connection, config: Config | None, finished: bool) -> None:
+    for statement in _TABLES.split(";")[:-1]:
+        db.execute(statement)
+    _set_facts(db, format=FORMAT, version=VERSION, config=config, finished=finished)
+
+
+def write_series(
+    path: Path, rows: Iterable[Row], config: Config | None = None, finished: bool = True
+) -> None:
+    """Write all tests, whole or not at all: a database, or a table by its ending."""
+    if path.suffix.lower() not in (*DATABASES, ".part"):
+        write_table(path, list(rows), config)
         return
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        os.close(file)
-        reject(
-            "store",
-            f"{str(path)!r}, to which another process writes",
-            "a store of this process alone",
-            "Wait for it, or stop it first.",
-        )
+    with written_beside(path) as beside, closing(sqlite3.connect(beside)) as db, db:
+        _begin(db, config, finished)
+        for row in rows:
+            _insert(db, path, row)
 
 
-class Store(Protocol):
-    """What keeps results."""
+def read_series(path: Path) -> tuple[list[Row], bool]:
+    """The tests of a file, and whether a run that has not ended has more of them."""
+    part = part_path(path)
+    if not path.exists() and not part.exists():
+        raise FileNotFoundError(f"there is no series {str(path)!r}")
+    rows: dict[str, Row] = {}
+    unfinished = part.exists()
+    for file in (path, part):
+        if _is_database(file):
+            with _reading(file) as db:
+                found, facts = _read(file, db, "path")
+            unfinished |= not facts.get("finished")
+        elif file == path and path.exists():
+            found, _ = read_parquet_rows(path)
+        else:
+            found, _ = _journal(part) if part.exists() else ([], None)
+        rows |= {row.name: row for row in found}
+    return list(rows.values()), unfinished
 
-    def known(self, name: str, fingerprint: str) -> Kept | None:
-        """The result of a source that was identified before, and has not changed since."""
 
-    def keep(
-        self, name: str, fingerprint: str, conditions: Mapping[str, float], time: Any, outcome: Plain | str
-    ) -> Kept:
-        """Keep a result, for good."""
-
-    def finish(self, rows: Sequence[Row]) -> Sequence[Row]:
-        """All tests are there."""
-
-    def close(self) -> None:
-        """Stop in between; what is kept can still be read."""
+def _is_database(path: Path) -> bool:
+    if not path.is_file():
+        return False
+    with open(path, "rb") as file:
+        return file.read(len(_SIGNATURE)) == _SIGNATURE
 
 
-class MemoryStore:
-    """Results in memory, nothing of before."""
+def _journal(path: Path) -> tuple[list[Row], Config]:
+    """The tests of a run that an older version was stopped in: lines of checksum and JSON, the last torn."""
+    rows: dict[str, Row] = {}
+    config: Config = {}
+    for line in path.read_bytes().splitlines(keepends=True):
+        text = line[9:-1]
+        if line[-1:] != b"\n" or line[:8] != b"%08x" % crc32(text):
+            break
+        data = json.loads(text)
+        if "config" in data:
+            config = data["config"]
+            continue
+        given = _measured(data["conditions"], data["time"])
+        rows[data["name"]] = Row.packed(data["name"], *given, data["fingerprint"], data["outcome"])
+    return list(rows.values()), config
 
-    def __init__(self) -> None:
-        self._place = Packed()
 
-    def known(self, name: str, fingerprint: str) -> None:
-        """Nothing is."""
+def _measured(conditions: Mapping[str, float | None], time: str | None) -> tuple[dict[str, float], Any]:
+    """What was measured beside a test, out of its texts."""
+    values = {name: np.nan if value is None else value for name, value in conditions.items()}
+    return values, None if time is None else np.datetime64(time, "ms")
 
-    def keep(
-        self, name: str, fingerprint: str, conditions: Mapping[str, float], time: Any, outcome: Plain | str
-    ) -> Kept:
-        """Its plain data are kept."""
-        return Kept.of(fingerprint, outcome, self._place, self._place.add(outcome))
 
-    def finish(self, rows: Sequence[Row]) -> Sequence[Row]:
-        """Nothing is left to do."""
-        return rows
+def _texts(row: Row) -> tuple[str, str | None]:
+    """What was measured beside, with NaN equal to itself."""
+    beside = {name: None if value != value else float(value) for name, value in row.conditions.items()}
+    return json.dumps(beside), None if row.time is None or np.isnat(row.time) else str(row.time)
 
-    def close(self) -> None:
-        """Nothing is open."""
+
+# -- The store of a series that runs
 
 
 @dataclass(frozen=True)
@@ -260,33 +200,94 @@ class LastingStore(PathLike[str]):
         return str(self.path)
 
 
-class FileStore:
-    """Results in a journal while a series runs, and in one file when it is through.
+class Store:
+    """Results in memory, where there is no path, or in a database.
 
     Attributes
     ----------
+    path : Path or None
     changed : list of str
         Sources that were identified before and are others now.
     """
 
-    def __init__(self, path: Path, config: dict[str, Any], *, lasting: bool = False) -> None:
-        pyarrow("store")  # now rather than after a night
-        self.path, self.config, self._lasting = path, config, lasting
+    def __init__(self, path: Path | None, config: Config, *, lasting: bool = False) -> None:
+        self.path, self._config, self._lasting = path, config, lasting
         self.changed: list[str] = []
-        self._file: SeriesFile | None = None
-        if path.exists():
-            self._file = SeriesFile(path, "store")
-            if all(row.kept.failed is not None for row in self._file.rows) and self._file.config is not None:
-                # A wrong band or excitation, and nothing found by it: what is corrected begins anew.
-                self._file = self._file if self._file.config == config else None
-            else:
-                same_config(path, self._file.config, config)
-        self._before = {row.name: row.kept for row in self._file.rows} if self._file else {}
-        self._journal = Journal(journal_path(path), config)
+        #: What the finished file holds, if that is of use; and all that is known.
+        self._there: list[Row] | None = None
+        self._known: dict[str, Row] = {}
+        self._db: sqlite3.Connection | None = None
+        if path is None:
+            return
+        self._file = path if path.suffix.lower() in DATABASES else part_path(path)
+        if self._file != path:
+            pyarrow("store")  # now rather than after a night
+            if path.exists():
+                rows, there = read_parquet_rows(path, "store")
+                self._there = rows if self._agrees(path, rows, there) else None
+        try:
+            self._db, rows = self._opened()
+        except sqlite3.DatabaseError as exc:
+            if "locked" in str(exc):
+                got = f"{str(self._file)!r}, to which another process writes"
+                reject("store", got, "a store of this process alone", "Wait for it, or stop it first.")
+            reject(
+                "store", f"{str(self._file)!r}, which cannot be read ({exc})", _WANTED, "Name another file."
+            )
+        self._known = {row.name: row for row in [*(self._there or []), *rows]}
 
-    def known(self, name: str, fingerprint: str) -> Kept | None:
-        """From the journal, or from the file of an earlier run."""
-        found = self._journal.kept[name][0] if name in self._journal.kept else self._before.get(name)
+    def _opened(self) -> tuple[sqlite3.Connection, list[Row]]:
+        """The database, begun if it is not there, and its tests."""
+        file = self._file
+        if file.exists() and file.stat().st_size and not _is_database(file) and file != self.path:
+            write_series(file, *_journal(file), finished=False)
+        db = sqlite3.connect(file, timeout=_BUSY_S, isolation_level=None)
+        try:
+            db.execute("PRAGMA journal_mode = WAL")
+            db.execute("PRAGMA synchronous = NORMAL")
+            db.execute("BEGIN IMMEDIATE")
+            rows, facts = _read(file, db, "store")
+            if not facts:
+                _begin(db, self._config, False)
+            elif not self._agrees(file, rows, facts["config"]):
+                rows = []
+                db.execute("DELETE FROM tests")
+                _set_facts(db, config=self._config, finished=False)
+            elif facts["finished"]:
+                self._there = rows
+            self._commit(db)
+        except BaseException:
+            db.close()
+            raise
+        return db, rows
+
+    @staticmethod
+    def _commit(db: sqlite3.Connection) -> None:
+        """End the transaction that keeps others out, and begin the next."""
+        db.execute("COMMIT")
+        db.execute("BEGIN IMMEDIATE")
+
+    def _agrees(self, path: Path, rows: Sequence[Row], there: Config | None) -> bool:
+        """Whether to go on with results of these options; of others only without a single set."""
+        if there is None:
+            wanted, remedy = "a store that identify_series made", "Name another store."
+            reject("store", f"{str(path)!r}, which Series.save wrote", wanted, remedy)
+        if there == self._config:
+            return True
+        if all(row.failed is not None for row in rows):
+            # A wrong band or excitation, and nothing found by it: what is corrected begins anew.
+            return False
+        name = min(n for n in there.keys() | self._config.keys() if there.get(n) != self._config.get(n))
+        reject(
+            "store",
+            f"{str(path)!r}, made with {name} = {there.get(name)!r} in place of {self._config.get(name)!r}",
+            "the same options, so that all tests of a series are identified alike",
+            "Name another store for other options, or remove this one to begin anew.",
+        )
+
+    def known(self, name: str, fingerprint: str) -> Row | None:
+        """The result of a source that was identified before, and has not changed since."""
+        found = self._known.get(name)
         if found is not None and found.fingerprint != fingerprint:
             self.changed.append(name)
             return None
@@ -294,22 +295,26 @@ class FileStore:
 
     def keep(
         self, name: str, fingerprint: str, conditions: Mapping[str, float], time: Any, outcome: Plain | str
-    ) -> Kept:
-        """One more line of the journal."""
-        beside = {key: None if value != value else value for key, value in conditions.items()}
-        when = None if time is None or np.isnat(time) else str(time)
-        return self._journal.append(name, fingerprint, beside, when, outcome)
+    ) -> Row:
+        """Keep a result, for good."""
+        row = Row.packed(name, conditions, time, fingerprint, outcome)
+        if self._db is not None:
+            row = _insert(self._db, self._file, row)
+            _set_facts(self._db, finished=False)
+            self._commit(self._db)
+            self._known[name] = row
+        return row
 
     def finish(self, rows: Sequence[Row]) -> Sequence[Row]:
-        """Write the file, unless it holds just this already; the journal is no longer needed."""
-        gone = sorted(self._names() - {row.name for row in rows})
+        """All tests are there: write the file, unless it holds just these already."""
+        if self.path is None or self._db is None:
+            return rows
+        here = {row.name for row in rows}
+        gone = sorted(self._known.keys() - here)
         if gone and self._lasting:
-            here = {row.name for row in rows}
-            stored = _with_journal(self._file.rows if self._file else [], self._journal)
-            both = [*rows, *(row for row in stored if row.name not in here)]
+            both = [*rows, *(self._known[name] for name in gone)]
             rows = sorted(both, key=lambda row: natural(Path(row.name)))
         elif gone:
-            self.close()
             shown = ", ".join(map(repr, gone[:3])) + (f" and {len(gone) - 3} more" if len(gone) > 3 else "")
             reject(
                 "sources",
@@ -317,61 +322,49 @@ class FileStore:
                 "all sources of that series, and what has come since",
                 "Put them back, or name another store for other sources.",
             )
-        if self._file is None or not _same(self._file.rows, rows):
-            write_series(self.path, rows, self.config)
-        self._journal.remove()
-        return stored_rows(self.path)[0]
+        new = self._there is None or list(map(_identity, self._there)) != list(map(_identity, rows))
+        if new and self._file == self.path:
+            self._set_places(self._db, rows)
+        elif new:
+            write_table(self.path, rows, self._config)
+        if self._file == self.path:
+            self._db.execute("COMMIT")
+            self._db.execute("PRAGMA journal_mode = DELETE")  # one file, which a read-only place may hold
+        self.close()
+        if self._file != self.path:
+            self._file.unlink()
+        return read_series(self.path)[0]
+
+    @staticmethod
+    def _set_places(db: sqlite3.Connection, rows: Sequence[Row]) -> None:
+        """The order of the tests, and what was measured beside them now."""
+        db.execute("UPDATE tests SET place = -place - 1")
+        texts = ((place, *_texts(row), row.name) for place, row in enumerate(rows))
+        db.executemany("UPDATE tests SET place = ?, conditions = ?, time = ? WHERE name = ?", texts)
+        _set_facts(db, finished=True)
 
     def close(self) -> None:
-        """The journal stays."""
-        self._journal.close()
+        """Stop in between; what is kept can still be read."""
+        if self._db is not None:
+            self._db.close()
+            self._db = None
 
-    def _names(self) -> set[str]:
-        return self._before.keys() | self._journal.kept.keys()
+
+def _identity(row: Row) -> Any:
+    return row.name, _texts(row), row.fingerprint, row.failed, row.plain
 
 
-def open_store(store: Any, config: dict[str, Any]) -> MemoryStore | FileStore:
+def open_store(store: Any, config: Config) -> Store:
     """The store that a caller names; None for memory."""
     if store is None:
-        return MemoryStore()
+        return Store(None, config)
     lasting = isinstance(store, LastingStore)
     store = store.path if isinstance(store, LastingStore) else store
-    wanted = "the path of a file that ends in .parquet, or None for memory"
-    if not isinstance(store, str | PathLike) or Path(store).suffix.lower() != ".parquet":
+    wanted = "the path of a file that ends in .parquet or .sqlite, or None for memory"
+    known = (".parquet", *DATABASES)
+    if not isinstance(store, str | PathLike) or Path(store).suffix.lower() not in known:
         reject("store", store, wanted, "As in store='year.parquet'.")
     path = Path(store)
     if not path.parent.is_dir() or path.is_dir():
         reject("store", repr(str(path)), "a file in a folder that exists", "Make the folder first.")
-    return FileStore(path, config, lasting=lasting)
-
-
-def stored_rows(path: Path) -> tuple[list[Row], bool]:
-    """The tests of a file, and whether a run that has not ended has more of them beside it."""
-    if not path.exists() and not journal_path(path).exists():
-        raise FileNotFoundError(f"there is no series {str(path)!r}")
-    rows = SeriesFile(path).rows if path.exists() else []
-    unfinished = journal_path(path).exists()
-    if unfinished:
-        rows = _with_journal(rows, Journal.read(journal_path(path)))
-    return rows, unfinished
-
-
-def _with_journal(rows: list[Row], journal: Journal) -> list[Row]:
-    found = {row.name: row for row in rows}
-    for name, (kept, conditions, time) in journal.kept.items():
-        values = {key: np.nan if value is None else value for key, value in conditions.items()}
-        found[name] = Row(name, values, None if time is None else np.datetime64(time, "ms"), kept)
-    return list(found.values())
-
-
-def _same(one: Sequence[Row], other: Sequence[Row]) -> bool:
-    return len(one) == len(other) and all(
-        a.kept is b.kept and a.name == b.name and _beside(a) == _beside(b)
-        for a, b in zip(one, other, strict=True)
-    )
-
-
-def _beside(row: Row) -> Any:
-    """What was measured beside, with NaN equal to itself."""
-    time = None if row.time is None or np.isnat(row.time) else row.time
-    return {key: None if value != value else float(value) for key, value in row.conditions.items()}, time
+    return Store(path, config, lasting=lasting)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Protocol
+from functools import partial
+from typing import Any
 from zlib import compress, decompress
 
 import numpy as np
@@ -17,10 +18,11 @@ from ..support.values import frozen
 
 # -- A set of antiresonances as plain data: facts about its tables, and columns with a row an antiresonance
 #
-# This is what a worker sends back, a line of the journal holds, and the rows of a file are made of. Nothing
+# This is what a worker sends back, a database holds, and the rows of a table are made of. Nothing
 # is lost but diagrams, curves of the data check and the cross-check; floats keep every bit.
 
 
+Plain = dict[str, Any]
 #: What a row of a set is: accepted, seen and not accepted, a peak that nothing explains.
 GROUPS = ("antiresonance", "left_out", "unexplained")
 #: Columns of every row; scores stand beside them by their names.
@@ -144,160 +146,108 @@ def _check_of(facts: Mapping[str, Any] | None) -> DataCheck | None:
     )
 
 
-Plain = dict[str, Any]
-
-
-class Place(Protocol):
-    """Where sets are kept as plain data."""
-
-    def plain(self, key: int) -> Plain:
-        """One of them, see :mod:`~antires_rs.watch.stored_tests`."""
-
-    def set(self, key: int) -> AntiresonanceSet:
-        """The set itself."""
-
-
 @dataclass(frozen=True, slots=True)
-class Kept:
-    """One test: what is asked of it often, and where its set is.
+class Row:
+    """A test in its place in the series: what is asked of it often, and how to get its set.
 
-    Attributes
-    ----------
-    fingerprint : str
-    failed : str or None
-        Why there is no set.
-    count : int
-        Antiresonances.
-    excitation : int, str or None
-    dofs : tuple
-    kinds : tuple of (str, str)
-        Names of its scores, and the letters of their types.
-    place, key
+    ``failed`` says why there is none; ``kinds`` are names of its scores with the letters of their types;
+    ``conditions`` and ``time`` (datetime64 or None) what was measured beside it.
     """
 
+    name: str
+    conditions: Mapping[str, float]
+    time: Any
     fingerprint: str
     failed: str | None
     count: int
     excitation: Any
     dofs: tuple[Any, ...]
     kinds: tuple[tuple[str, str], ...]
-    place: Place
-    key: int
+    plain: Callable[[], Plain]
 
     @classmethod
-    def of(cls, fingerprint: str, outcome: Plain | str, place: Place, key: int) -> Kept:
-        """What is kept of an outcome, once it is in its place."""
-        if isinstance(outcome, str):
-            return cls(fingerprint, outcome, 0, None, (), (), place, key)
-        return cls.of_facts(fingerprint, outcome["facts"], place, key)
-
-    @classmethod
-    def of_facts(cls, fingerprint: str, facts: Mapping[str, Any], place: Place, key: int) -> Kept:
-        """The same of a set, of which the facts are enough."""
-        accepted = [(dof, count) for group, dof, count, _ in facts["tables"] if group == GROUPS[0]]
-        kinds = sorted({item for _, _, _, kinds in facts["tables"] for item in kinds.items()})
+    def of(
+        cls,
+        name: str,
+        conditions: Mapping[str, float],
+        time: Any,
+        fingerprint: str,
+        failed: str | None,
+        facts: Mapping[str, Any] | None,
+        plain: Callable[[], Plain],
+    ) -> Row:
+        """A test that failed, or a set of which the facts are known."""
+        tables = facts["tables"] if facts else []
+        accepted = [(dof, count) for group, dof, count, _ in tables if group == GROUPS[0]]
         return cls(
+            name,
+            conditions,
+            time,
             fingerprint,
-            None,
+            failed,
             sum(count for _, count in accepted),
-            facts["excitation"],
+            facts["excitation"] if facts else None,
             _one(tuple(dof for dof, _ in accepted)),
-            _one(tuple(kinds)),
-            place,
-            key,
+            _one(tuple(sorted({item for _, _, _, kinds in tables for item in kinds.items()}))),
+            plain,
         )
 
-    def plain(self) -> Plain:
-        """The set as plain data."""
-        return self.place.plain(self.key)
-
-    def set(self) -> AntiresonanceSet | None:
-        """The set itself."""
-        return None if self.failed is not None else self.place.set(self.key)
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """A test in its place in the series, with what was measured beside it; ``time`` is datetime64 or None."""
-
-    name: str
-    conditions: Mapping[str, float]
-    time: Any
-    kept: Kept
+    @classmethod
+    def packed(
+        cls, name: str, conditions: Mapping[str, float], time: Any, fingerprint: str, outcome: Plain | str
+    ) -> Row:
+        """An outcome held in memory, packed: 3 kB where a set of eight responses has 60."""
+        if isinstance(outcome, str):
+            return cls.of(name, conditions, time, fingerprint, outcome, None, dict)
+        data = compress(json.dumps(outcome).encode(), 1)
+        return cls.of(name, conditions, time, fingerprint, None, outcome["facts"], partial(_unpacked, data))
 
 
-class InMemory:
-    """Sets that are there, as a place."""
-
-    def __init__(self, sets: Sequence[AntiresonanceSet | None]) -> None:
-        self._sets = sets
-
-    def plain(self, key: int) -> Plain:
-        """One of them as plain data."""
-        return encoded(self.set(key))
-
-    def set(self, key: int) -> AntiresonanceSet:
-        """One of them."""
-        found = self._sets[key]
-        assert found is not None  # it did not fail
-        return found
+def _unpacked(data: bytes) -> Plain:
+    found: Plain = json.loads(decompress(data))
+    return found
 
 
-class Packed:
-    """Sets in memory as text that is packed: 3 kB where a set of eight responses has 60."""
-
-    def __init__(self) -> None:
-        self._packed: list[bytes] = []
-
-    def add(self, outcome: Plain | str) -> int:
-        """Keep one; returns its key."""
-        self._packed.append(b"" if isinstance(outcome, str) else compress(json.dumps(outcome).encode(), 1))
-        return len(self._packed) - 1
-
-    def plain(self, key: int) -> Plain:
-        """One of them as plain data."""
-        found: Plain = json.loads(decompress(self._packed[key]))
-        return found
-
-    def set(self, key: int) -> AntiresonanceSet:
-        """One of them."""
-        return decoded(self.plain(key))
-
-
-class KeptSets(Sequence[AntiresonanceSet | None]):
+class StoredSets(Sequence[AntiresonanceSet | None]):
     """The sets of some tests, made when they are asked for."""
 
-    def __init__(self, kept: Sequence[Kept]) -> None:
-        self._kept = tuple(kept)
+    def __init__(self, rows: Sequence[Row]) -> None:
+        self._rows = tuple(rows)
 
     @property
     def counts(self) -> list[int]:
         """How many antiresonances each test has that did not fail."""
-        return [one.count for one in self._kept if one.failed is None]
+        return [row.count for row in self._rows if row.failed is None]
+
+    def take(self, at: Iterable[int]) -> StoredSets:
+        """Those of some tests."""
+        return StoredSets([self._rows[i] for i in at])
 
     def __getitem__(self, at: Any) -> Any:
-        return KeptSets(self._kept[at]) if isinstance(at, slice) else self._kept[at].set()
+        if isinstance(at, slice):
+            return StoredSets(self._rows[at])
+        row = self._rows[at]
+        return None if row.failed is not None else decoded(row.plain())
 
     def __len__(self) -> int:
-        return len(self._kept)
+        return len(self._rows)
 
     def __reduce__(self) -> Any:
         return tuple, (list(self),)
 
 
 def parts_of(rows: Sequence[Row]) -> dict[str, Any]:
-    """Arguments of a :class:`~antires_rs.watch.series.KeptTests` of these tests."""
-    kept = [row.kept for row in rows]
+    """Arguments of a :class:`~antires_rs.Series` of these tests."""
     columns = dict.fromkeys(name for row in rows for name in row.conditions)
     times = np.array(["NaT" if row.time is None else row.time for row in rows], dtype="datetime64[ms]")
     return {
-        "sets": KeptSets(kept),
+        "sets": StoredSets(rows),
         "names": [row.name for row in rows],
         "conditions": {name: [row.conditions.get(name, np.nan) for row in rows] for name in columns},
         "times": None if np.isnat(times).all() else times,
-        "failed": {i: one.failed for i, one in enumerate(kept) if one.failed is not None},
-        "excitation": next((one.excitation for one in kept if one.failed is None), None),
-        "dofs": tuple(dict.fromkeys(dof for one in kept for dof in one.dofs)),
+        "failed": {i: row.failed for i, row in enumerate(rows) if row.failed is not None},
+        "excitation": next((row.excitation for row in rows if row.failed is None), None),
+        "dofs": tuple(dict.fromkeys(dof for row in rows for dof in row.dofs)),
     }
 
 

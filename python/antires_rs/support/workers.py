@@ -1,0 +1,732 @@
+"""Results of tasks in their order, whoever computes them: this thread, processes, anything with ``submit``.
+
+``in_order(function, tasks, workers)`` is what rooms call; ``Workers`` keeps its workers for several rounds.
+Every kind of worker is an executor here: tasks are numbered and go out in chunks of about a second, answers
+are put back in order, and a chunk whose worker is lost is submitted again. So the results do not depend on
+the workers. A task's own exception is an answer like any other: whatever else comes out of a worker is about
+the worker.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import queue
+import re
+import signal
+import threading
+import time
+import traceback
+import warnings
+from asyncio import CancelledError
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator, Sized
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from itertools import islice
+from typing import Any, Literal, NoReturn, Self
+
+from ..exceptions import InvalidInputError, LostWorkerError, reject
+from .checks import integer
+from .messages import warn
+from .progress import LOOK_S, counted, one_blas_thread, step
+
+Call = Callable[[Any], Any]
+Errors = Literal["raise", "return"]
+
+#: More than any machine has; a larger number is a slip.
+MOST_WORKERS = 1024
+#: Chunks that are begun or have arrived before the next in order, for each worker: memory stays flat.
+AHEAD = 6
+#: An answer that has not come so long after its task was done counts as a lost worker.
+_RESULT_S = 120.0
+#: What no repetition mends.
+_FOR_GOOD = (ImportError, AttributeError, TypeError, pickle.PicklingError)
+_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+_REMEDY = (
+    "Pass a number, a concurrent.futures executor, or a Client of a Dask cluster "
+    '(pip install "antires-rs[dask]").'
+)
+
+
+def processors() -> int:
+    """Processors that this process may run on."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@dataclass(frozen=True)
+class Failed:
+    """In place of a result: what the function raised, or a ``LostWorkerError``."""
+
+    error: BaseException
+
+
+# -- What a worker does with a chunk, and what it sends back
+
+
+def _bound(function: Callable[..., Any], shared: Any) -> Call:
+    return function if shared is None else partial(function, shared)
+
+
+def _results(
+    call: Call, tasks: list[Any], caught: type[BaseException] = Exception
+) -> tuple[list[Any], float]:
+    """The result of each task, or a :class:`Failed`, and the seconds they took."""
+    start = time.perf_counter()
+    found: list[Any] = []
+    for task in tasks:
+        try:
+            found.append(call(task))
+        except caught as error:
+            found.append(Failed(error))
+    return found, time.perf_counter() - start
+
+
+_results_alike = one_blas_thread(_results)
+
+
+@lru_cache(maxsize=8)
+def _unpacked(payload: bytes) -> Call:
+    """A function with what it shares: a worker unpacks a model once."""
+    return _bound(*pickle.loads(payload))
+
+
+@one_blas_thread
+def _packed_results(payload: bytes, tasks: bytes) -> bytes | BaseException:
+    """A chunk in another process; an exception says that it cannot be unpacked there."""
+    try:
+        call, given = _unpacked(payload), pickle.loads(tasks)
+    except Exception as error:
+        return _sendable(error)
+    found, seconds = _results(call, given, BaseException)
+    found = [Failed(_sendable(one.error)) if isinstance(one, Failed) else one for one in found]
+    try:
+        return _dumps((found, seconds))
+    except Exception:
+        return _dumps(([_sendable_result(one) for one in found], seconds))
+
+
+def _sendable_result(value: Any) -> Any:
+    try:
+        _dumps(value)
+    except Exception as error:
+        return Failed(_sendable(error))
+    return value
+
+
+def _sendable(error: BaseException) -> BaseException:
+    """An exception with where it was raised as a note, since that does not travel otherwise."""
+    text = "".join(traceback.format_exception(error)).rstrip()
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        error = RuntimeError(f"{type(error).__name__}: {error}")
+    error.add_note(f"In the worker:\n{text}")
+    return error
+
+
+def _dumps(value: Any) -> bytes:
+    """By cloudpickle: what is in the main program, or inside a function, goes whole."""
+    import cloudpickle
+
+    data: bytes = cloudpickle.dumps(value)
+    return data
+
+
+# -- Which tasks go to a worker next, how many at a time, and again if the worker was lost
+
+
+#: A lost chunk of several tasks is cut into this many, until the one that ends workers stands alone.
+_PIECES = 8
+#: The next chunk has at most so many times the tasks of the largest before: a first task may have been short.
+_GROWTH = 8
+#: Chunks of many workers are so many times as long as those that leave no rest to whoever gives them out;
+#: towards the end so many times.
+_LEISURE, _PRESSED = 4.0, 1.5
+
+
+@dataclass(eq=False)
+class Chunk:
+    """Tasks in a row, the number of the first, and the workers lost with it where it is a single task."""
+
+    first: int
+    tasks: list[Any]
+    losses: int = 0
+
+
+class Schedule:
+    """The tasks of one round, read as far as they are given out.
+
+    ``losses`` is how many workers one task may take with it; ``a_chunk_s`` what a chunk costs whoever gives
+    them all out, so that with many workers chunks are longer; ``arrived`` gets the results by number of the
+    task, and the caller takes them out; ``a_task`` is the seconds of a task, where some were measured.
+    """
+
+    def __init__(
+        self,
+        tasks: Iterable[Any],
+        seconds_a_chunk: float,
+        losses: int,
+        arrived: dict[int, Any],
+        a_task: float | None = None,
+        a_chunk_s: float = 0.0,
+    ) -> None:
+        self.total = len(tasks) if isinstance(tasks, Sized) else None
+        self.arrived, self.a_task = arrived, a_task
+        self._tasks: Iterator[Any] = iter(tasks)
+        self._seconds, self._losses, self._a_chunk = seconds_a_chunk, losses, a_chunk_s
+        self._again: deque[Chunk] = deque()
+        self._flying: set[Chunk] = set()
+        self._read, self._exhausted = 0, False
+        self._largest = 1 if a_task is None else max(1, int(seconds_a_chunk / max(a_task, 1e-9)))
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing is left to be given out or waited for."""
+        return self._exhausted and not self._again and not self._flying
+
+    def next(self, workers: int, ahead: int) -> Chunk | None:
+        """The next chunk; None if there is none, or more than ``ahead`` chunks wait to be done or taken."""
+        if self._again:
+            chunk = self._again.popleft()
+        else:
+            size = self._size(workers)
+            if self._exhausted or len(self._flying) + len(self.arrived) / size >= ahead:
+                return None
+            chunk = Chunk(self._read, list(islice(self._tasks, size)))
+            self._read += len(chunk.tasks)
+            self._exhausted = not chunk.tasks or self._read == self.total
+            if not chunk.tasks:
+                return None
+            self._largest = max(self._largest, len(chunk.tasks))
+        self._flying.add(chunk)
+        return chunk
+
+    def _size(self, workers: int) -> int:
+        if self.a_task is None:
+            return 1
+        # So many workers keep whoever gives out the chunks busy all the time if theirs are this long.
+        least = workers * self._a_chunk
+        a_task = max(self.a_task, 1e-9)
+        size = min(max(self._seconds, _LEISURE * least) / a_task, _GROWTH * self._largest)
+        if self.total is not None:  # towards the end smaller ones, so that all end together
+            left = (self.total - self._read) / workers
+            size = min(size, max(left / 3, min(left, _PRESSED * least / a_task)))
+        return max(1, int(size))
+
+    def done(self, chunk: Chunk, results: list[Any], seconds: float) -> None:
+        """A chunk has come back."""
+        self._flying.discard(chunk)
+        self.arrived.update(enumerate(results, chunk.first))
+        mean = seconds / len(chunk.tasks)
+        self.a_task = mean if self.a_task is None else 0.5 * (self.a_task + mean)
+
+    def lost(self, chunk: Chunk, reason: str, count: int = 1) -> None:
+        """A chunk will not come back; ``count`` 0 says that it was none of its doing."""
+        self._flying.discard(chunk)
+        if len(chunk.tasks) == 1:
+            chunk.losses += count
+            if chunk.losses > self._losses:
+                self.arrived[chunk.first] = Failed(LostWorkerError(chunk.first, chunk.losses, reason))
+                return
+        if len(chunk.tasks) == 1 or count == 0:
+            self._again.append(chunk)
+            return
+        size = -(-len(chunk.tasks) // _PIECES)
+        for at in range(0, len(chunk.tasks), size):
+            self._again.append(Chunk(chunk.first + at, chunk.tasks[at : at + size]))
+
+
+# -- Kinds of workers, each an executor: something with ``submit`` and, as far as known, ``_max_workers``
+
+
+class _Here:
+    """This thread: what is submitted is done at once."""
+
+    _max_workers = a_worker = 1
+
+    def submit(self, function: Callable[..., Any], *args: Any) -> Any:
+        from concurrent.futures import Future
+
+        future: Future[Any] = Future()
+        future.set_result(function(*args))
+        return future
+
+
+class Processes:
+    """Processes of our own by loky, each an executor, so that it is known which chunk a lost one was at."""
+
+    a_worker = 1
+
+    def __init__(
+        self, count: int, initializer: Callable[..., Any] | None = None, initargs: tuple[Any, ...] = ()
+    ) -> None:
+        import multiprocessing
+
+        if multiprocessing.current_process().daemon:
+            reject(
+                "workers",
+                f"{count} processes inside a worker process",
+                "1 there, or threads",
+                "A worker of multiprocessing may not begin processes of its own: pass workers=1.",
+            )
+        self._max_workers, self._how = count, (os.getpid(), initializer, initargs)
+        self._idle: list[Any] = []
+        self._all: list[Any] = []
+
+    def submit(self, function: Callable[..., Any], *args: Any) -> Any:
+        """Give it to an idle process, or to a new one."""
+        from concurrent.futures import BrokenExecutor
+
+        from loky import ProcessPoolExecutor
+
+        while True:
+            if self._idle:
+                process = self._idle.pop()
+            else:
+                env = dict.fromkeys(_THREADS, "1")  # for a BLAS that is loaded later
+                process = ProcessPoolExecutor(1, initializer=_begin, initargs=self._how, env=env)
+                self._all.append(process)
+            try:
+                with _sigint_blocked():
+                    future = process.submit(function, *args)
+            except BrokenExecutor:  # it was lost while it rested
+                self._all.remove(process)
+                continue
+            future.add_done_callback(partial(self._back, process))
+            return future
+
+    def _back(self, process: Any, future: Any) -> None:
+        if not future.cancelled() and future.exception() is None:
+            self._idle.append(process)
+        elif process in self._all:
+            self._all.remove(process)
+
+    def shutdown(self, at_once: bool) -> None:
+        """End all processes, and what they have begun, those at work only ``at_once``."""
+        from concurrent.futures import ThreadPoolExecutor
+
+        ended, self._all, self._idle = self._all, [], []
+        with ThreadPoolExecutor(max(1, len(ended))) as threads:
+            for process in ended:
+                threads.submit(process.shutdown, kill_workers=at_once)
+
+
+def _begin(parent: int, initializer: Callable[..., Any] | None, initargs: tuple[Any, ...]) -> None:
+    """In a process that begins: Ctrl-C is for its parent, and without that one it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def end_with_parent() -> None:
+        while os.getppid() == parent:
+            time.sleep(1.0)
+        os._exit(1)
+
+    threading.Thread(target=end_with_parent, daemon=True).start()
+    if initializer is not None:
+        initializer(*initargs)
+
+
+@contextmanager
+def _sigint_blocked() -> Iterator[None]:
+    """Ctrl-C is for the caller: a process that begins meanwhile never gets one, the caller gets his later."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class Dask:
+    """A Dask client, which may be without workers for a while, or lose its scheduler for good.
+
+    Dask begins a task anew whose worker was lost, until it has lost a few with one task and gives that one
+    up; what it gives up, cancels, or has forgotten as its scheduler begins anew, is submitted again.
+    """
+
+    # Measured on a busy machine; benchmarks/cluster_plan.py measures it on any other.
+    a_chunk_s = 0.02
+    #: How often the cluster is asked for its size, which may change.
+    ask_s = 2.0
+    #: Without any worker for so long there is a warning, then an error: a queue may hold the next job back.
+    warn_s, patience_s = 60.0, 3600.0
+    small_bytes = 65_536
+
+    def __init__(self, client: Any) -> None:
+        if getattr(client, "asynchronous", False):
+            reject("workers", "an asynchronous Dask client", "a synchronous one", "Make it by Client(...).")
+        self._client = client
+        self._asked, self._there, self._warned, self._found = 0.0, time.monotonic(), False, 1
+        self._scattered: Any = None
+
+    def submit(self, function: Callable[..., Any], payload: bytes, tasks: bytes) -> Any:
+        """Not ``pure``: what is submitted again is computed again. A large model goes to each worker once."""
+        if len(payload) > self.small_bytes:
+            if self._scattered is None or self._scattered.status != "finished":
+                self._scattered = self._client.scatter(payload, hash=False)
+            payload = self._scattered
+        return self._client.submit(function, payload, tasks, pure=False)
+
+    @property
+    def _max_workers(self) -> int:
+        """Threads of the cluster's workers, at least one: it may still be growing."""
+        if self._client.status == "closed":
+            reject(
+                "workers",
+                "a Dask client that has lost its scheduler, with chunks of tasks under way",
+                "one that is connected",
+                "Connect to a scheduler that runs and call again: a series with store=, or a search with "
+                "checkpoint=, goes on from what is kept.",
+            )
+        now = time.monotonic()
+        if now > self._asked + self.ask_s:
+            self._asked = now
+            with suppress(OSError, RuntimeError, ValueError):  # the scheduler is away; the futures will tell
+                self._found = sum(self._client.nthreads().values())
+                if self._found:
+                    self._there, self._warned = now, False
+        alone = f"a Dask cluster that has had no worker for {now - self._there:.0f} s"
+        if now > self._there + self.patience_s:
+            reject(
+                "workers",
+                alone,
+                "one with workers",
+                "Begin workers and call again: what store= or checkpoint= keeps is taken up.",
+            )
+        if now > self._there + self.warn_s and not self._warned:
+            self._warned = True
+            warn("no_dask_worker", f"workers: {alone}; waiting for one.")
+        return max(1, self._found)
+
+
+def _mapped(run: Callable[..., Iterable[Any]]) -> Any:
+    """Something with ``map`` only: every chunk is a map of its own, in a thread that is left behind."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    class Mapped(ThreadPoolExecutor):
+        def submit(self, function: Any, /, *args: Any, **_: Any) -> Any:
+            return super().submit(lambda: next(iter(run(partial(function, *args[:-1]), args[-1:]))))
+
+    return Mapped(1)
+
+
+def _executor_of(workers: Any) -> tuple[Any, bool]:
+    """The executor that ``workers=`` means, and whether it is our own."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    wanted = 'a number from 1 on, "processes", "threads", or an executor with submit'
+    if workers is None:
+        return _Here(), True
+    if isinstance(workers, str | bool):
+        if workers == "threads":
+            return ThreadPoolExecutor(processors(), thread_name_prefix="antires"), True
+        if workers != "processes":
+            reject("workers", repr(workers), wanted, _REMEDY)
+        return Processes(processors()), True
+    if isinstance(workers, float) or hasattr(workers, "__index__"):
+        count = integer("workers", workers, low=1, high=MOST_WORKERS)
+        return (_Here() if count == 1 else Processes(count)), True
+    if isinstance(workers, type) and workers is not map:
+        reject("workers", workers, wanted, "Make one of this class first.")
+    # pool.map stands for the pool, which can do more.
+    owner = getattr(workers, "__self__", None)
+    if callable(workers) and (hasattr(owner, "submit") or hasattr(owner, "apply_async")):
+        workers = owner
+    if hasattr(workers, "submit"):
+        if type(workers).__module__.split(".")[0] == "distributed":
+            return Dask(workers), False
+        return workers, False
+    if not callable(run := getattr(workers, "map", workers)):
+        reject("workers", workers, wanted, _REMEDY)
+    warnings.warn(
+        f"workers: {type(workers).__name__} has no submit; pass a number or a concurrent.futures executor",
+        FutureWarning,
+        stacklevel=2,
+    )
+    if not hasattr(workers, "apply_async"):
+        return _mapped(run), True
+    # A pool of multiprocessing never tells that a worker was lost: as many of our own, begun alike.
+    from multiprocessing.pool import ThreadPool
+
+    count = len(workers._pool)
+    if isinstance(workers, ThreadPool):
+        return ThreadPoolExecutor(count), True
+    return Processes(count, workers._initializer, tuple(workers._initargs or ())), True
+
+
+# -- What callers use
+
+
+class Workers:
+    """Workers for one function, for several rounds of tasks.
+
+    ``function(task)``, or ``function(shared, task)`` where something is ``shared``, which goes to each worker
+    once. ``workers``: None or 1 is this thread; a number from 2 on, or ``"processes"`` for one a processor,
+    processes that end with the context; ``"threads"``; an executor, which stays open. Chunks of tasks last
+    about ``seconds_a_chunk`` by measured times, longer where one scheduler serves many workers (0: one by
+    one). A task fails that took more than ``losses`` workers with it. In every kind of worker functions run
+    with one BLAS thread, with ``workers=1`` too, so that the bits are the same; with None as they are called.
+
+    >>> from antires_rs.support.workers import Workers
+    >>> with Workers(pow, "threads", shared=2) as workers:
+    ...     list(workers.in_order(range(5)))
+    [1, 2, 4, 8, 16]
+    """
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        workers: Any = None,
+        *,
+        shared: Any = None,
+        seconds_a_chunk: float = 1.0,
+        losses: int = 10,
+    ) -> None:
+        from concurrent.futures import ThreadPoolExecutor
+
+        self._executor, self._own = _executor_of(workers)
+        # None: one by one, so that Ctrl-C loses none that is done.
+        self._seconds, self._losses = 0.0 if workers is None else seconds_a_chunk, losses
+        self._run = _results if workers is None else _results_alike
+        self._call: Call | None = None
+        if isinstance(self._executor, _Here | ThreadPoolExecutor):
+            self._call = _bound(function, shared)
+        else:
+            self._payload = _sent((function, shared), "a function that cannot be sent to them")
+        self._flying: dict[Any, Chunk] = {}
+        self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._broken: BaseException | None = None
+        self._a_task: float | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self.close(at_once=kind is not None)
+
+    def close(self, at_once: bool = False) -> None:
+        """End what is of our own; begin nothing more elsewhere."""
+        at_once = at_once or bool(self._flying)
+        flying, self._flying = self._flying, {}
+        for future in flying:
+            with suppress(Exception):  # there may be no scheduler to be told
+                future.cancel()
+        if isinstance(self._executor, Processes):
+            self._executor.shutdown(at_once)
+        elif self._own and hasattr(self._executor, "shutdown"):
+            self._executor.shutdown(wait=not at_once, cancel_futures=True)
+
+    def in_order(
+        self,
+        tasks: Iterable[Any],
+        *,
+        errors: Errors = "raise",
+        what: str = "",
+        poll: Callable[[], None] | None = None,
+    ) -> Iterator[Any]:
+        """The result of each task in the order of the tasks, which are read no further than needed.
+
+        An exception of the function is raised in its task's turn, or given as a :class:`Failed` with
+        ``errors="return"``. Progress says ``what 7 of 90``; ``poll`` is called ten times a second.
+        """
+        waiting: dict[int, Any] = {}
+        start, nth = time.monotonic(), 0
+        round_ = self._round(tasks, waiting, poll)
+        try:
+            for total in round_:
+                while nth in waiting:
+                    value = waiting.pop(nth)
+                    if isinstance(value, Failed) and errors == "raise":
+                        value.error.add_note(f"This was task {nth}, counted from 0.")
+                        raise value.error
+                    nth += 1
+                    if what:
+                        step(counted(what, nth, total, time.monotonic() - start))
+                    yield value
+        finally:
+            round_.close()
+
+    def as_done(
+        self, tasks: Iterable[Any], *, poll: Callable[[], None] | None = None
+    ) -> Iterator[tuple[int, Any]]:
+        """The number of each task with its result, or a :class:`Failed`, as they come."""
+        arrived: dict[int, Any] = {}
+        round_ = self._round(tasks, arrived, poll)
+        try:
+            for _ in round_:
+                for nth in sorted(arrived):
+                    yield nth, arrived.pop(nth)
+        finally:
+            round_.close()
+
+    def _round(
+        self, tasks: Iterable[Any], arrived: dict[int, Any], poll: Callable[[], None] | None
+    ) -> Generator[int | None, None, None]:
+        """Whenever something was put into ``arrived``: how many tasks there are, where that is known.
+
+        Who takes nothing out of it stops the reading of tasks.
+        """
+        a_chunk_s = getattr(self._executor, "a_chunk_s", 0.0) if self._seconds else 0.0
+        schedule = Schedule(tasks, self._seconds, self._losses, arrived, self._a_task, a_chunk_s)
+        try:
+            while True:
+                self._hand_out(schedule)
+                if not self._flying and schedule.over:
+                    return
+                self._receive(schedule)
+                if poll is not None:
+                    poll()
+                if arrived:
+                    if not isinstance(self._executor, _Here):
+                        self._hand_out(schedule)  # workers are busy while the caller is
+                    yield schedule.total
+        finally:
+            self._a_task = schedule.a_task
+            if self._flying:
+                self.close(at_once=True)
+
+    def _workers(self) -> int:
+        for name in ("_max_workers", "num_workers"):
+            count = getattr(self._executor, name, None)
+            if isinstance(count, int) and count > 0:
+                return count
+        return processors()
+
+    def _hand_out(self, schedule: Schedule) -> None:
+        """Fill the workers; an executor of the caller's has the next chunk while one is done."""
+        workers = self._workers()
+        at_most = getattr(self._executor, "a_worker", 2) * workers
+        while self._broken is None and len(self._flying) < at_most:
+            chunk = schedule.next(workers, AHEAD * workers + 2)
+            if chunk is None:
+                return
+            self._submit(chunk)
+
+    def _submit(self, chunk: Chunk) -> None:
+        from concurrent.futures import BrokenExecutor
+
+        try:
+            if self._call is not None:
+                future = self._executor.submit(self._run, self._call, chunk.tasks)
+            else:
+                tasks = _sent(chunk.tasks, "tasks that cannot be sent to them")
+                future = self._executor.submit(_packed_results, self._payload, tasks)
+        except BrokenExecutor as error:
+            self._flying[error] = chunk
+            self._done.put(error)
+        except RuntimeError as error:
+            wanted = f"an executor that takes nothing ({error})"
+            reject("workers", wanted, "one that is open", "Open it first.")
+        else:
+            self._flying[future] = chunk
+            future.add_done_callback(self._done.put)
+
+    def _receive(self, schedule: Schedule) -> None:
+        """Wait a moment for answers; what is lost goes out again."""
+        with suppress(queue.Empty):
+            future = self._done.get(timeout=LOOK_S)
+            while True:
+                chunk = self._flying.pop(future, None)
+                if chunk is not None:
+                    self._answered(future, chunk, schedule)
+                future = self._done.get_nowait()
+        if self._broken is not None and not self._flying:
+            self._replace()
+
+    def _answered(self, future: Any, chunk: Chunk, schedule: Schedule) -> None:
+        from concurrent.futures import BrokenExecutor
+
+        try:
+            if isinstance(future, BaseException):
+                raise future
+            found = future.result(timeout=_RESULT_S)
+        except _FOR_GOOD as error:
+            _does_not_arrive(error)
+        except BrokenExecutor as error:
+            own = isinstance(self._executor, Processes)
+            self._broken = None if own else error
+            # Of those that are in flight together in one executor nobody knows which one did it.
+            schedule.lost(chunk, _reason(error), int(own))
+        except (InvalidInputError, MemoryError):
+            raise
+        except (Exception, CancelledError) as error:
+            # Lost workers for each time that Dask gives up.
+            schedule.lost(chunk, _reason(error), 1 + getattr(error, "allowed_failures", 0))
+        else:
+            if isinstance(found, BaseException):
+                _does_not_arrive(found)
+            schedule.done(chunk, *(found if self._call is not None else pickle.loads(found)))
+
+    def _replace(self) -> None:
+        """Processes of our own, as many and begun alike, where those of the caller's executor are broken."""
+        from concurrent.futures import ProcessPoolExecutor
+
+        assert self._broken is not None
+        if not isinstance(self._executor, ProcessPoolExecutor):
+            reject(
+                "workers",
+                f"{type(self._executor).__name__} that is broken ({_reason(self._broken)})",
+                "one that lives",
+                "Make a new one; or pass a number of processes, of which lost ones are replaced.",
+            )
+        how = vars(self._executor)
+        self._executor = Processes(
+            self._workers(), how.get("_initializer"), tuple(how.get("_initargs") or ())
+        )
+        self._own, self._broken = True, None
+
+
+def in_order(
+    function: Callable[..., Any],
+    tasks: Iterable[Any],
+    workers: Any = None,
+    *,
+    shared: Any = None,
+    seconds_a_chunk: float = 1.0,
+    losses: int = 10,
+    errors: Errors = "raise",
+    what: str = "",
+) -> Iterator[Any]:
+    """``function(task)`` of every task in order: one round of :class:`Workers`, which tells the arguments.
+
+    Nothing begins before the first result is asked for, or runs on after the last, an exception, ``close()``.
+
+    >>> from antires_rs.support.workers import in_order
+    >>> list(in_order(abs, (-2, -1, 0), "threads"))
+    [2, 1, 0]
+    """
+    with Workers(function, workers, shared=shared, seconds_a_chunk=seconds_a_chunk, losses=losses) as open_:
+        yield from open_.in_order(tasks, errors=errors, what=what)
+
+
+def _sent(value: Any, what: str) -> bytes:
+    """A function with what it shares, or tasks, as bytes."""
+    try:
+        return _dumps(value)
+    except Exception as error:
+        reject(
+            "workers",
+            f"processes, and {what} ({error})",
+            "what pickles, with all that it needs",
+            'Pass "threads", or let the function open files and locks where it runs.',
+        )
+
+
+def _does_not_arrive(error: BaseException) -> NoReturn:
+    reject(
+        "workers",
+        f"a function or tasks that do not arrive there ({type(error).__name__}: {error})",
+        "a function that the workers can import",
+        "Put it into a module that they have, with this package in the same version.",
+    )
+
+
+def _reason(error: BaseException) -> str:
+    """What is known of a lost worker: its exit code, or what its executor says."""
+    code = re.search(r"exit codes of the workers are \{\w*\((-?\d+)\)", str(error))
+    return f"exit code {code[1]}" if code else f"{type(error).__name__}: {error}"
