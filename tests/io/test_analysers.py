@@ -96,11 +96,10 @@ def test_fields_of_a_struct_tell_rate_and_unit(tmp_path):
 
 
 def test_an_object_of_matlab_is_named(tmp_path):
-    from antires_rs.io.child_process import Found
     from antires_rs.io.mat import _no_objects
 
     with pytest.raises(ar.UnsuitableDataError, match="whose T is a timetable of MATLAB.*T.Variables"):
-        _no_objects(tmp_path / "a.mat", Found({}, {"object T": "timetable"}))
+        _no_objects(tmp_path / "a.mat", {}, {"object T": "timetable"})
 
 
 @pytest.mark.parametrize("place", ["dataset", "group", "file"])

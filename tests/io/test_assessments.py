@@ -1,12 +1,9 @@
 """Damage against a baseline as a file: every field of the assessment comes back bit for bit."""
 
 import copy
-import hashlib
-import json
 import pickle
 from dataclasses import fields, replace
 
-import numpy as np
 import pytest
 
 import antires_rs as ar
@@ -66,23 +63,6 @@ def test_an_older_file_lacks_the_values_of_the_baseline(made):
     assert older.interval == made.interval
     with pytest.raises(ar.InvalidInputError, match="older file.*Assess the damage again"):
         older.intervals()
-
-
-def test_a_file_without_an_assessment_is_of_the_search(tmp_path, made):
-    """As version 2 wrote them; probabilities are worked out anew."""
-    found = ar.assess_damage(chain(), exact(chain([500.0, 330.0, 520.0])), rng=0)
-    found.save(tmp_path / "search.npz")
-    arrays = dict(np.load(tmp_path / "search.npz"))
-    data = json.loads(bytes(arrays["antires_rs"]))
-    assert data.pop("assessment") is None
-    text = json.dumps(data | {"version": 2}).encode()
-    arrays["antires_rs"] = np.frombuffer(text, dtype=np.uint8)
-    arrays["text_sha256"] = np.frombuffer(hashlib.sha256(text).digest(), dtype=np.uint8)
-    np.savez(tmp_path / "search.npz", **arrays)
-    back = ar.DamageResult.load(tmp_path / "search.npz")
-    assert back.severity == found.severity
-    assert not back.assessment.baseline
-    assert back.headline == found.headline
 
 
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda r: pickle.loads(pickle.dumps(r))])

@@ -188,10 +188,10 @@ def test_wrong_kinds_and_versions(saved, tmp_path):
         ar.DamageResult.load(saved)
     with pytest.raises(ar.InvalidInputError, match="^path: got .*; wanted a file that ends in .npz"):
         ar.UpdateResult.load(saved).save(tmp_path / "run.json")
-    rewritten(saved, lambda d: d | {"version": 4})
-    with pytest.raises(ar.UnsuitableDataError, match="of version 4; wanted version 3 or older. Update"):
+    rewritten(saved, lambda d: d | {"version": 5})
+    with pytest.raises(ar.UnsuitableDataError, match="of version 5; wanted version 4 or older. Update"):
         ar.UpdateResult.load(saved)
-    rewritten(saved, lambda d: d | {"version": 3, "format": "other"})
+    rewritten(saved, lambda d: d | {"version": 4, "format": "other"})
     with pytest.raises(ar.UnsuitableDataError, match="which holds 'other'"):
         ar.UpdateResult.load(saved)
     np.savez(tmp_path / "other.npz", a=1.0)

@@ -5,13 +5,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.signals import spectra
-from antires_rs.signals.averaging import (
-    Autocorrelation,
-    Averaging,
-    average,
-    choose_nperseg,
-    narrow_width,
-)
+from antires_rs.signals.averaging import Autocorrelation, Averaging, average, choose_nperseg, narrow_width
 from antires_rs.signals.recording import Recording
 
 BAND = (3.0, 130.0)

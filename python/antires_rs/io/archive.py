@@ -1,16 +1,18 @@
-"""Arrays and a JSON text in one archive, every part with its SHA-256.
+"""One codec for what is saved: a value as JSON and arrays in one archive, every part with its SHA-256.
 
-In the text an array stands as ``{"array": "a3"}``.
+A value of one of our classes stands as ``{"class": name, field: ...}``, an array as ``{"array": "a3"}``, a
+tuple as ``{"tuple": [...]}``, a dict as ``{"dict": [[key, value], ...]}``, infinity as ``{"float": "inf"}``.
+A field that a file lacks has its default. Nothing is pickled. At the end: what files of before held.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import platform
-from collections.abc import Iterable
-from dataclasses import MISSING, asdict, fields
-from itertools import chain
+from collections.abc import Callable
+from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import __version__
+from ..damage import assessor_plan, hypotheses, inference, options, question
 from ..damage.assessor import Assessor
 from ..damage.assessor_plan import LEVELS, Plan, Tables
 from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
@@ -25,19 +28,20 @@ from ..damage.inference import Learned
 from ..damage.options import DamagePrior, SearchOptions
 from ..damage.question import Question
 from ..damage.result import DamageResult
-from ..exceptions import reject
+from ..exceptions import AntiresError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
+from ..models import frame_parts, recipes, structural_model
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
-from ..models.frame_parts import PARTS, Rectangle, Section, Tube
+from ..models.frame_parts import PARTS
 from ..models.matrices import Entries
 from ..models.matrix_model import MatrixModel
 from ..models.parameters import Parameter
 from ..models.recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 from ..models.structural_model import AppliedParameters, ModelDescription, Recipe, StructuralModel
+from ..optimize import island_ga
 from ..optimize.island_ga import History, OptimizeResult
-from ..support.checks import FloatArray
 from ..support.messages import warn
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from ..updating.result import UpdateResult
@@ -128,427 +132,171 @@ def _sha256(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-# -- Descriptions of models as plain data, and models made again from it, bit-identical
+# -- Values of our classes as plain data and arrays, and made again from them, bit-identical
 
 
-_SECTIONS = {"Tube": Tube, "Rectangle": Rectangle, "Section": Section}
 _MODELS: dict[type[Recipe], type[StructuralModel]] = {
     ChainRecipe: MassSpringChain,
     MatrixRecipe: MatrixModel,
     FrameRecipe: FrameModel,
 }
+#: What the constructors of classes take that are no dataclasses, or have fields that are not kept.
+_FIELDS: dict[type, tuple[str, ...]] = {
+    ModalSet: ("freq_hz", "shapes", "dofs", "damping_ratio", "std_hz", "std_shapes"),
+    UpdatingProblem: ("model", "parameters", "measured", "misfit", "penalty", "weights"),
+    Hypotheses: ("rows", "names"),
+    Entries: Entries._fields,
+}
+_HOMES = (
+    assessor_plan,
+    inference,
+    hypotheses,
+    question,
+    options,
+    frame_parts,
+    recipes,
+    structural_model,
+    island_ga,
+)
+#: Classes by the names that stand in files: our dataclasses, as these modules know them, and those above.
+_CLASSES: dict[str, Any] = {
+    **{name: each for home in _HOMES for name, each in vars(home).items() if is_dataclass(each)},
+    **{
+        each.__name__: each
+        for each in (*_FIELDS, *_MODELS.values(), AntiresonanceSet, Parameter, DamagePenalty)
+    },
+}
 
 
-def describe_model(model: StructuralModel, store: Store) -> dict[str, Any]:
-    """Recipe and applied parameters of a model."""
-    description = model.description
-    if type(model) is not _MODELS[type(description.recipe)]:
-        reject(
-            "model",
-            type(model).__name__,
-            "a MassSpringChain, FrameModel or MatrixModel",
-            "Build the model as one of these first.",
-        )
-    return {
-        **_describe_recipe(description.recipe, store),
-        "applied": [
-            {"parameters": describe_parameters(one.parameters), "values": store.put(one.values)}
-            for one in description.applied
-        ],
-    }
-
-
-def made_model(data: dict[str, Any], name: str) -> StructuralModel:
-    """The model of a description; ``name`` is the file's, for messages."""
-    if data["kind"] == "updated":
-        return _made_by_version_1(data, name)
-    recipe = _made_recipe(data, name)
-    applied = tuple(
-        AppliedParameters(made_parameters(one["parameters"]), one["values"])
-        for one in data.get("applied", ())  # version 1 has none
-    )
-    return _MODELS[type(recipe)].from_description(ModelDescription(recipe, applied))
-
-
-def describe_parameters(parameters: Iterable[Parameter]) -> list[dict[str, Any]]:
-    """Parameters as plain data."""
-    return [asdict(p) for p in parameters]
-
-
-def made_parameters(rows: list[dict[str, Any]]) -> tuple[Parameter, ...]:
-    """Parameters of plain data."""
-    made: list[dict[str, Any]] = [
-        {key: tuple(v) if isinstance(v, list) else v for key, v in row.items()} for row in rows
-    ]
-    return tuple(Parameter(**row) for row in made)
-
-
-def _made_by_version_1(data: dict[str, Any], name: str) -> StructuralModel:
-    """A model that came out of an updating was kept as that problem and its x."""
-    problem, values = data["problem"], data["x"]
-    parameters = made_parameters(problem["parameters"])
-    if problem["penalty"] is not None:
-        values = _snapped(parameters, values, problem["penalty"]["snap"])
-    return made_model(problem["model"], name).with_parameters(parameters, values)
-
-
-def _snapped(parameters: tuple[Parameter, ...], values: FloatArray, snap: float) -> FloatArray:
-    """The problem set severities below ``snap`` to zero before it made its model."""
-    reductions = np.array([p.quantity == "stiffness_reduction" for p in parameters])
-    return np.where(reductions & (np.abs(values) < snap), 0.0, values)
-
-
-def _describe_recipe(recipe: Recipe, store: Store) -> dict[str, Any]:
-    if isinstance(recipe, ChainRecipe):
-        return {
-            "kind": "chain",
-            "masses_kg": store.put(recipe.masses_kg),
-            "springs_n_per_m": store.put(recipe.springs_n_per_m),
-            "ground_first_n_per_m": recipe.ground_first_n_per_m,
-            "ground_last_n_per_m": recipe.ground_last_n_per_m,
-        }
-    if isinstance(recipe, MatrixRecipe):
-        return {
-            "kind": "matrices",
-            "n_dof": recipe.n_dof,
-            "stiffness": [store.put(part) for part in recipe.stiffness],
-            "mass": [store.put(part) for part in recipe.mass],
-            "terms": [
-                [[store.put(part) for part in term] for term in terms]
-                for terms in (recipe.stiffness_terms, recipe.mass_terms)
-            ],
-            "names": list(recipe.names),
-            "constraints": None
-            if recipe.constraints is None
-            else [store.put(part) for part in recipe.constraints],
-            "keep": list(recipe.keep),
-        }
-    return {
-        "kind": "frame",
-        "nodes_m": store.put(recipe.nodes_m),
-        "elements": [list(beam) for beam in recipe.beams],
-        "section_names": list(recipe.section_names),
-        "sections": [{"type": type(s).__name__, **asdict(s)} for s in recipe.sections],
-        "orientation": None if recipe.orientation is None else store.put(recipe.orientation),
-        **{kind: [part._saved() for part in recipe.parts.get(kind, ())] for kind in PARTS},
-        "fixed": recipe.fixed,
-    }
-
-
-def _made_recipe(data: dict[str, Any], name: str) -> Recipe:
-    if data["kind"] == "chain":
-        return ChainRecipe(
-            data["masses_kg"],
-            data["springs_n_per_m"],
-            data["ground_first_n_per_m"],
-            data["ground_last_n_per_m"],
-        )
-    if data["kind"] == "matrices":
-        stiffness_terms, mass_terms = (tuple(map(_entries, terms)) for terms in data["terms"])
-        constraints = data.get("constraints")  # not in files of versions before
-        return MatrixRecipe(
-            data["n_dof"],
-            _entries(data["stiffness"]),
-            _entries(data["mass"]),
-            stiffness_terms,
-            mass_terms,
-            tuple(data.get("names", ())),
-            None if constraints is None else _entries(constraints),
-            tuple(data.get("keep", ())),
-        )
-    if data["kind"] == "frame":
-        return _made_frame(data)
-    reject(
-        "path",
-        f"{name!r} with a model of kind {data['kind']!r}",
-        "a kind that this version knows",
-        "Update antires_rs.",
-    )
-
-
-def _entries(parts: list[Any]) -> Entries:
-    rows, columns, values = parts
-    return Entries(np.asarray(rows, dtype=np.uint32), np.asarray(columns, dtype=np.uint32), values)
-
-
-def _made_frame(data: dict[str, Any]) -> FrameRecipe:
-    return FrameRecipe(
-        nodes_m=data["nodes_m"],
-        beams=tuple((a, b, section) for a, b, section in data["elements"]),
-        section_names=tuple(data["section_names"]),
-        sections=tuple(
-            _SECTIONS[s["type"]](**{key: value for key, value in s.items() if key != "type"})
-            for s in data["sections"]
-        ),
-        orientation=data["orientation"],
-        parts={
-            name: tuple(kind._of_saved(row) for row in data.get(name, ())) for name, kind in PARTS.items()
-        },
-        fixed=tuple((node, direction) for node, direction in data["fixed"]),
-    )
-
-
-# -- Updating problems as plain data, and made again from it
-
-
-#: What a set of modes may tell of each.
-_BY_MODE = ("damping_ratio", "std_hz", "std_shapes")
-
-
-def describe_problem(problem: UpdatingProblem, store: Store) -> dict[str, Any]:
-    """All that the constructor takes."""
-    return {
-        "model": describe_model(problem.model, store),
-        "parameters": describe_parameters(problem.parameters),
-        "measured": [describe_measured(each, store) for each in problem.measured],
-        "misfit": problem.misfit,
-        "penalty": None if problem.penalty is None else asdict(problem.penalty),
-        "weights": None if problem.weights is None else store.put(problem.weights),
-    }
-
-
-def made_problem(data: dict[str, Any], name: str) -> UpdatingProblem:
-    """The problem of a description; ``name`` is the file's, for messages."""
-    measured: list[Any] = [made_measured(each, name) for each in data["measured"]]
-    penalty = None if data["penalty"] is None else DamagePenalty(**data["penalty"])
-    sets = measured[0] if len(measured) == 1 else measured
-    return UpdatingProblem(
-        made_model(data["model"], name),
-        made_parameters(data["parameters"]),
-        sets,
-        misfit=data["misfit"],
-        penalty=penalty,
-        weights=data["weights"],
-    )
-
-
-def describe_measured(measured: AntiresonanceSet | ModalSet, store: Store) -> dict[str, Any]:
-    """A set of either kind."""
-    if isinstance(measured, AntiresonanceSet):
-        return {"kind": "antiresonances", "set": json.loads(measured.to_json())}
-    return {
-        "kind": "modes",
-        "freq_hz": store.put(measured.freq_hz),
-        "shapes": store.put(measured.shapes),
-        "dofs": list(measured.dofs),
-        **{name: None if (own := getattr(measured, name)) is None else store.put(own) for name in _BY_MODE},
-    }
-
-
-def made_measured(data: dict[str, Any], name: str) -> AntiresonanceSet | ModalSet:
-    """The set of a description."""
-    if data["kind"] == "antiresonances":
-        return AntiresonanceSet.from_json(json.dumps(data["set"]), name)
-    by_mode = {name: data.get(name) for name in _BY_MODE}  # older files have no standard deviations
-    return ModalSet(data["freq_hz"], data["shapes"], data["dofs"], **by_mode)
-
-
-# -- What an assessment against a baseline was asked, as plain data, and made again from it
-
-
-def describe_question(asked: Question, store: Store) -> dict[str, Any]:
-    """The model before it was corrected, both states, and what was assumed."""
-    return {
-        "model": describe_model(asked.model, store),
-        "baseline": [describe_measured(each, store) for each in asked.baseline],
-        "measured": [describe_measured(each, store) for each in asked.measured],
-        "elements": list(asked.elements),
-        "prior": asdict(asked.prior),
-        "options": asked.options.values() | {"weights": None, "x0": None},
-    }
-
-
-def made_question(data: dict[str, Any], name: str, *, reduced: bool = False) -> Question:
-    """The question of a description; ``name`` is the file's, for messages."""
-    states: list[Any] = [
-        tuple(made_measured(each, name) for each in data[state]) for state in ("baseline", "measured")
-    ]
-    return Question(
-        made_model(data["model"], name),
-        states[0],
-        states[1],
-        tuple(data["elements"]),
-        DamagePrior(**data["prior"]),
-        SearchOptions(**(data.get("options") or {"std_common": data["std_common"]})),
-        reduced=reduced,
-    )
-
-
-# -- Assessments of damage as plain data and arrays, and made again from it
-
-
-#: Columns of the hypotheses with a value for each of their elements.
-_RAGGED = ("severities", "low", "high")
-
-
-def describe_assessment(found: Assessment, store: Store) -> dict[str, Any]:
-    """Every field; no bit of a float is lost."""
-    rows = list(found.hypotheses)
-    described: dict[str, Any] = {
-        "hypotheses": {
-            "names": [[e, name] for e, name in found.hypotheses.names.items()],
-            "elements": [list(one.elements) for one in rows],
-            "candidate": [one.candidate for one in rows],
-            "probability": store.put(found.hypotheses.probability),
-            **{
-                name: store.put(np.array([*chain(*(getattr(one, name) for one in rows))])) for name in _RAGGED
-            },
-        },
-        "group": [rows.index(one) for one in found.group],
-    }
-    for field in fields(found):
-        if field.name not in described:
-            described[field.name] = _described(getattr(found, field.name), store)
-    return described
-
-
-def made_assessment(data: dict[str, Any]) -> Assessment:
-    """The assessment of a description."""
-    table = data["hypotheses"]
-    counts = [0 if elements == [-1] else len(elements) for elements in table["elements"]]
-    ends = np.cumsum(counts)[:-1]
-    ragged = [[tuple(part.tolist()) for part in np.split(table[name], ends)] for name in _RAGGED]
-    rows = [
-        Hypothesis(tuple(elements), probability, severities, low, high, candidate)
-        for elements, probability, candidate, severities, low, high in zip(
-            table["elements"], table["probability"].tolist(), table["candidate"], *ragged, strict=True
-        )
-    ]
-    values: dict[str, Any] = {
-        "hypotheses": Hypotheses(rows, {e: name for e, name in table["names"]}),
-        "group": tuple(rows[nth] for nth in data["group"]),
-    }
-    for field in fields(Assessment):
-        if field.name not in values and (field.name in data or field.default is MISSING):
-            values[field.name] = _made(data[field.name])
-    return Assessment(**values)
-
-
-def _described(value: Any, store: Store) -> Any:
-    if isinstance(value, float):
-        return {"float": repr(value)}  # JSON has no infinity
-    if isinstance(value, tuple):
-        floats = any(isinstance(each, float) for each in value)
-        return store.put(np.array(value, dtype=np.float64)) if floats else list(value)
+def encoded(value: Any, store: Store) -> Any:
+    """A value as plain data; its arrays go into the store."""
+    kind = type(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        return {"float": repr(float(value))}
+    if isinstance(value, np.generic):
+        return encoded(value.item(), store)
+    if isinstance(value, np.ndarray):
+        return store.put(value)
+    if isinstance(value, AntiresonanceSet):
+        return {"class": kind.__name__, "json": value.to_json()}
+    if isinstance(value, StructuralModel):
+        if kind is not _MODELS[type(value.description.recipe)]:
+            reject(
+                "model",
+                kind.__name__,
+                "a MassSpringChain, FrameModel or MatrixModel",
+                "Build the model as one of these first.",
+            )
+        return {"class": kind.__name__, "description": encoded(value.description, store)}
+    if kind in _FIELDS or is_dataclass(value):
+        names = _FIELDS.get(kind) or tuple(each.name for each in fields(value) if each.init)
+        rows = {"rows": tuple(value)} if isinstance(value, Hypotheses) else {}
+        held = {name: rows[name] if name in rows else getattr(value, name) for name in names}
+        return {"class": kind.__name__, **{name: encoded(each, store) for name, each in held.items()}}
+    if isinstance(value, dict):
+        return {"dict": [[encoded(key, store), encoded(each, store)] for key, each in value.items()]}
+    if isinstance(value, tuple | list):
+        made = [encoded(each, store) for each in value]
+        return {"tuple": made} if isinstance(value, tuple) else made
     return value
 
 
-def _made(value: Any) -> Any:
-    if isinstance(value, dict):
-        return float(value["float"])
-    plain = value.tolist() if isinstance(value, np.ndarray) else value
-    return tuple(plain) if isinstance(plain, list) else plain
+def decoded(data: Any, name: str) -> Any:
+    """The value that :func:`encoded` took; ``name`` is the file's, for messages."""
+    if isinstance(data, list):
+        return [decoded(each, name) for each in data]
+    if not isinstance(data, dict):
+        return data
+    if "class" not in data:
+        ((kind, kept),) = data.items()
+        if kind == "float":
+            return float(kept)
+        if kind == "tuple":
+            return tuple(decoded(each, name) for each in kept)
+        return {decoded(key, name): decoded(each, name) for key, each in kept}
+    if data["class"] not in _CLASSES:
+        reject("path", f"{name!r} with a {data['class']!r}", "what this version knows", "Update antires_rs.")
+    made = _CLASSES[data["class"]]
+    parts = {key: decoded(each, name) for key, each in data.items() if key != "class"}
+    if made is AntiresonanceSet:
+        return AntiresonanceSet.from_json(parts["json"], name)
+    if issubclass(made, StructuralModel):
+        return made.from_description(parts["description"])
+    return made(**parts)
 
 
-# -- Assessors as files: model, baseline, tables, and what was learned
-#
-# A NumPy archive with a JSON text, version 1. No pickle; every part has a checksum.
+def _in_npz(path: str | os.PathLike[str]) -> None:
+    if isinstance(path, str | os.PathLike) and Path(path).suffix != ".npz":
+        reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
 
 
-FORMAT, VERSION = "antires_rs.assessor", 1
+def _whole(file: Path, wanted: str, remedy: str, make: Callable[[], Any]) -> Any:
+    """What is made of the parts of a file; one that is missing is told."""
+    try:
+        return make()
+    except AntiresError:
+        raise
+    except (KeyError, TypeError, IndexError, ValueError) as exc:
+        unsuitable(file, f"which is damaged ({type(exc).__name__}: {exc})", wanted, remedy)
+
+
+# -- Assessors as files: question, tables, and what was learned
+
+
+FORMAT, VERSION = "antires_rs.assessor", 2
 
 
 def save_assessor(assessor: Assessor, path: str | os.PathLike[str]) -> Path:
     """Write an assessor, whole or not at all; see :meth:`Assessor.save`."""
-    if isinstance(path, str | os.PathLike) and Path(path).suffix != ".npz":
-        reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
+    _in_npz(path)
     store, plan = Store(), assessor._plan
-    data = {
-        "format": FORMAT,
-        "version": VERSION,
-        "question": describe_question(plan.question, store),
-        "reduced": plan.question.reduced,
-        "levels": store.put(LEVELS),
-        "tables": {field.name: store.put(getattr(plan.tables, field.name)) for field in fields(Tables)},
-        "learned": {
-            field.name: _described_assessors(getattr(plan.learned, field.name), store)
-            for field in fields(Learned)
-        },
-    }
-    return write_store(path, data, store)
+    parts = {"question": plan.question, "levels": LEVELS, "tables": plan.tables, "learned": plan.learned}
+    data = {name: encoded(each, store) for name, each in parts.items()}
+    return write_store(path, {"format": FORMAT, "version": VERSION, **data}, store)
 
 
 def load_assessor(path: str | os.PathLike[str]) -> Assessor:
     """Read what :func:`save_assessor` wrote; see :meth:`Assessor.load`."""
-    wanted = f"a file written by Assessor.save, version {VERSION} or older"
+    wanted, remedy = (
+        f"a file written by Assessor.save, version {VERSION} or older",
+        "Make and save the assessor anew.",
+    )
     file, data = read_store(path, FORMAT, VERSION, wanted)
-    try:
-        question = made_question(data["question"], str(file), reduced=data["reduced"])
-        tables = Tables(**{field.name: data["tables"][field.name] for field in fields(Tables)})
-        learned = Learned(
-            **{field.name: _made_assessors(data["learned"][field.name]) for field in fields(Learned)}
-        )
-        same = np.array_equal(data["levels"], LEVELS)
-    except (KeyError, TypeError, IndexError) as exc:
-        unsuitable(
-            file,
-            f"which is damaged ({type(exc).__name__}: {exc})",
-            wanted,
-            "Make and save the assessor anew.",
-        )
-    if not same:
-        unsuitable(file, "with tables of another version", wanted, "Make and save the assessor anew.")
-    return Assessor._of(Plan(question, tables, learned))
+
+    def make() -> Plan:
+        if not np.array_equal(data["levels"], LEVELS):
+            unsuitable(file, "with tables of another version", wanted, remedy)
+        if data["version"] == 1:
+            return _plan_1(data, str(file))
+        return Plan(*(decoded(data[name], str(file)) for name in ("question", "tables", "learned")))
+
+    return Assessor._of(_whole(file, wanted, remedy, make))
 
 
-def _described_assessors(value: Any, store: Store) -> Any:
-    """Floats as arrays: no bit is lost, and infinity is allowed."""
-    if isinstance(value, np.ndarray):
-        return store.put(value)
-    if isinstance(value, tuple):
-        kind = "floats" if any(isinstance(each, float) for each in value) else "plain"
-        return {kind: store.put(np.array(value)) if kind == "floats" else list(value)}
-    return {"float": repr(value)} if isinstance(value, float) else value
+# -- Results of updating and damage assessment: what was asked, how it went, what came out, by which versions
 
 
-def _made_assessors(value: Any) -> Any:
-    if not isinstance(value, dict):
-        return value
-    ((kind, kept),) = value.items()
-    if kind == "float":
-        return float(kept)
-    return tuple(kept.tolist()) if kind == "floats" else tuple(kept)
-
-
-# -- Results of updating and damage assessment as one file: what was asked, how it went, what came out
-#
-# A NumPy archive with a JSON text, version 3: model, parameters, measured sets, penalty, weights, the
-# optimizer's options, seed, x, history, final populations, the assessment against a baseline with what was
-# asked (some files of version 3 lack the question), and the versions it was made with. No pickle; every part
-# has a checksum. Older ones are read as well: version 1 kept an updated model as the problem it came from,
-# version 2 had no assessment.
-
-
-FORMAT_RESULTS, VERSION_RESULTS = "antires_rs.result", 3
-_ARRAYS = ("x", "populations", "population_costs")
-_PLAIN = ("fun", "success", "status", "message", "nfev", "njev", "nit")
-_CLASSES = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}
+FORMAT_RESULTS, VERSION_RESULTS = "antires_rs.result", 4
+_RESULTS = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}
 
 
 def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
     """Write a result, whole or not at all; see :meth:`UpdateResult.save`."""
-    if isinstance(path, str | os.PathLike) and Path(path).suffix != ".npz":
-        reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
-    store, search = Store(), result.search
-    assessment = result._assessment if isinstance(result, DamageResult) else None
-    question = result._question if isinstance(result, DamageResult) else None
+    _in_npz(path)
+    store = Store()
+    parts = {
+        "problem": result.problem,
+        "search": result.search,
+        "assessment": getattr(result, "_assessment", None),
+        "question": getattr(result, "_question", None),
+        "options": dict(result.options),
+    }
     data = {
         "format": FORMAT_RESULTS,
         "version": VERSION_RESULTS,
         "class": type(result).__name__,
         "seed": result.seed,
-        "problem": describe_problem(result.problem, store),
-        "search": {
-            **{name: getattr(search, name) for name in _PLAIN},
-            **{name: store.put(getattr(search, name)) for name in _ARRAYS},
-            "history": {
-                name: store.put(getattr(search.history, name)) for name in ("nfev", "cost", "migrations")
-            },
-            "options": search.options,
-        },
-        "assessment": None if assessment is None else describe_assessment(assessment, store),
-        "question": None if question is None else describe_question(question, store),
-        "options": dict(result.options),
+        **{name: encoded(each, store) for name, each in parts.items()},
         "made_with": {
             "antires_rs": __version__,
             "numpy": np.__version__,
@@ -562,31 +310,23 @@ def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
 def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateResult) -> Any:
     """Read what :func:`save_result` wrote; see :meth:`UpdateResult.load`."""
     wanted = f"a file written by {kind.__name__}.save, version {VERSION_RESULTS} or older"
-    file, data = read_store(
-        path,
-        FORMAT_RESULTS,
-        VERSION_RESULTS,
-        wanted,
-        "It was cut, or is another file: name the result.npz of a run.",
-    )
-    try:
-        made = _CLASSES[data["class"]]
+    remedy = "It was cut, or is another file: name the result.npz of a run."
+    file, data = read_store(path, FORMAT_RESULTS, VERSION_RESULTS, wanted, remedy)
+
+    def make() -> tuple[type[UpdateResult], list[Any]]:
+        made = _RESULTS[data["class"]]
         if not issubclass(made, kind):
             unsuitable(file, f"which holds an {made.__name__}", wanted, f"Use {made.__name__}.load.")
-        problem = made_problem(data["problem"], str(file))
-        raw = {"njev": None, **data["search"]}  # version 1 did not count linearizations
-        search = OptimizeResult(history=History(**raw.pop("history")), **raw)
-        kept = data.get("assessment")
-        asked = data.get("question")
-        question = None if asked is None else made_question(asked, str(file))
-        more = () if kept is None else (made_assessment(kept), question)
-    except (KeyError, TypeError, IndexError) as exc:
-        unsuitable(
-            file,
-            f"which is damaged ({type(exc).__name__}: {exc})",
-            wanted,
-            "Copy it again, or save the result anew.",
-        )
+        if data["version"] < 4:
+            return made, _result_3(data, str(file))
+        return made, [
+            decoded(data[name], str(file))
+            for name in ("problem", "search", "assessment", "question", "options")
+        ]
+
+    made, (problem, search, *assessed, held) = _whole(
+        file, wanted, "Copy it again, or save the result anew.", make
+    )
     cost = problem.cost(search.x)
     if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
         maker = data["made_with"]["antires_rs"]
@@ -595,4 +335,157 @@ def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateR
             f"path: {str(file)!r} was made by antires_rs {maker}; its objective was {search.fun:.9g} where "
             f"this version computes {cost:.9g}.",
         )
-    return made(problem, search, data["seed"], *more, options=data.get("options"))
+    asked = assessed if assessed[0] is not None else ()
+    return made(problem, search, data["seed"], *asked, options=held)
+
+
+# -- Files of the versions before: results 1 to 3, assessors 1, matrices 1
+#
+# Version 1 of results kept an updated model as the problem it came from, 2 had no assessment, some of 3 lack
+# its question.
+
+
+def _result_3(data: dict[str, Any], name: str) -> list[Any]:
+    raw = {"njev": None, **data["search"]}  # version 1 did not count linearizations
+    search = OptimizeResult(history=History(**raw.pop("history")), **raw)
+    found, asked = data.get("assessment"), data.get("question")
+    return [
+        _problem_3(data["problem"], name),
+        search,
+        None if found is None else _assessment_3(found),
+        None if asked is None else _question_3(asked, name),
+        data.get("options"),
+    ]
+
+
+def _problem_3(data: dict[str, Any], name: str) -> UpdatingProblem:
+    return UpdatingProblem(
+        _model_3(data["model"], name),
+        _parameters_3(data["parameters"]),
+        [_set_3(each, name) for each in data["measured"]],
+        misfit=data["misfit"],
+        penalty=None if data["penalty"] is None else DamagePenalty(**data["penalty"]),
+        weights=data["weights"],
+    )
+
+
+def _parameters_3(rows: list[dict[str, Any]]) -> tuple[Parameter, ...]:
+    made: list[dict[str, Any]] = [
+        {key: tuple(v) if isinstance(v, list) else v for key, v in row.items()} for row in rows
+    ]
+    return tuple(Parameter(**row) for row in made)
+
+
+def _set_3(data: dict[str, Any], name: str) -> Any:
+    if data["kind"] == "antiresonances":
+        return AntiresonanceSet.from_json(json.dumps(data["set"]), name)
+    return ModalSet(**{key: data.get(key) for key in _FIELDS[ModalSet]})
+
+
+def _question_3(data: dict[str, Any], name: str, *, reduced: bool = False) -> Question:
+    before, now = (tuple(_set_3(each, name) for each in data[state]) for state in ("baseline", "measured"))
+    prior, elements = DamagePrior(**data["prior"]), tuple(data["elements"])
+    search = SearchOptions(**(data.get("options") or {"std_common": data["std_common"]}))
+    return Question(_model_3(data["model"], name), before, now, elements, prior, search, reduced=reduced)
+
+
+def _plain_3(value: Any) -> Any:
+    """A field of an assessment, or of what an assessor learned."""
+    if isinstance(value, dict):
+        ((kind, kept),) = value.items()
+        return float(kept) if kind == "float" else tuple(kept.tolist() if kind == "floats" else kept)
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _assessment_3(data: dict[str, Any]) -> Assessment:
+    table = data["hypotheses"]
+    ends = np.cumsum([0 if elements == [-1] else len(elements) for elements in table["elements"]])[:-1]
+    ragged = [
+        [tuple(part.tolist()) for part in np.split(table[key], ends)] for key in ("severities", "low", "high")
+    ]
+    rows = [
+        Hypothesis(tuple(elements), *rest)
+        for elements, *rest in zip(
+            table["elements"], table["probability"].tolist(), *ragged, table["candidate"], strict=True
+        )
+    ]
+    values: dict[str, Any] = {
+        "hypotheses": Hypotheses(rows, {element: name for element, name in table["names"]}),
+        "group": tuple(rows[nth] for nth in data["group"]),
+    }
+    for each in fields(Assessment):
+        if each.name not in values and (each.name in data or each.default is MISSING):
+            value = data[each.name]
+            values[each.name] = _plain_3(value.tolist() if isinstance(value, np.ndarray) else value)
+    return Assessment(**values)
+
+
+def _plan_1(data: dict[str, Any], name: str) -> Plan:
+    learned = {key: _plain_3(value) for key, value in data["learned"].items()}
+    asked = _question_3(data["question"], name, reduced=data["reduced"])
+    return Plan(asked, Tables(**data["tables"]), Learned(**learned))
+
+
+def _model_3(data: dict[str, Any], name: str) -> StructuralModel:
+    if data["kind"] == "updated":
+        problem, values = data["problem"], data["x"]
+        parameters = _parameters_3(problem["parameters"])
+        if problem["penalty"] is not None:  # the problem set severities below ``snap`` to zero first
+            reductions = np.array([p.quantity == "stiffness_reduction" for p in parameters])
+            values = np.where(reductions & (np.abs(values) < problem["penalty"]["snap"]), 0.0, values)
+        return _model_3(problem["model"], name).with_parameters(parameters, values)
+    recipe: Recipe
+    if data["kind"] == "chain":
+        recipe = ChainRecipe(**{each.name: data[each.name] for each in fields(ChainRecipe)})
+    elif data["kind"] == "matrices":
+        recipe = recipe_1(data)
+    elif data["kind"] == "frame":
+        recipe = _frame_3(data)
+    else:
+        reject(
+            "path",
+            f"{name!r} with a model of kind {data['kind']!r}",
+            "a kind that this version knows",
+            "Update antires_rs.",
+        )
+    applied = tuple(
+        AppliedParameters(_parameters_3(one["parameters"]), one["values"])
+        for one in data.get("applied", ())  # version 1 has none
+    )
+    return _MODELS[type(recipe)].from_description(ModelDescription(recipe, applied))
+
+
+def recipe_1(data: dict[str, Any]) -> MatrixRecipe:
+    """Matrices as results 3 and matrices 1 have them."""
+
+    def entries(parts: list[Any]) -> Entries:
+        rows, columns, values = parts
+        return Entries(np.asarray(rows, dtype=np.uint32), np.asarray(columns, dtype=np.uint32), values)
+
+    stiffness_terms, mass_terms = (tuple(map(entries, terms)) for terms in data["terms"])
+    constraints = data.get("constraints")  # not in older files
+    return MatrixRecipe(
+        data["n_dof"],
+        entries(data["stiffness"]),
+        entries(data["mass"]),
+        stiffness_terms,
+        mass_terms,
+        tuple(data.get("names", ())),
+        None if constraints is None else entries(constraints),
+        tuple(data.get("keep", ())),
+    )
+
+
+def _frame_3(data: dict[str, Any]) -> FrameRecipe:
+    sections = [dict(each) for each in data["sections"]]
+    return FrameRecipe(
+        nodes_m=data["nodes_m"],
+        beams=tuple((a, b, section) for a, b, section in data["elements"]),
+        section_names=tuple(data["section_names"]),
+        sections=tuple(_CLASSES[each.pop("type")](**each) for each in sections),
+        orientation=data["orientation"],
+        parts={
+            name: tuple(kind._of_saved(row) for row in data.get(name, ())) for name, kind in PARTS.items()
+        },
+        fixed=tuple((node, direction) for node, direction in data["fixed"]),
+    )

@@ -1,65 +1,102 @@
-"""From channels as a file has them to a Recording: roles, units and names."""
+"""From channels as a file has them to a signal: options of the readers, roles, units, rates and names."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from ..exceptions import reject
+from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..support.checks import FloatArray, shape_of
+from ..support.checks import finite_scalar, shape_of
 from ..support.messages import LeftOut, Passed, Wording, warn
-from .common import unsuitable
+from .common import rate_of, refuse_real, simplest_rate, unsuitable
 from .units import Unit, named_unit, parse_unit
 
 #: How a user names dofs: in the order of the channels, by the channel's own name, or by a function of it.
 Dofs = Iterable[Any] | Mapping[Any, Any] | Callable[[Any], Any] | None
+#: Names of a channel that holds the instants of the others.
+_TIME = ("time", "t", "time_s", "x_value", "zeit")
+_SAME_RATE = 1e-6
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a caller says of a file: each reader has some of these options, see ``read_npz``."""
+
+    dofs: Dofs = None
+    force: Any = "auto"
+    unit: str | None = None
+    fs_hz: float | None = None
+    kind: str | None = None
+    reference: Any = None
+    responses: Any = None
+    time: str | None = None
+    freq: str | None = None
+    freq_hz: Any = None
+    df_hz: float | None = None
+    first: str | None = None
+    pairs: str | None = None
+
+    @classmethod
+    def of(cls, arguments: Mapping[str, Any]) -> Self:
+        """Of the arguments of a reader, ``locals()``, which may have others too."""
+        return cls(**{each.name: arguments[each.name] for each in fields(cls) if each.name in arguments})
+
+    @property
+    def rate_hz(self) -> float | None:
+        """The sampling rate that is given, checked."""
+        if self.fs_hz is None:
+            return None
+        return finite_scalar("fs_hz", self.fs_hz, low=0.0, low_open=True, unit="Hz")
 
 
 @dataclass(frozen=True)
 class Channel:
-    """One channel of a file.
+    """A channel with what its file says of it.
 
     Attributes
     ----------
     name : str or int
         As the file has it.
-    values : (n_samples,)
+    values : (n_samples,) or (n_freq,)
     unit : str
         As the file has it; ``''`` where it is silent.
+    step_s : float or None
+        Sampling interval; None where the file is silent.
+    start : str
+        When the record began, as the file writes it; channels of one record agree.
+    offset_s : float
+        Its first sample after that.
     role : {"", "force", "response"}
         Where the file states it.
     """
 
     name: Any
-    values: FloatArray
+    values: Any
     unit: str = ""
+    step_s: float | None = None
+    start: str = ""
+    offset_s: float = 0.0
     role: str = ""
 
 
-def recording_of(
-    path: Path,
-    channels: Sequence[Channel],
-    fs_hz: float,
-    *,
-    dofs: Dofs = None,
-    force: Any = "auto",
-    unit: str | None = None,
-) -> Recording:
+def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: Reading) -> Recording:
     """The recording, in SI, its force told from its responses.
 
-    A channel is a force where the file says so, by role or unit. ``force`` is "auto" (the only one there is),
+    A channel is a force where the file says so, by role or unit. ``given.force`` is "auto" (the only one),
     None (left out) or the name of a channel.
     """
     # The unit that a user names is that of the responses.
     units = {id(c): _unit(path, c) for c in channels}
     forces = [c for c in channels if c.role == "force" or units[id(c)].quantity == "force"]
-    if force not in ("auto", None) and all(c.name != force for c in forces):
-        forces += [c for c in channels if c.name == force]  # the user knows better than a silent file
+    if given.force not in ("auto", None) and all(c.name != given.force for c in forces):
+        forces += [c for c in channels if c.name == given.force]  # the user knows better than a silent file
     responses = [c for c in channels if not any(c is f for f in forces)]
     if not responses:
         unsuitable(
@@ -68,8 +105,8 @@ def recording_of(
             "at least one response channel",
             "Export the response channels too.",
         )
-    chosen = _force(forces, force)
-    labels = renamed("dofs", [c.name for c in responses], dofs)
+    chosen = _force(forces, given.force)
+    labels = renamed("dofs", [c.name for c in responses], given.dofs)
     # What is left out need not fit the rest.
     rows = kept(labels)
     used = [responses[i] for i in rows]
@@ -81,26 +118,159 @@ def recording_of(
             "channels of one length",
             Wording("Leave out those of other lengths by {}.", Passed("dofs")),
         )
-    if unit is not None:
-        units |= {id(c): named_unit("unit", unit) for c in used}
+    if given.unit is not None:
+        units |= {id(c): named_unit("unit", given.unit) for c in used}
     else:
-        _warn_unknown(path, used)
-    if len({units[id(c)].quantity for c in used}) > 1:
-        unsuitable(
-            path,
-            "with responses of several kinds, "
-            + ", ".join(f"{c.name!r} in {c.unit or 'no unit'}" for c in used),
-            "accelerations, velocities or displacements alone",
-            Wording(
-                "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
-            ),
-        )
+        for odd in sorted({c.unit for c in used}):
+            unit_or_warning(path, odd)
+    one_quantity(path, [(repr(c.name), units[id(c)].quantity, f"in {c.unit or 'no unit'}") for c in used])
     return Recording(
         np.stack([in_si(c.values, units[id(c)]) for c in used]),
         fs_hz,
         [labels[i] for i in rows],
         None if chosen is None else in_si(chosen.values, units[id(chosen)]),
     )
+
+
+def response_of(
+    path: Path, freq_hz: Any, columns: Sequence[Channel], given: Reading, coherence: Any = None
+) -> FrequencyResponse:
+    """Complex columns over ``freq_hz`` as a response, in SI; ``coherence`` has a row for each column."""
+    labels = renamed("dofs", [c.name for c in columns], given.dofs)
+    chosen = kept(labels)
+    named = None if given.unit is None else named_unit("unit", given.unit)
+    values = [
+        in_si(columns[i].values, unit_or_warning(path, columns[i].unit) if named is None else named)
+        for i in chosen
+    ]
+    refuse_real(path, values)
+    return FrequencyResponse(
+        freq_hz,
+        np.stack(values),
+        [labels[i] for i in chosen],
+        "frf" if given.kind is None else given.kind,  # type: ignore[arg-type]
+        given.reference,
+        None if coherence is None else coherence[chosen],
+    )
+
+
+def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) -> Recording:
+    """The recording, in SI, of channels that state their own rate, unit and start."""
+    instants = [c for c in channels if c.step_s is None and c.name.rpartition("/")[2].lower() in _TIME]
+    rest = [c for c in channels if c not in instants]
+    forces = [c for c in rest if c.name == given.force or c.name.lower() == "force"]
+    chosen = rest if given.responses is None else [*_named(file, rest, given.responses), *forces]
+    chosen = list({id(c): c for c in chosen}.values())
+    if not chosen:
+        unsuitable(
+            file,
+            "without a channel of numbers",
+            "at least one channel of samples",
+            "Export the channels of the record.",
+        )
+    rate = _rate(file, chosen, instants, given)
+    _together(file, chosen)
+    if given.unit is None and not any(c.unit for c in chosen):
+        warn(
+            "no_unit",
+            f"path: {str(file)!r} does not say in which unit its channels are; the values are as in "
+            "the file. Name it by unit=.",
+        )
+    made = [
+        Channel(c.name, c.values, c.unit, role="force" if c in forces and given.force is not None else "")
+        for c in chosen
+    ]
+    return recording_of(file, made, rate, given)
+
+
+def _named(file: Path, channels: Sequence[Channel], responses: Any) -> list[Channel]:
+    found = []
+    for pattern in [responses] if shape_of(responses) == () else list(responses):
+        hits = [c for c in channels if isinstance(pattern, str) and matches(c.name, pattern)]
+        if not hits:
+            shown = ", ".join(repr(c.name) for c in channels[:20]) or "none of that name"
+            reject(
+                "responses",
+                repr(pattern),
+                f"channels of {str(file)!r}: {shown}",
+                "Correct the name or pattern.",
+            )
+        found += hits
+    return found
+
+
+def matches(name: str, pattern: str) -> bool:
+    """Whether a name is meant; names of struct arrays have brackets, which are no patterns."""
+    return name == pattern or fnmatchcase(name, pattern.replace("[", "[[]"))
+
+
+def _rate(file: Path, channels: Sequence[Channel], instants: Sequence[Channel], given: Reading) -> float:
+    rates = {c.name: rate_of_step(c.step_s) for c in channels if c.step_s is not None and c.step_s > 0.0}
+    rate = given.rate_hz
+    if rate is None and not rates:
+        if len(instants) == 1:
+            return rate_of(file, instants[0].values)
+        unsuitable(
+            file,
+            f"whose channels {', '.join(repr(c.name) for c in channels[:6])} state no sampling interval",
+            "a sampling rate",
+            Wording("Give it by {}.", Passed("fs_hz")),
+        )
+    if rates and max(rates.values()) - min(rates.values()) > _SAME_RATE * max(rates.values()):
+        low, high = (f(rates, key=lambda name: rates[name]) for f in (min, max))
+        unsuitable(
+            file,
+            f"with {low!r} at {rates[low]:.6g} Hz and {high!r} at {rates[high]:.6g} Hz",
+            "channels of one rate",
+            Wording("Name the {} of one rate.", Passed("responses")),
+        )
+    own = next(iter(rates.values()), rate)
+    if rate is not None:
+        warn_other_rate(file, "has channels at", own, rate)
+    return float(rate if rate is not None else own or 0.0)
+
+
+def warn_other_rate(file: Path, says: str, own: float | None, rate: float) -> None:
+    """A rate that the caller gives and the file denies moves every frequency."""
+    if own is not None and abs(own - rate) > 1e-3 * rate:
+        warn(
+            "other_rate",
+            f"path: {str(file)!r} {says} {own:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
+            "Leave fs_hz= out if the file is right.",
+        )
+
+
+def rate_of_step(step_s: float, digits: float = 1e-12) -> float:
+    """The rate of a sampling interval that was rounded to so many digits, relatively."""
+    return simplest_rate((1.0 - digits) / step_s, (1.0 + digits) / step_s)
+
+
+def _together(file: Path, channels: Sequence[Channel]) -> None:
+    """Channels of one record begin together."""
+    first = channels[0]
+    begun = (first.start, round(first.offset_s, 9))
+    other = next((c for c in channels if (c.start, round(c.offset_s, 9)) != begun), None)
+    if other is not None:
+        names = (f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other))
+        unsuitable(
+            file,
+            f"with {' and '.join(names)}",
+            "channels that begin together",
+            Wording("Name the {} of one record.", Passed("responses")),
+        )
+
+
+def one_quantity(path: Path, found: Sequence[tuple[str, str, str]]) -> None:
+    """Refuse accelerations beside displacements; ``found`` has name, quantity and unit of each channel."""
+    if len({quantity for _, quantity, _ in found}) > 1:
+        unsuitable(
+            path,
+            "with responses of several kinds, " + ", ".join(f"{name} {unit}" for name, _, unit in found),
+            "accelerations, velocities or displacements alone",
+            Wording(
+                "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
+            ),
+        )
 
 
 def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
@@ -155,11 +325,6 @@ def _unit(path: Path, channel: Channel) -> Unit:
     return unit
 
 
-def _warn_unknown(path: Path, responses: Sequence[Channel]) -> None:
-    for odd in sorted({c.unit for c in responses if parse_unit(c.unit) is None}):
-        unit_or_warning(path, odd)
-
-
 def unit_or_warning(path: Path, text: str) -> Unit:
     """The unit of that name; one that is not known leaves values as they are, with a warning."""
     unit = parse_unit(text)
@@ -173,23 +338,22 @@ def unit_or_warning(path: Path, text: str) -> Unit:
 
 
 def _force(forces: list[Channel], force: Any) -> Channel | None:
-    if force is None or (isinstance(force, str) and force == "auto" and not forces):
+    automatic = isinstance(force, str) and force == "auto"
+    if force is None or (automatic and not forces):
         return None
     names = [c.name for c in forces]
-    if isinstance(force, str) and force == "auto":
-        if len(forces) > 1:
-            reject(
-                "force",
-                f"'auto' for a file with {len(forces)} force channels, {names}",
-                "the name of one, or None",
-                "The theory is that of one force.",
-            )
-        return forces[0]
-    if force not in names:
+    if automatic and len(forces) > 1:
+        reject(
+            "force",
+            f"'auto' for a file with {len(forces)} force channels, {names}",
+            "the name of one, or None",
+            "The theory is that of one force.",
+        )
+    if not automatic and force not in names:
         reject(
             "force",
             repr(force),
             f"'auto', None or a channel of the file, {names or 'it has no force'}",
             "Name a channel of the file, or pass None for no force.",
         )
-    return forces[names.index(force)]
+    return forces[0 if automatic else names.index(force)]

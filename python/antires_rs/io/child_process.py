@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,13 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import reject
-from ..support.checks import shape_of
-from .common import unsuitable
+from ..support.checks import finite_scalar, shape_of
+from ._child import Answer
+from .channels import Reading, matches
+from .common import missing_package, unsuitable
 from .npz import read_archive
 from .raw_arrays import ROLES, array_of
-
-#: Before the names of objects among the texts, whose class is the text (as the child has it).
-OPAQUE = "object "
 
 #: Share of the memory that arrays may take; the rest is for the archive in which they are handed over.
 _SHARE = 0.3
@@ -28,36 +27,11 @@ _SHARE = 0.3
 READER = Path(__file__).with_name("_child.py")
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What is wanted of a file: ``every`` array, or those ``named``, by argument; others by their size.
+class Limits(NamedTuple):
+    """Of the child process, as its callers give them."""
 
-    Examples
-    --------
-    >>> Asked.of(responses=["a*"], time=None, force="auto").names
-    ['a*']
-    """
-
-    named: tuple[tuple[str, str], ...] = ()
-    every: bool = False
-
-    @classmethod
-    def of(cls, **arguments: Any) -> Asked:
-        """Of the arguments of a reader."""
-        named = []
-        for argument, given in arguments.items():
-            if given is None or (argument == "force" and given == "auto"):
-                continue
-            each: Sequence[Any] = [given] if shape_of(given) == () else list(given)
-            named += [(argument, name) for name in each if isinstance(name, str)]
-        return cls(tuple(named))
-
-    @property
-    def names(self) -> list[str] | None:
-        """Names and patterns; None where the responses are not named, so that any array may be one."""
-        if not any(argument == "responses" for argument, _ in self.named):
-            return None
-        return list(dict.fromkeys(each for _, name in self.named for each in (name, array_of(name))))
+    time_limit_s: Any
+    memory_limit_gb: Any
 
 
 class Found(NamedTuple):
@@ -67,28 +41,94 @@ class Found(NamedTuple):
     texts: dict[str, str]
 
 
-def in_a_child(
-    kind: str,
+def require(reader: str, module: str, extra: str, package: str = "") -> None:
+    """Raise where the package is not installed that reads in the child."""
+    try:
+        there = find_spec(module) is not None
+    except ModuleNotFoundError:  # of a package above it
+        there = False
+    if not there:
+        raise missing_package(reader, package or module, extra, ImportError(module))
+
+
+def channels_of_child(
+    function: Callable[[str, dict[str, Any]], Answer],
     file: Path,
-    asked: Asked,
     wanted: str,
-    *,
-    time_limit_s: float,
-    memory_limit_gb: float,
+    limits: Limits,
+    given: Reading | None = None,
+    **more: Any,
+) -> tuple[list[dict[str, Any]], dict[str, str]]:
+    """What the child makes of a file: the entries of its channels, with their values, and further texts."""
+    found = in_a_child(function, file, wanted, limits, given, **more)
+    entries = json.loads(found.texts["channels"])
+    for i, entry in enumerate(entries):
+        entry["values"] = found.arrays[f"c{i}"]
+    return entries, found.texts
+
+
+def in_a_child(
+    function: Callable[[str, dict[str, Any]], Answer],
+    file: Path,
+    wanted: str,
+    limits: Limits,
+    given: Reading | None = None,
     **more: Any,
 ) -> Found:
-    """What the child makes of the file, handed over as an archive of plain arrays."""
-    import subprocess
+    """What ``function`` makes of the file in the child, handed over as an archive of plain arrays.
+
+    ``given`` tells which arrays are asked for; without ``given.responses`` it is any of them, by their size.
+    """
     import tempfile
 
+    checked = Limits(
+        finite_scalar("time_limit_s", limits.time_limit_s, low=0.0, low_open=True, unit="s"),
+        finite_scalar("memory_limit_gb", limits.memory_limit_gb, low=0.0, low_open=True, unit="GB"),
+    )
+    only = None
+    if given is not None and any(_texts(given.responses)):
+        roles = (given.responses, given.time, given.freq, None if given.force == "auto" else given.force)
+        names = [name for each in roles for name in _texts(each)]
+        only = list(dict.fromkeys(each for name in names for each in (name, array_of(name))))
     request = {
-        "memory_gb": memory_limit_gb,
-        "most_bytes": int(_SHARE * memory_limit_gb * 2**30),
-        "only": asked.names,
-        "every": asked.every,
+        "memory_gb": checked.memory_limit_gb,
+        "most_bytes": int(_SHARE * checked.memory_limit_gb * 2**30),
+        "only": only,
         "roles": sorted(ROLES),
         **more,
     }
+    with tempfile.TemporaryDirectory(prefix="antires_") as folder:
+        out = Path(folder) / "arrays.npz"
+        source = function.__code__.co_filename
+        arguments = [source, function.__name__, str(file.resolve()), str(out), json.dumps(request)]
+        _run(file, wanted, arguments, checked, out)
+        arrays = read_archive(out)
+    about = json.loads(bytes(arrays.pop("names")).decode())
+    found = {name: np.asarray(arrays[key]) for key, name in about["arrays"].items()}
+    if (
+        only is not None
+        and given is not None
+        and "channels" not in about["texts"]
+        and "antires_rs" not in about["texts"]
+    ):
+        _check_names(file, given.responses, about["listed"])  # a file of ours is judged as a whole
+    _check_room(file, about["listed"], checked.memory_limit_gb)
+    for name, shape, _ in about["listed"]:
+        if name not in found and len(shape) > 2:  # told of, never filled
+            found[name] = np.broadcast_to(np.float64(0.0), shape)
+    return Found(found, about["texts"])
+
+
+def _texts(given: Any) -> Iterator[str]:
+    """The names among what may be one or several."""
+    several: Sequence[Any] = [given] if shape_of(given) == () else list(given)
+    return (each for each in several if isinstance(each, str))
+
+
+def _run(file: Path, wanted: str, arguments: list[str], limits: Limits, out: Path) -> None:
+    """Run the child, which writes ``out``, and say what it met."""
+    import subprocess
+
     environment = {
         **os.environ,
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
@@ -96,76 +136,56 @@ def in_a_child(
         "OMP_NUM_THREADS": "1",
         "ARROW_DEFAULT_MEMORY_POOL": "system",  # others reserve more than the limit
     }
-    with tempfile.TemporaryDirectory(prefix="antires_") as folder:
-        out = Path(folder) / "arrays.npz"
-        # -P: the folder of the reader must not hide standard modules.
-        call = [sys.executable, "-P", str(READER), kind, str(file.resolve()), str(out), json.dumps(request)]
-        try:
-            done = subprocess.run(
-                call,
-                env=environment,
-                capture_output=True,
-                text=True,
-                errors="replace",
-                timeout=time_limit_s,
-                stdin=subprocess.DEVNULL,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            unsuitable(
-                file,
-                f"which was not read within {time_limit_s:g} s",
-                wanted,
-                "Raise time_limit_s if it is large; otherwise it is damaged.",
-            )
-        if done.returncode != 0 or not out.is_file():
-            said = done.stderr.strip().splitlines()
-            if said and said[-1].startswith("MemoryError"):
-                unsuitable(
-                    file,
-                    f"which takes more than {memory_limit_gb:.3g} GB",
-                    wanted,
-                    "Name the responses= to be read, or raise memory_limit_gb, if it is not damaged.",
-                )
-            if said and said[-1].startswith("Unfit: "):
-                unsuitable(
-                    file, f"in which {said[-1][7:400]}", wanted, "Correct the file, or the names you gave."
-                )
-            reason = said[-1][:300] if said else f"the reader ended with code {done.returncode}"
-            unsuitable(
-                file, f"which cannot be read ({reason})", wanted, "It was cut or damaged, or is no such file."
-            )
-        arrays = read_archive(out)
-    names = json.loads(bytes(arrays.pop("names")).decode())
-    found = {name: np.asarray(arrays[key]) for key, name in names["arrays"].items()}
-    if (
-        kind in ("mat5", "hdf5") and "antires_rs" not in names["texts"]
-    ):  # a file of ours holds what it says, and is judged as a whole
-        _named(file, asked, names["listed"])
-    _complete(file, names["listed"], memory_limit_gb)
-    for name, shape, _ in names["listed"]:
-        if name not in found and len(shape) > 2:  # told of, never filled
-            found[name] = np.broadcast_to(np.float64(0.0), shape)
-    return Found(found, names["texts"])
+    try:
+        done = subprocess.run(
+            [sys.executable, "-P", str(READER), *arguments],  # -P: its folder must not hide standard modules
+            env=environment,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=limits.time_limit_s,
+            stdin=subprocess.DEVNULL,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        unsuitable(
+            file,
+            f"which was not read within {limits.time_limit_s:g} s",
+            wanted,
+            "Raise time_limit_s if it is large; otherwise it is damaged.",
+        )
+    if done.returncode == 0 and out.is_file():
+        return
+    said = (done.stderr.strip().splitlines() or [f"the reader ended with code {done.returncode}"])[-1]
+    if said.startswith("MemoryError"):
+        unsuitable(
+            file,
+            f"which takes more than {limits.memory_limit_gb:.3g} GB",
+            wanted,
+            "Name the responses= to be read, or raise memory_limit_gb, if it is not damaged.",
+        )
+    if said.startswith("Unfit: "):
+        unsuitable(file, f"in which {said[7:400]}", wanted, "Correct the file, or the names you gave.")
+    unsuitable(
+        file, f"which cannot be read ({said[:300]})", wanted, "It was cut or damaged, or is no such file."
+    )
 
 
-def _named(file: Path, asked: Asked, listed: list[Any]) -> None:
+def _check_names(file: Path, responses: Any, listed: list[Any]) -> None:
     """Refuse names of responses that the file lacks."""
-    from fnmatch import fnmatchcase
-
     there = {name.replace("/", ".") for name, _, _ in listed} | {name for name, _, _ in listed}
     shown = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape, _ in listed[:20])
-    for argument, pattern in asked.named if asked.names is not None else ():
-        known = {pattern, array_of(pattern)} & there or any(
-            fnmatchcase(name, pattern.replace("[", "[[]")) for name in there
-        )
-        if not known and argument == "responses":
+    for pattern in _texts(responses):
+        if not any(name == array_of(pattern) or matches(name, pattern) for name in there):
             reject(
-                argument, repr(pattern), f"arrays of {str(file)!r}: {shown}", "Correct the name or pattern."
+                "responses",
+                repr(pattern),
+                f"arrays of {str(file)!r}: {shown}",
+                "Correct the name or pattern.",
             )
 
 
-def _complete(file: Path, listed: list[Any], memory_limit_gb: float) -> None:
+def _check_room(file: Path, listed: list[Any], memory_limit_gb: float) -> None:
     """Refuse arrays that are too large to be read."""
     large = [(name, shape) for name, shape, whole in listed if not whole]
     if large:

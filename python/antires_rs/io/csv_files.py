@@ -18,11 +18,10 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import choice
 from ..support.files import write_atomically
-from .channels import Channel, Dofs, in_si, recording_of
+from .channels import Channel, Dofs, Reading, in_si, recording_of
 from .common import Signal, existing_file, missing_part, signal_given, unsuitable
 from .own_format import check_dofs, own_signal
-from .raw_arrays import given_axis
-from .text_table import MARK, VERSION, Table, response_without_axis, signal_of_columns, table_of
+from .text_table import MARK, VERSION, Table, signal_of_table, table_of
 from .units import named_unit
 
 
@@ -115,56 +114,24 @@ def read_csv(
     >>> record, record.responses[0].tolist()
     (Recording(1 channels, 1.5 s at 2 Hz, dofs=('tip',), with force), [9.80665, -4.903325, 2.4516625])
     """
-    file = existing_file(path)
-    if first is not None:
-        choice("first", first, ("time", "freq", "channel"))
+    file, given = existing_file(path), Reading.of(locals())
     table = table_of(file, delimiter, decimal)
+    found, stated = len(table.values), table.header.get("rows")
     if table.problem:
-        missing_part(
-            file,
-            table.problem,
-            "a line end after the last row and every row whole",
-            partial,
-            len(table.values),
-        )
-    if "rows" in table.header and len(table.values) != table.header["rows"]:
-        stated = table.header["rows"]
-        if not table.problem:
-            kept = len(table.values) if len(table.values) < stated else 0
-            missing_part(
-                file,
-                f"{len(table.values)} of {stated} rows are there",
-                f"{stated} rows, as its header states",
-                partial,
-                kept,
-            )
-    if len(table.values) < 2:
+        missing_part(file, table.problem, "a line end after the last row and every row whole", partial, found)
+    elif stated is not None and found != stated:
+        got, wanted = f"{found} of {stated} rows are there", f"{stated} rows, as its header states"
+        missing_part(file, got, wanted, partial, found if found < stated else 0)
+    if found < 2:
         unsuitable(
             file,
-            f"with {len(table.values)} rows of numbers",
+            f"with {found} rows of numbers",
             "at least two",
             "Export more of the record; a single row is no signal.",
         )
     if "kind" in table.header:
-        return own_signal(
-            file,
-            _own(file, table),
-            first=first,
-            fs_hz=fs_hz,
-            dofs=dofs,
-            force=force,
-            unit=unit,
-            kind=kind,
-            reference=reference,
-            pairs=pairs,
-            df_hz=df_hz,
-            freq_hz=None if freq_hz is None else "an axis",
-        )
-    axis = given_axis(freq_hz, df_hz)
-    kind = "frf" if kind is None else kind
-    if axis is not None:
-        return response_without_axis(file, table, axis, first, pairs, dofs, unit, kind, reference)
-    return signal_of_columns(file, table, first, pairs, fs_hz, dofs, force, unit, kind, reference)
+        return own_signal(file, _own(file, table), given)
+    return signal_of_table(file, table, given)
 
 
 def _own(file: Path, table: Table) -> Signal:
@@ -178,8 +145,8 @@ def _own(file: Path, table: Table) -> Signal:
                 for dof, column in zip(dofs, columns[1 : n + 1], strict=True)
             ]
             if head["force"]:
-                channels.append(Channel("force", columns[n + 1], "N", "force"))
-            return recording_of(file, channels, float(head["fs_hz"]))
+                channels.append(Channel("force", columns[n + 1], "N", role="force"))
+            return recording_of(file, channels, float(head["fs_hz"]), Reading())
         values = columns[1 : 2 * n + 1 : 2] + 1j * columns[2 : 2 * n + 2 : 2]
         rest = columns[2 * n + 1 :].reshape(-1, n, columns.shape[1])
         more = dict(zip(head["more"], rest, strict=True))

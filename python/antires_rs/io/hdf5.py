@@ -7,16 +7,14 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ..support.checks import finite_scalar
 from ..support.files import write_atomically
-from .channels import Dofs
-from .child_process import Asked, Found, in_a_child
+from ._child import Answer, asked
+from .channels import Dofs, Reading
+from .child_process import Found, Limits, in_a_child, require
 from .common import Signal, existing_file, missing_package, signal_given
+from .npz import TEXT
 from .own_format import FORMAT, own_signal, pack, unpack
-from .raw_arrays import Said, signal_of_arrays
-
-#: Attribute of the root that holds the JSON text.
-TEXT = "antires_rs"
+from .raw_arrays import signal_of_arrays
 
 
 def read_hdf5(
@@ -70,47 +68,11 @@ def read_hdf5(
     ...     ar.read_hdf5(file)
     Recording(1 channels, 0.375 s at 8 Hz, dofs=('tip',), no force)
     """
-    file = existing_file(path)
-    found = datasets_of(
-        file,
-        "read_hdf5",
-        Asked.of(responses=responses, time=time, freq=freq, force=force),
-        time_limit_s=finite_scalar("time_limit_s", time_limit_s, low=0.0, low_open=True, unit="s"),
-        memory_limit_gb=finite_scalar("memory_limit_gb", memory_limit_gb, low=0.0, low_open=True, unit="GB"),
-    )
-    arrays = found.arrays
-    if TEXT in found.texts:
-        return own_signal(
-            file,
-            unpack(file, found.texts[TEXT], arrays),
-            responses=responses,
-            time=time,
-            freq=freq,
-            force=force,
-            fs_hz=fs_hz,
-            dofs=dofs,
-            unit=unit,
-            kind=kind,
-            reference=reference,
-            freq_hz=None if freq_hz is None else "an axis",
-            df_hz=df_hz,
-        )
-    return signal_of_arrays(
-        file,
-        arrays,
-        responses=responses,
-        time=time,
-        freq=freq,
-        force=force,
-        fs_hz=fs_hz,
-        dofs=dofs,
-        unit=unit,
-        kind="frf" if kind is None else kind,
-        reference=reference,
-        freq_hz=freq_hz,
-        df_hz=df_hz,
-        said=Said(found.texts),
-    )
+    file, given = existing_file(path), Reading.of(locals())
+    arrays, texts = datasets_of(file, "read_hdf5", Limits(time_limit_s, memory_limit_gb), given)
+    if TEXT in texts:
+        return own_signal(file, unpack(file, texts[TEXT], arrays), given)
+    return signal_of_arrays(file, arrays, given, texts)
 
 
 def write_hdf5(path: str | os.PathLike[str], signal: Signal) -> Path:
@@ -160,14 +122,129 @@ def write_hdf5(path: str | os.PathLike[str], signal: Signal) -> Path:
     return write_atomically(path, buffer.getvalue())
 
 
-def datasets_of(
-    file: Path, reader: str, asked: Asked, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0
-) -> Found:
+def datasets_of(file: Path, reader: str, limits: Limits, given: Reading | None = None, **more: Any) -> Found:
     """The datasets asked for by their paths, and our JSON text or the attributes."""
-    from importlib.util import find_spec
+    require(reader, "h5py", "hdf5")
+    return in_a_child(datasets, file, "a whole HDF5 file", limits, given, **more)
 
-    if find_spec("h5py") is None:
-        raise missing_package(reader, "h5py", "hdf5", ImportError("h5py"))
-    return in_a_child(
-        "hdf5", file, asked, "a whole HDF5 file", time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb
-    )
+
+# -- In the child process
+
+
+#: More parts than this, and the file is no record of a test.
+MOST_ARRAYS, DEEPEST = 10_000, 8
+MOST_ATTRIBUTES, LONGEST_TEXT = 100, 1_000
+#: Complex numbers as pairs: MATLAB's, and those of h5py.
+COMPLEX = (("real", "imag"), ("r", "i"))
+
+
+def datasets(path: str, request: dict[str, Any]) -> Answer:
+    """Datasets by path; of those that are not asked for, or are too large, the shape alone."""
+    import h5py
+
+    with h5py.File(path, "r") as opened:
+        text = opened.attrs.get("antires_rs")
+        found = Datasets(request if text is None else {**request, "only": None})  # ours are read whole
+        opened.visititems(found.visit)
+        found.attributes("", opened)
+    return found.arrays, found.texts if text is None else {"antires_rs": str(text)}, found.listed
+
+
+class Datasets:
+    """Those of an HDF5 file: arrays that are asked for, and the shapes of all."""
+
+    def __init__(self, request: dict[str, Any]) -> None:
+        self.request, self.left = request, request["most_bytes"]
+        self.arrays: dict[str, Any] = {}
+        #: Name, shape, and whether nothing is missing of what was asked for.
+        self.listed: list[Any] = []
+        #: Attributes, by path@name, and MATLAB's texts.
+        self.texts: dict[str, str] = {}
+
+    def visit(self, name: str, item: Any) -> None:
+        """Keep a data set; MATLAB's own places are reached by references."""
+        self.attributes(name, item)
+        if hasattr(item, "dtype") and not name.startswith("#"):
+            self.keep(name, item)
+
+    def attributes(self, name: str, item: Any) -> None:
+        """Keep the attributes that are a number or a short text."""
+        for key in list(item.attrs)[:MOST_ATTRIBUTES]:
+            if key.startswith("MATLAB_") or len(self.texts) >= MOST_ARRAYS:
+                continue
+            try:
+                value = item.attrs[key]
+            except (OSError, TypeError, ValueError):  # of a type that h5py does not know
+                continue
+            value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+            single = getattr(value, "size", 1) == 1 and not isinstance(value, str)
+            value = value.ravel()[0] if single and hasattr(value, "ravel") else value
+            if isinstance(value, bytes | str):
+                value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+                self.texts[f"{name}@{key}"] = value[:LONGEST_TEXT]
+            elif single and getattr(value, "dtype", None) is not None and value.dtype.kind in "iuf":
+                self.texts[f"{name}@{key}"] = repr(float(value))
+
+    def text(self, name: str, item: Any) -> None:
+        """Keep a text of MATLAB, which is stored as the numbers of its letters."""
+        if item.dtype.kind == "u" and 0 < item.size <= LONGEST_TEXT and len(self.texts) < MOST_ARRAYS:
+            self.texts[name] = "".join(map(chr, item[()].ravel(order="F").tolist()))
+
+    def keep(self, name: str, item: Any, above: tuple[Any, ...] = ()) -> None:
+        """Keep a data set, or what it refers to."""
+        made = matlab_class(item)
+        if made == "char" and "MATLAB_empty" not in item.attrs:
+            self.text(name, item)
+        if "MATLAB_empty" in item.attrs or made == "char" or len(self.listed) >= MOST_ARRAYS:
+            return  # MATLAB stores texts as numbers, and the shape of what is empty
+        struct = made != "cell" and item.dtype.kind == "O" and matlab_class(item.parent) == "struct"
+        if made == "cell" or struct:
+            self.refer(name, item, above, struct)
+        elif item.shape is not None and (item.dtype.kind in "biufc" or item.dtype.names in COMPLEX):
+            self.take(name, item)
+
+    def take(self, name: str, item: Any) -> None:
+        """Read an array of numbers, if it is asked for and there is room for it."""
+        size = 2 * item.size * item.dtype.itemsize
+        wanted = self.request.get("every") or (
+            item.ndim <= 2 and asked((name, name.replace("/", ".")), name.rpartition("/")[2], self.request)
+        )
+        read = wanted and size <= self.left
+        shape = item.shape[::-1] if "MATLAB_class" in item.attrs else item.shape
+        self.listed.append([name, list(shape), read or not wanted])
+        if read:
+            self.left -= size
+            self.arrays[name] = values_of(item)
+
+    def refer(self, name: str, item: Any, above: tuple[Any, ...], struct: bool) -> None:
+        """What the cells of an array refer to, by names as in version 5."""
+        parent, _, field = name.rpartition("/")
+        for i, reference in enumerate(item[()].ravel() if item.size <= MOST_ARRAYS else ()):
+            target = item.file[reference] if reference else item
+            if target in (item, *above) or len(above) >= DEEPEST:
+                continue  # nothing, or a damaged file that refers to itself
+            each = f"{parent}[{i}]/{field}" if struct else f"{name}[{i}]"
+            found = {each: target}
+            if not hasattr(target, "dtype"):  # a group: a struct, in which others may lie
+                found = {}
+                target.visititems(lambda n, part, at=each, into=found: into.update({f"{at}/{n}": part}))
+            for label, part in found.items():
+                if hasattr(part, "dtype"):
+                    self.keep(label, part, (*above, item))
+
+
+def matlab_class(item: Any) -> str:
+    """What MATLAB says that it is; '' for others."""
+    made = item.attrs.get("MATLAB_class", b"")
+    return made.decode() if isinstance(made, bytes) else str(made)
+
+
+def values_of(item: Any) -> Any:
+    """Values of a dataset; MATLAB's are stored transposed, and its complex numbers as pairs."""
+    import numpy as np
+
+    values = np.asarray(item[()])
+    if values.dtype.names:
+        real, imaginary = values.dtype.names
+        values = values[real] + 1j * values[imaginary]
+    return values.T if "MATLAB_class" in item.attrs else values

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,9 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..signals.recording import Recording
 from ..support.messages import Passed, Wording, warn
-from .channels import Dofs
+from .channels import Channel, Dofs, Reading, stated_recording
 from .common import existing_file, missing_part, rate_of, unsuitable
-from .stated_channels import Stated, stated_recording
+from .text_table import decoded
 
 # -- The text of a LabVIEW Measurement File (.lvm): a header, and segments with a header each or for all
 #
@@ -32,20 +33,7 @@ _SEPARATORS = {"tab": "\t", "comma": ","}
 
 @dataclass
 class Segment:
-    """What one call of LabVIEW wrote.
-
-    Attributes
-    ----------
-    tags : dict of str to list of str
-        Of its header: one value for each channel.
-    names : list of str
-        Of the channels.
-    x : list of (n,) or None
-        Abscissa of each channel; None without one.
-    values : list of (n,)
-    stated : list of int
-        Samples of each channel, by the header; empty where it is silent.
-    """
+    """What one call of LabVIEW wrote: tags of its header; all else by channel."""
 
     tags: dict[str, list[str]] = field(default_factory=dict)
     names: list[str] = field(default_factory=list)
@@ -62,22 +50,37 @@ class _Form:
     decimal: str
     columns: str
 
+    @classmethod
+    def of(cls, header: list[str]) -> _Form:
+        tags: dict[str, str] = {}
+        for line in header:
+            sign = next((sign for sign in ("\t", ",") if sign in line), None)
+            if sign is not None:
+                name, value, *_ = line.split(sign)
+                tags[name.strip()] = value.strip()
+        separator = _SEPARATORS.get(tags.get("Separator", "Tab").lower(), "\t")
+        decimal = "," if tags.get("Decimal_Separator", ".").startswith(",") else "."
+        return cls(separator, "." if separator == "," else decimal, tags.get("X_Columns", "One").lower())
+
     def fields(self, line: str) -> list[str]:
         return [part.strip() for part in line.split(self.separator)]
 
     def number(self, text: str) -> float:
         return float(text.replace(",", ".") if self.decimal == "," else text)
 
+    def is_row(self, line: str) -> bool:
+        """Whether the first field that is not empty is a number."""
+        try:
+            self.number(next((part for part in self.fields(line) if part), ""))
+        except ValueError:
+            return False
+        return True
+
 
 def segments_of(file: Path) -> list[Segment]:
     """The segments of a file, in order."""
-    raw = file.read_bytes()
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        text = raw.decode("latin-1")
+    text = decoded(file)
     lines = text.split("\n")
-    lines = [line.rstrip("\r") for line in lines]
     if not lines[0].startswith("LabVIEW Measurement") or "\x00" in text:
         unsuitable(
             file,
@@ -88,134 +91,91 @@ def segments_of(file: Path) -> list[Segment]:
     end = _find(lines, _END, 0)
     if end is None:
         unsuitable(file, "whose header has no end", WANTED, "It was cut: copy it again.")
-    form = _form(lines[1:end])
-    blocks = _blocks(file, lines[end + 1 :], form, offset=end + 2)
-    if not blocks:
+    found = _blocks(file, lines, end + 1, _Form.of(lines[1:end]))
+    if not found:
         unsuitable(file, "with a header and no numbers", WANTED, "It was cut: copy it again.")
-    return blocks
+    return found
 
 
 def _find(lines: list[str], mark: str, start: int) -> int | None:
     return next((i for i in range(start, len(lines)) if lines[i].startswith(mark)), None)
 
 
-def _form(header: list[str]) -> _Form:
-    tags: dict[str, str] = {}
-    for line in header:
-        for sign in ("\t", ","):
-            name, found, value = line.partition(sign)
-            if found:
-                tags[name.strip()] = value.split(sign)[0].strip()
-                break
-    separator = _SEPARATORS.get(tags.get("Separator", "Tab").lower(), "\t")
-    decimal = "," if tags.get("Decimal_Separator", ".").startswith(",") else "."
-    return _Form(separator, "." if separator == "," else decimal, tags.get("X_Columns", "One").lower())
-
-
-def _blocks(file: Path, lines: list[str], form: _Form, offset: int) -> list[Segment]:
+def _blocks(file: Path, lines: list[str], start: int, form: _Form) -> list[Segment]:
     """Segments: header lines up to their end mark, a line of titles, rows of numbers."""
     found: list[Segment] = []
     tags: dict[str, list[str]] = {}
     titles: list[str] = []
     rows: list[tuple[int, str]] = []
-    special = False
-
-    def close() -> None:
-        if rows:
-            found.append(_segment(file, tags, titles, rows, form))
-            rows.clear()
-
-    headed, i = False, 0
+    special = headed = False
+    i = start
     while i < len(lines):
         line = lines[i]
+        head = line.startswith("Channels" + form.separator)
         if line.startswith(_START_SPECIAL) or special:
             special = not line.startswith(_END_SPECIAL)
-        elif line.startswith("Channels" + form.separator):
-            close()
-            end = _find(lines, _END, i)
-            if end is None:
-                unsuitable(
-                    file, f"whose segment header in line {offset + i} has no end", WANTED, "It was cut."
-                )
-            tags = {}
-            for each in lines[i:end]:
-                name, *values = form.fields(each)
-                tags[name] = values
-            i, headed = end, True
-            titles = []
-        elif not line.strip(form.separator + " "):
-            close()  # a blank line ends a packet
-        elif headed and not titles and not _is_row(line, form):
+        elif head or not line.strip(form.separator + " "):  # a blank line ends a packet
+            if rows:
+                found.append(_segment(file, tags, titles, rows, form))
+                rows = []
+            if head:
+                end = _find(lines, _END, i)
+                if end is None:
+                    unsuitable(
+                        file, f"whose segment header in line {i + 1} has no end", WANTED, "It was cut."
+                    )
+                tags = {name: values for name, *values in map(form.fields, lines[i:end])}
+                titles, headed, i = [], True, end
+        elif headed and not titles and not form.is_row(line):
             titles = form.fields(line)
         else:
-            rows.append((offset + i, line))
+            rows.append((i + 1, line))
         i += 1
-    close()
-    return found
-
-
-def _is_row(line: str, form: _Form) -> bool:
-    """Whether the first field that is not empty is a number."""
-    first = next((part for part in form.fields(line) if part), "")
-    try:
-        form.number(first)
-    except ValueError:
-        return False
-    return True
+    return [*found, _segment(file, tags, titles, rows, form)] if rows else found
 
 
 def _segment(
     file: Path, tags: dict[str, list[str]], titles: list[str], rows: list[tuple[int, str]], form: _Form
 ) -> Segment:
+    def bad(number: int, what: str) -> None:
+        unsuitable(file, f"whose line {number} has {what}", "rows of numbers", "Correct or remove that line.")
+
     stated = [int(n) for n in tags.get("Samples", []) if n.isdecimal()]
-    count = _count(tags, titles, rows, form)
+    n_channels = _count(tags, titles, rows, form)
     per = 2 if form.columns == "multi" else 1
-    places = [per * i + 1 for i in range(count)]
-    abscissae = [per * i if per == 2 else 0 for i in range(count)]
-    width = places[-1] + 1
-    table: list[list[float]] = [[] for _ in range(count)]
-    over: list[list[float]] = [[] for _ in range(count)]
-    ended = [False] * count
+    places = [per * i + 1 for i in range(n_channels)]
+    table: list[list[float]] = [[] for _ in places]
+    over: list[list[float]] = [[] for _ in places]
+    ended = [False] * n_channels
     for number, line in rows:
         parts = form.fields(line)
-        if len(parts) < width:
-            parts += [""] * (width - len(parts))
-        for c in range(count):
-            text = parts[places[c]]
-            if not text:  # a channel that is shorter than others
+        parts += [""] * (places[-1] + 1 - len(parts))
+        for c, place in enumerate(places):
+            if not parts[place]:  # a channel that is shorter than others
                 ended[c] = True
                 continue
             if ended[c]:
-                _bad(file, number, f"a value of channel {c + 1} after an empty one")
-            if stated and c < len(stated) and len(table[c]) >= stated[c]:
-                _bad(file, number, f"a value more than the {stated[c]} of its channel {c + 1}")
+                bad(number, f"a value of channel {c + 1} after an empty one")
+            if c < len(stated) and len(table[c]) >= stated[c]:
+                bad(number, f"a value more than the {stated[c]} of its channel {c + 1}")
             try:
-                table[c].append(form.number(text))
+                table[c].append(form.number(parts[place]))
                 if form.columns != "no":
-                    over[c].append(form.number(parts[abscissae[c]]))
+                    over[c].append(form.number(parts[place - 1 if per == 2 else 0]))
             except ValueError:
-                _bad(file, number, f"{line.strip()[:50]!r}")
+                bad(number, f"{line.strip()[:50]!r}")
     names = [titles[p] if p < len(titles) and titles[p] else f"channel {i + 1}" for i, p in enumerate(places)]
-    return Segment(
-        dict(tags),
-        names,
-        [np.array(x) if form.columns != "no" else None for x in over],
-        [np.array(values) for values in table],
-        stated,
-    )
+    x = [np.array(each) if form.columns != "no" else None for each in over]
+    return Segment(tags, names, x, [np.array(values) for values in table], stated)
 
 
 def _count(tags: dict[str, list[str]], titles: list[str], rows: list[tuple[int, str]], form: _Form) -> int:
     """How many channels: by the header, else by the titles, else by the first row."""
-    told = tags.get("Channels", [""])[0]
-    if told.isdecimal() and 0 < int(told) <= 100_000:
-        return int(told)
+    stated = tags.get("Channels", [""])[0]
+    if stated.isdecimal() and 0 < int(stated) <= 100_000:
+        return int(stated)
     parts = titles[:-1] if titles and titles[-1] == "Comment" else titles or form.fields(rows[0][1])
     return max(len(parts) // 2 if form.columns == "multi" else len(parts) - 1, 1)
-
-
-def _bad(file: Path, number: int, what: str) -> None:
-    unsuitable(file, f"whose line {number} has {what}", "rows of numbers", "Correct or remove that line.")
 
 
 def read_lvm(
@@ -285,7 +245,7 @@ def read_lvm(
     ...     ar.read_lvm(file)
     Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
     """
-    file = existing_file(path)
+    file, given = existing_file(path), Reading.of(locals())
     segments = segments_of(file)
     if run is not None and (
         isinstance(run, bool) or not isinstance(run, int) or not 1 <= run <= len(segments)
@@ -298,9 +258,7 @@ def read_lvm(
         _whole(file, segment, partial)
     made = [_channels(file, segment, fs_hz) for segment in chosen]
     channels = made[0] if len(made) == 1 else _joined(file, made, len(segments))
-    return stated_recording(
-        file, channels, responses=responses, fs_hz=fs_hz, dofs=dofs, force=force, unit=unit
-    )
+    return stated_recording(file, channels, given)
 
 
 def _whole(file: Path, segment: Segment, partial: bool) -> None:
@@ -325,12 +283,12 @@ def _whole(file: Path, segment: Segment, partial: bool) -> None:
         )
 
 
-def _channels(file: Path, segment: Segment, fs_hz: float | None) -> list[Stated]:
+def _channels(file: Path, segment: Segment, fs_hz: float | None) -> list[Channel]:
     """Channels of one segment, each with its own rate and start."""
     made = []
-    for i, (name, values, x) in enumerate(zip(segment.names, segment.values, segment.x, strict=True)):
-        tags = {key: values[i : i + 1] for key, values in segment.tags.items()}
-        step, offset = _number(tags.get("Delta_X", [])), _number(tags.get("X0", [])) or 0.0
+    for i, name, values, x in zip(count(), segment.names, segment.values, segment.x, strict=False):
+        tags = {key: "".join(values[i : i + 1]) for key, values in segment.tags.items()}
+        step, offset = _number(tags.get("Delta_X", "")), _number(tags.get("X0", "")) or 0.0
         if x is not None and x.size > 1 and np.isfinite(x).all() and fs_hz is None:
             rate = rate_of(file, x, digits=1e-6 if step is None else 1e-5)
             if step is not None and step > 0.0 and abs(rate * step - 1.0) > 1e-3:
@@ -342,8 +300,8 @@ def _channels(file: Path, segment: Segment, fs_hz: float | None) -> list[Stated]
                 )
             step = step if step is not None and step > 0.0 else 1.0 / rate
             offset = float(x[0])
-        start = " ".join([*tags.get("Date", []), *tags.get("Time", [])])
-        made.append(Stated(name, values, "".join(tags.get("Y_Unit_Label", [])), step, start, offset))
+        start = " ".join(tags[key] for key in ("Date", "Time") if key in tags)
+        made.append(Channel(name, values, tags.get("Y_Unit_Label", ""), step, start, offset))
     kinds = {kind.lower() for kind in segment.tags.get("X_Dimension", [])} - {"", "time"}
     if kinds:
         warn(
@@ -354,47 +312,52 @@ def _channels(file: Path, segment: Segment, fs_hz: float | None) -> list[Stated]
     return made
 
 
-def _number(texts: list[str]) -> float | None:
+def _number(text: str) -> float | None:
     try:
-        value = float(texts[0].replace(",", "."))
-    except (IndexError, ValueError):
+        value = float(text.replace(",", "."))
+    except ValueError:
         return None
     return value if np.isfinite(value) else None
 
 
-def _joined(file: Path, made: list[list[Stated]], count: int) -> list[Stated]:
+def _joined(file: Path, made: list[list[Channel]], n_segments: int) -> list[Channel]:
     """Segments that follow each other without a gap as one record."""
+
+    def apart(number: int, why: str) -> None:
+        unsuitable(
+            file,
+            f"whose segment {number} of {n_segments} does not follow the one before: {why}",
+            "one record without gaps",
+            Wording(
+                "Choose one by {} to {}, and give them together as repeats of one test.",
+                Passed("run", 1),
+                Passed("run", n_segments),
+            ),
+        )
+
     joined = list(made[0])
     for number, segment in enumerate(made[1:], start=2):
         if [c.name for c in segment] != [c.name for c in joined]:
-            _apart(file, number, count, "it has other channels")
+            apart(number, "it has other channels")
         for i, (before, after) in enumerate(zip(joined, segment, strict=True)):
             step = before.step_s or 0.0
             gap = _begun(after, before) - step * before.values.size
             if not step or after.step_s is None or abs(after.step_s - step) > 1e-9 * step:
-                _apart(file, number, count, "it has another rate")
+                apart(number, "it has another rate")
             if abs(gap) > 0.1 * step:
-                _apart(file, number, count, f"it begins {gap:+.4g} s after the end of the one before")
-            joined[i] = Stated(
-                before.name,
-                np.concatenate([before.values, after.values]),
-                before.unit,
-                step,
-                before.start,
-                before.offset_s,
-            )
+                apart(number, f"it begins {gap:+.4g} s after the end of the one before")
+            joined[i] = replace(before, values=np.concatenate([before.values, after.values]))
     return joined
 
 
-def _begun(after: Stated, before: Stated) -> float:
+def _begun(after: Channel, before: Channel) -> float:
     """Seconds from the first sample of one to that of the other."""
     apart = after.offset_s - before.offset_s
     if apart == 0.0 and after.start and before.start:  # every segment counts from its own start
         try:
-            begun = [_instant(each.start) for each in (before, after)]
+            return (_instant(after.start) - _instant(before.start)).total_seconds()
         except ValueError:
-            return apart
-        return (begun[1] - begun[0]).total_seconds()
+            pass
     return apart
 
 
@@ -402,16 +365,3 @@ def _instant(text: str) -> datetime:
     """``2015/10/03 12:31:22.1234567`` to microseconds."""
     whole, _, part = text.replace(",", ".").partition(".")
     return datetime.strptime(f"{whole}.{(part + '000000')[:6]}", "%Y/%m/%d %H:%M:%S.%f")
-
-
-def _apart(file: Path, number: int, count: int, why: str) -> None:
-    unsuitable(
-        file,
-        f"whose segment {number} of {count} does not follow the one before: {why}",
-        "one record without gaps",
-        Wording(
-            "Choose one by {} to {}, and give them together as repeats of one test.",
-            Passed("run", 1),
-            Passed("run", count),
-        ),
-    )

@@ -7,22 +7,21 @@ import os
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..signals.frequency_response import FrequencyResponse
-from ..support.checks import choice, finite_scalar
 from ..support.files import write_atomically
-from .channels import Dofs, in_si, kept, renamed, unit_or_warning
-from .child_process import OPAQUE, Asked, Found, in_a_child
-from .common import Signal, existing_file, rate_of, refuse_real, signal_given, unsuitable
+from ._child import Answer
+from .channels import Channel, Dofs, Reading, response_of, stated_recording
+from .child_process import Found, Limits, in_a_child
+from .common import Signal, existing_file, rate_of, signal_given, unsuitable
 from .hdf5 import datasets_of
+from .npz import TEXT
 from .own_format import own_signal, pack, unpack
-from .raw_arrays import Said, signal_of_arrays, stated_number
-from .stated_channels import Stated, stated_recording
-from .units import abscissa_factor, is_abscissa, is_frequency, named_unit
+from .raw_arrays import signal_of_arrays, stated_number
+from .units import abscissa_factor, is_abscissa, is_frequency
 
 # -- MATLAB files as common analysers export them: which variables are channels, their rate, names and units
 #
@@ -38,48 +37,26 @@ Arrays = Mapping[str, NDArray[Any]]
 _DATA, _CHANNEL = re.compile(r"^Data\d+_(?!time_)(.+)$"), re.compile(r"^Channel_(\d+)_Data$")
 
 
-def signal_of_analyser(
-    file: Path,
-    arrays: Arrays,
-    texts: Mapping[str, str],
-    *,
-    fs_hz: float | None = None,
-    dofs: Dofs = None,
-    force: Any = "auto",
-    unit: str | None = None,
-    kind: str | None = None,
-    reference: Any = None,
-) -> Signal | None:
+def signal_of_analyser(file: Path, arrays: Arrays, texts: Mapping[str, str], given: Reading) -> Signal | None:
     """The signal of a file whose variables are those of an analyser; None for any other."""
     testlab = [name[: -len(".y_values.values")] for name in arrays if name.endswith(".y_values.values")]
     testlab = [name for name in testlab if f"{name}.x_values.increment" in arrays]
     if testlab:
-        return _of_testlab(file, arrays, texts, testlab, fs_hz, dofs, force, unit, kind, reference)
+        return _of_testlab(file, arrays, texts, testlab, given)
     channels = _of_pulse(arrays, texts) or _of_dewesoft(file, arrays)
-    if not channels:
-        return None
-    return stated_recording(file, channels, fs_hz=fs_hz, dofs=dofs, force=force, unit=unit)
+    return stated_recording(file, channels, given) if channels else None
 
 
 def _of_testlab(
-    file: Path,
-    arrays: Arrays,
-    texts: Mapping[str, str],
-    names: Iterable[str],
-    fs_hz: float | None,
-    dofs: Dofs,
-    force: Any,
-    unit: str | None,
-    kind: str | None,
-    reference: Any,
+    file: Path, arrays: Arrays, texts: Mapping[str, str], names: Iterable[str], given: Reading
 ) -> Signal:
-    channels: list[tuple[bool, Stated]] = []
+    channels: list[Channel] = []
+    kinds = set()
     for name in names:
         step = _scalar(arrays, f"{name}.x_values.increment")
         first = _scalar(arrays, f"{name}.x_values.start_value") or 0.0
-        values = _columns(
-            arrays[f"{name}.y_values.values"], _scalar(arrays, f"{name}.x_values.number_of_values")
-        )
+        count = _scalar(arrays, f"{name}.x_values.number_of_values")
+        values = _columns(arrays[f"{name}.y_values.values"], count)
         if step is None or not step > 0.0:
             unsuitable(
                 file,
@@ -96,7 +73,7 @@ def _of_testlab(
                 "Export the time records or the FRFs.",
             )
         step, first = abscissa_factor(axis) * step, abscissa_factor(axis) * first
-        over_freq = is_frequency(axis) or bool(np.iscomplexobj(values))
+        kinds.add(is_frequency(axis) or bool(np.iscomplexobj(values)))
         for i, row in enumerate(values):
             label = _text(texts, f"{name}.y_values.quantity", "label", i)
             factor = _factor(arrays, f"{name}.y_values.quantity", i)
@@ -105,8 +82,7 @@ def _of_testlab(
             )
             title = title.strip() or (name if len(values) == 1 else f"{name}[{i}]")
             # In the label's unit, from which it becomes SI as any other.
-            channels.append((over_freq, Stated(title, row * factor, label, step, "", first)))
-    kinds = {over for over, _ in channels}
+            channels.append(Channel(title, row * factor, label, step, "", first))
     if len(kinds) > 1:
         unsuitable(
             file,
@@ -114,16 +90,8 @@ def _of_testlab(
             "one of them",
             "Export them into files of their own, or name the responses=.",
         )
-    stated = [channel for _, channel in channels]
     if kinds == {False}:
-        return stated_recording(file, stated, fs_hz=fs_hz, dofs=dofs, force=force, unit=unit)
-    return _response(file, stated, dofs, unit, kind or "frf", reference)
-
-
-def _response(
-    file: Path, channels: list[Stated], dofs: Dofs, unit: str | None, kind: str, reference: Any
-) -> FrequencyResponse:
-    choice("kind", kind, ("frf", "transmissibility"))
+        return stated_recording(file, channels, given)
     axes = {(c.values.size, c.step_s, c.offset_s) for c in channels}
     if len(axes) > 1:
         unsuitable(
@@ -132,26 +100,11 @@ def _response(
             "one for all",
             "Export functions over the same lines.",
         )
-    count, step, first = axes.pop()
-    labels = renamed("dofs", [c.name for c in channels], dofs)
-    rows = kept(labels)
-    values = []
-    for i in rows:
-        own = channels[i]
-        values.append(
-            in_si(own.values, named_unit("unit", unit) if unit else unit_or_warning(file, own.unit))
-        )
-    refuse_real(file, values)
-    return FrequencyResponse(
-        first + (step or 0.0) * np.arange(count),
-        np.stack(values),
-        [labels[i] for i in rows],
-        "frf" if kind == "frf" else "transmissibility",
-        reference,
-    )
+    size, spacing, start = axes.pop()
+    return response_of(file, start + (spacing or 0.0) * np.arange(size), channels, given)
 
 
-def _of_pulse(arrays: Arrays, texts: Mapping[str, str]) -> list[Stated]:
+def _of_pulse(arrays: Arrays, texts: Mapping[str, str]) -> list[Channel]:
     found = sorted((int(match[1]), name) for name in arrays if (match := _CHANNEL.match(name)))
     rate = stated_number(texts.get("File_Header.SampleFrequency", ""))
     step = 1.0 / rate if rate is not None and rate > 0.0 else None
@@ -162,11 +115,11 @@ def _of_pulse(arrays: Arrays, texts: Mapping[str, str]) -> list[Stated]:
         head = f"Channel_{number}_Header"
         title = texts.get(f"{head}.SignalName", "").strip() or f"channel {number}"
         unit = texts.get(f"{head}.Unit", "").strip()
-        channels.append(Stated(title, np.float64(arrays[name]).ravel(), unit, step))
+        channels.append(Channel(title, np.float64(arrays[name]).ravel(), unit, step))
     return channels
 
 
-def _of_dewesoft(file: Path, arrays: Arrays) -> list[Stated]:
+def _of_dewesoft(file: Path, arrays: Arrays) -> list[Channel]:
     found = [(name, match[1]) for name in arrays if (match := _DATA.match(name)) and arrays[name].size > 1]
     rates = [name for name in arrays if name.lower().endswith("sample_rate") and arrays[name].size == 1]
     step = 1.0 / float(arrays[rates[0]].ravel()[0].real) if rates else None
@@ -181,7 +134,7 @@ def _of_dewesoft(file: Path, arrays: Arrays) -> list[Stated]:
             each, begun = 1.0 / rate_of(file, np.float64(own).ravel()), float(own.ravel()[0])
         elif step is None:
             return []  # neither instants nor a rate: variables that happen to be called so
-        channels.append(Stated(title, np.float64(arrays[name]).ravel(), "", each, "", begun))
+        channels.append(Channel(title, np.float64(arrays[name]).ravel(), "", each, "", begun))
     return channels
 
 
@@ -209,9 +162,6 @@ def _factor(arrays: Arrays, above: str, i: int) -> float:
     return 1.0
 
 
-#: The variable that holds our JSON text.
-TEXT = "antires_rs"
-T = TypeVar("T")
 WANTED = "a whole MAT file, version 5 or 7.3"
 
 
@@ -267,60 +217,18 @@ def read_mat(
     ...     ar.read_mat(file)
     Recording(1 channels, 0.375 s at 8 Hz, dofs=('tip',), no force)
     """
-    file = existing_file(path)
-    asked = Asked.of(responses=responses, time=time, freq=freq, force=force)
-    found = _variables(file, time_limit_s, memory_limit_gb, asked)
-    arrays, text = found.arrays, found.texts.get(TEXT)
-    if text is not None:
+    file, given = existing_file(path), Reading.of(locals())
+    arrays, texts = _variables(file, Limits(time_limit_s, memory_limit_gb), given)
+    if TEXT in texts:
         # MATLAB has no vectors: a row stands for one.
         shapes = {n: a.ravel() if n in ("force", "freq_hz") else a for n, a in arrays.items()}
-        return own_signal(
-            file,
-            unpack(file, text, shapes),
-            responses=responses,
-            time=time,
-            freq=freq,
-            force=force,
-            fs_hz=fs_hz,
-            dofs=dofs,
-            unit=unit,
-            kind=kind,
-            reference=reference,
-            freq_hz=None if freq_hz is None else "an axis",
-            df_hz=df_hz,
-        )
-    axis = (responses, time, freq, freq_hz, df_hz)
-    if all(given is None for given in axis):
-        made = signal_of_analyser(
-            file,
-            arrays,
-            found.texts,
-            fs_hz=fs_hz,
-            dofs=dofs,
-            force=force,
-            unit=unit,
-            kind=kind,
-            reference=reference,
-        )
+        return own_signal(file, unpack(file, texts[TEXT], shapes), given)
+    if all(each is None for each in (responses, time, freq, freq_hz, df_hz)):
+        made = signal_of_analyser(file, arrays, texts, given)
         if made is not None:
             return made
-    _no_objects(file, found)
-    return signal_of_arrays(
-        file,
-        arrays,
-        responses=responses,
-        time=time,
-        freq=freq,
-        force=force,
-        fs_hz=fs_hz,
-        dofs=dofs,
-        unit=unit,
-        kind="frf" if kind is None else kind,
-        reference=reference,
-        freq_hz=freq_hz,
-        df_hz=df_hz,
-        said=Said(found.texts),
-    )
+    _no_objects(file, arrays, texts)
+    return signal_of_arrays(file, arrays, given, texts)
 
 
 def mat_arrays(
@@ -352,7 +260,8 @@ def mat_arrays(
     ...     ar.io.mat_arrays(file)
     {'responses': array([[1., 2., 4.]])}
     """
-    return _variables(existing_file(path), time_limit_s, memory_limit_gb, Asked(every=True)).arrays
+    limits = Limits(time_limit_s, memory_limit_gb)
+    return _variables(existing_file(path), limits, every=True).arrays
 
 
 def write_mat(path: str | os.PathLike[str], signal: Signal) -> Path:
@@ -394,10 +303,10 @@ def write_mat(path: str | os.PathLike[str], signal: Signal) -> Path:
     return write_atomically(path, buffer.getvalue())
 
 
-def _no_objects(file: Path, found: Found) -> None:
+def _no_objects(file: Path, arrays: Arrays, texts: Mapping[str, str]) -> None:
     """Refuse a file of objects and no numbers."""
-    objects = {name[len(OPAQUE) :]: made for name, made in found.texts.items() if name.startswith(OPAQUE)}
-    if objects and not any(array.size > 1 for array in found.arrays.values()):
+    objects = {name[len(OPAQUE) :]: made for name, made in texts.items() if name.startswith(OPAQUE)}
+    if objects and not any(array.size > 1 for array in arrays.values()):
         name, made = next(iter(objects.items()))
         unsuitable(
             file,
@@ -408,27 +317,21 @@ def _no_objects(file: Path, found: Found) -> None:
         )
 
 
-def _variables(file: Path, time_limit_s: float, memory_limit_gb: float, asked: Asked) -> Found:
+def _variables(file: Path, limits: Limits, given: Reading | None = None, **more: Any) -> Found:
     """The numeric variables, and our JSON text or the texts of the file."""
     with open(file, "rb") as opened:
         head = opened.read(1024)
-    time_limit_s = finite_scalar("time_limit_s", time_limit_s, low=0.0, low_open=True, unit="s")
-    memory_limit_gb = finite_scalar("memory_limit_gb", memory_limit_gb, low=0.0, low_open=True, unit="GB")
     # Version 7.3 is HDF5 after a block of 512 bytes.
     if b"\x89HDF\r\n\x1a\n" in (head[:8], head[512:520]):
-        found = datasets_of(
-            file, "read_mat of a 7.3 file", asked, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb
-        )
+        found = datasets_of(file, "read_mat of a 7.3 file", limits, given, **more)
         return Found(_dotted(found.arrays), _dotted(found.texts))
     if head[:10] == b"MATLAB 7.3":
         unsuitable(file, "which announces version 7.3 and is cut in its head", WANTED, "Copy it again.")
     _check_length(file)
-    return in_a_child(
-        "mat5", file, Asked(every=True), WANTED, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb
-    )
+    return in_a_child(variables, file, WANTED, limits)
 
 
-def _dotted(named: dict[str, T]) -> dict[str, T]:
+def _dotted(named: dict[str, Any]) -> dict[str, Any]:
     return {name.replace("/", "."): value for name, value in named.items()}
 
 
@@ -456,3 +359,46 @@ def _check_length(file: Path) -> None:
             count += 1
     if not count:
         unsuitable(file, "a MAT file without any variable", WANTED, "It may be cut after its head.")
+
+
+# -- In the child process
+
+
+#: More parts than this, and the file is no record of a test.
+MOST_ARRAYS, DEEPEST = 10_000, 8
+#: Before the name of an object among the texts, whose class is the text.
+OPAQUE = "object "
+
+
+def variables(path: str, request: dict[str, Any]) -> Answer:
+    """Variables of version 5 or 4, structs and cells taken apart."""
+    from scipy.io import loadmat
+
+    arrays: dict[str, Any] = {}
+    texts: dict[str, str] = {}
+    for name, value in loadmat(path, chars_as_strings=True).items():
+        if not name.startswith("__"):
+            flatten(name, value, arrays, texts)
+    return arrays, texts, [[name, list(each.shape), True] for name, each in arrays.items()]
+
+
+def flatten(name: str, value: Any, arrays: dict[str, Any], texts: dict[str, str], depth: int = 0) -> None:
+    """Numeric arrays and texts of a variable by name: ``struct.field``, ``struct[1].field``, ``cell[2]``."""
+    if depth > DEEPEST or len(arrays) >= MOST_ARRAYS or not isinstance(value, np.ndarray):
+        return
+    if value.dtype.names == ("s0", "s1", "s2", "arr"):  # an object, which only MATLAB reads
+        texts[f"{OPAQUE}{name}"] = b"".join(map(bytes, value["s2"].ravel()[:1])).decode("latin-1")
+        return
+    if value.dtype.names:
+        items = list(enumerate(value.ravel(order="F")))
+        for i, item in items:
+            for field in value.dtype.names:
+                each = f"{name}.{field}" if len(items) == 1 else f"{name}[{i}].{field}"
+                flatten(each, item[field], arrays, texts, depth + 1)
+    elif value.dtype.kind == "O":
+        for i, item in enumerate(value.ravel(order="F")):
+            flatten(f"{name}[{i}]", item, arrays, texts, depth + 1)
+    elif value.dtype.kind == "U":
+        texts[name] = "\n".join(map(str, value.ravel()))
+    elif value.dtype.kind in "biufc":
+        arrays[name] = value

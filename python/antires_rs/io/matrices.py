@@ -16,8 +16,9 @@ import numpy as np
 from ..exceptions import part, reject
 from ..models.matrix_model import MatrixModel
 from ..models.recipes import MatrixRecipe
+from ..models.structural_model import ModelDescription
 from ..support.directions import DIRECTIONS, NAMES
-from .archive import Store, read_store, write_store
+from .archive import Store, decoded, encoded, read_store, recipe_1, write_store
 from .common import existing_file, unsuitable
 from .matrix_formats import (
     Labelled,
@@ -81,7 +82,7 @@ def choose(name: str, path: str | os.PathLike[str], letter: str) -> Labelled:
     return found[own[0]]
 
 
-FORMAT, VERSION = "antires_rs.matrices", 1
+FORMAT, VERSION = "antires_rs.matrices", 2
 #: Files that may hold stiffness and mass, by their names: K... and M...
 _OF_BOTH = (".op4", ".pch", ".bdf", ".dmig", ".full")
 
@@ -206,23 +207,8 @@ def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
             "Save the result of an updating with result.save.",
         )
     store = Store()
-    matrices = [[store.put(part) for part in matrix] for matrix in (recipe.stiffness, recipe.mass)]
-    terms = [
-        [[store.put(part) for part in term] for term in each]
-        for each in (recipe.stiffness_terms, recipe.mass_terms)
-    ]
-    constraints = recipe.constraints
-    about = {
-        "format": FORMAT,
-        "version": VERSION,
-        "n_dof": model.n_dof,
-        "matrices": matrices,
-        "terms": terms,
-        "names": list(recipe.names),
-        "constraints": None if constraints is None else [store.put(part) for part in constraints],
-        "keep": list(recipe.keep),
-    }
-    return write_store(path, about, store)
+    data = {"format": FORMAT, "version": VERSION, "recipe": encoded(recipe, store)}
+    return write_store(path, data, store)
 
 
 def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tuple[int, str], int]:
@@ -303,27 +289,13 @@ def _own_map(file: Path) -> dict[tuple[int, str], int]:
 
 
 def _own(path: str | os.PathLike[str]) -> MatrixModel:
-    _, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
-    n = data["n_dof"]
-    stiffness, mass = (_sparse(entries, n) for entries in data["matrices"])
-    terms = [[_sparse(term, n) for term in each] for each in data["terms"]]
-    given = data.get("constraints")  # not in files of versions before
-    return MatrixModel(
-        stiffness,
-        mass,
-        stiffness_terms=terms[0],
-        mass_terms=terms[1],
-        constraints=None if given is None else _sparse(given, n, int(max(given[0])) + 1),
-        keep=data.get("keep", ()),
-        dofs=data.get("names") or None,
-    )
-
-
-def _sparse(entries: Any, n: int, n_rows: int | None = None) -> Any:
-    from scipy.sparse import coo_array
-
-    rows, columns, values = entries
-    return coo_array((values, (rows, columns)), shape=(n if n_rows is None else n_rows, n))
+    file, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
+    if data["version"] == 1:
+        stiffness, mass = data["matrices"]
+        recipe = recipe_1({**data, "stiffness": stiffness, "mass": mass})
+    else:
+        recipe = decoded(data["recipe"], str(file))
+    return MatrixModel.from_description(ModelDescription(recipe, ()))
 
 
 def _labelled(name: str, given: Any, letter: str) -> Labelled:

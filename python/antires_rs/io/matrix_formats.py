@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support.messages import warn
-from .child_process import Asked, in_a_child
-from .common import brief, missing_package, unsuitable
+from ._child import Answer, room
+from .child_process import Limits, in_a_child, require
+from .common import brief, unsuitable
 from .npz import read_archive
 
 #: Node and direction code, 1 to 6; 0 is a scalar.
@@ -206,23 +206,13 @@ def _fields(line: str) -> list[str]:
 
 
 _WANTED_FULL = "a .full file with matrices, written by WRFULL"
-_TIME_LIMIT_S, _MEMORY_LIMIT_GB = 600.0, 16.0
 
 
 def read_full(file: Path) -> dict[str, Labelled]:
     """``K`` and ``M`` of a file, of the dofs without constraints."""
-    try:
-        there = find_spec("ansys.mapdl.reader") is not None
-    except ModuleNotFoundError:  # of a package above it
-        there = False
-    if not there:
-        raise missing_package(
-            "Reading .full files", "ansys-mapdl-reader", "ansys", ImportError("ansys-mapdl-reader")
-        )
     # The package is compiled: a damaged file can end or fill the interpreter that reads it.
-    arrays = in_a_child(
-        "full", file, Asked(), _WANTED_FULL, time_limit_s=_TIME_LIMIT_S, memory_limit_gb=_MEMORY_LIMIT_GB
-    ).arrays
+    require("Reading .full files", "ansys.mapdl.reader", "ansys", "ansys-mapdl-reader")
+    arrays = in_a_child(matrices_of_full, file, _WANTED_FULL, Limits(600.0, 16.0)).arrays
     points = arrays["points"]
     rows, columns = ([arrays[f"{name}.{axis}"] for name in "KM"] for axis in ("row", "col"))
     if any(each.size and not 0 <= each.min() <= each.max() < len(points) for each in (*rows, *columns)):
@@ -241,6 +231,19 @@ def read_full(file: Path) -> dict[str, Labelled]:
         name: Labelled(completed(place[row], place[column], arrays[f"{name}.data"], len(named)), named)
         for name, row, column in zip("KM", rows, columns, strict=True)
     }
+
+
+def matrices_of_full(path: str, request: dict[str, Any]) -> Answer:
+    """Stiffness and mass of ANSYS as entries, with node and direction of each row."""
+    from ansys.mapdl.reader import read_binary
+
+    points, *matrices = read_binary(path).load_km(as_sparse=True, sort=False)
+    arrays = {"points": np.asarray(points, dtype=np.int64).reshape(-1, 2)}
+    for name, matrix in zip("KM", matrices, strict=True):
+        entries = matrix.tocoo()
+        arrays |= {f"{name}.row": entries.row, f"{name}.col": entries.col, f"{name}.data": entries.data}
+    room(sum(array.size for array in arrays.values()), request)
+    return arrays, {}, []
 
 
 # -- Matrices in the Harwell-Boeing form, as ANSYS writes them with HBMAT: real, assembled

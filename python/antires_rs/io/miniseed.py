@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from ..signals.recording import Recording
-from .channels import Dofs
+from ._child import Answer, Unfit, answer, asked, called, room
+from .channels import Channel, Dofs, Reading, stated_recording
+from .child_process import Limits, channels_of_child, require
 from .common import existing_file, unsuitable
-from .stated_channels import Stated, channels_of_child, stated_recording
 
 
 def read_miniseed(
@@ -68,24 +69,44 @@ def read_miniseed(
     >>> import antires_rs as ar
     >>> record = ar.read_miniseed("tower.mseed", responses="*.HNX", unit="m/s2")  # doctest: +SKIP
     """
-    file = existing_file(path)
-    entries, _ = channels_of_child(
-        "mseed",
-        file,
-        ("obspy", "miniseed"),
-        "read_miniseed",
-        "a whole miniSEED file",
-        responses=responses,
-        time_limit_s=time_limit_s,
-        memory_limit_gb=memory_limit_gb,
-    )
+    file, given = existing_file(path), Reading.of(locals())
+    require("read_miniseed", "obspy", "miniseed")
+    limits = Limits(time_limit_s, memory_limit_gb)
+    entries, _ = channels_of_child(traces_of_miniseed, file, "a whole miniSEED file", limits, given)
     _no_gaps(file, entries)
     for entry in entries:
         del entry["until"]
-    channels = [Stated(**entry) for entry in entries]
-    return stated_recording(
-        file, _on_one_clock(channels), responses=responses, dofs=dofs, force=force, unit=unit
-    )
+    return stated_recording(file, _on_one_clock([Channel(**entry) for entry in entries]), given)
+
+
+def traces_of_miniseed(path: str, request: dict[str, Any]) -> Answer:
+    """Traces of a miniSEED file, those that follow each other joined."""
+    import numpy as np
+    from obspy import read
+
+    room(int(sum(trace.stats.npts for trace in read(path, format="MSEED", headonly=True))), request)
+    stream = read(path, format="MSEED")
+    stream.merge(method=-1)
+    made = []
+    for trace in stream:
+        if (
+            asked((trace.id, trace.stats.channel), trace.stats.channel, request)
+            and trace.data.dtype.kind in "biuf"
+        ):
+            made.append(
+                {
+                    "name": trace.id,
+                    "values": np.float64(trace.data),
+                    "unit": "counts",
+                    "step_s": float(trace.stats.delta),
+                    "start": str(trace.stats.starttime),
+                    "offset_s": 0.0,
+                    "until": str(trace.stats.endtime),
+                }
+            )
+    if not made and request["only"] is not None:
+        raise Unfit("the traces are " + called(trace.id for trace in stream))
+    return answer(made)
 
 
 def _no_gaps(file: Path, entries: list[dict[str, Any]]) -> None:
@@ -103,7 +124,7 @@ def _no_gaps(file: Path, entries: list[dict[str, Any]]) -> None:
             )
 
 
-def _on_one_clock(channels: list[Stated]) -> list[Stated]:
+def _on_one_clock(channels: list[Channel]) -> list[Channel]:
     """Traces that begin within half a sample of each other begin together."""
     if len(channels) < 2:
         return channels

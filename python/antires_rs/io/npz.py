@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import AntiresError
 from ..support.files import write_atomically
-from .channels import Dofs
+from .channels import Dofs, Reading
 from .common import Signal, brief, existing_file, signal_given, unsuitable
 from .own_format import own_signal, pack, unpack
 from .raw_arrays import signal_of_arrays
@@ -90,42 +90,13 @@ def read_npz(
     ...     ar.read_npz(folder + "/a.npz", unit="g")
     Recording(1 channels, 2 s at 50 Hz, dofs=('tip',), no force)
     """
-    file = existing_file(path)
+    file, given = existing_file(path), Reading.of(locals())
     with file.open("rb") as opened:
         alone = opened.read(len(_NPY)) == _NPY
     arrays = _array(file) if alone else read_archive(file)
     if TEXT in arrays:
-        signal = unpack(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays)
-        return own_signal(
-            file,
-            signal,
-            responses=responses,
-            time=time,
-            freq=freq,
-            force=force,
-            fs_hz=fs_hz,
-            dofs=dofs,
-            unit=unit,
-            kind=kind,
-            reference=reference,
-            freq_hz=None if freq_hz is None else "an axis",
-            df_hz=df_hz,
-        )
-    return signal_of_arrays(
-        file,
-        arrays,
-        responses=responses,
-        time=time,
-        freq=freq,
-        force=force,
-        fs_hz=fs_hz,
-        dofs=dofs,
-        unit=unit,
-        kind="frf" if kind is None else kind,
-        reference=reference,
-        freq_hz=freq_hz,
-        df_hz=df_hz,
-    )
+        return own_signal(file, unpack(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays), given)
+    return signal_of_arrays(file, arrays, given)
 
 
 def write_npz(path: str | os.PathLike[str], signal: Signal) -> Path:

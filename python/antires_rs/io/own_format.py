@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 from zlib import crc32
@@ -22,7 +23,7 @@ from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar
-from .channels import Dofs, kept, renamed
+from .channels import Reading, kept, renamed
 from .common import Signal, unsuitable
 from .units import named_unit
 
@@ -136,48 +137,49 @@ def check_dofs(signal: Signal) -> list[Any]:
 # -- Options of a reader for a file of our own, which states itself what they would say
 
 
-def own_signal(
-    path: Path,
-    signal: Signal,
-    *,
-    dofs: Dofs = None,
-    force: Any = "auto",
-    unit: str | None = None,
-    fs_hz: float | None = None,
-    **stated: Any,
-) -> Signal:
+def own_signal(path: Path, signal: Signal, given: Reading) -> Signal:
     """A signal of ours with the channels that are kept, by their new names, and with its force or without.
 
     Every other option is refused, unless it says what the file says: an option that is passed over in silence
     looks as if it had worked.
     """
-    made = _named(signal, dofs)
-    _check_force(path, signal, force)
-    if isinstance(made, Recording) and force is None:
+    made = signal
+    if given.dofs is not None:
+        labels = renamed("dofs", signal.dofs, given.dofs)
+        made = relabelled(signal, kept(labels), [labels[i] for i in kept(labels)])
+    _check_force(path, signal, given.force)
+    if isinstance(made, Recording) and given.force is None:
         made = Recording(made.responses, made.fs_hz, made.dofs)
-    stated |= {"fs_hz": None if fs_hz is None else finite_scalar("fs_hz", fs_hz), "unit": unit}
+    # Our files hold SI, and any SI unit leaves values as they are.
+    in_si = given.unit is not None and named_unit("unit", given.unit).factor == 1.0
+    stated: dict[str, Any] = {
+        **{each.name: getattr(given, each.name) for each in fields(given)},
+        "fs_hz": None if given.fs_hz is None else finite_scalar("fs_hz", given.fs_hz),
+        "freq_hz": None if given.freq_hz is None else "an axis",
+        **dict.fromkeys(("dofs", "force", *["unit"] * in_si)),
+    }
     if isinstance(signal, Recording):
         same: dict[str, tuple[Any, ...]] = {"responses": ("responses", ["responses"]), "first": ("time",)}
-        if fs_hz is not None and np.isclose(stated["fs_hz"], signal.fs_hz, rtol=1e-9, atol=0.0):
-            del stated["fs_hz"]
+        if stated["fs_hz"] is not None and np.isclose(stated["fs_hz"], signal.fs_hz, rtol=1e-9, atol=0.0):
+            stated["fs_hz"] = None
+        said = f"a recording at {signal.fs_hz:g} Hz"
     else:
+        said = f"kind {signal.kind!r}"
+        said += "" if signal.reference is None else f", reference {signal.reference!r}"
         same = {
             "responses": ("values", ["values"]),
             "first": ("freq",),
             "freq": ("freq_hz",),
             "kind": (signal.kind,),
-            "reference": (signal.reference, _reference(made)),
+            "reference": (signal.reference, getattr(made, "reference", None)),
         }
-    # Our files hold SI, and any SI unit leaves values as they are.
-    if unit is not None and named_unit("unit", unit).factor == 1.0:
-        del stated["unit"]
     for name, value in stated.items():
         if value is not None and not any(
             type(value) is type(own) and value == own for own in same.get(name, ())
         ):
             reject(
                 name,
-                f"{value!r} for {str(path)!r}, a file of antires_rs ({_said(name, signal)})",
+                f"{value!r} for {str(path)!r}, a file of antires_rs ({'in SI' if name == 'unit' else said})",
                 "it with files of other programs alone",
                 "This file states it itself; leave it out."
                 + (" To leave channels out, name them by dofs." if name == "responses" else ""),
@@ -199,14 +201,6 @@ def relabelled(signal: Signal, rows: list[int], dofs: list[Any]) -> Signal:
     )
 
 
-def _named(signal: Signal, dofs: Dofs) -> Signal:
-    if dofs is None:
-        return signal
-    labels = renamed("dofs", signal.dofs, dofs)
-    rows = kept(labels)
-    return relabelled(signal, rows, [labels[i] for i in rows])
-
-
 def _check_force(path: Path, signal: Signal, force: Any) -> None:
     there = isinstance(signal, Recording) and signal.force is not None
     if force is not None and not (isinstance(force, str) and force in ("auto", *["force"] * there)):
@@ -216,16 +210,3 @@ def _check_force(path: Path, signal: Signal, force: Any) -> None:
             "'auto', 'force' or None" if there else "'auto' or None",
             "The file states itself which channel is its force; leave it out.",
         )
-
-
-def _reference(signal: Signal) -> Any:
-    return None if isinstance(signal, Recording) else signal.reference
-
-
-def _said(name: str, signal: Signal) -> str:
-    """What the file has in place of the option."""
-    if name == "unit":
-        return "in SI"
-    if isinstance(signal, Recording):
-        return f"a recording at {signal.fs_hz:g} Hz"
-    return f"kind {signal.kind!r}" + ("" if signal.reference is None else f", reference {signal.reference!r}")

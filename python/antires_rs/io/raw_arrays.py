@@ -5,20 +5,20 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from fnmatch import fnmatchcase
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
-from ..support.checks import FloatArray, choice, finite_scalar, shape_of
+from ..support.checks import FloatArray, finite_scalar, shape_of
 from ..support.messages import Passed, Wording, warn
-from .channels import Channel, Dofs, in_si, kept, recording_of, renamed, unit_or_warning
-from .common import Signal, rate_of, refuse_real, simplest_rate, unsuitable
-from .units import Unit, abscissa_factor, is_abscissa, named_unit, parse_unit
+from .channels import Channel, Reading, matches, rate_of_step, recording_of, response_of, warn_other_rate
+from .common import Signal, rate_of, unsuitable
+from .units import Unit, abscissa_factor, is_abscissa, parse_unit
 
 # -- Which arrays of a file are responses: by name, by pattern, or single rows of a matrix
 
@@ -85,8 +85,7 @@ def _asked(
         ]
         if one:
             return one
-        # Names of struct arrays have brackets, which are no patterns.
-        hits = [n for n in numeric if fnmatchcase(n, pattern.replace("[", "[[]")) and n not in taken]
+        hits = [n for n in numeric if matches(n, pattern) and n not in taken]
         if "*" in pattern and hits:
             return [row for name in hits for row in _rows(name, numeric[name])]
     reject(
@@ -112,25 +111,33 @@ def listed(arrays: Mapping[str, Any]) -> str:
 
 
 class GivenAxis:
-    """Frequencies that the caller gives: all of them, or their spacing from 0 Hz on.
-
-    Attributes
-    ----------
-    size : int or None
-        Number of lines; None where only the spacing is given.
-    """
+    """Frequencies that the caller gives: ``size`` of them, or (None) their spacing from 0 Hz on."""
 
     def __init__(self, freq_hz: Any = None, df_hz: Any = None) -> None:
         self._df_hz = (
-            None if df_hz is None else finite_scalar("df_hz", df_hz, low=0.0, low_open=True, unit="Hz")
+            0.0 if df_hz is None else finite_scalar("df_hz", df_hz, low=0.0, low_open=True, unit="Hz")
         )
         self._freq_hz = None if freq_hz is None else _axis(freq_hz)
         self.size = None if self._freq_hz is None else self._freq_hz.size
 
+    @classmethod
+    def of(cls, given: Reading) -> GivenAxis | None:
+        """The axis by ``freq_hz`` or ``df_hz``; None where neither is given."""
+        if given.freq_hz is None and given.df_hz is None:
+            return None
+        if given.freq_hz is not None and given.df_hz is not None:
+            reject(
+                "df_hz",
+                "it beside freq_hz",
+                "one of them",
+                Wording("Leave out {}, which the frequencies tell.", Passed("df_hz")),
+            )
+        return cls(given.freq_hz, given.df_hz)
+
     def lines(self, path: Path, count: int) -> FloatArray:
         """The frequencies of ``count`` values."""
         if self._freq_hz is None:
-            return float(self._df_hz or 0.0) * np.arange(count, dtype=np.float64)
+            return self._df_hz * np.arange(count, dtype=np.float64)
         if self._freq_hz.size != count:
             unsuitable(
                 path,
@@ -139,20 +146,6 @@ class GivenAxis:
                 "Give the frequencies of this file.",
             )
         return self._freq_hz
-
-
-def given_axis(freq_hz: Any, df_hz: Any) -> GivenAxis | None:
-    """The axis by ``freq_hz`` or ``df_hz``; None where neither is given."""
-    if freq_hz is None and df_hz is None:
-        return None
-    if freq_hz is not None and df_hz is not None:
-        reject(
-            "df_hz",
-            "it beside freq_hz",
-            "one of them",
-            Wording("Leave out {}, which the frequencies tell.", Passed("df_hz")),
-        )
-    return GivenAxis(freq_hz, df_hz)
 
 
 def _axis(freq_hz: Any) -> FloatArray:
@@ -186,14 +179,8 @@ _THOUSANDS = re.compile(r"[1-9]\d{0,2}(?:,\d{3})+\Z")
 
 
 class Said:
-    """Values by name.
+    """Numbers and texts by name.
 
-    Parameters
-    ----------
-    values : mapping of str to number or str
-
-    Examples
-    --------
     >>> said = Said({"run1@fs": 512.0, "run1/acc@unit": "g"})
     >>> said.rate(Path("a.h5"), ["run1/acc"]), said.unit("run1/acc")
     (512.0, 'g')
@@ -235,7 +222,7 @@ class Said:
                 if number is not None and number > 0.0:
                     number *= self.factor(path, key, refuse=refuse)
                     step = _PART.split(key)[-1].lower() in STEPS
-                    found[key] = simplest_rate((1 - 1e-12) / number, (1 + 1e-12) / number) if step else number
+                    found[key] = rate_of_step(number) if step else number
                     break
         if found and max(found.values()) > (1.0 + 1e-6) * min(found.values()):
             shown = ", ".join(f"{key} of {rate:g} Hz" for key, rate in found.items())
@@ -290,47 +277,36 @@ def stated_number(value: Any) -> float | None:
 
 #: Last parts of names, in small letters, that say what an array is when the user does not.
 _TIME = {"time", "t", "time_s", "tijd", "zeit"}
-_RATE, _STEP = set(RATES), set(STEPS)
 _FREQ = {"f", "freq", "freq_hz", "frequency", "frequencies", "freqs"}
 _FORCE = {"force", "hammer", "excitation", "input"}
 _COHERENCE = {"coherence", "coh", "gamma2"}
 #: Names that tell a role, whatever is asked for.
-ROLES = frozenset(_TIME | _RATE | _STEP | _FREQ | _FORCE | _COHERENCE)
+ROLES = frozenset(_TIME | RATES | STEPS | _FREQ | _FORCE | _COHERENCE)
 
-Kind = Literal["frf", "transmissibility"]
+Arrays = dict[str, NDArray[Any]]
 
 
 def signal_of_arrays(
-    path: Path,
-    arrays: Mapping[str, NDArray[Any]],
-    *,
-    responses: Any = None,
-    time: str | None = None,
-    freq: str | None = None,
-    force: Any = "auto",
-    fs_hz: float | None = None,
-    dofs: Dofs = None,
-    unit: str | None = None,
-    kind: str = "frf",
-    reference: Any = None,
-    freq_hz: Any = None,
-    df_hz: float | None = None,
-    said: Said | None = None,
+    path: Path, arrays: Mapping[str, NDArray[Any]], given: Reading, texts: Mapping[str, Any] | None = None
 ) -> Signal:
     """A Recording, or a FrequencyResponse where the arrays lie over a frequency.
 
     Roles that are not named are taken from the arrays' own names; what remains ambiguous is refused, with the
-    list of what the file holds.
+    list of what the file holds. ``texts`` are attributes and fields beside the arrays.
     """
-    numeric = {name: _vectors(value) for name, value in arrays.items() if _usable(value)}
+    numeric = {
+        name: _vectors(value)
+        for name, value in arrays.items()
+        if value.dtype.kind in "iufc" and value.ndim <= 2 and value.size
+    }
     cubes = [name for name, value in arrays.items() if value.dtype.kind in "iufc" and value.ndim > 2]
-    if cubes and responses is None:
+    if cubes and given.responses is None:
         warn(
             "many_axes",
             f"path: {str(path)!r} has arrays of three and more axes, {', '.join(cubes)}, which are not "
             "read. Slice them to (n_channels, n_samples) if they are responses.",
         )
-    said = said or Said()
+    said = Said(texts)
     if not numeric:
         unsuitable(
             path,
@@ -338,16 +314,15 @@ def signal_of_arrays(
             "arrays of numbers",
             "Export the signals as arrays of numbers, one row or column a channel.",
         )
-    axis = given_axis(freq_hz, df_hz)
+    axis = GivenAxis.of(given)
     if axis is not None:
-        if freq is not None:
-            reject("freq", repr(freq), "no name beside freq_hz or df_hz", "Leave one of them out.")
+        if given.freq is not None:
+            reject("freq", repr(given.freq), "no name beside freq_hz or df_hz", "Leave one of them out.")
         if axis.size is not None:
             numeric = {name: _along(values, axis.size) for name, values in numeric.items()}
-        return _response(path, numeric, axis, None, responses, dofs, unit, kind, reference, said)
-    freq = _role(path, "freq", freq, numeric, _FREQ)
-    time = _role(path, "time", time, numeric, _TIME)
-    taken = {name for name in (freq, time) if name}
+        return _response(path, numeric, axis, None, given, said)
+    freq = _role(path, "freq", given.freq, numeric, _FREQ)
+    time = _role(path, "time", given.time, numeric, _TIME)
     if freq is not None and time is not None:
         unsuitable(
             path,
@@ -362,24 +337,32 @@ def signal_of_arrays(
         )
     if freq is not None:
         lines = GivenAxis(said.factor(path, freq, "freq_hz") * numeric[freq][0].real)
-        return _response(path, numeric, lines, freq, responses, dofs, unit, kind, reference, said)
-    taken |= {name for name in numeric if _last(name) in _RATE | _STEP and numeric[name].size == 1}
-    pushed = force if isinstance(force, str) and force in numeric else None
-    if isinstance(force, str) and force != "auto" and pushed is None:
+        return _response(path, numeric, lines, freq, given, said)
+    return _recording(path, arrays, numeric, time, given, said)
+
+
+def _recording(
+    path: Path, arrays: Mapping[str, Any], numeric: Arrays, time: str | None, given: Reading, said: Said
+) -> Signal:
+    """A record over the array ``time``, or at a rate that is stated."""
+    taken = {time} if time else set()
+    taken |= {name for name in numeric if _last(name) in RATES | STEPS and numeric[name].size == 1}
+    pushed = given.force if isinstance(given.force, str) and given.force in numeric else None
+    if isinstance(given.force, str) and given.force != "auto" and pushed is None:
         reject(
             "force",
-            repr(force),
+            repr(given.force),
             f"'auto', None or an array of the file: {listed(arrays)}",
             "Name an array of the file, or pass None for no force.",
         )
     if pushed is None:
         found = [n for n in numeric if _last(n) in _FORCE and len(numeric[n]) == 1]
-        pushed = found[0] if len(found) == 1 and force == "auto" else None
+        pushed = found[0] if len(found) == 1 and given.force == "auto" else None
         taken |= set(found)
-    rows = chosen_rows(path, numeric, responses, taken | ({pushed} if pushed else set()))
-    rate = _rate(path, numeric, time, fs_hz, said, [raw for _, _, raw in rows])
+    rows = chosen_rows(path, numeric, given.responses, taken | ({pushed} if pushed else set()))
+    rate = _rate(path, numeric, time, given, said, [raw for _, _, raw in rows])
     channels = [Channel(name, values, said.unit(raw)) for name, values, raw in rows]
-    instants = None if time is None or fs_hz is not None else numeric[time].shape[1]
+    instants = None if time is None or given.fs_hz is not None else numeric[time].shape[1]
     for c in channels:
         if instants not in (None, c.values.size):
             unsuitable(
@@ -389,30 +372,19 @@ def signal_of_arrays(
                 Wording("Name the {} that belongs to them, or give {}.", Passed("time"), Passed("fs_hz")),
             )
     if pushed is not None:
-        channels.append(Channel(pushed, numeric[pushed][0], said.unit(pushed) or "N", "force"))
-    return recording_of(path, channels, rate, dofs=dofs, unit=unit, force=None if force is None else "auto")
+        channels.append(Channel(pushed, numeric[pushed][0], said.unit(pushed) or "N", role="force"))
+    return recording_of(path, channels, rate, replace(given, force=None if given.force is None else "auto"))
 
 
 def _response(
-    path: Path,
-    numeric: dict[str, NDArray[Any]],
-    axis: GivenAxis,
-    freq: str | None,
-    responses: Any,
-    dofs: Dofs,
-    unit: str | None,
-    kind: str,
-    reference: Any,
-    said: Said,
+    path: Path, numeric: Arrays, axis: GivenAxis, freq: str | None, given: Reading, said: Said
 ) -> FrequencyResponse:
     """FRFs or transmissibilities over the array ``freq``, or over a given axis."""
-    choice("kind", kind, ("frf", "transmissibility"))
     seen = [n for n in numeric if _last(n) in _COHERENCE]
     axes = {freq} if freq is not None else {n for n in numeric if _last(n) in _FREQ | _TIME}
     complex_ones = {name: values for name, values in numeric.items() if np.iscomplexobj(values)}
-    rows = chosen_rows(
-        path, complex_ones if responses is None and complex_ones else numeric, responses, {*axes, *seen}
-    )
+    among = complex_ones if given.responses is None and complex_ones else numeric
+    rows = chosen_rows(path, among, given.responses, {*axes, *seen})
     real = next((name for name, values, _ in rows if not np.iscomplexobj(values)), None)
     if real is not None:
         unsuitable(
@@ -422,7 +394,7 @@ def _response(
             "Magnitudes alone have lost the phase; combine magnitude and phase first.",
         )
     count = rows[0][1].size
-    lines = axis.lines(path, count) if freq is None else axis.lines(path, axis.size or count)
+    lines = axis.lines(path, count if freq is None else axis.size or count)
     for name, values, _ in rows:
         if values.size != lines.size:
             unsuitable(
@@ -431,59 +403,34 @@ def _response(
                 "as many",
                 "Export values and frequencies of the same test.",
             )
-    labels = renamed("dofs", [name for name, _, _ in rows], dofs)
-    chosen = kept(labels)
-    own = [named_unit("unit", unit) if unit else unit_or_warning(path, said.unit(rows[i][2])) for i in chosen]
-    values = np.stack([in_si(rows[i][1], each) for i, each in zip(chosen, own, strict=True)])
-    refuse_real(path, values)
     coherence = np.vstack([numeric[n] for n in seen]).real if seen else None
-    if coherence is not None and coherence.shape == (len(rows), lines.size):
-        coherence = coherence[chosen]
-    elif coherence is not None:
+    if coherence is not None and coherence.shape != (len(rows), lines.size):
         unsuitable(
             path,
             f"with coherences of shape {coherence.shape}",
             f"({len(rows)}, {lines.size})",
             "Export a coherence for each response, over the same frequencies.",
         )
-    return FrequencyResponse(
-        lines, values, [labels[i] for i in chosen], cast(Kind, kind), reference, coherence
-    )
+    columns = [Channel(name, values, said.unit(raw)) for name, values, raw in rows]
+    return response_of(path, lines, columns, given, coherence)
 
 
 def _rate(
-    path: Path,
-    numeric: dict[str, NDArray[Any]],
-    time: str | None,
-    fs_hz: float | None,
-    said: Said,
-    names: list[str],
+    path: Path, numeric: Arrays, time: str | None, given: Reading, said: Said, names: list[str]
 ) -> float:
-    stated = said.rate(path, names, refuse=fs_hz is None)
-    single = {n: float(values[0, 0].real) for n, values in numeric.items() if values.size == 1}
+    refuse = given.fs_hz is None
+    stated = said.rate(path, names, refuse=refuse)
     single = {
-        n: x * said.factor(path, n, refuse=fs_hz is None)
-        for n, x in single.items()
-        if _last(n) in _RATE | _STEP
+        n: float(values[0, 0].real) * said.factor(path, n, refuse=refuse)
+        for n, values in numeric.items()
+        if values.size == 1 and _last(n) in RATES | STEPS
     }
-    if fs_hz is not None:
-        own = [x for n, x in single.items() if _last(n) in _RATE]
-        stated = own[0] if stated is None and len(own) == 1 else stated
-        rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
-        if stated is not None and abs(stated - rate) > 1e-3 * rate:
-            warn(
-                "other_rate",
-                f"path: {str(path)!r} states {stated:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
-                "Leave fs_hz= out if the file is right.",
-            )
-        return rate
-    rates = [n for n in single if _last(n) in _RATE]
-    if time is None and not rates and stated is None:
-        steps = [x for n, x in single.items() if _last(n) in _STEP]
-        if len(steps) == 1 and 0.0 < steps[0] < float("inf"):
-            return simplest_rate((1.0 - 1e-12) / steps[0], (1.0 + 1e-12) / steps[0])
-    if time is None and not rates and stated is not None:
-        return stated
+    rates = [n for n in single if _last(n) in RATES]
+    if given.rate_hz is not None:
+        if stated is None and len(rates) == 1:
+            stated = single[rates[0]]
+        warn_other_rate(path, "states", stated, given.rate_hz)
+        return given.rate_hz
     if time is not None:
         rate = rate_of(path, said.factor(path, time) * numeric[time][0].real)
         stated = single[rates[0]] if len(rates) == 1 else rate
@@ -495,6 +442,12 @@ def _rate(
                 Wording("Give the true one by {}.", Passed("fs_hz")),
             )
         return rate
+    if not rates:
+        if stated is not None:
+            return stated
+        steps = [x for n, x in single.items() if _last(n) in STEPS]
+        if len(steps) == 1 and 0.0 < steps[0] < float("inf"):
+            return rate_of_step(steps[0])
     if len(rates) != 1:
         unsuitable(
             path,
@@ -502,19 +455,13 @@ def _rate(
             "one of them",
             Wording(
                 "Name {} or give {}; for responses over frequency name {}, or give {} or {}.",
-                Passed("time"),
-                Passed("fs_hz"),
-                Passed("freq"),
-                Passed("freq_hz"),
-                Passed("df_hz"),
+                *map(Passed, ("time", "fs_hz", "freq", "freq_hz", "df_hz")),
             ),
         )
     return finite_scalar(rates[0], single[rates[0]], low=0.0, low_open=True, unit="Hz")
 
 
-def _role(
-    path: Path, argument: str, given: str | None, numeric: dict[str, NDArray[Any]], names: set[str]
-) -> str | None:
+def _role(path: Path, argument: str, given: str | None, numeric: Arrays, names: set[str]) -> str | None:
     """The array the user names for a role, or the only one whose name says it."""
     if given is not None:
         if given not in numeric:
@@ -534,10 +481,6 @@ def _role(
             f"Name it: {argument}={found[0]!r}.",
         )
     return found[0] if found else None
-
-
-def _usable(value: Any) -> bool:
-    return bool(value.dtype.kind in "iufc" and value.ndim <= 2 and value.size)
 
 
 def _vectors(value: NDArray[Any]) -> NDArray[Any]:

@@ -11,7 +11,7 @@ import numpy as np
 from ..exceptions import part, reject
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar, real_array
-from .channels import Channel, Dofs, recording_of
+from .channels import Channel, Dofs, Reading, recording_of
 from .common import rate_of
 from .units import named_unit
 
@@ -102,7 +102,7 @@ def from_sep005(
             "channels recorded together",
             "Pass the channels of one record only.",
         )
-    return recording_of(Path("SEP-005 channels"), made, rates[0], dofs=dofs, force=force, unit=unit)
+    return recording_of(Path("SEP-005 channels"), made, rates[0], Reading(dofs, force, unit))
 
 
 def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:

@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..support.checks import choice
-from .channels import Dofs
+from ._child import Answer, Unfit, answer, asked, called, room
+from .channels import Dofs, Reading
+from .child_process import Limits, channels_of_child, require
 from .common import Signal, existing_file, unsuitable
-from .raw_arrays import given_axis
-from .stated_channels import channels_of_child
-from .text_table import Table, named, response_without_axis, signal_of_columns
+from .text_table import Table, named, signal_of_table
 
 
 def read_excel(
@@ -75,32 +74,12 @@ def read_excel(
     ...     ar.read_excel(folder + "/a.xlsx")
     Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
     """
-    file = existing_file(path)
-    entries, texts = channels_of_child(
-        "excel",
-        file,
-        ("openpyxl", "excel"),
-        "read_excel",
-        "an Excel workbook (.xlsx) with rows of numbers",
-        time_limit_s=time_limit_s,
-        memory_limit_gb=memory_limit_gb,
-        sheet=sheet,
-    )
+    file, given = existing_file(path), Reading.of(locals())
+    require("read_excel", "openpyxl", "excel")
+    wanted, limits = "an Excel workbook (.xlsx) with rows of numbers", Limits(time_limit_s, memory_limit_gb)
+    entries, texts = channels_of_child(columns_of_excel, file, wanted, limits, sheet=sheet)
     head = [row for row in json.loads(texts["head"]) if len(row) == len(entries)]
-    return _signal(
-        file,
-        _table(file, entries, head),
-        first,
-        fs_hz,
-        dofs,
-        force,
-        unit,
-        kind,
-        reference,
-        pairs,
-        freq_hz,
-        df_hz,
-    )
+    return signal_of_table(file, _table(file, entries, head), given)
 
 
 def read_parquet(
@@ -156,23 +135,16 @@ def read_parquet(
     ...     ar.read_parquet(folder + "/a.parquet")
     Recording(1 channels, 1.5 s at 2 Hz, dofs=('tip',), no force)
     """
-    file = existing_file(path)
-    entries, _ = channels_of_child(
-        "parquet",
-        file,
-        ("pyarrow", "series"),
-        "read_parquet",
-        "a whole Parquet file with columns of numbers",
-        time_limit_s=time_limit_s,
-        memory_limit_gb=memory_limit_gb,
-    )
+    file, given = existing_file(path), Reading.of(locals())
+    require("read_parquet", "pyarrow", "series")
+    wanted, limits = "a whole Parquet file with columns of numbers", Limits(time_limit_s, memory_limit_gb)
+    entries, _ = channels_of_child(columns_of_parquet, file, wanted, limits)
     # pandas puts an index of instants last, under a name of its own.
     entries.sort(key=lambda entry: not (entry["name"].startswith("__index_level_") or "instants" in entry))
     for entry in entries:
         if entry["name"].startswith("__index_level_"):
             entry["name"] = "time" if "instants" in entry else ""
-    table = _table(file, entries, [[entry["name"] for entry in entries]])
-    return _signal(file, table, first, fs_hz, dofs, force, unit, kind, reference, pairs, freq_hz, df_hz)
+    return signal_of_table(file, _table(file, entries, [[entry["name"] for entry in entries]]), given)
 
 
 def _table(file: Path, entries: list[dict[str, Any]], head: list[list[str]]) -> Table:
@@ -200,24 +172,131 @@ def _table(file: Path, entries: list[dict[str, Any]], head: list[list[str]]) -> 
     return table
 
 
-def _signal(
-    file: Path,
-    table: Table,
-    first: str | None,
-    fs_hz: float | None,
-    dofs: Dofs,
-    force: Any,
-    unit: str | None,
-    kind: str | None,
-    reference: Any,
-    pairs: str | None,
-    freq_hz: Any,
-    df_hz: float | None,
-) -> Signal:
-    if first is not None:
-        choice("first", first, ("time", "freq", "channel"))
-    axis = given_axis(freq_hz, df_hz)
-    kind = "frf" if kind is None else kind
-    if axis is not None:
-        return response_without_axis(file, table, axis, first, pairs, dofs, unit, kind, reference)
-    return signal_of_columns(file, table, first, pairs, fs_hz, dofs, force, unit, kind, reference)
+# -- In the child process
+
+
+#: More columns or rows than these, and a sheet is no record of a test.
+MOST_CHANNELS, MOST_CELLS = 10_000, 100_000_000
+
+
+def columns_of_parquet(path: str, request: dict[str, Any]) -> Answer:
+    """Columns of a Parquet table."""
+    import pyarrow.parquet as pq
+
+    with pq.ParquetFile(path) as file:
+        names = [name for name in file.schema_arrow.names if asked((name,), name, request)]
+        room(file.metadata.num_rows * len(names), request)
+        if len(names) > MOST_CHANNELS:
+            raise Unfit(f"{len(names)} columns")
+        table = file.read(columns=names)
+    index = [n for n in (table.schema.pandas_metadata or {}).get("index_columns", ()) if isinstance(n, str)]
+    made = []
+    for each in sorted(table.schema, key=lambda each: each.name not in index):  # pandas writes it last
+        data = table.column(each.name)
+        if data.null_count:
+            raise Unfit(f"the column {each.name!r} has {data.null_count} empty cells")
+        said = {key.decode(): text.decode() for key, text in (each.metadata or {}).items()}
+        unit = said.get("unit") or said.get("units") or ""
+        made.append(column(each.name, data.to_numpy(), unit))
+    instants = [each["name"] for each in made if "instants" in each]
+    if len(instants) > 1:
+        raise Unfit(f"{called(instants)} all hold instants: keep the one that is the time")
+    return answer(made)
+
+
+def columns_of_excel(path: str, request: dict[str, Any]) -> Answer:
+    """Rows of a sheet of an Excel workbook: a few lines of text, then numbers."""
+    import datetime
+
+    from openpyxl import load_workbook
+
+    book = load_workbook(path, read_only=True, data_only=True)
+    names = book.sheetnames
+    sheet = book[request.get("sheet") or names[0]] if (request.get("sheet") or names[0]) in names else None
+    if sheet is None:
+        raise Unfit(f"the sheets are {called(names)}")
+    head: list[list[str]] = []
+    rows: list[list[Any]] = []
+    cells = before = 0
+    for row in sheet.iter_rows(values_only=True):
+        values = list(row)
+        while values and values[-1] is None:
+            values.pop()
+        if not values:
+            continue
+        if not rows:  # a table may begin some columns to the right
+            before = next(i for i, v in enumerate(values) if v is not None)
+        values = values[before:]
+        cells += len(values)
+        if cells > MOST_CELLS or 64 * cells > request["most_bytes"]:
+            raise MemoryError(f"more than {cells} cells")
+        plain = all(isinstance(v, int | float | complex | datetime.datetime | datetime.time) for v in values)
+        if not rows and not plain and not complex_row(values):
+            head.append(["" if v is None else str(v) for v in values])
+            continue
+        if rows and len(values) != len(rows[0]):
+            raise Unfit(f"row {len(rows) + 1} of numbers has {len(values)} columns, not {len(rows[0])}")
+        rows.append(values)
+    if not rows:
+        raise Unfit(f"the sheet {sheet.title!r} has no row of numbers (the sheets are {called(names)})")
+    made = []
+    for i in range(len(rows[0])):
+        each = [row[i] for row in rows]
+        name = f"column {i + 1}"
+        if all(isinstance(v, datetime.datetime) for v in each):
+            made.append(column(name, np.array(each, dtype="datetime64[ns]")))
+        elif all(isinstance(v, datetime.time) for v in each):
+            made.append(column(name, np.array([of_day(v) for v in each], dtype="timedelta64[us]")))
+        else:
+            made.append(column(name, np.array(each, dtype=object)))
+    return answer(made, head=head[-3:])
+
+
+def of_day(at: Any) -> int:
+    """Microseconds of a clock since midnight."""
+    return int(((at.hour * 60 + at.minute) * 60 + at.second) * 1_000_000 + at.microsecond)
+
+
+def complex_row(values: list[Any]) -> bool:
+    """Whether a row has complex numbers as texts, which is how a sheet holds them."""
+    try:
+        for value in values:
+            number("", value)
+    except ValueError:
+        return False
+    return any(not isinstance(value, str) for value in values)
+
+
+def column(name: str, values: Any, unit: str = "") -> dict[str, Any]:
+    """A column of a table as numbers: instants become seconds from the first, texts complex numbers."""
+    if values.dtype.kind in "Mm":
+        whole = values.astype("datetime64[ns]" if values.dtype.kind == "M" else "timedelta64[ns]")
+        if np.isnat(whole).any():
+            raise Unfit(f"the column {name!r} has instants that are missing")
+        return {
+            "name": name,
+            "values": (whole - whole[0]) / np.timedelta64(1, "s"),
+            "unit": "s",
+            "instants": 1,
+        }
+    if values.dtype.kind == "O":
+        values = np.array([number(name, each) for each in values])
+        values = values if np.iscomplexobj(values) else values.astype(np.float64)
+    if values.dtype.kind not in "biufc":
+        raise Unfit(f"the column {name!r} has {values.dtype}, no numbers")
+    return {"name": name, "values": values, "unit": unit}
+
+
+def number(name: str, value: Any) -> Any:
+    """A number of a cell; empty ones are refused."""
+    if isinstance(value, str):
+        text = value.strip().replace("i", "j").replace(" ", "")
+        try:
+            return complex(text) if "j" in text else float(text)
+        except ValueError:
+            raise Unfit(f"the column {name!r} has {value[:40]!r}, which is no number") from None
+    if value is None:
+        raise Unfit(f"the column {name!r} has empty cells")
+    if not isinstance(value, int | float | complex):
+        raise Unfit(f"the column {name!r} has {str(value)[:40]!r} among its numbers")
+    return complex(value) if isinstance(value, complex) else float(value)

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from ..signals.recording import Recording
-from .channels import Dofs
+from ._child import Answer, Unfit, answer, asked, called, room
+from .channels import Channel, Dofs, Reading, stated_recording
+from .child_process import Limits, channels_of_child, require
 from .common import existing_file, missing_part, unsuitable
-from .stated_channels import Stated, channels_of_child, stated_recording
 
 _WANTED = "a whole TDMS file"
 #: Bytes of a segment's lead-in, and the length of a segment that LabVIEW did not close.
@@ -82,22 +83,54 @@ def read_tdms(
     ...     ar.read_tdms(folder + "/a.tdms", dofs={"tip": 4})
     Recording(1 channels, 0.03 s at 100 Hz, dofs=(4,), no force)
     """
-    file = existing_file(path)
+    file, given = existing_file(path), Reading.of(locals())
     _check_length(file, partial)
-    entries, _ = channels_of_child(
-        "tdms",
-        file,
-        ("nptdms", "tdms"),
-        "read_tdms",
-        _WANTED,
-        responses=responses,
-        time_limit_s=time_limit_s,
-        memory_limit_gb=memory_limit_gb,
-    )
-    channels = [Stated(**entry) for entry in entries]
-    return stated_recording(
-        file, channels, responses=responses, fs_hz=fs_hz, dofs=dofs, force=force, unit=unit
-    )
+    require("read_tdms", "nptdms", "tdms")
+    limits = Limits(time_limit_s, memory_limit_gb)
+    entries, _ = channels_of_child(channels_of_tdms, file, _WANTED, limits, given)
+    return stated_recording(file, [Channel(**entry) for entry in entries], given)
+
+
+def channels_of_tdms(path: str, request: dict[str, Any]) -> Answer:
+    """Channels of a TDMS file, scaled, with rate, unit and start where their properties have them."""
+    import numpy as np
+    from nptdms import TdmsFile
+
+    made: list[dict[str, Any]] = []
+    with TdmsFile.open(path) as file:
+        several = sum(bool(group.channels()) for group in file.groups()) > 1
+        chosen = [
+            (f"{group.name}/{channel.name}" if several else channel.name, channel)
+            for group in file.groups()
+            for channel in group.channels()
+            if len(channel) and asked((f"{group.name}/{channel.name}", channel.name), channel.name, request)
+        ]
+        if not chosen and request["only"] is not None:
+            raise Unfit("the channels are " + called(c.name for g in file.groups() for c in g.channels()))
+        room(sum(len(channel) for _, channel in chosen), request)
+        for name, channel in chosen:
+            values = np.asarray(channel[:])
+            if values.dtype.kind == "M":
+                values = (values - values[0]) / np.timedelta64(1, "s")
+            if values.dtype.kind not in "biufc":
+                continue
+            own = channel.properties
+            axis = f"{own.get('wf_xname', '')} {own.get('wf_xunit_string', '')}".lower()
+            if "frequency" in axis or axis.endswith("hz"):
+                raise Unfit(f"the channel {name!r} lies over frequency, not time")
+            step = own.get("wf_increment")
+            unit = own.get("unit_string") or own.get("NI_UnitDescription") or own.get("Unit") or ""
+            made.append(
+                {
+                    "name": name,
+                    "values": values,
+                    "unit": str(unit),
+                    "step_s": None if step is None else float(step),
+                    "start": str(own.get("wf_start_time", "")),
+                    "offset_s": float(own.get("wf_start_offset", 0.0) or 0.0),
+                }
+            )
+    return answer(made)
 
 
 def _check_length(file: Path, partial: bool) -> None:

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from ..exceptions import UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
-from ..support.checks import FloatArray, choice, finite_scalar
+from ..support.checks import choice, finite_scalar
 from ..support.messages import Passed, Wording, warn
-from .channels import Channel, Dofs, in_si, kept, recording_of, renamed, unit_or_warning
-from .common import Signal, rate_of, refuse_real, unsuitable
+from .channels import Channel, Reading, recording_of, response_of, warn_other_rate
+from .common import Signal, rate_of, unsuitable
 from .raw_arrays import GivenAxis
-from .units import abscissa_factor, is_abscissa, is_frequency, named_unit, parse_unit
+from .units import abscissa_factor, is_abscissa, is_frequency, parse_unit
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
 
@@ -292,7 +292,7 @@ class Table:
 
 def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     """Comments, names and numbers; a last row that is cut is left out and told of."""
-    text = _decoded(file)
+    text = decoded(file)
     if "\x00" in text:
         unsuitable(
             file, "with bytes that are no text", "a text file", "Export it as text: numbers in columns."
@@ -340,7 +340,11 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
             rows.pop()
             table.problem = f"row {len(rows) + 1}{stated} is cut, {len(rows)} are whole"
         else:
-            _warn_end(file)
+            warn(
+                "cut_line",
+                f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
+                "If it is whole, add one.",
+            )
     _fill(file, table, rows, between, point, width)
     if instants:
         table.names[:1] = ["time"] if table.names else []
@@ -441,7 +445,7 @@ def _delimiter(body: list[str]) -> str | None:
     return next(often, None)
 
 
-def _decoded(file: Path) -> str:
+def decoded(file: Path) -> str:
     """The text: UTF-8, UTF-16 by its mark (Excel's "Unicode text"), or else Latin-1."""
     raw = file.read_bytes()
     names = ("utf-16",) if raw.startswith((b"\xff\xfe", b"\xfe\xff")) else ("utf-8-sig",)
@@ -545,39 +549,99 @@ def _bare(part: str) -> str:
     return part.strip("[]() ")
 
 
-def _warn_end(file: Path) -> None:
-    warn(
-        "cut_line",
-        f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
-        "If it is whole, add one.",
-    )
-
-
-# -- Columns of text as responses over frequency
+# -- Columns of a table by their names: a record over time, or responses over frequency
 
 
 _FREQ = ("freq", "f", "hz", "frequency", "freq_hz")
+_TIME = ("time", "t", "time_s", "s", "seconds", "timestamp", "datetime", "date", "date/time", "x_value")
+#: What programs call the number of a row.
+_INDEX = ("", "index", "unnamed: 0", "sample", "samples", "no", "no.", "nr", "nr.", "#", "row", "point")
+#: First instants from which on they are in ns, us or ms since 1970.
+_SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 
 
-def says_frequency(table: Table, name: str, unit: str) -> bool:
+def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
+    """The signal that the columns of a table are."""
+    if given.first is not None:
+        choice("first", given.first, ("time", "freq", "channel"))
+    axis = GivenAxis.of(given)
+    if axis is not None:
+        return _response_without_axis(file, table, axis, given)
+    names, units, columns = table.columns()
+    digits, first = table.digits[0], given.first
+    if first is None and _counts(columns[0]) and (names[0].lower() in _INDEX or not table.names):
+        timed = len(names) > 1 and (names[1].lower() in _TIME or _says_frequency(table, names[1], units[1]))
+        if not timed and given.fs_hz is None:
+            unsuitable(
+                file,
+                f"whose first column, {names[0]!r}, counts the rows, and no column is a time or a frequency",
+                "a sampling rate or a column of time",
+                Wording("Pass {}, or {} if it is the time in s.", Passed("fs_hz"), Passed("first", "time")),
+            )
+        names, units, columns = names[1:], units[1:], columns[1:]
+        digits, first = table.digits[1], None if timed else "channel"
+    hertz = first == "freq" or given.pairs is not None or _says_frequency(table, names[0], units[0])
+    names, units, columns = joined(file, names, units, columns, given.pairs, hertz)
+    named = bool(table.names)
+    if first is None:
+        first = _what_first(file, names[0], units[0], hertz, columns, named and given.fs_hz is not None)
+    skip = 0 if first == "channel" else 1
+    if len(columns) <= skip:
+        unsuitable(
+            file,
+            "with no column of values",
+            "at least one beside the first",
+            "Export the channels beside the first column.",
+        )
+    channels = [
+        Channel(name if named and name else i, values, its, role="force" if name.lower() == "force" else "")
+        for i, (name, values, its) in enumerate(zip(names[skip:], columns[skip:], units[skip:], strict=True))
+    ]
+    if first == "freq":
+        return _response(file, columns[0].real * _into_si(file, names[0], units[0]), channels, given)
+    if any(np.iscomplexobj(c) for c in columns):
+        unsuitable(
+            file, "with complex columns over time", "real ones", Wording("Pass {}.", Passed("first", "freq"))
+        )
+    instants = columns[0] * _into_si(file, names[0], units[0], columns[0]) if first == "time" else None
+    rate = given.rate_hz
+    if instants is None:
+        rate = finite_scalar("fs_hz", given.fs_hz, low=0.0, low_open=True, unit="Hz")
+    elif rate is not None:
+        with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
+            warn_other_rate(file, "has instants at", rate_of(file, instants, digits=digits), rate)
+    return recording_of(file, channels, rate or rate_of(file, instants, digits=digits), given)
+
+
+def _what_first(file: Path, name: str, unit: str, hertz: bool, columns: list[Any], rated: bool) -> str:
+    """What the first column is."""
+    if name.lower() in _TIME or (not hertz and is_abscissa(unit)):
+        return "time"
+    if hertz or any(np.iscomplexobj(c) for c in columns):
+        return "freq"
+    if rated:
+        return "channel"
+    unsuitable(
+        file,
+        f"whose first column, {name!r}, is neither called time nor frequency",
+        "to know what it is",
+        Wording(
+            "Pass {}, {} or, with {}, {}.",
+            Passed("first", "time"),
+            Passed("first", "freq"),
+            Passed("fs_hz"),
+            Passed("first", "channel"),
+        ),
+    )
+
+
+def _says_frequency(table: Table, name: str, unit: str) -> bool:
     """Whether name or unit of a column say that it is a frequency."""
     return (bool(table.names) and name.lower() in _FREQ) or is_frequency(unit)
 
 
-def response_of(
-    file: Path,
-    lines: FloatArray,
-    columns: list[Any],
-    labels: list[Any],
-    units: list[str],
-    dofs: Dofs,
-    unit: str | None,
-    kind: str,
-    reference: Any,
-) -> FrequencyResponse:
-    """Complex columns over ``lines``, in SI."""
-    choice("kind", kind, ("frf", "transmissibility"))
-    if not all(np.iscomplexobj(c) for c in columns):
+def _response(file: Path, lines: Any, columns: list[Channel], given: Reading) -> FrequencyResponse:
+    if not all(np.iscomplexobj(c.values) for c in columns):
         unsuitable(
             file,
             "with real columns over frequency",
@@ -588,150 +652,29 @@ def response_of(
                 Passed("pairs", PAIRS[0]),
             ),
         )
-    named = renamed("dofs", labels, dofs)
-    chosen = kept(named)
-    rows = []
-    for i in chosen:
-        own = named_unit("unit", unit) if unit is not None else unit_or_warning(file, units[i])
-        rows.append(in_si(columns[i], own))
-    refuse_real(file, rows)
-    return FrequencyResponse(
-        lines,
-        np.stack(rows),
-        [named[i] for i in chosen],
-        "frf" if kind == "frf" else "transmissibility",
-        reference,
-    )
+    return response_of(file, lines, columns, given)
 
 
-def response_without_axis(
-    file: Path,
-    table: Table,
-    axis: GivenAxis,
-    first: str | None,
-    pairs: str | None,
-    dofs: Dofs,
-    unit: str | None,
-    kind: str,
-    reference: Any,
-) -> FrequencyResponse:
+def _response_without_axis(file: Path, table: Table, axis: GivenAxis, given: Reading) -> FrequencyResponse:
     """All columns as responses over a given axis."""
     names, units, columns = table.columns()
-    given = "freq_hz" if axis.size is not None else "df_hz"
-    if first not in (None, "channel"):
-        reject(given, f"it beside first={first!r}", "it where no column is an axis", "Leave one of them out.")
-    if says_frequency(table, names[0], units[0]):
-        reject(
-            given,
-            f"it for a file with the column {names[0]!r}",
-            "it where no column is an axis",
-            "Leave it out.",
-        )
+    wanted = "it where no column is an axis"
+    option = "freq_hz" if axis.size is not None else "df_hz"
+    if given.first not in (None, "channel"):
+        reject(option, f"it beside first={given.first!r}", wanted, "Leave one of them out.")
+    if _says_frequency(table, names[0], units[0]):
+        reject(option, f"it for a file with the column {names[0]!r}", wanted, "Leave it out.")
     # An empty column in front: every one of the file is a value.
     names, units, columns = joined(
-        file, ["", *names], ["", *units], [np.zeros(len(columns[0])), *columns], pairs, True
+        file, ["", *names], ["", *units], [np.zeros(len(columns[0])), *columns], given.pairs, True
     )
     if np.iscomplexobj(table.values):
         columns = [columns[0], *(np.asarray(c, dtype=np.complex128) for c in columns[1:])]
-    labels = [name if table.names and name else i for i, name in enumerate(names[1:])]
-    lines = axis.lines(file, len(columns[0]))
-    return response_of(file, lines, columns[1:], labels, units[1:], dofs, unit, kind, reference)
-
-
-# -- Columns of a table by their names: a record over time, or responses over frequency
-
-
-_TIME = ("time", "t", "time_s", "s", "seconds", "timestamp", "datetime", "date", "date/time", "x_value")
-#: What programs call the number of a row.
-_INDEX = ("", "index", "unnamed: 0", "sample", "samples", "no", "no.", "nr", "nr.", "#", "row", "point")
-#: First instants from which on they are in ns, us or ms since 1970.
-_SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
-# Instants with few digits may differ so much from the rate that they were sampled at.
-_SAME_RATE = 1e-3
-
-
-def signal_of_columns(
-    file: Path,
-    table: Table,
-    first: str | None,
-    pairs: str | None,
-    fs_hz: float | None,
-    dofs: Dofs,
-    force: Any,
-    unit: str | None,
-    kind: str,
-    reference: Any,
-) -> Signal:
-    """The signal that the columns of a table are; options as those of ``read_csv``."""
-    names, units, columns = table.columns()
-    digits = table.digits[0]
-    if first is None and _counts(columns[0]) and (names[0].lower() in _INDEX or not table.names):
-        timed = len(names) > 1 and (names[1].lower() in _TIME or says_frequency(table, names[1], units[1]))
-        if timed or fs_hz is not None:
-            names, units, columns = names[1:], units[1:], columns[1:]
-            digits = table.digits[1]
-            first = None if timed else "channel"
-        else:
-            unsuitable(
-                file,
-                f"whose first column, {names[0]!r}, counts the rows, and no column is a time or a frequency",
-                "a sampling rate or a column of time",
-                Wording("Pass {}, or {} if it is the time in s.", Passed("fs_hz"), Passed("first", "time")),
-            )
-    hertz = first == "freq" or pairs is not None or says_frequency(table, names[0], units[0])
-    names, units, columns = joined(file, names, units, columns, pairs, hertz)
-    if first is None:
-        seconds = not hertz and is_abscissa(units[0])
-        first = (
-            "time"
-            if (bool(table.names) and names[0].lower() in _TIME) or seconds
-            else "freq"
-            if hertz or any(np.iscomplexobj(c) for c in columns)
-            else "channel"
-            if table.names and fs_hz is not None
-            else None
-        )
-    if first is None:
-        unsuitable(
-            file,
-            f"whose first column, {names[0]!r}, is neither called time nor frequency",
-            "to know what it is",
-            Wording(
-                "Pass {}, {} or, with {}, {}.",
-                Passed("first", "time"),
-                Passed("first", "freq"),
-                Passed("fs_hz"),
-                Passed("first", "channel"),
-            ),
-        )
-    skip = 0 if first == "channel" else 1
-    if len(columns) <= skip:
-        unsuitable(
-            file,
-            "with no column of values",
-            "at least one beside the first",
-            "Export the channels beside the first column.",
-        )
-    labels = [name if table.names and name else i - skip for i, name in enumerate(names)]
-    if first == "freq":
-        lines = columns[0].real * _into_si(file, names[0], units[0])
-        return response_of(file, lines, columns[1:], labels[1:], units[1:], dofs, unit, kind, reference)
-    if any(np.iscomplexobj(c) for c in columns):
-        unsuitable(
-            file, "with complex columns over time", "real ones", Wording("Pass {}.", Passed("first", "freq"))
-        )
-    instants = columns[0] * _into_si(file, names[0], units[0], columns[0]) if first == "time" else None
-    if instants is not None and fs_hz is None:
-        rate = rate_of(file, instants, digits=digits)
-    else:
-        rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
-        if instants is not None:
-            _warn_other_rate(file, instants, rate, digits)
     channels = [
-        Channel(name, values, its, "force" if str(name).lower() == "force" else "")
-        for name, values, its in zip(labels[skip:], columns[skip:], units[skip:], strict=True)
+        Channel(name if table.names and name else i, values, unit)
+        for i, (name, values, unit) in enumerate(zip(names[1:], columns[1:], units[1:], strict=True))
     ]
-    return recording_of(file, channels, rate, dofs=dofs, force=force, unit=unit)
+    return _response(file, axis.lines(file, len(columns[0])), channels, given)
 
 
 def _into_si(file: Path, name: str, unit: str, instants: Any = None) -> float:
@@ -757,15 +700,3 @@ def _counts(values: Any) -> bool:
     if np.iscomplexobj(values) or values.size < 3 or values[0] not in (0.0, 1.0):
         return False
     return bool(np.array_equal(values, values[0] + np.arange(values.size)))
-
-
-def _warn_other_rate(file: Path, times: Any, rate: float, digits: float) -> None:
-    """A rate that the caller gives and the column of time denies moves every frequency."""
-    with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
-        own = rate_of(file, times, digits=digits)
-        if abs(own - rate) > _SAME_RATE * rate:
-            warn(
-                "other_rate",
-                f"path: {str(file)!r} has instants at {own:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
-                "Leave fs_hz= out if the file is right.",
-            )

@@ -24,7 +24,7 @@ from ..signals.recording import Recording
 from ..support.checks import FloatArray, choice
 from ..support.directions import CODES, DIRECTIONS
 from ..support.messages import LeftOut, Passed, Wording, warn
-from .channels import Channel, recording_of
+from .channels import Channel, Reading, one_quantity, recording_of
 from .common import (
     Signal,
     existing_file,
@@ -794,17 +794,8 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
 
 def _check_kinds(file: Path, wanted: list[Function]) -> None:
     """Refuse receptances beside accelerances: their quotients are no transmissibilities."""
-    kinds = {f.response: (parse_unit(f.unit) or Unit()).quantity for f in wanted}
-    if len(set(kinds.values())) > 1:
-        unsuitable(
-            file,
-            "with responses of several kinds, "
-            + ", ".join(f"{label_of(point)} {kind or 'in no known unit'}" for point, kind in kinds.items()),
-            "accelerations, velocities or displacements alone",
-            Wording(
-                "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
-            ),
-        )
+    kinds = [(label_of(f.response), (parse_unit(f.unit) or Unit()).quantity) for f in wanted]
+    one_quantity(file, [(point, kind, kind or "in no known unit") for point, kind in kinds])
 
 
 def _beside(file: Path, functions: list[Function], point: Point, responses: set[Point]) -> list[Function]:
@@ -1156,7 +1147,7 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
             )
         named_by_user = unit is not None and f.role != "force"
         values = f.values if f.scale == 1.0 or named_by_user else f.values * f.scale
-        channels.append(Channel(f.response, values, f.unit, f.role))
+        channels.append(Channel(f.response, values, f.unit, role=f.role))
     if force not in ("auto", None):
         force = as_point("force", force)
 
@@ -1164,7 +1155,7 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
         label, signs[point] = named(point)
         return label
 
-    made = recording_of(file, channels, rates.pop(), dofs=dof, force=force, unit=unit)
+    made = recording_of(file, channels, rates.pop(), Reading(dof, force, unit))
     kept = [s for (p, s) in signs.items()]
     if all(s == 1.0 for s in kept):
         return made

@@ -11,9 +11,10 @@ import numpy as np
 from ..exceptions import reject
 from ..signals.recording import Recording
 from ..support.checks import real_array
-from .channels import Dofs
+from ._child import Answer, answer, room
+from .channels import Channel, Dofs, Reading, stated_recording
+from .child_process import Limits, channels_of_child
 from .common import existing_file, unsuitable
-from .stated_channels import Stated, channels_of_child, stated_recording
 
 _WANTED = "a whole WAV file (RIFF) of whole numbers or floats"
 
@@ -78,17 +79,34 @@ def read_wav(
     >>> record.fs_hz, record.responses.tolist()
     (8000.0, [[0.0, 2.5], [5.0, -5.0]])
     """
-    file = existing_file(path)
+    file, given = existing_file(path), Reading.of(locals())
     _check_length(file)
-    entries, _ = channels_of_child(
-        "wav", file, ("", ""), "read_wav", _WANTED, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb
-    )
-    scales = _scales(full_scale, len(entries))
+    entries, _ = channels_of_child(channels_of_wav, file, _WANTED, Limits(time_limit_s, memory_limit_gb))
     channels = [
-        Stated(entry["name"], entry["values"] * scale, "N" if entry["name"] == force else "", entry["step_s"])
-        for entry, scale in zip(entries, scales, strict=True)
+        Channel(e["name"], e["values"] * scale, "N" if e["name"] == force else "", e["step_s"])
+        for e, scale in zip(entries, _scales(full_scale, len(entries)), strict=True)
     ]
-    return stated_recording(file, channels, responses=responses, dofs=dofs, force=force, unit=unit)
+    return stated_recording(file, channels, given)
+
+
+def channels_of_wav(path: str, request: dict[str, Any]) -> Answer:
+    """Channels of a WAV file; whole numbers become shares of full scale."""
+    import numpy as np
+    from scipy.io import wavfile
+
+    rate, values = wavfile.read(path)
+    values = values[:, None] if values.ndim == 1 else values
+    room(values.size, request)
+    if values.dtype == np.uint8:
+        values = (values.astype(np.float64) - 128.0) / 128.0
+    elif values.dtype.kind == "i":
+        values = values / 2.0 ** (8 * values.dtype.itemsize - 1)
+    return answer(
+        [
+            {"name": f"channel {i + 1}", "values": np.float64(column), "unit": "", "step_s": 1.0 / rate}
+            for i, column in enumerate(values.T)
+        ]
+    )
 
 
 def _scales(full_scale: Any, count: int) -> list[float]:

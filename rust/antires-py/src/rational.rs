@@ -18,7 +18,7 @@ pub fn forsythe_basis_at<'py>(
 ) -> PyResult<Bound<'py, PyArray2<Complex64>>> {
     let (points, b) = (points.as_array().to_vec(), b.as_array().to_vec());
     let shape = [points.len(), b.len()];
-    let values = guarded(py, move || Ok(forsythe::basis_at(&points, &b)))?;
+    let values = guarded(py, move || Ok(rational::basis_at(&points, &b)))?;
     values.into_pyarray(py).reshape(shape)
 }
 
@@ -32,7 +32,7 @@ pub fn refined_roots<'py>(
 ) -> PyResult<Option<Bound<'py, PyArray1<Complex64>>>> {
     let (c, b) = (coefficients.as_array().to_vec(), b.as_array().to_vec());
     let start = start.as_array().to_vec();
-    let found = guarded(py, move || Ok(roots::refined(&c, &b, &start)))?;
+    let found = guarded(py, move || Ok(rational::refined(&c, &b, &start)))?;
     Ok(found.map(|z| z.into_pyarray(py)))
 }
 
