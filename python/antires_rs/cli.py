@@ -1,10 +1,19 @@
 """Name of :mod:`antires_rs.app.main` until 0.2; it leaves with the next release."""
 
-from warnings import warn
+from typing import Any
 
-from .app.main import main
+from .app import main
+from .support.messages import warn_of_change
 
-warn("antires_rs.cli is now antires_rs.app.main", FutureWarning, stacklevel=2)
+
+def __getattr__(name: str) -> Any:
+    if name.startswith("__"):
+        raise AttributeError(name)
+    value = getattr(main, name)
+    warn_of_change("antires_rs.cli is now antires_rs.app.main")
+    return value
+
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    warn_of_change("antires_rs.cli is now antires_rs.app.main")
+    raise SystemExit(main.main())

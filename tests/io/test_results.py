@@ -127,7 +127,6 @@ def test_results_come_back(tmp_path, name):
     assert (back.seed, back.problem.names) == (3, problem.names)
     assert back.problem.parameters == problem.parameters
     for mine, theirs in zip(problem.measured, back.problem.measured, strict=True):
-        assert vars(mine).keys() == vars(theirs).keys()
         if isinstance(mine, ar.AntiresonanceSet):
             assert mine == theirs
         else:

@@ -96,7 +96,8 @@ def test_vectorized_and_mapped_objectives_give_the_same_bits():
     ga = ar.IslandGA(**SHORT)
     one = ga.minimize(sphere, BOX, rng=5)
     same(one, ga.minimize(spheres, BOX, rng=5, vectorized=True))
-    same(one, ga.minimize(sphere, BOX, rng=5, workers=map))
+    with pytest.warns(FutureWarning, match="has no submit"):
+        same(one, ga.minimize(sphere, BOX, rng=5, workers=map))
     with ThreadPoolExecutor(2) as pool:
         same(one, ga.minimize(sphere, BOX, rng=5, workers=pool.map))
 

@@ -261,6 +261,8 @@ def test_the_extras_bring_what_the_messages_promise():
     children = {  # which read in a child process
         extra
         for source in (PROJECT.parent / "python").rglob("*.py")
-        for extra in re.findall(r'\("\w+", "(\w+)"\),\n +"read_', source.read_text(encoding="utf-8"))
+        for extra in re.findall(
+            r'require\((?:"[^"]+"|reader), "[^"]+", "(\w+)"', source.read_text(encoding="utf-8")
+        )
     }
     assert named | called | children == set(PACKAGES)

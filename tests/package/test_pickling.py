@@ -192,7 +192,7 @@ def measured():
     """A record, what was computed of it, and the arrays of each that nobody may change."""
     record = ar.cases.chain8().experiment(0, noise=0.01, duration_s=64.0, rng=1)
     response = ar.frf(record, nperseg=4096)
-    zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), second_opinion="aaa")
+    zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), cross_check="aaa")
     edited = zeros.drop(0, zeros[0][0], reason="hum").add(1, 77.0)
     modes = ar.identify_modes(response, band_hz=(3, 130))
     return {
@@ -207,7 +207,7 @@ def measured():
         "modes": (modes, lambda m: [m.freq_hz, m.shapes, m.damping_ratio]),
         "diagram": (zeros.diagrams[2], lambda d: [d.orders, d.freq_hz[3], d.background, d.accepted.freq_hz]),
         "check": (zeros.data_check, lambda c: [c.freq_hz, c.eigenvalues]),
-        "opinion": (zeros.second_opinion, lambda o: [o.freq_hz[1], o.confirmed[1]]),
+        "opinion": (zeros.cross_check, lambda o: [o.freq_hz[1], o.confirmed[1]]),
     }
 
 

@@ -271,7 +271,7 @@ class Assessor(ReadOnly, Viewed):
             )
         chosen = elements_of(model, elements)
         UpdatingProblem(model, stiffness_reduction(chosen), before)  # speaks up where they do not fit
-        options = gathered("Assessor", "search", checked_search(search), older, stacklevel=4).of(TWO_STATES)
+        options = gathered("Assessor", "search", checked_search(search), older).of(TWO_STATES)
         believed = checked_prior(prior, options)
         first = {each.excitation: each for each in reversed(before)}
         question = Question(
@@ -330,7 +330,8 @@ class Assessor(ReadOnly, Viewed):
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write model, baseline and tables to an .npz file, whole or not at all; no pickle is in it."""
-        return self._view("save")(self, path)
+        saved: Path = self._view("save")(self, path)
+        return saved
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Assessor:
@@ -343,7 +344,8 @@ class Assessor(ReadOnly, Viewed):
         FileNotFoundError
             No such file.
         """
-        return cls._view("load")(path)
+        made: Assessor = cls._view("load")(path)
+        return made
 
     def __repr__(self) -> str:
         values = self._plan.learned.n_intact

@@ -7,7 +7,7 @@ mu and C come from :mod:`~antires_rs.damage.model_error`: what the baseline says
 roots, and what it leaves open. kappa is the error of a predicted change g that no factor of the model
 explains, a multiple of the share of the baseline's misfit that no factor explained (tau / s); it is summed
 over ``KAPPA``. c moves all values alike, as another temperature does. Values and roots are associated anew
-at every beta (:mod:`~antires_rs.damage.roots`).
+at every beta (``measured_states``).
 """
 
 from __future__ import annotations

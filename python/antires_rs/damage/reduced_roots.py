@@ -206,7 +206,7 @@ _LARGE = 2000
 
 
 class ReducedRoots:
-    """A :class:`~antires_rs.damage.roots.Source` of a model of many dofs; ``full`` is the core's own."""
+    """The ``Source`` of ``measured_states`` for a model of many dofs; ``full`` is the core's own."""
 
     def __init__(self, terms: Terms, full: _core.Objective) -> None:
         self.terms, self._full = terms, full

@@ -256,7 +256,7 @@ def curve_of(source: Recording | FrequencyResponse, averages: Averages | None, d
     assert averages is not None
     spectra = averages.spectra
     auto = np.sqrt(spectra.matrix[:, row, row].real)
-    unit = "unit of the data x s" if averages.of_hits else "unit of the data/√Hz"
+    unit = "unit of the data x s" if averages.nperseg is None else "unit of the data/√Hz"
     coherence, name = None, ""
     if spectra.n_averages > 1:
         _, all_of_them = two_channel(spectra.matrix, row, "h1")

@@ -22,7 +22,6 @@ Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -41,7 +40,7 @@ from ..signals.one_force import DataCheck
 from ..signals.recording import Recording, without_force
 from ..signals.repeats import AveragedResponse, one_source
 from ..support.checks import FloatArray
-from ..support.messages import warn
+from ..support.messages import warn, warn_of_change
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import frozen
 from .lines import FORCE, Lines, lines_of
@@ -404,11 +403,7 @@ def _of_before(
                 "It is the older name of cross_check; give that alone.",
             )
         cross_check = cross_check if second is None else second
-    warnings.warn(
-        f"identify_antiresonances: {' and '.join(older)}: write {', '.join(places)}",
-        FutureWarning,
-        stacklevel=4,
-    )
+    warn_of_change(f"identify_antiresonances: {' and '.join(older)}: write {', '.join(places)}")
     of_fit = {name: value for name, value in older.items() if name in known and value is not None}
     if of_fit:
         own = {} if fit is None else {name: getattr(fit, name) for name in fit.given}

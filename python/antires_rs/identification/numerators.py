@@ -23,7 +23,7 @@ roots common to all N_p cancel in every transmissibility.
 
 References: Lagrange's identity and projectors as in M. Viberg and B. Ottersten, IEEE Trans. Signal Process.
 39 (1991) 1110-1121 (subspace fitting); C. K. Sanathanan and J. Koerner, IEEE Trans. Autom. Control 8 (1963)
-56-58 (reweighting); Forsythe's basis as in :mod:`~antires_rs.identification.forsythe`.
+56-58 (reweighting); Forsythe's basis as in :mod:`~antires_rs.identification.rational_fit`.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ curve and be far from every root that all rows share; if it is near such a root,
 curve, most higher orders must have it too. Without a chain in the diagram it is marked
 "persistent" if most higher orders have it, else "likeliest order": what speaks for it is that fit alone.
 
-The limits, with their reasons, are in :mod:`~antires_rs.identification.rule`.
+The limits, with their reasons, are in :mod:`~antires_rs.identification.limits`.
 """
 
 from __future__ import annotations

@@ -209,27 +209,30 @@ def merge_setups(
     copies = _counted_once(shared)
     if copies:
         text = "; ".join(f"setups {a} and {b} have {n} values in common" for (a, b), n in copies.items())
-        _tell(
-            check,
-            "copied_setups",
-            f"{text} to the last bit: one measurement, which counts once.",
-            f"the same numbers to the last bit: {text}",
-            "measurements of their own, whose errors are independent",
-            "Give each setup once.",
-        )
+        if check == "raise":
+            raise UnsuitableDataError(
+                "sets",
+                f"the same numbers to the last bit: {text}",
+                "measurements of their own, whose errors are independent",
+                "Give each setup once.",
+            )
+        if check == "warn":
+            warn(
+                "copied_setups", f"merge_setups: {text} to the last bit: one measurement, which counts once."
+            )
     common = {dof: tables for dof, tables in shared.items() if len(tables) > 1}
     if common and check != "off":
         found = disagreements(common, len(given), shift, between, rate)
         text = " ".join(one.text for one in found)
-        if found:
-            _tell(
-                check,
-                "setups_disagree",
-                text,
+        if found and check == "raise":
+            raise UnsuitableDataError(
+                "sets",
                 f"setups that disagree: {text.rstrip('.')}",
                 f"values that agree within their errors (false alarms {100 * rate:g} %)",
                 "Test that setup again, or give std_between= for what moving the sensors changes.",
             )
+        if found:
+            warn("setups_disagree", f"merge_setups: {text}")
     elif not copies and check != "off":
         warn(
             "nothing_in_common",
@@ -249,14 +252,6 @@ def merge_setups(
         sees=kinds.pop() if len(kinds) == 1 else None,
         channels=tuple(dict.fromkeys(dof for one in given for dof in one.channels)) if stayed else (),
     )
-
-
-def _tell(check: str, name: str, text: str, got: str, wanted: str, remedy: str) -> None:
-    """Warn of setups, or refuse them, as ``check`` asks."""
-    if check == "raise":
-        raise UnsuitableDataError("sets", got, wanted, remedy)
-    if check == "warn":
-        warn(name, f"merge_setups: {text}")
 
 
 def _tables(number: int, one: AntiresonanceSet, force: Any, *, stated: bool) -> dict[Any, ResponseTable]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..support.checks import ComplexArray, FloatArray
 from .averaging import BANDWIDTHS, NARROWEST, SEGMENTS, narrow_width, owned_by_peaks
-from .one_force import Evidence, Finding, NotTested, Said, Severity, rounded
+from .one_force import CheckResults, Evidence, Finding, NotTested, Severity, rounded
 from .spectra import pieces
 
 DEAD, CLIPPED, DUPLICATED = "dead_channel", "clipped_channel", "duplicated_channels"
@@ -54,9 +54,9 @@ def constant(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding], 
     return found, still
 
 
-def clipped(data: Iterable[FloatArray], labels: tuple[Any, ...]) -> Said:
+def clipped(data: Iterable[FloatArray], labels: tuple[Any, ...]) -> CheckResults:
     """Channels whose samples pile up at their largest or smallest value."""
-    found: Said = []
+    found: CheckResults = []
     for label, x in zip(labels, data, strict=True):
         low, high = float(x.min()), float(x.max())
         above, below = x[x >= high - HIGH * (high - low)], x[x <= low + HIGH * (high - low)]
@@ -114,9 +114,9 @@ def duplicated(data: FloatArray, labels: tuple[Any, ...]) -> tuple[list[Finding]
     return found, extra
 
 
-def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Said:
+def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> CheckResults:
     """Channels that stand still for a while within a steady record, or jump."""
-    found: Said = []
+    found: CheckResults = []
     for label, x in zip(labels, data, strict=True):
         step = np.diff(x)
         still = step == 0.0
@@ -158,7 +158,7 @@ def _longest_run(still: Any) -> tuple[int, int]:
     return int(starts[best]), int(lengths[best]) + 1
 
 
-def unrelated(seen: Evidence) -> Said:
+def unrelated(seen: Evidence) -> CheckResults:
     """Channels that share nothing with any other in the band: only noise."""
     if seen.explained is None:
         why = "one average does not tell a response from noise; constant channels are found"
@@ -179,7 +179,7 @@ def unrelated(seen: Evidence) -> Said:
         )
         advice, most = "Check cables, sensors and the band.", float(seen.explained.max())
         return [Finding(DEAD, "fatal", seen.dofs, most, limit, text, advice)]
-    found: Said = []
+    found: CheckResults = []
     for p in lost:
         share = float(seen.explained[p])
         text = (
@@ -196,7 +196,7 @@ BURIED_ADVICE = (
 )
 
 
-def buried(seen: Evidence, skip: set[Any]) -> Said:
+def buried(seen: Evidence, skip: set[Any]) -> CheckResults:
     """Channels that spend much of the band under their noise."""
     if seen.signal is None:
         return [NotTested(NOISE, "the noise of a single average is not known")]
@@ -204,7 +204,7 @@ def buried(seen: Evidence, skip: set[Any]) -> Said:
     return _much_of_the_band([dof for dof in seen.dofs if dof not in skip], seen, seen.signal < 1.0, *texts)
 
 
-def incoherent(seen: Evidence) -> Said:
+def incoherent(seen: Evidence) -> CheckResults:
     """The same of measured responses, by their coherence."""
     if seen.coherence is None:
         return [NotTested(NOISE, "no coherence is given with the responses")]
@@ -214,9 +214,9 @@ def incoherent(seen: Evidence) -> Said:
 
 def _much_of_the_band(
     dofs: Iterable[Any], seen: Evidence, low: NDArray[np.bool_], text: str, brief: str
-) -> Said:
+) -> CheckResults:
     """Notes on channels that are ``low``, (n, n_freq), at more lines than they may be."""
-    found: Said = []
+    found: CheckResults = []
     for dof, share in zip(seen.dofs, np.mean(low, axis=1).tolist(), strict=True):
         if share > BURIED and dof in dofs:
             where = f"in {100 * share:.0f} % of the band"
@@ -427,13 +427,13 @@ LEAST_SCATTER = 0.05
 FALSE_ALARMS = 0.1
 
 
-def in_phase(seen: Evidence) -> Said:
+def in_phase(seen: Evidence) -> CheckResults:
     """Delay and right-angle tests of every channel against the others."""
     if len(seen.dofs) < 2:
         why = "a single channel has nothing to be compared with"
         return [NotTested(TIME_SHIFT, why), NotTested(QUADRATURE, why)]
     left = list(range(len(seen.dofs)))
-    found: Said = []
+    found: CheckResults = []
     # The worst channel first, and without it again: a late channel makes the others look early.
     while len(left) > 1:
         fits = _fits(seen, left)
@@ -550,7 +550,7 @@ def of_segments(
     longer: bool,
     chosen: bool,
     known: bool,
-) -> Said:
+) -> CheckResults:
     """Lines per bandwidth of averaged segments, and what would mend it."""
     # longer: the record allows longer segments. chosen: these were not the user's, so that leaving the choice
     # is no advice. known: the bandwidth was resolved; otherwise it is an upper limit.
@@ -589,7 +589,7 @@ def of_segments(
     return [Finding(LENGTH, severity, (), lines, ENOUGH, text + "these resonances.", advice)]
 
 
-def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool) -> Said:
+def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool) -> CheckResults:
     """The same for whole impacts and for measured responses."""
     if bandwidth_hz is None:
         return [NOTHING_SHARP]
@@ -610,7 +610,7 @@ def without_leakage(bandwidth_hz: float | None, spacing_hz: float, *, hit: bool)
     return [Finding(RESOLUTION, "warning", (), lines, limit, COARSE + seen, advice)]
 
 
-def averages(n_averages: float, duration_s: float, nperseg: int) -> Said:
+def averages(n_averages: float, duration_s: float, nperseg: int) -> CheckResults:
     """Enough averages to tell noise from signal?"""
     if n_averages >= STEADY_AVERAGES:
         return []

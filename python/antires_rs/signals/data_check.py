@@ -17,11 +17,11 @@ from .averaging import LEAST_SAMPLES, SEGMENTS, Averages, Averaging, average, ho
 from .frequency_response import FrequencyResponse, band_of
 from .one_force import (
     SEVERITIES,
+    CheckResults,
     DataCheck,
     Evidence,
     Finding,
     NotTested,
-    Said,
     of_curves,
     of_spectra,
     one_of_a_kind,
@@ -39,7 +39,7 @@ CHANGED = (
 )
 
 
-def grouped(each: Sequence[Said]) -> Said:
+def grouped(each: Sequence[CheckResults]) -> CheckResults:
     """What the tests say of each record, joined: one finding for a test and a place, its worst example."""
     found: dict[tuple[object, ...], list[tuple[int, Finding]]] = {}
     untested: dict[str, NotTested] = {}
@@ -49,7 +49,7 @@ def grouped(each: Sequence[Said]) -> Said:
                 untested.setdefault(one.name, one)
             else:
                 found.setdefault((one.name, one.where), []).append((number, one))
-    joined: Said = []
+    joined: CheckResults = []
     for shown in found.values():
         worst = min((one for _, one in shown), key=lambda one: SEVERITIES.index(one.severity))
         *numbers, last = (str(number) for number, _ in shown)
@@ -87,7 +87,7 @@ def of_recording(
     band: tuple[float, float],
     options: Averaging,
     averages: Averages | None = None,
-) -> tuple[Said, Evidence | None]:
+) -> tuple[CheckResults, Evidence | None]:
     """What the tests say, and the evidence of those by line, if there is any.
 
     ``averages`` of the record, where it was averaged already.
@@ -157,7 +157,7 @@ def of_recording(
     ], seen
 
 
-def _in_parts(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
+def _in_parts(rec: Recording, hits: bool) -> tuple[CheckResults, Recording | None]:
     """The tests of the samples in every one of several records; and the channels that are well in all."""
     parts = parts_of(rec)
     if len(parts) == 1:
@@ -172,12 +172,12 @@ def _in_parts(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
     return said, Recording(rec.responses[rows], rec.fs_hz, [rec.dofs[p] for p in rows], rec.force)
 
 
-def _in_time(rec: Recording, hits: bool) -> tuple[Said, Recording | None]:
+def _in_time(rec: Recording, hits: bool) -> tuple[CheckResults, Recording | None]:
     """Tests of the samples; and the record without channels that are still or twice there."""
     data, labels = rec.responses, rec.dofs
     found, still = channels.constant(data, labels)
     rows = [p for p in range(rec.n_channels) if p not in still]
-    said: Said = list(found)
+    said: CheckResults = list(found)
     force = rec.force
     if force is not None and force.max() == force.min():
         text, advice = (
@@ -215,7 +215,9 @@ def _frfs(spectra: CrossSpectra, rows: list[int]) -> ComplexArray:
     return np.where(coherence >= LEAST_COHERENCE, to_force / power, 0.0)
 
 
-def _resolution(averages: Averages, spectra: CrossSpectra, band: tuple[float, float], rec: Recording) -> Said:
+def _resolution(
+    averages: Averages, spectra: CrossSpectra, band: tuple[float, float], rec: Recording
+) -> CheckResults:
     """Lines per bandwidth, the bandwidth being measured at the longest segments' resolution if need be."""
     length = averages.nperseg
     spacing = float(spectra.freq_hz[1] - spectra.freq_hz[0])
@@ -250,7 +252,7 @@ def _power(spectra: CrossSpectra) -> FloatArray:
     return np.asarray((auto / mean).sum(axis=0), dtype=np.float64)
 
 
-def _none_by_line(why: str) -> Said:
+def _none_by_line(why: str) -> CheckResults:
     return [NotTested(name, why) for name in BY_LINE]
 
 
@@ -264,10 +266,12 @@ ROUGH, SMOOTH = 0.5, 0.1
 
 def of_response(
     resp: FrequencyResponse, excitation: Any, band: tuple[float, float]
-) -> tuple[Said, Evidence | None]:
+) -> tuple[CheckResults, Evidence | None]:
     """What the tests say, and the evidence of those by line, if there is any."""
     why = "needs time records"
-    said: Said = [NotTested(name, why) for name in (channels.CLIPPED, channels.DROPOUTS, channels.SPIKES)]
+    said: CheckResults = [
+        NotTested(name, why) for name in (channels.CLIPPED, channels.DROPOUTS, channels.SPIKES)
+    ]
     inside = (resp.freq_hz >= band[0]) & (resp.freq_hz <= band[1]) & (resp.freq_hz > 0.0)
     if inside.sum() < channels.LINES_OF_BAND:
         said.append(channels.too_few_lines(int(inside.sum()), band))

@@ -102,8 +102,8 @@ class NotTested:
     why: str
 
 
-#: What a test returns.
-Said = list[Finding | NotTested]
+# What a test returns.
+CheckResults = list[Finding | NotTested]
 
 
 def rounded(value: float) -> str:
@@ -377,7 +377,7 @@ SMOOTHING = 15
 UNEXPLAINED = 0.2
 
 
-def one_force(seen: Evidence) -> Said:
+def one_force(seen: Evidence) -> CheckResults:
     """Second eigenvalue against the first, the noise and the leakage."""
     n = len(seen.dofs)
     why = ""
@@ -496,7 +496,7 @@ IN_PHASE = 0.7
 DIP, DIP_WIDTH, DIP_GAP, DIP_SMOOTHING = 2.0, 0.05, 0.2, 4
 
 
-def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = None) -> Said:
+def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = None) -> CheckResults:
     """Is the stated dof the driving point, and if not, which recorded one is?
 
     ``frfs``, (n, n_freq), where the force was measured: residues are then seen, not inferred.
@@ -530,7 +530,7 @@ def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = 
 
 def _judge(
     seen: Evidence, excitation: Any, peaks: Any, pairs: list[list[tuple[int, int, bool]]], lack: str
-) -> Said:
+) -> CheckResults:
     """The finding, if any pair of resonances speaks against the stated dof."""
     own = pairs[seen.dofs.index(excitation)]
     wrong = [pair for pair in own if not pair[2]]

@@ -105,7 +105,7 @@ def transmissibility(
     -------
     FrequencyResponse
         ``kind="transmissibility"``; the row of j is one. ``coherence`` is the ordinary coherence of p and j
-        whatever the estimator; ``std`` is that of the estimator, see :mod:`~antires_rs.signals.estimators`.
+        whatever the estimator; ``std`` is that of the estimator, see :mod:`~antires_rs.signals.spectra`.
 
     Raises
     ------

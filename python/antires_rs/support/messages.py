@@ -19,10 +19,19 @@ def warn(about: str | tuple[str, ...], text: str) -> None:
 
     ``about`` names entries of ``troubleshooting.md`` beside this file, see :func:`~antires_rs.explain`.
     """
-    level, frame = 2, sys._getframe(1)
+    _warn(AntiresWarning(text, (about,) if isinstance(about, str) else about))
+
+
+def warn_of_change(text: str) -> None:
+    """Warn at the line of the user's call that a name or a way of calling leaves with the next release."""
+    _warn(FutureWarning(text))
+
+
+def _warn(warning: Warning) -> None:
+    level, frame = 3, sys._getframe(2)
     while frame.f_back is not None and str(frame.f_globals.get("__name__")).startswith("antires_rs."):
         level, frame = level + 1, frame.f_back
-    warnings.warn(AntiresWarning(text, (about,) if isinstance(about, str) else about), stacklevel=level)
+    warnings.warn(warning, stacklevel=level)
 
 
 # -- What is said of a symptom: its cause and what to do, from ``troubleshooting.md`` beside this file

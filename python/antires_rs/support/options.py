@@ -13,7 +13,6 @@ them come the checks of values, the keys of jobs, the arguments of the command l
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Self, TypeVar
@@ -21,6 +20,7 @@ from typing import Any, ClassVar, Self, TypeVar
 import numpy as np
 
 from .checks import choice, finite_scalar, integer
+from .messages import warn_of_change
 
 
 @dataclass(frozen=True)
@@ -125,9 +125,7 @@ class Options:
 Chosen = TypeVar("Chosen", bound=Options)
 
 
-def gathered(
-    call: str, place: str, chosen: Chosen, older: Mapping[str, Any], *, stacklevel: int = 3
-) -> Chosen:
+def gathered(call: str, place: str, chosen: Chosen, older: Mapping[str, Any]) -> Chosen:
     """The options of ``place=``, joined by those given flat, as until 0.1, with a warning."""
     for name in older:
         if name not in chosen.declared():
@@ -135,5 +133,5 @@ def gathered(
     if not older:
         return chosen
     now = ", ".join(f"{place}={type(chosen).__name__}({name}=...)" for name in older)
-    warnings.warn(f"{call}: {' and '.join(older)}: write {now}", FutureWarning, stacklevel=stacklevel)
+    warn_of_change(f"{call}: {' and '.join(older)}: write {now}")
     return chosen.joined(older)

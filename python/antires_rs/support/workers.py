@@ -17,7 +17,6 @@ import signal
 import threading
 import time
 import traceback
-import warnings
 from asyncio import CancelledError
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sized
@@ -29,7 +28,7 @@ from typing import Any, Literal, NoReturn, Self
 
 from ..exceptions import InvalidInputError, LostWorkerError, reject
 from .checks import integer
-from .messages import warn
+from .messages import warn, warn_of_change
 from .progress import LOOK_S, counted, one_blas_thread, step
 
 Call = Callable[[Any], Any]
@@ -443,11 +442,7 @@ def _executor_of(workers: Any) -> tuple[Any, bool]:
         return workers, False
     if not callable(run := getattr(workers, "map", workers)):
         reject("workers", workers, wanted, _REMEDY)
-    warnings.warn(
-        f"workers: {type(workers).__name__} has no submit; pass a number or a concurrent.futures executor",
-        FutureWarning,
-        stacklevel=2,
-    )
+    warn_of_change(f"workers: {type(workers).__name__} has no submit; pass a number or an executor")
     if not hasattr(workers, "apply_async"):
         return _mapped(run), True
     # A pool of multiprocessing never tells that a worker was lost: as many of our own, begun alike.

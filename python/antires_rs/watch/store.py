@@ -228,7 +228,7 @@ class Store:
         try:
             self._db, rows = self._opened()
         except sqlite3.DatabaseError as exc:
-            if "locked" in str(exc):
+            if exc.sqlite_errorcode in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
                 got = f"{str(self._file)!r}, to which another process writes"
                 reject("store", got, "a store of this process alone", "Wait for it, or stop it first.")
             reject(

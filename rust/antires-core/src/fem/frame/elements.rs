@@ -314,6 +314,7 @@ impl Beam {
 impl Beam {
     const ARGUMENT: &'static str = "elements";
 
+    #[expect(clippy::unnecessary_wraps, reason = "a row of some kinds can be wrong")]
     fn of_row((nodes, ..): &Row, _: &Argument, _: Dimension) -> Result<Self> {
         Ok(Self::new([nodes[0], nodes[1]], nodes[2]))
     }
@@ -418,6 +419,7 @@ pub struct PointMass {
 impl PointMass {
     const ARGUMENT: &'static str = "point_masses";
 
+    #[expect(clippy::unnecessary_wraps, reason = "a row of some kinds can be wrong")]
     fn of_row((nodes, _, values): &Row, _: &Argument, _: Dimension) -> Result<Self> {
         let inertia_kg_m2 = std::array::from_fn(|axis| values[1 + axis]);
         Ok(Self {
@@ -634,10 +636,10 @@ impl Part for NodeSpring {
         let along = place.vector_m(self.nodes).map(|x| x / length);
         match place.dimension {
             Dimension::Plane => {
-                term.set_element(&dofs.pair::<4>(self.nodes), &along_line::<4>(&along, k))
+                term.set_element(&dofs.pair::<4>(self.nodes), &along_line::<4>(&along, k));
             }
             Dimension::Space => {
-                term.set_element(&dofs.pair::<6>(self.nodes), &along_line::<6>(&along, k))
+                term.set_element(&dofs.pair::<6>(self.nodes), &along_line::<6>(&along, k));
             }
         }
     }
@@ -745,11 +747,11 @@ impl FrameDescription {
             return self.beams().all(|beam| beam.section != index);
         }
         let mut own = self.clone();
-        let carriers = own.elements.iter_mut().filter_map(|element| {
+        let mut carriers = own.elements.iter_mut().filter_map(|element| {
             let carries = element.part_mut().slots(property, self.dimension).is_some();
             carries.then(|| element.part().is_fixed(property, self.dimension, dofs))
         });
-        carriers.skip(index).next() == Some(true)
+        carriers.nth(index) == Some(true)
     }
 
     /// Whether element `i` moves or changes between this description and `then`, of the same elements.
